@@ -1,0 +1,20 @@
+//! The detectors of the papers: a hierarchical grid that finds objects in LiDAR scans, and the model that tells which
+//! of them are vehicles.
+//!
+//! This crate knows no files, no annotations and no Rerun. Ground truth cannot be reached from here, so a detector
+//! that peeks does not compile.
+//!
+//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+
+// The contract.
+pub mod point_cloud;
+pub mod oriented_box;
+pub mod detection;
+pub mod stage_product;
+pub mod detector;
+
+pub use detection::{DetectedClass, Detection, Detections};
+pub use detector::{Detector, DetectorOutput};
+pub use oriented_box::OrientedBox;
+pub use point_cloud::PointCloud;
+pub use stage_product::StageProduct;

@@ -1,0 +1,83 @@
+//! What the stages of a detector leave behind, in a form that can be drawn without knowing the detector.
+
+use crate::oriented_box::OrientedBox;
+
+/// A named product of one stage, in the sensor frame and in metres.
+///
+/// One logger draws every detector from these, so a new detector is streamed without new drawing code.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageProduct {
+    /// Name of the stage, as in [`StageTime`](crate::detector::StageTime).
+    pub stage: &'static str,
+    /// Name of the product, unique within the detector: lower case, words joined by `_`.
+    pub name: &'static str,
+    /// What it looks like.
+    pub shape: Shape,
+}
+
+/// The forms a product can take.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// One class for every point of the scan, in scan order.
+    LabeledPoints(Vec<SurfaceClass>),
+    /// The cluster of every point of the scan, in scan order; `None` for points of no cluster.
+    Clusters(Vec<Option<u32>>),
+    /// Square columns over the ground.
+    Cells {
+        /// Side length in metres.
+        cell_size_m: f32,
+        /// The occupied cells.
+        cells: Vec<ProductCell>,
+    },
+    /// Straight lines from end to end.
+    Segments(Vec<[[f32; 3]; 2]>),
+    /// Boxes.
+    Boxes(Vec<OrientedBox>),
+    /// Closed outlines; the first vertex is not repeated at the end.
+    Contours(Vec<Vec<[f32; 3]>>),
+}
+
+/// One cell of [`Shape::Cells`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProductCell {
+    /// Centre on the ground plan in metres.
+    pub center_m: [f32; 2],
+    /// Lowest and highest point in metres.
+    pub z_range_m: [f32; 2],
+    /// Its class.
+    pub class: SurfaceClass,
+}
+
+/// What a cell, and with it a point, is taken for.
+///
+/// Paper: HG section 3.1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum SurfaceClass {
+    /// Outside the grid, or not looked at.
+    #[default]
+    Unseen,
+    /// Too few points to say anything.
+    Clutter,
+    /// Road, pavement, grass.
+    Ground,
+    /// Façades, poles, tree crowns.
+    Tall,
+    /// Vehicles, people, street furniture: the foreground.
+    Short,
+}
+
+impl SurfaceClass {
+    /// All classes, in the order of their discriminants.
+    pub const ALL: [Self; 5] = [Self::Unseen, Self::Clutter, Self::Ground, Self::Tall, Self::Short];
+
+    /// The name used in files and on screens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unseen => "unseen",
+            Self::Clutter => "clutter",
+            Self::Ground => "ground",
+            Self::Tall => "tall",
+            Self::Short => "short object",
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Which detection found which annotation.
+
+pub mod outcome;
