@@ -3,5 +3,7 @@
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
 pub mod annotation;
+pub mod task;
 pub mod dataset;
 pub mod matching;
+pub mod metrics;

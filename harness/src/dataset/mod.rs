@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
+use crate::task::Task;
 
 /// A series of labelled scans that are read one at a time.
 pub trait Dataset: Send + Sync {
@@ -48,6 +49,19 @@ pub enum AnnotatedClasses {
     EveryObject,
     /// These classes only: whether anything else that is found is false cannot be known.
     Only(Vec<AnnotationClass>),
+}
+
+impl AnnotatedClasses {
+    /// Whether everything that `task` asks for is annotated, so that what is found beyond it is known to be false.
+    ///
+    /// A data set with cars among its classes is taken to label all vehicles, under its own names for them.
+    pub fn covers(&self, task: Task) -> bool {
+        match (self, task) {
+            (Self::EveryObject, _) => true,
+            (Self::Only(_), Task::Objects) => false,
+            (Self::Only(classes), Task::Vehicles) => classes.contains(&AnnotationClass::Car),
+        }
+    }
 }
 
 /// Why labelled scans cannot be read.
