@@ -7,3 +7,4 @@ pub mod task;
 pub mod dataset;
 pub mod matching;
 pub mod metrics;
+pub mod run;
