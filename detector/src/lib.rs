@@ -22,3 +22,9 @@ pub use stage_product::StageProduct;
 // The stages, in order.
 pub mod grid;
 pub mod segment;
+pub mod fit;
+pub mod classify;
+
+// Their parameters, and how they follow each other.
+pub mod params;
+pub mod pipeline;

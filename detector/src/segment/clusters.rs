@@ -54,6 +54,11 @@ impl Clusters {
         self.len() == 0
     }
 
+    /// The members of cluster `cluster_idx`, ascending.
+    pub fn members(&self, cluster_idx: usize) -> &[u32] {
+        &self.members[self.starts[cluster_idx] as usize..self.starts[cluster_idx + 1] as usize]
+    }
+
     /// The members of each cluster, ascending.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         self.starts.windows(2).map(|ends| &self.members[ends[0] as usize..ends[1] as usize])

@@ -26,7 +26,8 @@ pub struct DenseSeparationParams {
 /// Paper: HG section 3.2, third step, and Fig. 4.
 #[derive(Debug, Clone, Default)]
 pub struct DenseSeparation {
-    part_of_dense: Vec<u32>,
+    // The part, and after all links the object, of every dense cell.
+    object_of_dense: Vec<u32>,
     first_part_of_block: Vec<u32>,
     // Occupied dense cells of each part, as bits.
     cells_of_part: Vec<u64>,
@@ -36,7 +37,7 @@ pub struct DenseSeparation {
 }
 
 /// Marks dense cells without points.
-const NO_PART: u32 = u32::MAX;
+pub const NO_OBJECT: u32 = u32::MAX;
 
 impl DenseSeparation {
     /// Replaces the content by the objects of the blobs that `links` makes of the blocks of `dense`.
@@ -57,11 +58,14 @@ impl DenseSeparation {
                 self.cut_links.push([block_idx, neighbor_idx]);
             }
         }
+        for part in self.object_of_dense.iter_mut().filter(|part| **part != NO_OBJECT) {
+            *part = self.parts.representative(*part);
+        }
     }
 
-    /// The object of dense cell `dense_idx`, which must hold a point: the smallest number of its parts.
-    pub fn object_of_dense(&mut self, dense_idx: u32) -> u32 {
-        self.parts.representative(self.part_of_dense[dense_idx as usize])
+    /// The object of every dense cell: the smallest number of its parts, or [`NO_OBJECT`] for empty cells.
+    pub fn object_of_dense(&self) -> &[u32] {
+        &self.object_of_dense
     }
 
     /// Number of parts; objects are numbered below it.
@@ -75,8 +79,8 @@ impl DenseSeparation {
     }
 
     fn find_parts(&mut self, dense: &DenseLevel, xi: u32, params: &DenseSeparationParams) {
-        self.part_of_dense.clear();
-        self.part_of_dense.resize(dense.n_points().len(), NO_PART);
+        self.object_of_dense.clear();
+        self.object_of_dense.resize(dense.n_points().len(), NO_OBJECT);
         self.first_part_of_block.clear();
         self.cells_of_part.clear();
         self.is_thin.clear();
@@ -95,7 +99,8 @@ impl DenseSeparation {
             for (bit, &n_in_cell) in n_points.iter().enumerate() {
                 if n_in_cell > 0 {
                     let dense_idx = block_idx as usize * n_points.len() + bit;
-                    self.part_of_dense[dense_idx] = (first_part + nearest_part(parts, bit as u32, xi)) as u32;
+                    self.object_of_dense[dense_idx] =
+                        (first_part + nearest_part(parts, bit as u32, xi)) as u32;
                 }
             }
         }

@@ -21,14 +21,20 @@ pub struct ForegroundParams {
 ///
 /// The paper takes all points of the foreground cells; those of the road around an object's feet would tie it to its
 /// neighbours and spoil its outline, so they are left out here. `clearance_m = -inf` gives the paper's reading.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Foreground {
+    params: ForegroundParams,
     // Elevation above which a point counts, for every cell; infinite where none does.
     cut_m: Vec<f32>,
     point_indices: Vec<u32>,
 }
 
 impl Foreground {
+    /// No points yet.
+    pub fn new(params: ForegroundParams) -> Self {
+        Self { params, cut_m: Vec::new(), point_indices: Vec::new() }
+    }
+
     /// Replaces the content by the foreground of `cloud`, which `grid` holds and `classes` classifies.
     ///
     /// Paper: HG section 3.2, first paragraph.
@@ -38,7 +44,6 @@ impl Foreground {
         grid: &HierarchicalGrid,
         classes: &[SurfaceClass],
         terrain: &Terrain,
-        params: &ForegroundParams,
     ) {
         self.cut_m.clear();
         self.cut_m.resize(classes.len(), f32::INFINITY);
@@ -46,9 +51,9 @@ impl Foreground {
             if classes[cell_idx as usize] == SurfaceClass::Short {
                 let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
                 let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
-                let band_m = params.ground_band_m;
+                let band_m = self.params.ground_band_m;
                 let ground_m = lowest_m.clamp(terrain_m - band_m, terrain_m + band_m);
-                self.cut_m[cell_idx as usize] = ground_m + params.clearance_m;
+                self.cut_m[cell_idx as usize] = ground_m + self.params.clearance_m;
             }
         }
         self.point_indices.clear();
