@@ -47,58 +47,68 @@ pub fn kd_tree_components(
     scratch.is_searched.clear();
     scratch.is_searched.resize(positions_m.len(), false);
     scratch.entries.clear();
-    let finite = (0..).zip(positions_m).filter(|(_, position_m)| position_m.iter().all(|it| it.is_finite()));
+    let finite = (0..).zip(positions_m).filter(|(_, position_m)| is_finite(position_m));
     scratch.entries.extend(finite.map(|(point_idx, &position_m)| (point_idx, position_m)));
     let tree = ImmutableKdTree::new_from_entries(&scratch.entries)
         .expect("points bring their own numbers, so that these cannot overflow");
+    let neighborhoods = Neighborhoods { tree, positions_m, squared_tolerance_m2: tolerance_m * tolerance_m };
     for (seed_idx, seed_m) in (0..).zip(positions_m) {
         if labels[seed_idx as usize] != NO_LABEL {
             continue;
         }
         labels[seed_idx as usize] = seed_idx;
-        if seed_m.iter().all(|it| it.is_finite()) {
-            grow(&tree, positions_m, tolerance_m * tolerance_m, seed_idx, scratch, labels);
+        if is_finite(seed_m) {
+            neighborhoods.grow(seed_idx, scratch, labels);
         }
     }
 }
 
-/// Labels everything that chains of neighbours connect with `seed_idx`.
-fn grow(
-    tree: &ImmutableKdTree<f32, 3>,
-    positions_m: &[[f32; 3]],
+struct Neighborhoods<'a> {
+    tree: ImmutableKdTree<f32, 3>,
+    positions_m: &'a [[f32; 3]],
     squared_tolerance_m2: f32,
-    seed_idx: u32,
-    scratch: &mut KdTreeScratch,
-    labels: &mut [u32],
-) {
-    let KdTreeScratch { reached, is_searched, .. } = scratch;
-    reached.clear();
-    reached.push(seed_idx);
-    let mut n_searched = 0;
-    while let Some(&point_idx) = reached.get(n_searched) {
-        n_searched += 1;
-        if is_searched[point_idx as usize] {
-            continue;
+}
+
+impl Neighborhoods<'_> {
+    /// Labels everything that chains of neighbours connect with `seed_idx`.
+    fn grow(&self, seed_idx: u32, scratch: &mut KdTreeScratch, labels: &mut [u32]) {
+        let KdTreeScratch { reached, is_searched, .. } = scratch;
+        reached.clear();
+        reached.push(seed_idx);
+        let mut n_searched = 0;
+        while let Some(&point_idx) = reached.get(n_searched) {
+            n_searched += 1;
+            if is_searched[point_idx as usize] {
+                continue;
+            }
+            let position_m = &self.positions_m[point_idx as usize];
+            let radius_m2 = self.squared_tolerance_m2 * SEARCH_MARGIN;
+            let search = self.tree.query(position_m).within::<SquaredEuclidean<f32>>(radius_m2).unsorted();
+            search.visit(|found| {
+                let found_idx = found.item as usize;
+                let found_m = &self.positions_m[found_idx];
+                if found.distance == 0.0 && is_same_place(position_m, found_m) {
+                    is_searched[found_idx] = true;
+                }
+                if labels[found_idx] == NO_LABEL
+                    && squared_distance_m2(position_m, found_m) < self.squared_tolerance_m2
+                {
+                    labels[found_idx] = seed_idx;
+                    reached.push(found.item);
+                }
+            });
         }
-        let position_m = &positions_m[point_idx as usize];
-        let search = tree
-            .query(position_m)
-            .within::<SquaredEuclidean<f32>>(squared_tolerance_m2 * SEARCH_MARGIN)
-            .unsorted();
-        search.visit(|found| {
-            let found_idx = found.item as usize;
-            let found_m = &positions_m[found_idx];
-            if found.distance == 0.0 && found_m == position_m {
-                is_searched[found_idx] = true;
-            }
-            if labels[found_idx] == NO_LABEL
-                && squared_distance_m2(position_m, found_m) < squared_tolerance_m2
-            {
-                labels[found_idx] = seed_idx;
-                reached.push(found.item);
-            }
-        });
     }
+}
+
+fn is_finite(position_m: &[f32; 3]) -> bool {
+    position_m.iter().all(|coordinate_m| coordinate_m.is_finite())
+}
+
+/// Squared distances of very near points round to 0, so that these do not tell.
+#[expect(clippy::float_cmp, reason = "only points with the very same neighbours may share a search")]
+fn is_same_place(a: &[f32; 3], b: &[f32; 3]) -> bool {
+    a == b
 }
 
 fn squared_distance_m2(a: &[f32; 3], b: &[f32; 3]) -> f32 {
