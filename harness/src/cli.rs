@@ -46,7 +46,9 @@ pub enum Command {
     /// Score annotations fed back as detections: everything must come out at exactly 1
     Selftest(SelftestArgs),
     /// Print a completion script for a shell
-    #[command(after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench")]
+    #[command(
+        after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"
+    )]
     Completions {
         /// The shell
         shell: clap_complete::Shell,
@@ -73,7 +75,7 @@ pub struct CatalogueArgs {
 #[derive(Debug, Args)]
 pub struct DatasetArgs {
     /// Ids of the catalogue, or paths of data sets
-    #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASET)]
+    #[arg(value_name = "DATASET", default_value = "street-main-road")]
     pub datasets: Vec<String>,
     /// Format of the data sets given as paths, instead of recognising it
     #[arg(long, value_name = "FORMAT")]
@@ -114,7 +116,13 @@ pub struct RunArgs {
     #[command(flatten)]
     pub data: DatasetArgs,
     /// Detectors, by comma: `hierarchical`, `kd-tree`, `pca`
-    #[arg(short, long, value_name = "NAMES", value_delimiter = ',', default_value = "hierarchical,kd-tree,pca")]
+    #[arg(
+        short,
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "hierarchical,kd-tree,pca"
+    )]
     pub detectors: Vec<String>,
     /// Configuration that overrides parameters of detectors and matching
     #[arg(short, long, value_name = "FILE")]

@@ -8,3 +8,4 @@ pub mod dataset;
 pub mod matching;
 pub mod metrics;
 pub mod run;
+pub mod cli;

@@ -209,3 +209,105 @@ fn chebyshev_distance(cells: [u64; 2], xi: u32, steps: [i32; 2]) -> u32 {
     }
     least
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::hierarchical_grid::GridParams;
+    use crate::point_cloud::PointCloud;
+    use crate::segment::connected_components::{ConnectedComponentsParams, connected_components};
+
+    const PARAMS: DenseSeparationParams =
+        DenseSeparationParams { low_density_share: 0.1, min_mean_points: 5.0 };
+
+    /// Separates a drawing of dense cells, three to a coarse cell: `#` holds `n_points` points, `1` a single one.
+    /// Returns the drawing with a letter for each object.
+    fn separated(drawing: &str, n_points: usize) -> String {
+        let xi = 3;
+        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi, extent_m: 6.0 });
+        let mut cloud = PointCloud::default();
+        let mut place_of_point = Vec::new();
+        for (row, line) in drawing.lines().enumerate() {
+            for (column, mark) in line.chars().enumerate() {
+                let n_points = match mark {
+                    '#' => n_points,
+                    '1' => 1,
+                    _ => 0,
+                };
+                for _ in 0..n_points {
+                    let at_m = |step: usize| (step as f32 + 0.5) * 0.2;
+                    cloud.push([at_m(column), at_m(row), 0.0], 0.0);
+                    place_of_point.push((row, column));
+                }
+            }
+        }
+        grid.fill(&cloud);
+        let point_indices: Vec<u32> = (0..cloud.len() as u32).collect();
+        let mut dense = DenseLevel::default();
+        dense.fill(&cloud, &grid, &point_indices);
+        let mut links = Vec::new();
+        connected_components(
+            &grid,
+            &dense,
+            &ConnectedComponentsParams { max_height_difference_m: 1.0 },
+            &mut links,
+        );
+        let mut separation = DenseSeparation::default();
+        separation.separate(&grid, &dense, &links, &PARAMS);
+        let mut lines: Vec<Vec<char>> = drawing.lines().map(|line| vec!['.'; line.len()]).collect();
+        let mut seen = Vec::new();
+        for (&dense_idx, (row, column)) in dense.dense_of_point().iter().zip(place_of_point) {
+            let object = separation.object_of_dense()[dense_idx as usize];
+            let letter = seen.iter().position(|&it| it == object).unwrap_or_else(|| {
+                seen.push(object);
+                seen.len() - 1
+            });
+            lines[row][column] = (b'a' + letter as u8) as char;
+        }
+        lines.iter().map(|line| line.iter().collect::<String>()).collect::<Vec<_>>().join("\n")
+    }
+
+    #[track_caller]
+    fn check(drawing: &str, n_points: usize, expected: &str) {
+        let found = separated(drawing, n_points);
+        assert_eq!(found, expected, "\n{drawing}\nbecame\n{found}");
+    }
+
+    // The coarse cells lie at columns 0-2, 3-5, 6-8 and likewise for rows.
+
+    #[test]
+    fn a_straight_empty_border_between_two_cells_separates() {
+        // Fig. 4 a.
+        check("##.###\n##.###\n##.###", 20, "aa.bbb\naa.bbb\naa.bbb");
+    }
+
+    #[test]
+    fn a_stepped_empty_border_between_two_cells_separates() {
+        // Fig. 4 b.
+        check("###.##\n##..##\n#..###", 20, "aaa.bb\naa..bb\na..bbb");
+    }
+
+    #[test]
+    fn an_empty_line_through_one_cell_separates() {
+        // Fig. 4 c.
+        check("#.#\n#.#\n#.#", 20, "a.b\na.b\na.b");
+        check("####.####\n####.####\n####.####", 20, "aaaa.bbbb\naaaa.bbbb\naaaa.bbbb");
+    }
+
+    #[test]
+    fn cells_that_touch_at_a_corner_stay_together() {
+        check("##.\n##.\n..#", 20, "aa.\naa.\n..a");
+        check("##....\n##....\n..#...\n...##.", 20, "aa....\naa....\n..a...\n...aa.");
+    }
+
+    #[test]
+    fn near_empty_cells_separate_like_empty_ones_and_join_the_nearer_side() {
+        check("##1###\n##1###\n##1###", 40, "aaabbb\naaabbb\naaabbb");
+    }
+
+    #[test]
+    fn gaps_mean_nothing_where_points_are_thin() {
+        check("##.###\n##.###\n##.###", 3, "aa.aaa\naa.aaa\naa.aaa");
+        check("#.#\n#.#\n#.#", 3, "a.a\na.a\na.a");
+    }
+}

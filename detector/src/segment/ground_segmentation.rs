@@ -75,3 +75,66 @@ fn neighborhood_mean_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
     }
     sum_m / n_occupied
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::HierarchicalParams;
+
+    /// Level road with `extra` points over the cell around (9.0, 3.0); returns that cell's class.
+    fn class_with(extra: &[[f32; 3]]) -> SurfaceClass {
+        let params = HierarchicalParams::paper();
+        let mut grid = HierarchicalGrid::new(params.grid.clone());
+        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
+        let mut cloud: crate::PointCloud =
+            steps().flat_map(|x| steps().map(move |y| [x, y, -1.73])).collect();
+        for &position_m in extra {
+            cloud.push(position_m, 0.0);
+        }
+        grid.fill(&cloud);
+        let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
+        terrain.estimate(&grid);
+        let mut classes = Vec::new();
+        segment_ground(&grid, &terrain, &params.ground, &mut classes);
+        let near = |&&cell_idx: &&u32| {
+            let [x, y] = grid.center_m(cell_idx);
+            (x - 9.0).abs() <= 0.3 && (y - 3.0).abs() <= 0.3
+        };
+        classes[*grid.occupied().iter().find(near).unwrap() as usize]
+    }
+
+    fn column(from_m: f32, to_m: f32) -> Vec<[f32; 3]> {
+        (0..=20).map(|step| [9.0, 3.0, from_m + (to_m - from_m) * step as f32 / 20.0]).collect()
+    }
+
+    #[test]
+    fn a_level_cell_at_the_height_of_the_road_is_ground() {
+        assert_eq!(class_with(&[]), SurfaceClass::Ground);
+        assert_eq!(class_with(&column(-1.73, -1.50)), SurfaceClass::Ground);
+    }
+
+    #[test]
+    fn what_rises_more_than_25_cm_is_a_short_object() {
+        assert_eq!(class_with(&column(-1.73, -1.45)), SurfaceClass::Short);
+        assert_eq!(class_with(&column(-1.73, 0.2)), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn what_reaches_more_than_310_cm_above_the_road_is_tall() {
+        assert_eq!(class_with(&column(-1.73, 1.36)), SurfaceClass::Short);
+        assert_eq!(class_with(&column(-1.73, 1.38)), SurfaceClass::Tall);
+        // A crown without its trunk.
+        assert_eq!(class_with(&column(1.2, 1.6)), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn few_points_are_clutter() {
+        let params = HierarchicalParams::paper();
+        let mut grid = HierarchicalGrid::new(params.grid.clone());
+        grid.fill(&[[5.0, 5.0, 0.0]; 3].into_iter().collect());
+        let terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
+        let mut classes = Vec::new();
+        segment_ground(&grid, &terrain, &params.ground, &mut classes);
+        assert_eq!(classes[grid.occupied()[0] as usize], SurfaceClass::Clutter);
+    }
+}

@@ -136,7 +136,8 @@ impl RunConfig {
         source.apply(&mut resolved, values, &mut Vec::new())?;
         let params = |source| ConfigError::Params { path: path.to_owned(), source };
         let document = |name: &str| resolved[name].as_table().map(Table::to_string).unwrap_or_default();
-        let of_baselines = resolved.iter().filter(|(name, _)| !["matching", "hierarchical"].contains(&name.as_str()));
+        let of_baselines =
+            resolved.iter().filter(|(name, _)| !["matching", "hierarchical"].contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
         Ok(Self {
             hierarchical: HierarchicalParams::from_toml(&document("hierarchical")).map_err(params)?,
@@ -155,7 +156,12 @@ struct OverrideSource<'a> {
 
 impl OverrideSource<'_> {
     /// Puts the values of `overrides` into `table`, which is found under `parents`.
-    fn apply(&self, table: &mut Table, overrides: Table, parents: &mut Vec<String>) -> Result<(), ConfigError> {
+    fn apply(
+        &self,
+        table: &mut Table,
+        overrides: Table,
+        parents: &mut Vec<String>,
+    ) -> Result<(), ConfigError> {
         for (key, value) in overrides {
             parents.push(key);
             let key = parents.last().expect("it was just pushed");
@@ -198,7 +204,11 @@ impl OverrideSource<'_> {
 fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
     let table: MatchingTable = toml::from_str(text)?;
     let within = |name, value: f64, low: f64, high: f64, allowed| {
-        if (low..=high).contains(&value) { Ok(()) } else { Err(ParamsError::OutOfRange { name, value, allowed }) }
+        if (low..=high).contains(&value) {
+            Ok(())
+        } else {
+            Err(ParamsError::OutOfRange { name, value, allowed })
+        }
     };
     // Above one half an annotation can agree with one detection only, and this is what makes a match mean something.
     within("matching.min_iou", table.min_iou, 0.01, 1.0, "0.01 to 1")?;
@@ -225,7 +235,8 @@ mod tests {
         let config = resolve("").unwrap();
         assert_eq!(config.hierarchical, HierarchicalParams::paper());
         assert_eq!(config.baselines, BaselineParams::shipped());
-        let standard = MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        let standard =
+            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
         assert_eq!(config.matching, standard);
     }
 
@@ -246,9 +257,18 @@ mod tests {
 
     #[test]
     fn what_nothing_reads_is_refused_with_its_line() {
-        check_refused("# mine\n[kd_tree]\ntolerence_m = 1.0", "\"mine.toml\", line 3: unknown parameter kd_tree.tolerence_m");
-        check_refused("[hirarchical]", "line 1: unknown parameter hirarchical; there are hierarchical, kd_tree, matching, pca");
-        check_refused("[kd_tree]\ntolerance_m = \"far\"", "line 2: kd_tree.tolerance_m is of type string, expected float");
+        check_refused(
+            "# mine\n[kd_tree]\ntolerence_m = 1.0",
+            "\"mine.toml\", line 3: unknown parameter kd_tree.tolerence_m",
+        );
+        check_refused(
+            "[hirarchical]",
+            "line 1: unknown parameter hirarchical; there are hierarchical, kd_tree, matching, pca",
+        );
+        check_refused(
+            "[kd_tree]\ntolerance_m = \"far\"",
+            "line 2: kd_tree.tolerance_m is of type string, expected float",
+        );
         check_refused("[matching]\nmin_iou = 0.0", "matching.min_iou = 0 is outside of 0.01 to 1");
         check_refused("[matching]\nmin_points = -1", "\"mine.toml\": ");
         check_refused("[kd_tree", "\"mine.toml\" is not a configuration");
