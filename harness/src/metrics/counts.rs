@@ -1,6 +1,8 @@
 //! What was found, missed and false, and the ratios of these.
 
+use crate::dataset::AnnotatedClasses;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
+use crate::task::Task;
 
 /// Bumped whenever the same detections would score differently.
 pub const SCORING_VERSION: u32 = 1;
@@ -22,6 +24,22 @@ pub struct Counts {
     pub n_ignored_annotations: u64,
     /// Detections that are neither right nor false.
     pub n_ignored_detections: u64,
+}
+
+/// Whether every detection that matches nothing is known to be false.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FalseDetections {
+    /// Everything that a detection could rightly be is annotated.
+    Known,
+    /// There may be objects without annotations.
+    Unknowable,
+}
+
+impl FalseDetections {
+    /// What `annotated` tells about `task`.
+    pub fn of(annotated: &AnnotatedClasses, task: Task) -> Self {
+        if annotated.covers(task) { Self::Known } else { Self::Unknowable }
+    }
 }
 
 impl Counts {
@@ -50,14 +68,11 @@ impl Counts {
         counts
     }
 
-    /// Annotations that were missed (MO).
-    pub fn n_missed(&self) -> u64 {
-        self.n_annotations - self.n_matched
-    }
-
-    /// Share of the annotations that were found; `None` without annotations.
-    pub fn recall(&self) -> Option<f64> {
-        ratio(self.n_matched, self.n_annotations)
+    /// The counts that rates are made of; `false_detections` says whether the false ones are all known.
+    pub fn scored(&self, false_detections: FalseDetections) -> reports::counts::Counts {
+        let n_false = (false_detections == FalseDetections::Known).then_some(self.n_false);
+        reports::counts::Counts::new(self.n_annotations, self.n_matched, n_false)
+            .expect("a matched annotation is counted as one")
     }
 }
 
@@ -72,34 +87,10 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-/// What additionally follows where every false detection is known to be one.
-///
-/// Undefined ratios, those with a zero denominator, are `None`: neither 0 nor 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CompleteCounts(pub Counts);
-
-impl CompleteCounts {
-    /// TP / (TP + FO).
-    pub fn precision(&self) -> Option<f64> {
-        ratio(self.0.n_matched, self.0.n_matched + self.0.n_false)
-    }
-
-    /// 2 TP / (2 TP + MO + FO).
-    pub fn f_rate(&self) -> Option<f64> {
-        let counts = &self.0;
-        ratio(2 * counts.n_matched, 2 * counts.n_matched + counts.n_missed() + counts.n_false)
-    }
-}
-
-fn ratio(numerator: u64, denominator: u64) -> Option<f64> {
-    (denominator > 0).then(|| numerator as f64 / denominator as f64)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::matching::outcome::{FalseReason, MissReason};
-    use crate::task::Task;
 
     fn scan(n_matched: usize, n_missed: usize, n_false: usize) -> Counts {
         let matched = |idx| AnnotationOutcome::Matched { detection_idx: idx, cost: 0.2 };
@@ -114,23 +105,18 @@ mod tests {
     }
 
     #[test]
-    fn ratios_are_of_sums_and_not_means_of_ratios() {
+    fn rates_are_of_sums_and_not_means_of_rates() {
         let mut all = scan(3, 1, 1);
         all += scan(0, 4, 0);
         // TP 3, MO 5, FO 1: the mean of the two F-rates would be 0.375.
-        assert_eq!((all.n_annotations, all.n_missed(), all.n_false), (8, 5, 1));
-        assert_eq!(all.recall(), Some(0.375));
-        assert_eq!(CompleteCounts(all).precision(), Some(0.75));
-        assert_eq!(CompleteCounts(all).f_rate(), Some(0.5));
+        let scored = all.scored(FalseDetections::Known);
+        assert_eq!((scored.no(), scored.mo(), scored.fo()), (8, 5, Some(1)));
+        assert_eq!((scored.recall(), scored.precision(), scored.f_rate()), (Some(0.375), Some(0.75), Some(0.5)));
     }
 
     #[test]
-    fn ratios_of_nothing_are_undefined() {
-        let nothing = scan(0, 0, 0);
-        assert_eq!(nothing.recall(), None);
-        assert_eq!(CompleteCounts(nothing).precision(), None);
-        assert_eq!(CompleteCounts(nothing).f_rate(), None);
-        assert_eq!(CompleteCounts(scan(0, 2, 0)).precision(), None);
-        assert_eq!(CompleteCounts(scan(0, 2, 0)).f_rate(), Some(0.0));
+    fn unknowable_false_detections_are_not_zero() {
+        let scored = scan(3, 1, 0).scored(FalseDetections::Unknowable);
+        assert_eq!((scored.fo(), scored.f_rate(), scored.recall()), (None, None, Some(0.75)));
     }
 }

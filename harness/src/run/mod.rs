@@ -3,3 +3,4 @@
 pub mod config;
 pub mod detector_list;
 pub mod side_by_side;
+pub mod scores;
