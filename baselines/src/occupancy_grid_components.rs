@@ -33,10 +33,10 @@ const NO_PLACE: u32 = u32::MAX;
 impl OccupancyGridComponents {
     /// Replaces the occupied cells by those of `grid`: cells with enough points and a height difference between them.
     ///
-    /// That is the occupancy of Himmelsbach et al. 2008, who store in each cell of a 2½-D grid how far its points lie
-    /// apart in height, with two changes. Theirs adds up scans while the car drives; ours is of single scans, as
-    /// everything here, so that its cells are larger. And a minimum number of points keeps single stray returns out.
-    /// What hangs over the road counts as standing on it, since the grid has one layer.
+    /// Occupancy by height difference is that of Himmelsbach et al. 2008, the paper's reference 5; the paper tells
+    /// neither cell size nor thresholds, and the minimum of points is ours. Without a terrain it needs no sensor height
+    /// and follows any slope, but what hangs over the road counts as standing on it, a flat bonnet at the right height
+    /// does not count at all, and the road at an object's feet goes with the object.
     ///
     /// Paper: VM section 6, "a simple occupancy grid representation for foreground separation".
     pub fn find_occupied(&mut self, grid: &HierarchicalGrid, params: &OccupancyParams) {

@@ -158,7 +158,7 @@ mod tests {
         check_refused("tolerance_m = 0.5", "tolerance_m = nan", "kd_tree.tolerance_m = NaN");
         check_refused("tolerance_m = 0.5", "tolerance_m = -0.5", "outside of 0.01 to 100 m");
         check_refused("max_points = 25000", "max_points = 9", "outside of at least kd_tree.min_points");
-        check_refused("cell_size_m = 0.30", "cell_size_m = 0.0", "pca.grid.cell_size_m = 0 is outside");
+        check_refused("cell_size_m = 0.4", "cell_size_m = 0.0", "pca.grid.cell_size_m = 0 is outside");
         check_refused("max_extent_m = 20.0", "max_extent_m = inf", "pca.cluster.max_extent_m = inf");
     }
 }
