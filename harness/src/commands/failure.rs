@@ -1,6 +1,6 @@
 //! How the program ends when something is wrong.
 
-use reports::archive::ArchiveError;
+use reports::run_directory::RunDirectoryError;
 
 use crate::dataset::DatasetError;
 use crate::run::config::ConfigError;
@@ -23,10 +23,62 @@ pub enum Failure {
     Interrupted = 130,
 }
 
-/// The data sets hold nothing to evaluate.
+/// There was nothing to evaluate.
 #[derive(Debug, thiserror::Error)]
 #[error("nothing was evaluated: {reason}")]
 pub struct NothingEvaluated {
     /// Why.
     pub reason: String,
+}
+
+/// What was asked for makes no sense.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Usage(pub String);
+
+impl Failure {
+    /// What kind of ending `error` is.
+    pub fn of(error: &anyhow::Error) -> Self {
+        let of_dataset =
+            |error: &DatasetError| if error.is_usage_error() { Self::Usage } else { Self::Data };
+        if let Some(error) = error.downcast_ref::<DatasetError>() {
+            return of_dataset(error);
+        }
+        match error.downcast_ref::<RunError>() {
+            Some(RunError::Dataset(error)) => return of_dataset(error),
+            Some(RunError::Interrupted { .. }) => return Self::Interrupted,
+            None => {}
+        }
+        if error.is::<NothingEvaluated>() {
+            return Self::NothingEvaluated;
+        }
+        if error.is::<ConfigError>()
+            || error.is::<DetectorListError>()
+            || error.is::<Usage>()
+            || error.is::<RunDirectoryError>()
+            || is_stream_usage(error)
+        {
+            return Self::Usage;
+        }
+        Self::Internal
+    }
+}
+
+#[cfg(feature = "rerun")]
+fn is_stream_usage(error: &anyhow::Error) -> bool {
+    use crate::stream::StreamError;
+    matches!(
+        error.downcast_ref::<StreamError>(),
+        Some(
+            StreamError::BadUrl { .. }
+                | StreamError::Create { .. }
+                | StreamError::ViewerNotInstalled { .. }
+                | StreamError::ViewerFailed { .. }
+        )
+    )
+}
+
+#[cfg(not(feature = "rerun"))]
+fn is_stream_usage(_: &anyhow::Error) -> bool {
+    false
 }

@@ -43,6 +43,11 @@ fn role(task: Task, class: AnnotationClass) -> Role {
     }
 }
 
+/// Whether an annotation of this class is to be found in the task *vehicles*.
+pub fn counts_as_vehicle(class: AnnotationClass) -> bool {
+    role(Task::Vehicles, class) == Role::Target
+}
+
 /// Whether `task` asks for detections of this class.
 pub fn asks_for(task: Task, class: DetectedClass) -> bool {
     match task {
