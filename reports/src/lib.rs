@@ -19,3 +19,7 @@ pub mod scan_row;
 pub mod match_outcome;
 pub mod match_row;
 pub mod run_directory;
+
+// Tables.
+pub mod paper_figures;
+pub mod table;
