@@ -5,3 +5,5 @@
 pub mod annotation;
 pub mod dataset;
 pub mod matching;
+#[cfg(feature = "rerun")]
+pub mod stream;
