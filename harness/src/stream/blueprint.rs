@@ -73,12 +73,12 @@ fn detector_tabs(detector: &str, shown_task: Task, properties: &mut Vec<Property
     let clusters = entity_paths::cluster_column(detector);
     let everything = [entity_paths::detector(detector)];
     let outcomes = scene(detector, &everything, Some(surfaces), properties);
-    hide(properties, &outcomes, entity_paths::ANNOTATIONS.into());
+    hide(properties, &outcomes, &entity_paths::ANNOTATIONS.into());
     for kind in ProductKind::ALL {
-        hide(properties, &outcomes, entity_paths::products(detector, kind));
+        hide(properties, &outcomes, &entity_paths::products(detector, kind));
     }
     for task in Task::ALL.into_iter().filter(|task| *task != shown_task) {
-        hide(properties, &outcomes, entity_paths::outcomes(detector, task));
+        hide(properties, &outcomes, &entity_paths::outcomes(detector, task));
     }
     let products = |kind| entity_paths::products(detector, kind);
     let below = [ProductKind::Cells, ProductKind::Segments].map(products);
@@ -163,9 +163,9 @@ fn plain_background() -> Background {
 }
 
 /// Hides `entity` and all below it in `view`; one click shows it.
-fn hide(properties: &mut Vec<Property>, view: &ContainerLike, entity: EntityPath) {
+fn hide(properties: &mut Vec<Property>, view: &ContainerLike, entity: &EntityPath) {
     let path =
-        view_path(view).join(&"ViewContents/overrides".into()).join(&entity).join(&"visualizers".into());
+        view_path(view).join(&"ViewContents/overrides".into()).join(entity).join(&"visualizers".into());
     properties.push(Property { path, value: Box::new(EntityBehavior::new().with_visible(false)) });
 }
 

@@ -1,7 +1,9 @@
 //! Logs what became of every annotation and every detection.
 
+use std::collections::BTreeSet;
+
 use detector::{Detection, Detections, OrientedBox};
-use rerun::{Radius, RecordingStream};
+use rerun::{EntityPath, Radius, RecordingStream};
 
 use super::error::StreamError;
 use super::legend::OutcomeLayer;
@@ -17,7 +19,8 @@ struct LabeledBox {
     label: String,
 }
 
-/// Logs the boxes of `assignment`, one batch per outcome, at the current time.
+/// Logs the boxes of `assignment`, one batch per outcome that occurs, at the current time and returns the entities they
+/// became.
 ///
 /// # Errors
 ///
@@ -28,25 +31,29 @@ pub fn log_outcomes(
     detector: &str,
     detections: &Detections,
     assignment: &Assignment,
-) -> Result<(), StreamError> {
+) -> Result<BTreeSet<EntityPath>, StreamError> {
     check_lengths(scan, detector, detections, assignment)?;
+    let mut logged = BTreeSet::new();
     let mut boxes = annotation_boxes(scan, &assignment.annotations);
     boxes.extend(detection_boxes(detections, &assignment.detections));
     for layer in OutcomeLayer::ALL {
-        let of_layer = || boxes.iter().filter(|it| it.layer == layer);
-        // A layer without boxes is logged as well: it takes those of the previous scan off the screen.
-        let mut drawn = archetypes::boxes(of_layer().map(|it| it.drawn))
+        let of_layer: Vec<&LabeledBox> = boxes.iter().filter(|it| it.layer == layer).collect();
+        if of_layer.is_empty() {
+            continue;
+        }
+        let mut drawn = archetypes::boxes(of_layer.iter().map(|it| it.drawn))
             .with_class_ids([layer.class_id()])
             .with_radii([Radius::new_ui_points(line_radius_px(layer))])
-            .with_labels(of_layer().map(|it| it.label.as_str()));
+            .with_labels(of_layer.iter().map(|it| it.label.as_str()));
         // What was missed, and why, is written on screen while it is not too much; the rest shows when pointed at.
         if layer != OutcomeLayer::Missed {
             drawn = drawn.with_show_labels(false);
         }
         let path = entity_paths::outcome_layer(detector, assignment.task, layer);
-        recording::log(stream, path, &drawn)?;
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
     }
-    Ok(())
+    Ok(logged)
 }
 
 fn check_lengths(

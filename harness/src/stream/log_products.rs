@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use detector::PointCloud;
 use detector::stage_product::{Shape, StageProduct, SurfaceClass};
 use rerun::{
-    Boxes3D, Clear, ComponentIdentifier, EntityPath, LineStrips3D, Radius, RecordingStream,
-    SerializedComponentBatch,
+    Boxes3D, ComponentIdentifier, EntityPath, LineStrips3D, Radius, RecordingStream, SerializedComponentBatch,
 };
 
 use super::entity_paths::ProductKind;
@@ -19,9 +18,8 @@ const LINE_RADIUS_PX: f32 = 1.0;
 
 /// Logs `products` of `detector` at the current time and returns the entities they became.
 ///
-/// What was logged at `previous` and has no successor is cleared, so that no product of an earlier scan stays on
-/// screen. Labels of points become columns of the points of the scan: two bytes a point that compress well, where the
-/// positions again would be twelve that do not.
+/// Labels of points become columns of the points of the scan: two bytes a point that compress well, where the positions
+/// again would be twelve that do not.
 ///
 /// # Errors
 ///
@@ -31,7 +29,6 @@ pub fn log_products(
     cloud: &PointCloud,
     detector: &str,
     products: &[StageProduct],
-    previous: &BTreeSet<EntityPath>,
 ) -> Result<BTreeSet<EntityPath>, StreamError> {
     for product in products {
         check_length(cloud, detector, product)?;
@@ -40,9 +37,6 @@ pub fn log_products(
     let mut logged = BTreeSet::new();
     for product in products {
         logged.extend(log_entity(stream, detector, product)?);
-    }
-    for path in previous.difference(&logged) {
-        recording::log(stream, path.clone(), &Clear::flat())?;
     }
     Ok(logged)
 }

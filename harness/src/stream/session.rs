@@ -7,10 +7,9 @@ use std::time::Duration;
 use detector::{DetectorOutput, StageProduct};
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
-use rerun::{EntityPath, RecordingStream, RecordingStreamBuilder};
+use rerun::{Clear, EntityPath, RecordingStream, RecordingStreamBuilder};
 
 use super::blueprint::send_blueprint;
-use super::entity_paths;
 use super::error::StreamError;
 use super::log_outcomes::log_outcomes;
 use super::log_products::log_products;
@@ -19,6 +18,7 @@ use super::log_series::{RunningFRate, log_f_rates, log_latency, log_lines, log_s
 use super::log_static::log_static;
 use super::recording_file::RecordingFile;
 use super::viewer::{ViewerChoice, ViewerLink, ViewerState};
+use super::{entity_paths, recording};
 use crate::annotation::LabeledScan;
 use crate::matching::outcome::{Assignment, Task};
 
@@ -78,7 +78,7 @@ pub struct Stream {
 /// What has to be remembered of a detector from scan to scan.
 struct DetectorState {
     name: String,
-    products: BTreeSet<EntityPath>,
+    on_screen: BTreeSet<EntityPath>,
     stages: Vec<&'static str>,
 }
 
@@ -119,7 +119,7 @@ impl Stream {
         }
         let detectors = names
             .into_iter()
-            .map(|name| DetectorState { name, products: BTreeSet::new(), stages: Vec::new() })
+            .map(|name| DetectorState { name, on_screen: BTreeSet::new(), stages: Vec::new() })
             .collect();
         Ok(Self { recording, file, viewer, path: options.file.clone(), detectors })
     }
@@ -158,10 +158,15 @@ impl Stream {
         };
         let state = &mut self.detectors[detector_idx];
         let stream = &self.recording;
-        state.products = log_products(stream, &scan.cloud, view.name, view.products, &state.products)?;
+        let mut on_screen = log_products(stream, &scan.cloud, view.name, view.products)?;
         for assignment in view.assignments {
-            log_outcomes(stream, scan, view.name, &view.output.detections, assignment)?;
+            on_screen.extend(log_outcomes(stream, scan, view.name, &view.output.detections, assignment)?);
         }
+        // What the previous scan had and this one has not would stay otherwise.
+        for path in state.on_screen.difference(&on_screen) {
+            recording::log(stream, path.clone(), &Clear::flat())?;
+        }
+        state.on_screen = on_screen;
         log_f_rates(stream, view.name, view.f_rates_so_far)?;
         log_latency(stream, view.name, view.latency)?;
         log_stage_times(stream, view.name, &view.output.stage_times, &mut state.stages)
@@ -189,7 +194,7 @@ impl Stream {
     }
 }
 
-/// Only our own flush, once a scan, cuts chunks: a timer would cut many small ones and make the file differ every time.
+/// Only our own flush, once a scan, cuts chunks and sends them: a timer would do so while a detector is timed.
 fn batching() -> ChunkBatcherConfig {
     ChunkBatcherConfig::NEVER
 }
