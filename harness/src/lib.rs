@@ -8,4 +8,7 @@ pub mod dataset;
 pub mod matching;
 pub mod metrics;
 pub mod run;
+#[cfg(feature = "rerun")]
+pub mod stream;
 pub mod cli;
+pub mod commands;

@@ -25,8 +25,8 @@ pub struct Manifest {
     pub config: serde_json::Value,
     /// The seeds of everything random, by what they are for.
     pub seeds: BTreeMap<String, u64>,
-    /// Scans at the beginning whose times do not count.
-    pub n_warmup_scans: u32,
+    /// Detections of the first scan, for each detector, that were thrown away before anything was timed.
+    pub n_warmup_detections: u32,
     /// By what a detection was matched with an annotation, in words, such as `points, Jaccard at least 0.5`.
     pub matching_criterion: String,
     /// Which annotations do not count.
@@ -156,7 +156,7 @@ mod tests {
             argv: vec!["scanbench".to_owned(), "run".to_owned()],
             config: serde_json::json!({"run": {"n_jobs": 1}}),
             seeds: BTreeMap::from([("simulator".to_owned(), u64::MAX)]),
-            n_warmup_scans: 2,
+            n_warmup_detections: 2,
             matching_criterion: "points, Jaccard at least 0.5".to_owned(),
             ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
             datasets: vec![DatasetEntry {
@@ -211,7 +211,7 @@ mod tests {
           "seeds": {
             "simulator": 18446744073709551615
           },
-          "n_warmup_scans": 2,
+          "n_warmup_detections": 2,
           "matching_criterion": "points, Jaccard at least 0.5",
           "ignored": {
             "min_points": 20,

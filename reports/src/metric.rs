@@ -23,6 +23,10 @@ pub enum Metric {
     IgnoredAnnotations,
     /// Detections that are neither right nor false.
     IgnoredDetections,
+    /// Share of the annotations that are torn apart.
+    OverSegmentation,
+    /// Share of the detections holding an annotation that run several together.
+    UnderSegmentation,
     /// Scans per second of detection: number of scans / total time.
     FpsMean,
     /// Time of detection of a scan.
@@ -63,7 +67,7 @@ const STAGE_PREFIX: &str = "stage_p50_ms/";
 
 impl Metric {
     /// The metrics without a name in their id, in the order of a report.
-    const UNNAMED: [Self; 16] = [
+    const UNNAMED: [Self; 18] = [
         Self::No,
         Self::Tp,
         Self::Mo,
@@ -73,6 +77,8 @@ impl Metric {
         Self::FRate,
         Self::IgnoredAnnotations,
         Self::IgnoredDetections,
+        Self::OverSegmentation,
+        Self::UnderSegmentation,
         Self::FpsMean,
         Self::Latency(LatencyStatistic::Min),
         Self::Latency(LatencyStatistic::P50),
@@ -94,6 +100,8 @@ impl Metric {
             Self::FRate => "f_rate",
             Self::IgnoredAnnotations => "ignored_annotations",
             Self::IgnoredDetections => "ignored_detections",
+            Self::OverSegmentation => "over_segmentation",
+            Self::UnderSegmentation => "under_segmentation",
             Self::FpsMean => "fps_mean",
             Self::Latency(LatencyStatistic::Min) => "latency_min_ms",
             Self::Latency(LatencyStatistic::P50) => "latency_p50_ms",
@@ -124,7 +132,11 @@ impl Metric {
             | Self::Fo
             | Self::IgnoredAnnotations
             | Self::IgnoredDetections => "count",
-            Self::Precision | Self::Recall | Self::FRate => "ratio",
+            Self::Precision
+            | Self::Recall
+            | Self::FRate
+            | Self::OverSegmentation
+            | Self::UnderSegmentation => "ratio",
             Self::FpsMean => "scans/s",
             Self::Latency(_) | Self::StageP50(_) => "ms",
         }
@@ -137,7 +149,12 @@ impl Metric {
             Self::Tp | Self::Precision | Self::Recall | Self::FRate | Self::FpsMean => {
                 Direction::HigherIsBetter
             }
-            Self::Mo | Self::Fo | Self::Latency(_) | Self::StageP50(_) => Direction::LowerIsBetter,
+            Self::Mo
+            | Self::Fo
+            | Self::OverSegmentation
+            | Self::UnderSegmentation
+            | Self::Latency(_)
+            | Self::StageP50(_) => Direction::LowerIsBetter,
         }
     }
 }

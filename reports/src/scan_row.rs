@@ -52,9 +52,9 @@ pub struct ScanNumbers {
     /// Detections of which it cannot be known whether they are false.
     pub n_unknowable_detections: u64,
     /// Clusters dropped because they have too few points.
-    pub n_dropped_too_few_points: u64,
-    /// Clusters dropped because they have too many points.
-    pub n_dropped_too_many_points: u64,
+    pub n_dropped_too_small: u64,
+    /// Clusters dropped because they have too many points or are too long.
+    pub n_dropped_too_large: u64,
 }
 
 impl CsvRow for ScanRow {
@@ -75,8 +75,8 @@ impl CsvRow for ScanRow {
         "ignored_annotations",
         "ignored_detections",
         "unknowable_detections",
-        "dropped_too_few_points",
-        "dropped_too_many_points",
+        "dropped_too_small",
+        "dropped_too_large",
     ];
 }
 
@@ -98,8 +98,8 @@ struct ScanRecord {
     ignored_annotations: Option<u64>,
     ignored_detections: Option<u64>,
     unknowable_detections: Option<u64>,
-    dropped_too_few_points: Option<u64>,
-    dropped_too_many_points: Option<u64>,
+    dropped_too_small: Option<u64>,
+    dropped_too_large: Option<u64>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -134,8 +134,8 @@ impl From<ScanRow> for ScanRecord {
             ignored_annotations: numbers.map(|it| it.n_ignored_annotations),
             ignored_detections: numbers.map(|it| it.n_ignored_detections),
             unknowable_detections: numbers.map(|it| it.n_unknowable_detections),
-            dropped_too_few_points: numbers.map(|it| it.n_dropped_too_few_points),
-            dropped_too_many_points: numbers.map(|it| it.n_dropped_too_many_points),
+            dropped_too_small: numbers.map(|it| it.n_dropped_too_small),
+            dropped_too_large: numbers.map(|it| it.n_dropped_too_large),
         }
     }
 }
@@ -170,8 +170,8 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
         n_ignored_annotations: present(record.ignored_annotations)?,
         n_ignored_detections: present(record.ignored_detections)?,
         n_unknowable_detections: present(record.unknowable_detections)?,
-        n_dropped_too_few_points: present(record.dropped_too_few_points)?,
-        n_dropped_too_many_points: present(record.dropped_too_many_points)?,
+        n_dropped_too_small: present(record.dropped_too_small)?,
+        n_dropped_too_large: present(record.dropped_too_large)?,
     })
 }
 
@@ -196,8 +196,8 @@ mod tests {
             n_ignored_annotations: 3,
             n_ignored_detections: 2,
             n_unknowable_detections: 40,
-            n_dropped_too_few_points: 900,
-            n_dropped_too_many_points: 1,
+            n_dropped_too_small: 900,
+            n_dropped_too_large: 1,
         })
     }
 
@@ -233,7 +233,7 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let (text, read) = written_and_read(&rows(), "", "");
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,detector,task,status,reason,n_points,latency_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,dropped_too_few_points,dropped_too_many_points
+        dataset,sequence,scan,detector,task,status,reason,n_points,latency_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,dropped_too_small,dropped_too_large
         "kitti, tracking",0000,0,kd-tree,objects,evaluated,,120000,,7,5,2,4,3,2,40,900,1
         "kitti, tracking",0000,1,kd-tree,objects,evaluated,,120000,8.250,7,5,2,,3,2,40,900,1
         "kitti, tracking",0000,2,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,

@@ -5,6 +5,10 @@ pub mod progress;
 pub mod interruption;
 pub mod open_datasets;
 pub mod provenance;
+pub mod run_rows;
+pub mod run_manifest;
+#[cfg(feature = "rerun")]
+pub mod recording;
 pub mod run;
 pub mod selftest;
 pub mod data_list;

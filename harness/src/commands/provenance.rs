@@ -1,5 +1,6 @@
 //! Where and with what a run was made.
 
+use jiff::Timestamp;
 use reports::manifest::{GitState, Machine};
 
 /// The commit the program was built from; `None` if it was built outside of a checkout.
@@ -27,4 +28,14 @@ fn cpu_model() -> String {
     let cpu_info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu_info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     model.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
+}
+
+/// A time as RFC 3339 writes it, in UTC to the second.
+pub fn rfc3339_utc(time: Timestamp) -> String {
+    time.strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+}
+
+/// The same for the name of a file.
+pub fn compact_utc(time: Timestamp) -> String {
+    time.strftime("%Y%m%dT%H%M%SZ").to_string()
 }

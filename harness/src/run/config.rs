@@ -128,6 +128,20 @@ impl RunConfig {
         Self::resolve(&text, path)
     }
 
+    /// Judges by `criterion`, whatever the file says.
+    pub fn choose_criterion(&mut self, criterion: Criterion) {
+        self.matching.criterion = match (criterion, self.resolved.get("matching").and_then(Value::as_table)) {
+            (Criterion::Points { .. }, Some(table)) => Criterion::Points { min_iou: number(table, "min_iou") },
+            (Criterion::Centre { .. }, Some(table)) => {
+                Criterion::Centre { max_distance_m: number(table, "max_centre_distance_m") }
+            }
+            (criterion, None) => criterion,
+        };
+        if let Some(Value::Table(table)) = self.resolved.get_mut("matching") {
+            table.insert("criterion".to_owned(), Value::String(criterion.name().to_owned()));
+        }
+    }
+
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {
         let syntax = |source| ConfigError::Syntax { path: path.to_owned(), source };
         let values = overrides.parse::<Table>().map_err(syntax)?;
@@ -146,6 +160,11 @@ impl RunConfig {
             resolved,
         })
     }
+}
+
+/// A number of a table that has been checked to hold it.
+fn number(table: &Table, name: &str) -> f64 {
+    table.get(name).and_then(Value::as_float).expect("the table was read into parameters before")
 }
 
 /// The document that overrides values, for error messages.

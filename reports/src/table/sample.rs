@@ -21,7 +21,7 @@ pub(crate) fn manifest() -> Manifest {
         argv: Vec::new(),
         config: serde_json::Value::Null,
         seeds: BTreeMap::new(),
-        n_warmup_scans: 1,
+        n_warmup_detections: 1,
         matching_criterion: "points, Jaccard at least 0.5".to_owned(),
         ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
         datasets: DATASETS.map(dataset).to_vec(),
