@@ -39,8 +39,7 @@ pub struct Usage(pub String);
 impl Failure {
     /// What kind of ending `error` is.
     pub fn of(error: &anyhow::Error) -> Self {
-        let of_dataset =
-            |error: &DatasetError| if error.is_usage_error() { Self::Usage } else { Self::Data };
+        let of_dataset = |error: &DatasetError| if error.is_usage_error() { Self::Usage } else { Self::Data };
         if let Some(error) = error.downcast_ref::<DatasetError>() {
             return of_dataset(error);
         }

@@ -12,3 +12,4 @@ pub mod recording;
 pub mod run;
 pub mod selftest;
 pub mod data_list;
+pub mod dispatch;

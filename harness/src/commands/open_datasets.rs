@@ -43,7 +43,9 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
         let id = &dataset.description().id;
         anyhow::ensure!(
             opened.iter().all(|it| it.dataset.description().id != *id),
-            crate::commands::failure::Usage(format!("two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"))
+            crate::commands::failure::Usage(format!(
+                "two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"
+            ))
         );
         let n_scans = dataset.scan_ids().len();
         let scan_indices = match &selection {

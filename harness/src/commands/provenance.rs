@@ -6,10 +6,8 @@ use reports::manifest::{GitState, Machine};
 /// The commit the program was built from; `None` if it was built outside of a checkout.
 pub fn git_state() -> Option<GitState> {
     let commit = env!("SCANBENCH_GIT_COMMIT");
-    (!commit.is_empty()).then(|| GitState {
-        commit: commit.to_owned(),
-        dirty: env!("SCANBENCH_GIT_DIRTY") == "true",
-    })
+    (!commit.is_empty())
+        .then(|| GitState { commit: commit.to_owned(), dirty: env!("SCANBENCH_GIT_DIRTY") == "true" })
 }
 
 /// The compiler that built the program.
@@ -20,7 +18,11 @@ pub fn rustc_version() -> String {
 /// The machine the program runs on.
 pub fn machine() -> Machine {
     let n_cores = std::thread::available_parallelism().map_or(1, |n| n.get() as u32);
-    Machine { cpu_model: cpu_model(), n_cores, os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH) }
+    Machine {
+        cpu_model: cpu_model(),
+        n_cores,
+        os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+    }
 }
 
 /// The processor's own name where the system tells it, else its architecture.

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::cli::StreamArgs;
-use crate::run::side_by_side::ScanResults;
 use crate::run::scores::DatasetScores;
+use crate::run::side_by_side::ScanResults;
 use crate::stream::{DetectorView, RunningFRate, Stream, StreamOptions, ViewerChoice, ViewerState};
 use crate::task::Task;
 
@@ -48,12 +48,17 @@ impl Recording {
     /// # Errors
     ///
     /// If the file cannot be written.
-    pub fn log(&mut self, results: &ScanResults<'_>, scores: &DatasetScores) -> anyhow::Result<Option<&'static str>> {
+    pub fn log(
+        &mut self,
+        results: &ScanResults<'_>,
+        scores: &DatasetScores,
+    ) -> anyhow::Result<Option<String>> {
         self.stream.log_scan(self.n_scans, results.scan)?;
         self.n_scans += 1;
         for (detector_idx, (result, detector)) in results.results.iter().zip(results.detectors).enumerate() {
             let f_rates = scores.f_rates(detector_idx).into_iter();
-            let f_rates_so_far: Vec<_> = f_rates.map(|(task, f_rate)| RunningFRate { task, f_rate }).collect();
+            let f_rates_so_far: Vec<_> =
+                f_rates.map(|(task, f_rate)| RunningFRate { task, f_rate }).collect();
             let view = DetectorView {
                 name: result.detector,
                 output: &result.output,
@@ -64,10 +69,13 @@ impl Recording {
             };
             self.stream.log_detector(results.scan, &view)?;
         }
-        let is_lost = self.stream.viewer_state() == ViewerState::Lost;
-        let is_new = is_lost && !self.viewer_was_lost;
-        self.viewer_was_lost = is_lost;
-        Ok(is_new.then_some("the viewer does not answer; the recording goes on to the file alone"))
+        match self.stream.viewer_state() {
+            ViewerState::Lost { reason } if !self.viewer_was_lost => {
+                self.viewer_was_lost = true;
+                Ok(Some(format!("the viewer was lost ({reason}); the recording goes on to the file alone")))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// Writes the end of the file.

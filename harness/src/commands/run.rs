@@ -195,7 +195,11 @@ fn evaluate(
     })?;
     progress.finish_and_clear();
     if scores.n_annotations() == 0 {
-        let reason = format!("none of the {} scans of {:?} has an annotation that counts", scores.n_scans(), description.id);
+        let reason = format!(
+            "none of the {} scans of {:?} has an annotation that counts",
+            scores.n_scans(),
+            description.id
+        );
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(scores)
@@ -215,7 +219,8 @@ fn write_report(
     directory.write_file(REPORT_JSON, report.to_json().as_bytes())?;
     let tables = task_tables(report, manifest)?;
     for table in &tables {
-        let renderings = BTreeMap::from([("csv", to_csv(table)), ("md", to_markdown(table)), ("tex", to_latex(table))]);
+        let renderings =
+            BTreeMap::from([("csv", to_csv(table)), ("md", to_markdown(table)), ("tex", to_latex(table))]);
         for (extension, text) in renderings {
             directory.write_file(&format!("{}.{extension}", table.file_stem()), text.as_bytes())?;
         }

@@ -87,7 +87,7 @@ fn dataset_entry(opened: &OpenedDataset, arguments: &RunArgs) -> DatasetEntry {
 
 #[cfg(feature = "rerun")]
 fn rerun_version() -> Option<String> {
-    Some(crate::stream::RERUN_VERSION.to_owned())
+    Some(crate::stream::rerun_version())
 }
 
 #[cfg(not(feature = "rerun"))]

@@ -134,23 +134,23 @@ fn check_dataset(opened: &OpenedDataset) -> anyhow::Result<Vec<Checked>> {
 }
 
 /// The annotations of `scan` that hold a point, as a perfect detector would report them.
-fn echo(scan: &LabeledScan) -> Detections {
+fn echo<'a>(scan: &'a LabeledScan) -> Detections {
     let seen = scan.annotations.iter().filter(|annotation| !annotation.point_indices.is_empty());
-    let detection = |annotation| Detection {
+    let detection = |annotation: &'a Annotation| Detection {
         point_indices: &annotation.point_indices,
         bounding_box: annotation.bounding_box.unwrap_or_else(|| box_of_points(scan, annotation)),
-        class: if counts_as_vehicle(annotation.class) { DetectedClass::Vehicle } else { DetectedClass::Object },
+        class: if counts_as_vehicle(annotation.class) {
+            DetectedClass::Vehicle
+        } else {
+            DetectedClass::Object
+        },
         score: None,
     };
-    seen.map(|annotation: &Annotation| detection(annotation)).collect()
+    seen.map(detection).collect()
 }
 
 /// A box without extent where the points of `annotation` are on average, as the matching takes its centre to be.
 fn box_of_points(scan: &LabeledScan, annotation: &Annotation) -> OrientedBox {
     let [x_m, y_m] = crate::matching::criterion::center_m(scan, annotation).unwrap_or_default();
-    OrientedBox {
-        center_m: [x_m as f32, y_m as f32, 0.0],
-        length_width_height_m: [0.0; 3],
-        yaw_rad: 0.0,
-    }
+    OrientedBox { center_m: [x_m as f32, y_m as f32, 0.0], length_width_height_m: [0.0; 3], yaw_rad: 0.0 }
 }

@@ -61,6 +61,8 @@ pub struct DatasetDescription {
     /// SHA-256 that changes when the data set does: of the files as [`checksum`] describes, or of the parameters and
     /// seed of a simulation.
     pub checksum: Option<String>,
+    /// Seed of a simulation.
+    pub seed: Option<u64>,
 }
 
 /// Which objects of the street a data set labels.

@@ -13,6 +13,18 @@ use super::root_template::UnsetVariable;
 use super::source::DatasetSource;
 use super::{AnnotatedClasses, Dataset, DatasetError};
 
+/// The data set of the catalogue that is run when none is asked for.
+pub const DEFAULT_DATASET: &str = "kitti-tracking";
+
+/// How a data set is opened other than the catalogue says.
+#[derive(Debug, Clone, Copy)]
+pub struct OpenOptions {
+    /// The format of a data set at a path; the files tell otherwise.
+    pub format: Option<DatasetFormat>,
+    /// The seed of a simulation.
+    pub seed: Option<u64>,
+}
+
 /// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path.
 ///
 /// A folder that has the name of a catalogued data set is reached as `./name`. At a path the format is detected unless
@@ -24,12 +36,12 @@ use super::{AnnotatedClasses, Dataset, DatasetError};
 /// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue.
 pub fn open_dataset(
     id_or_path: &str,
-    format: Option<DatasetFormat>,
+    options: &OpenOptions,
     catalogue: &Catalogue,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     match catalogue.entries.get(id_or_path) {
-        Some(entry) => open_catalogued(id_or_path, entry, format),
-        None => open_path(id_or_path, format, catalogue),
+        Some(entry) => open_catalogued(id_or_path, entry, options.format),
+        None => open_path(id_or_path, options.format, catalogue),
     }
 }
 

@@ -31,6 +31,7 @@ impl DatasetSource {
             sensor_height_m: self.sensor_height_m,
             licence: self.licence,
             checksum: Some(checksum),
+            seed: None,
         }
     }
 }

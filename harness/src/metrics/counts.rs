@@ -111,7 +111,10 @@ mod tests {
         // TP 3, MO 5, FO 1: the mean of the two F-rates would be 0.375.
         let scored = all.scored(FalseDetections::Known);
         assert_eq!((scored.no(), scored.mo(), scored.fo()), (8, 5, Some(1)));
-        assert_eq!((scored.recall(), scored.precision(), scored.f_rate()), (Some(0.375), Some(0.75), Some(0.5)));
+        assert_eq!(
+            (scored.recall(), scored.precision(), scored.f_rate()),
+            (Some(0.375), Some(0.75), Some(0.5))
+        );
     }
 
     #[test]

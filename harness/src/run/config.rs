@@ -131,7 +131,9 @@ impl RunConfig {
     /// Judges by `criterion`, whatever the file says.
     pub fn choose_criterion(&mut self, criterion: Criterion) {
         self.matching.criterion = match (criterion, self.resolved.get("matching").and_then(Value::as_table)) {
-            (Criterion::Points { .. }, Some(table)) => Criterion::Points { min_iou: number(table, "min_iou") },
+            (Criterion::Points { .. }, Some(table)) => {
+                Criterion::Points { min_iou: number(table, "min_iou") }
+            }
             (Criterion::Centre { .. }, Some(table)) => {
                 Criterion::Centre { max_distance_m: number(table, "max_centre_distance_m") }
             }

@@ -26,3 +26,8 @@ pub use error::StreamError;
 pub use log_series::RunningFRate;
 pub use session::{DetectorView, Stream, StreamEnding, StreamOptions};
 pub use viewer::{ViewerChoice, ViewerState, ViewerUrl};
+
+/// Version of the Rerun library; a viewer of this version opens the recordings.
+pub fn rerun_version() -> String {
+    rerun::build_info().version.to_string()
+}

@@ -20,7 +20,7 @@ use super::recording_file::RecordingFile;
 use super::viewer::{ViewerChoice, ViewerLink, ViewerState};
 use super::{entity_paths, recording};
 use crate::annotation::LabeledScan;
-use crate::matching::outcome::{Assignment};
+use crate::matching::outcome::Assignment;
 use crate::task::Task;
 
 const APPLICATION_ID: &str = "scanbench";

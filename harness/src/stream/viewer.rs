@@ -235,7 +235,7 @@ fn spawn_viewer() -> Result<u16, StreamError> {
     rerun::spawn(&options).map(|spawned| spawned.port).map_err(|error| match error {
         rerun::SpawnError::Io(source) => StreamError::ViewerFailed { source },
         rerun::SpawnError::ExecutableNotFoundInPath { .. } | rerun::SpawnError::ExecutableNotFound { .. } => {
-            StreamError::ViewerNotInstalled { version: rerun::build_info().version.to_string() }
+            StreamError::ViewerNotInstalled { version: super::rerun_version() }
         }
     })
 }
