@@ -19,9 +19,9 @@ const VELODYNE_TO_CAMERA: &str = "Tr_velo_to_cam or Tr_velo_cam";
 /// *Camera* is the rectified frame of KITTI's boxes: x right, y down, z forward, in metres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KittiCalibration {
-    /// From homogeneous velodyne coordinates to homogeneous pixels of camera 2 (P2 · R0_rect · Tr_velo_to_cam).
+    /// From homogeneous velodyne coordinates to homogeneous pixels of camera 2 (`P2 · R0_rect · Tr_velo_to_cam`).
     pub image_from_velodyne: Matrix3x4<f64>,
-    /// The inverse of R0_rect · Tr_velo_to_cam.
+    /// The inverse of `R0_rect · Tr_velo_to_cam`.
     pub velodyne_from_camera: Matrix4<f64>,
 }
 
