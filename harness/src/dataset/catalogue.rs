@@ -84,7 +84,7 @@ pub fn built_in_catalogue() -> Result<Catalogue, DatasetError> {
 ///
 /// [`DatasetError::Io`], [`DatasetError::NotText`], or [`DatasetError::Catalogue`] with the line of the first mistake.
 pub fn read_catalogue(path: &Path) -> Result<Catalogue, DatasetError> {
-    parse_catalogue(&format!("{path:?}"), &read_text_file(path)?)
+    parse_catalogue(&path.display().to_string(), &read_text_file(path)?)
 }
 
 /// Reads the catalogue in `text`, which errors call `name`.

@@ -1,5 +1,6 @@
 //! From what the user names to an open data set.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts};
@@ -129,5 +130,5 @@ fn name_of(found: &FoundDataset) -> String {
     let folder = found.folder.canonicalize().unwrap_or_else(|_| found.folder.clone());
     let mut names = folder.ancestors().filter_map(|it| it.file_name()).map(|name| name.to_string_lossy());
     let name = names.find(|name| name != "training" && name != "testing");
-    name.map_or_else(|| found.format.to_string(), |name| name.into_owned())
+    name.map_or_else(|| found.format.to_string(), Cow::into_owned)
 }
