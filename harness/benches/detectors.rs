@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|it| !it.starts_with("--")).collect();
     let name = arguments.first().map_or(DEFAULT_DATASET, String::as_str);
     let selection: ScanSelection = arguments.get(1).map_or("0..8", String::as_str).parse()?;
-    let dataset = open_dataset(name, &OpenOptions { format: None, seed: None }, &built_in_catalogue()?)?;
+    let dataset = open_dataset(name, &OpenOptions::default(), &built_in_catalogue()?)?;
     let positions = selection.positions(dataset.scan_ids().len())?;
     let clouds: Vec<PointCloud> = positions
         .iter()

@@ -18,7 +18,7 @@ use super::{AnnotatedClasses, Dataset, DatasetError};
 pub const DEFAULT_DATASET: &str = "kitti-tracking";
 
 /// How a data set is opened other than the catalogue says.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct OpenOptions {
     /// The format of a data set at a path; the files tell otherwise.
     pub format: Option<DatasetFormat>,
