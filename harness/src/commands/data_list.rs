@@ -14,7 +14,7 @@ use crate::dataset::open::{OpenOptions, open_dataset};
 pub fn data_list(arguments: &CatalogueArgs) -> anyhow::Result<()> {
     let catalogue = open_catalogue(arguments.catalogue.as_deref())?;
     let mut stdout = std::io::stdout().lock();
-    for id in catalogue.entries.keys() {
+    for id in catalogue.ids() {
         match open_dataset(id, &OpenOptions::default(), &catalogue) {
             Ok(dataset) => {
                 let description = dataset.description();

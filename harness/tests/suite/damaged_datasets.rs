@@ -78,7 +78,7 @@ impl Disk {
     fn catalogue(&self, format: &str, lines: &str) -> Catalogue {
         let root = self.folder.path().display();
         let text = format!(
-            "[street]\nformat = \"{format}\"\nroot = '{root}'\nannotated_classes = \"every-object\"\n\
+            "[recorded.street]\nformat = \"{format}\"\nroot = '{root}'\nannotated_classes = \"every-object\"\n\
              sensor_height_m = 2.1\nlicence = \"ours\"\nurl = \"https://example.org/street\"\n{lines}\n"
         );
         parse_catalogue("datasets.toml", &text).unwrap()
@@ -347,7 +347,7 @@ fn a_missing_root_says_what_to_set_and_where_the_data_are() {
     let disk = Disk::with_objects();
     let text = |root: &str| {
         format!(
-            "[street]\nformat = \"kitti-object\"\nroot = {root:?}\nannotated_classes = [\"car\"]\n\
+            "[recorded.street]\nformat = \"kitti-object\"\nroot = {root:?}\nannotated_classes = [\"car\"]\n\
              sensor_height_m = 1.7\nlicence = \"ours\"\nurl = \"https://example.org/street\"\n"
         )
     };
