@@ -92,6 +92,10 @@ impl Stream {
     ///
     /// [`StreamError`] if the file cannot be written or a viewer has to be started and cannot be.
     pub fn open(options: &StreamOptions, detectors: &[&str]) -> Result<Self, StreamError> {
+        // Rerun's own answer to this variable would be an empty file.
+        if !rerun::decide_logging_enabled(true) {
+            return Err(StreamError::SwitchedOff);
+        }
         let file = RecordingFile::create(&options.file)?;
         let viewer = ViewerLink::open(&options.viewer)?;
         let mut sinks: Vec<Box<dyn LogSink>> = vec![Box::new(file.clone())];
@@ -100,8 +104,6 @@ impl Stream {
         }
         let recording = RecordingStreamBuilder::new(APPLICATION_ID)
             .recording_name(&*options.name)
-            // Otherwise the environment variable RERUN=off would leave an empty file.
-            .enabled(true)
             .batcher_config(batching())
             .set_sinks(sinks)
             .map_err(|error| StreamError::Log {
