@@ -133,7 +133,9 @@ impl Stream {
 
     /// Logs points and annotations of `scan`, the one with this number within the run.
     ///
-    /// Whatever is logged afterwards belongs to it, until the next call. Call it from the thread that logs the detectors.
+    /// Whatever is logged afterwards belongs to it, until the next call. Call it from the thread that logs the detectors,
+    /// and outside every stopwatch: what was logged before is written now, so that nothing of the recording runs beside a
+    /// detector. (A viewer is sent to beside it, and shares the processor with it if it runs on the same machine.)
     ///
     /// # Errors
     ///
@@ -151,11 +153,10 @@ impl Stream {
     /// [`StreamError`] if the detector was not announced, if a product or an assignment is not of this scan, or if
     /// Rerun refuses.
     pub fn log_detector(&mut self, scan: &LabeledScan, view: &DetectorView<'_>) -> Result<(), StreamError> {
-        let announced = || self.detectors.iter().map(|it| it.name.clone()).collect();
         let Some(detector_idx) = self.detectors.iter().position(|it| it.name == view.name) else {
             return Err(StreamError::UnknownDetector {
                 detector: view.name.to_owned(),
-                announced: announced(),
+                announced: self.detectors.iter().map(|it| it.name.clone()).collect(),
             });
         };
         let state = &mut self.detectors[detector_idx];
