@@ -3,5 +3,6 @@
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
 pub mod annotation;
+pub mod simulator;
 pub mod dataset;
 pub mod matching;
