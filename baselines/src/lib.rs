@@ -1,1 +1,15 @@
-//! To be written.
+//! What the detectors of the papers must beat, behind the same trait.
+//!
+//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+
+// Euclidean components over a kd-tree.
+pub mod kd_tree_components;
+
+// Principal axes of what stands in an occupancy grid.
+pub mod occupancy_grid_components;
+pub mod principal_axes_box;
+
+// Their parameters, and how their stages follow each other.
+pub mod params;
+pub mod kd_tree_detector;
+pub mod pca_detector;

@@ -69,6 +69,8 @@ pub enum DropReason {
     TooFewPoints,
     /// More points than the detector's maximum.
     TooManyPoints,
+    /// Longer or wider than the detector's maximum.
+    TooLarge,
 }
 
 /// Splits the time of a scan into consecutive stages.

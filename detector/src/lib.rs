@@ -18,3 +18,13 @@ pub use detector::{Detector, DetectorOutput};
 pub use oriented_box::OrientedBox;
 pub use point_cloud::PointCloud;
 pub use stage_product::StageProduct;
+
+// The stages, in order.
+pub mod grid;
+pub mod segment;
+pub mod fit;
+pub mod classify;
+
+// Their parameters, and how they follow each other.
+pub mod params;
+pub mod pipeline;

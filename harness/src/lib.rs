@@ -3,6 +3,13 @@
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
 pub mod annotation;
+pub mod task;
 pub mod simulator;
 pub mod dataset;
 pub mod matching;
+pub mod metrics;
+pub mod run;
+#[cfg(feature = "rerun")]
+pub mod stream;
+pub mod cli;
+pub mod commands;

@@ -1,1 +1,25 @@
-//! To be written.
+//! What a run is on disk: numbers, their tables, and the folder they are kept in.
+//!
+//! This crate knows numbers, never points: it depends on no detector and on no data set.
+//!
+//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+
+// Numbers.
+pub mod counts;
+pub mod metric;
+mod fixed_decimals;
+
+// Files.
+pub mod archive;
+pub mod whole_file;
+pub mod csv_rows;
+pub mod run_report;
+pub mod manifest;
+pub mod scan_row;
+pub mod match_outcome;
+pub mod match_row;
+pub mod run_directory;
+
+// Tables.
+pub mod paper_figures;
+pub mod table;

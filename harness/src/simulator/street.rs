@@ -14,7 +14,7 @@ use super::object_shape::ObjectShape;
 use super::scan::{Surroundings, Turn, beam_errors, turn};
 use super::scene::{Leaf, LeafForm, Scene};
 use super::sensor::SensorModel;
-use super::world::{Motion, Stance, World, world_from_placement};
+use super::world::{Motion, World, world_from_placement};
 use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
 
 /// Bumped whenever the same street, seed and sensor give other scans.

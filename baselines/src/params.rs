@@ -1,0 +1,164 @@
+//! The parameters of the baselines, from one file.
+
+use detector::params::ParamsError;
+use serde::Deserialize;
+
+use crate::occupancy_grid_components::OccupancyParams;
+
+/// Parameters of every baseline. `params.toml` explains the values.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineParams {
+    /// Euclidean components over a kd-tree.
+    pub kd_tree: KdTreeParams,
+    /// Principal axes of what stands in an occupancy grid.
+    pub pca: PcaParams,
+}
+
+/// Tuning of [`KdTreeDetector`](crate::kd_tree_detector::KdTreeDetector).
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KdTreeParams {
+    /// Points nearer to each other than this are neighbours, in metres.
+    pub tolerance_m: f32,
+    /// Fewest points of an object.
+    pub min_points: usize,
+    /// Most points of an object.
+    pub max_points: usize,
+    /// Which points are looked at.
+    pub foreground: ForegroundChoice,
+}
+
+/// Which points of a scan are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ForegroundChoice {
+    /// Those of short objects, as the hierarchical detector finds them.
+    Short,
+    /// All of them, road and façades included.
+    All,
+}
+
+/// Tuning of [`PcaDetector`](crate::pca_detector::PcaDetector).
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PcaParams {
+    /// The occupancy grid.
+    pub grid: OccupancyGridParams,
+    /// Which of its cells are occupied.
+    pub occupancy: OccupancyParams,
+    /// Which clusters are objects.
+    pub cluster: ClusterExtentParams,
+}
+
+/// Geometry of the occupancy grid.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OccupancyGridParams {
+    /// Side of a cell in metres.
+    pub cell_size_m: f32,
+    /// Half the side of the gridded square in metres; the sensor is at its centre.
+    pub extent_m: f32,
+}
+
+/// Which clusters are objects.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClusterExtentParams {
+    /// Fewest points of an object.
+    pub min_points: usize,
+    /// Longest side of an object's box on the ground plan, in metres. What is longer is façade, fence or wall.
+    pub max_extent_m: f32,
+}
+
+/// The text of `params.toml`.
+pub const PARAMS_TOML: &str = include_str!("params.toml");
+
+impl BaselineParams {
+    /// The parameters that ship with the program.
+    pub fn shipped() -> Self {
+        Self::from_toml(PARAMS_TOML).expect("the embedded file is tested")
+    }
+
+    /// Parameters from a complete TOML document.
+    ///
+    /// # Errors
+    ///
+    /// [`ParamsError`] if a parameter is missing, unknown or out of range.
+    pub fn from_toml(text: &str) -> Result<Self, ParamsError> {
+        let params: Self = toml::from_str(text)?;
+        params.kd_tree.validate()?;
+        params.pca.validate()?;
+        Ok(params)
+    }
+}
+
+impl KdTreeParams {
+    fn validate(&self) -> Result<(), ParamsError> {
+        check_range("kd_tree.tolerance_m", self.tolerance_m.into(), [0.01, 100.0], "0.01 to 100 m")?;
+        let at_least = [self.min_points as f64, f64::INFINITY];
+        check_range("kd_tree.min_points", self.min_points as f64, [1.0, f64::INFINITY], "at least 1")?;
+        check_range("kd_tree.max_points", self.max_points as f64, at_least, "at least kd_tree.min_points")
+    }
+}
+
+impl PcaParams {
+    fn validate(&self) -> Result<(), ParamsError> {
+        let Self { grid, occupancy, cluster } = self;
+        check_range("pca.grid.cell_size_m", grid.cell_size_m.into(), [0.05, 10.0], "0.05 to 10 m")?;
+        check_range("pca.grid.extent_m", grid.extent_m.into(), [1.0, 300.0], "1 to 300 m")?;
+        let height_m = occupancy.min_height_difference_m.into();
+        check_range("pca.occupancy.min_height_difference_m", height_m, [0.0, 10.0], "0 to 10 m")?;
+        check_range(
+            "pca.occupancy.min_points",
+            occupancy.min_points.into(),
+            [1.0, f64::INFINITY],
+            "at least 1",
+        )?;
+        check_range("pca.cluster.min_points", cluster.min_points as f64, [1.0, f64::INFINITY], "at least 1")?;
+        check_range("pca.cluster.max_extent_m", cluster.max_extent_m.into(), [0.1, 1000.0], "0.1 to 1000 m")
+    }
+}
+
+/// NaN lies in no range.
+fn check_range(
+    name: &'static str,
+    value: f64,
+    [low, high]: [f64; 2],
+    allowed: &'static str,
+) -> Result<(), ParamsError> {
+    if (low..=high).contains(&value) { Ok(()) } else { Err(ParamsError::OutOfRange { name, value, allowed }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kd_tree_starts_from_the_foreground_of_the_hierarchical_detector() {
+        assert_eq!(BaselineParams::shipped().kd_tree.foreground, ForegroundChoice::Short);
+    }
+
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, message: &str) {
+        assert!(PARAMS_TOML.contains(from), "{from}");
+        let error = BaselineParams::from_toml(&PARAMS_TOML.replacen(from, to, 1)).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+
+    #[test]
+    fn misspelled_and_missing_parameters_are_refused() {
+        check_refused("tolerance_m =", "tolerence_m =", "unknown field `tolerence_m`");
+        check_refused("max_extent_m = 20.0", "", "missing field `max_extent_m`");
+        check_refused("\"short\"", "\"tall\"", "unknown variant `tall`, expected `short` or `all`");
+    }
+
+    #[test]
+    fn senseless_parameters_are_refused() {
+        check_refused("tolerance_m = 0.5", "tolerance_m = nan", "kd_tree.tolerance_m = NaN");
+        check_refused("tolerance_m = 0.5", "tolerance_m = -0.5", "outside of 0.01 to 100 m");
+        check_refused("max_points = 25000", "max_points = 9", "outside of at least kd_tree.min_points");
+        check_refused("cell_size_m = 0.4", "cell_size_m = 0.0", "pca.grid.cell_size_m = 0 is outside");
+        check_refused("max_extent_m = 20.0", "max_extent_m = inf", "pca.cluster.max_extent_m = inf");
+    }
+}

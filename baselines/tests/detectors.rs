@@ -1,0 +1,194 @@
+//! What both baselines must do with whole scans.
+
+use baselines::kd_tree_detector::KdTreeDetector;
+use baselines::params::{BaselineParams, ForegroundChoice};
+use baselines::pca_detector::PcaDetector;
+use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
+use detector::params::HierarchicalParams;
+use detector::stage_product::Shape;
+use detector::{DetectedClass, Detector, OrientedBox, PointCloud};
+
+const SENSOR_HEIGHT_M: f32 = 1.73;
+
+fn kd_tree(foreground: ForegroundChoice) -> KdTreeDetector {
+    let mut params = BaselineParams::shipped().kd_tree;
+    params.foreground = foreground;
+    KdTreeDetector::new(params, HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+}
+
+fn pca() -> PcaDetector {
+    PcaDetector::new(BaselineParams::shipped().pca, HierarchicalParams::paper().vehicle_size)
+}
+
+fn every_detector() -> [Box<dyn Detector>; 3] {
+    [Box::new(kd_tree(ForegroundChoice::Short)), Box::new(kd_tree(ForegroundChoice::All)), Box::new(pca())]
+}
+
+fn detected(detector: &mut dyn Detector, cloud: &PointCloud) -> DetectorOutput {
+    let mut output = DetectorOutput::default();
+    detector.detect(cloud, &mut output);
+    output
+}
+
+/// `n` values from `from` to `to`, both included.
+fn steps(from: f32, to: f32, n: u16) -> impl Iterator<Item = f32> + Clone {
+    (0..n).map(move |step| from + f32::from(step) / f32::from(n - 1) * (to - from))
+}
+
+fn road() -> Vec<[f32; 3]> {
+    let columns = steps(-20.0, 20.0, 200);
+    columns.flat_map(|x_m| steps(-20.0, 20.0, 200).map(move |y_m| [x_m, y_m, -SENSOR_HEIGHT_M])).collect()
+}
+
+/// The four sides of a car, from 0.3 m above the road up.
+fn car(center_m: [f32; 2], yaw_rad: f32) -> Vec<[f32; 3]> {
+    sides(center_m, yaw_rad, [4.2, 1.8], [0.3, 1.4])
+}
+
+fn sides(
+    [x_m, y_m]: [f32; 2],
+    yaw_rad: f32,
+    [length_m, width_m]: [f32; 2],
+    [bottom_m, top_m]: [f32; 2],
+) -> Vec<[f32; 3]> {
+    let footprint =
+        OrientedBox { center_m: [x_m, y_m, 0.0], length_width_height_m: [length_m, width_m, 0.0], yaw_rad };
+    let corners_m = footprint.footprint_m();
+    let heights_m = steps(bottom_m - SENSOR_HEIGHT_M, top_m - SENSOR_HEIGHT_M, 10);
+    let edges = (0..4).map(|corner| (corners_m[corner], corners_m[(corner + 1) % 4]));
+    let outline_m = edges.flat_map(|(from_m, to_m)| {
+        let n = (10.0 * (from_m[0] - to_m[0]).hypot(from_m[1] - to_m[1])) as u16 + 2;
+        steps(0.0, 1.0, n)
+            .map(move |share| [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis])))
+    });
+    outline_m.flat_map(|[x_m, y_m]| heights_m.clone().map(move |z_m| [x_m, y_m, z_m])).collect()
+}
+
+#[track_caller]
+fn check_found(found: &DetectorOutput, expected: &[([f32; 2], f32)]) {
+    let boxes: Vec<OrientedBox> = found.detections.iter().map(|detection| detection.bounding_box).collect();
+    assert_eq!(boxes.len(), expected.len(), "{boxes:?}");
+    for &([x_m, y_m], yaw_rad) in expected {
+        let fits = |it: &OrientedBox| {
+            (it.center_m[0] - x_m).hypot(it.center_m[1] - y_m) < 0.2
+                && (it.yaw_rad - yaw_rad).sin().abs() < 0.05
+        };
+        let found_as = found.detections.iter().find(|detection| fits(&detection.bounding_box));
+        let class = found_as.map(|detection| detection.class);
+        assert_eq!(class, Some(DetectedClass::Vehicle), "{x_m}, {y_m}: {boxes:?}");
+    }
+}
+
+#[test]
+fn nothing_is_found_where_there_is_nothing() {
+    let not_finite = [[f32::NAN; 3], [f32::INFINITY, 0.0, 0.0], [1.0, 2.0, f32::NEG_INFINITY]];
+    for mut detector in every_detector() {
+        for positions_m in [&[][..], &[[5.0, 1.0, -1.0]], &not_finite] {
+            let cloud = positions_m.iter().copied().collect();
+            let found = detected(detector.as_mut(), &cloud);
+            assert!(found.detections.is_empty(), "{}", detector.name());
+            for product in detector.stage_products(&cloud) {
+                if let Shape::Clusters(cluster_of_point) = product.shape {
+                    assert_eq!(cluster_of_point.len(), positions_m.len(), "{}", detector.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lone_point_is_reported_as_too_small_a_cluster() {
+    let cloud = [[f32::NAN; 3], [5.0, 1.0, -1.0]].into_iter().collect();
+    let found = detected(&mut kd_tree(ForegroundChoice::All), &cloud);
+    let expected = DroppedCluster { n_points: 1, reason: DropReason::TooFewPoints };
+    assert_eq!(found.dropped_clusters, [expected]);
+}
+
+#[test]
+fn two_cars_on_a_road_are_two_vehicles() {
+    let cars = [([8.0, 3.0], 0.3), ([-9.0, -4.0], -1.2)];
+    let points = [road(), car(cars[0].0, cars[0].1), car(cars[1].0, cars[1].1)].concat();
+    let cloud = points.into_iter().collect();
+    for mut detector in [Box::new(kd_tree(ForegroundChoice::Short)) as Box<dyn Detector>, Box::new(pca())] {
+        check_found(&detected(detector.as_mut(), &cloud), &cars);
+    }
+}
+
+#[test]
+fn the_whole_scan_with_a_road_is_one_cluster_that_is_too_large() {
+    let points = [road(), car([8.0, 3.0], 0.3)].concat();
+    let n_points = points.len();
+    let mut detector = kd_tree(ForegroundChoice::All);
+    let cloud = points.into_iter().collect();
+    let found = detected(&mut detector, &cloud);
+    assert!(found.detections.is_empty());
+    assert_eq!(found.dropped_clusters, [DroppedCluster { n_points, reason: DropReason::TooManyPoints }]);
+    let products = detector.stage_products(&cloud);
+    let dropped = products.iter().find(|product| product.name == "dropped_clusters").unwrap();
+    assert_eq!(dropped.shape, Shape::Clusters(vec![Some(0); n_points]));
+}
+
+#[test]
+fn a_facade_is_too_large_for_the_occupancy_grid_and_the_car_before_it_is_found() {
+    let facade = sides([0.0, 10.0], 0.0, [30.0, 0.1], [0.0, 6.0]);
+    let points = [road(), car([8.0, 3.0], 0.3), facade].concat();
+    let found = detected(&mut pca(), &points.into_iter().collect());
+    check_found(&found, &[([8.0, 3.0], 0.3)]);
+    let reasons: Vec<DropReason> = found.dropped_clusters.iter().map(|dropped| dropped.reason).collect();
+    assert_eq!(reasons, [DropReason::TooLarge]);
+}
+
+#[test]
+fn every_point_of_a_detection_is_its_own_and_drawn_with_its_cluster() {
+    let points = [road(), car([8.0, 3.0], 0.3), car([-9.0, -4.0], -1.2)].concat();
+    let cloud: PointCloud = points.into_iter().collect();
+    for mut detector in every_detector() {
+        let found = detected(detector.as_mut(), &cloud);
+        let products = detector.stage_products(&cloud);
+        let clusters = products.iter().find(|product| product.name == "clusters").unwrap();
+        let mut expected = vec![None; cloud.len()];
+        for (number, detection) in (0..).zip(found.detections.iter()) {
+            assert!(detection.point_indices.is_sorted_by(|a, b| a < b), "{}", detector.name());
+            for &point_idx in detection.point_indices {
+                assert_eq!(expected[point_idx as usize].replace(number), None, "{}", detector.name());
+            }
+        }
+        assert_eq!(clusters.shape, Shape::Clusters(expected), "{}", detector.name());
+    }
+}
+
+#[test]
+fn products_have_names_of_their_own_and_stages_that_were_timed() {
+    let cloud: PointCloud = [road(), car([8.0, 3.0], 0.3)].concat().into_iter().collect();
+    for mut detector in every_detector() {
+        let found = detected(detector.as_mut(), &cloud);
+        let products = detector.stage_products(&cloud);
+        let mut names: Vec<&str> = products.iter().map(|product| product.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), products.len(), "{}", detector.name());
+        for product in &products {
+            let was_timed = found.stage_times.iter().any(|it| it.stage == product.stage);
+            assert!(was_timed, "{} of {}", product.stage, detector.name());
+        }
+    }
+}
+
+#[test]
+fn a_scan_gives_the_same_whatever_came_before() {
+    let scans = [
+        [road(), car([8.0, 3.0], 0.3)].concat(),
+        Vec::new(),
+        [road(), car([-9.0, -4.0], -1.2), car([5.0, 0.0], 1.0)].concat(),
+    ];
+    let fresh = every_detector();
+    for (place, mut detector) in fresh.into_iter().enumerate() {
+        for scan in &scans {
+            let cloud = scan.iter().copied().collect();
+            let mut again = detected(detector.as_mut(), &cloud);
+            let mut first = detected(every_detector()[place].as_mut(), &cloud);
+            (again.stage_times, first.stage_times) = (Vec::new(), Vec::new());
+            assert_eq!(again, first, "{}", detector.name());
+        }
+    }
+}

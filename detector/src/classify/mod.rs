@@ -1,0 +1,3 @@
+//! What the objects are.
+
+pub mod size_gate;

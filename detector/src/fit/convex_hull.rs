@@ -1,0 +1,105 @@
+//! The convex outline of points on the ground plan.
+
+/// Reduces `points_m` to the corners of their convex hull, counter-clockwise from the corner with the smallest x, and
+/// of those the smallest y. Points along an edge and repeated points are no corners.
+///
+/// One corner is left of points that are all the same, two of points on a line, none of none. The points must be finite.
+///
+/// Monotone chain. Paper: VM section 4, reference 12.
+pub fn convex_hull(points_m: &mut Vec<[f32; 2]>, hull_m: &mut Vec<[f32; 2]>) {
+    hull_m.clear();
+    points_m.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points_m.dedup();
+    if points_m.len() < 3 {
+        hull_m.extend_from_slice(points_m);
+        return;
+    }
+    extend_chain(points_m.iter(), hull_m);
+    extend_chain(points_m.iter().rev(), hull_m);
+}
+
+/// Appends the chain of left turns through `sorted_m`, without its last corner.
+fn extend_chain<'a>(sorted_m: impl Iterator<Item = &'a [f32; 2]>, hull_m: &mut Vec<[f32; 2]>) {
+    let first = hull_m.len();
+    for &point_m in sorted_m {
+        while let [.., before_m, last_m] = hull_m[first..] {
+            if turn(before_m, last_m, point_m) > 0.0 {
+                break;
+            }
+            hull_m.pop();
+        }
+        hull_m.push(point_m);
+    }
+    hull_m.pop();
+}
+
+/// Twice the signed area of the triangle; positive for a left turn.
+fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f64 {
+    // Differences of f32 values of similar size are exact enough in f64 for the sign to be right.
+    let difference = |to: [f32; 2], axis: usize| f64::from(to[axis]) - f64::from(a[axis]);
+    difference(b, 0) * difference(c, 1) - difference(b, 1) * difference(c, 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn hull_of(points_m: &[[f32; 2]]) -> Vec<[f32; 2]> {
+        let mut hull_m = Vec::new();
+        convex_hull(&mut points_m.to_vec(), &mut hull_m);
+        hull_m
+    }
+
+    #[test]
+    fn few_points_and_points_on_a_line_have_defined_hulls() {
+        let none: [[f32; 2]; 0] = [];
+        assert_eq!(hull_of(&[]), none);
+        assert_eq!(hull_of(&[[1.0, 2.0]; 5]), [[1.0, 2.0]]);
+        assert_eq!(hull_of(&[[0.0, 0.0], [2.0, 2.0], [1.0, 1.0], [3.0, 3.0]]), [[0.0, 0.0], [3.0, 3.0]]);
+    }
+
+    #[test]
+    fn points_inside_and_on_edges_are_no_corners() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let with_more = [square.to_vec(), vec![[0.5, 0.5], [0.5, 0.0], [1.0, 0.5]]].concat();
+        assert_eq!(hull_of(&with_more), square);
+    }
+
+    #[expect(clippy::float_cmp, reason = "whether it is the same point")]
+    fn brute_force_corners(points_m: &[[f32; 2]]) -> Vec<[f32; 2]> {
+        // A point is a corner if it is in no triangle and on no segment of other points.
+        let mut unique = points_m.to_vec();
+        unique.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        unique.dedup();
+        let inside = |p: [f32; 2], t: [[f32; 2]; 3]| {
+            let turns = [turn(t[0], t[1], p), turn(t[1], t[2], p), turn(t[2], t[0], p)];
+            turns.iter().all(|&it| it >= 0.0) || turns.iter().all(|&it| it <= 0.0)
+        };
+        let covers = |p: [f32; 2], t: [[f32; 2]; 3]| {
+            let within = |axis: usize| {
+                let low = t.iter().map(|it| it[axis]).fold(f32::INFINITY, f32::min);
+                let high = t.iter().map(|it| it[axis]).fold(f32::NEG_INFINITY, f32::max);
+                (low..=high).contains(&p[axis])
+            };
+            within(0) && within(1) && inside(p, t)
+        };
+        let is_covered = |p: [f32; 2]| {
+            let others: Vec<_> = unique.iter().copied().filter(|&it| it != p).collect();
+            others.iter().any(|&a| others.iter().any(|&b| others.iter().any(|&c| covers(p, [a, b, c]))))
+        };
+        unique.iter().copied().filter(|&p| !is_covered(p)).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn the_hull_has_the_corners_that_no_triangle_of_other_points_covers(
+            steps in prop::collection::vec((0_i8..6, 0_i8..6), 1..12)
+        ) {
+            let points_m: Vec<[f32; 2]> = steps.iter().map(|&(x, y)| [f32::from(x), f32::from(y)]).collect();
+            let mut corners = hull_of(&points_m);
+            corners.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+            prop_assert_eq!(corners, brute_force_corners(&points_m));
+        }
+    }
+}

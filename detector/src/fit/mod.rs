@@ -1,0 +1,5 @@
+//! Boxes around objects.
+
+pub mod outline;
+pub mod convex_hull;
+pub mod convex_hull_box;

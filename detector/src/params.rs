@@ -1,0 +1,122 @@
+//! The parameters of the hierarchical detector, from one file.
+
+use serde::Deserialize;
+
+use crate::classify::size_gate::SizeGateParams;
+use crate::grid::hierarchical_grid::GridParams;
+use crate::segment::connected_components::ConnectedComponentsParams;
+use crate::segment::dense_separation::DenseSeparationParams;
+use crate::segment::foreground::ForegroundParams;
+use crate::segment::ground_segmentation::GroundSegmentationParams;
+use crate::segment::terrain::TerrainParams;
+
+/// Parameters of every stage. `params/paper.toml` explains the values.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HierarchicalParams {
+    /// The two-level grid.
+    pub grid: GridParams,
+    /// The terrain.
+    pub terrain: TerrainParams,
+    /// Cell classes.
+    pub ground: GroundSegmentationParams,
+    /// Foreground points.
+    pub foreground: ForegroundParams,
+    /// Merging of coarse cells.
+    pub merge: ConnectedComponentsParams,
+    /// Separation by dense cells.
+    pub separation: DenseSeparationParams,
+    /// Which clusters are objects.
+    pub cluster: ClusterParams,
+    /// Which objects are vehicles.
+    pub vehicle_size: SizeGateParams,
+}
+
+/// Which clusters are objects.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClusterParams {
+    /// Fewest points of an object.
+    pub min_points: usize,
+}
+
+/// The text of `params/paper.toml`.
+pub const PAPER_TOML: &str = include_str!("params/paper.toml");
+
+/// Why parameters cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ParamsError {
+    /// Not TOML, or not these parameters.
+    #[error("{0}")]
+    Syntax(#[from] toml::de::Error),
+    /// A value no detector can work with.
+    #[error("{name} = {value} is outside of {allowed}")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values that make sense.
+        allowed: &'static str,
+    },
+}
+
+impl HierarchicalParams {
+    /// The parameters of the paper.
+    pub fn paper() -> Self {
+        Self::from_toml(PAPER_TOML).expect("the embedded file is tested")
+    }
+
+    /// Parameters from a complete TOML document.
+    ///
+    /// # Errors
+    ///
+    /// [`ParamsError`] if a parameter is missing, unknown or out of range.
+    pub fn from_toml(text: &str) -> Result<Self, ParamsError> {
+        let params: Self = toml::from_str(text)?;
+        params.validate()?;
+        Ok(params)
+    }
+
+    fn validate(&self) -> Result<(), ParamsError> {
+        let within = |name, value: f64, low: f64, high: f64, allowed| {
+            // NaN is within nothing.
+            if (low..=high).contains(&value) {
+                Ok(())
+            } else {
+                Err(ParamsError::OutOfRange { name, value, allowed })
+            }
+        };
+        let grid = &self.grid;
+        within("grid.cell_size_m", grid.cell_size_m.into(), 0.05, 10.0, "0.05 to 10 m")?;
+        within("grid.xi", grid.xi.into(), 1.0, 8.0, "1 to 8")?;
+        within("grid.extent_m", grid.extent_m.into(), 1.0, 300.0, "1 to 300 m")?;
+        within("terrain.block_cells", self.terrain.block_cells.into(), 1.0, 100.0, "1 to 100")?;
+        within("terrain.low_quantile", self.terrain.low_quantile.into(), 0.0, 1.0, "0 to 1")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_paper_has_cells_of_60_cm_and_three_dense_cells_a_side() {
+        let grid = HierarchicalParams::paper().grid;
+        assert_eq!((grid.cell_size_m, grid.xi), (0.6, 3));
+    }
+
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, message: &str) {
+        let error = HierarchicalParams::from_toml(&PAPER_TOML.replacen(from, to, 1)).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+
+    #[test]
+    fn misspelled_missing_and_senseless_parameters_are_refused() {
+        check_refused("xi = 3", "ksi = 3", "unknown field `ksi`");
+        check_refused("xi = 3", "", "missing field `xi`");
+        check_refused("xi = 3", "xi = 9", "grid.xi = 9 is outside of 1 to 8");
+        check_refused("cell_size_m = 0.60", "cell_size_m = nan", "grid.cell_size_m = NaN");
+    }
+}

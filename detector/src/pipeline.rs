@@ -1,0 +1,4 @@
+//! The order of the stages. No other file knows it.
+
+pub mod foreground_stages;
+pub mod hierarchical_detector;

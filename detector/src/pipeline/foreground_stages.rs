@@ -1,0 +1,94 @@
+//! From a scan to the points that may belong to objects. Shared with baselines that start from the same foreground.
+
+use crate::detector::{StageClock, StageTime};
+use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
+use crate::params::HierarchicalParams;
+use crate::point_cloud::PointCloud;
+use crate::segment::foreground::Foreground;
+use crate::segment::ground_segmentation::segment_ground;
+use crate::segment::terrain::Terrain;
+use crate::stage_product::{ProductCell, Shape, StageProduct, SurfaceClass};
+
+/// Grid, terrain, cell classes and foreground of one scan after another.
+#[derive(Debug, Clone)]
+pub struct ForegroundStages {
+    params: HierarchicalParams,
+    grid: HierarchicalGrid,
+    terrain: Terrain,
+    classes: Vec<SurfaceClass>,
+    foreground: Foreground,
+}
+
+impl ForegroundStages {
+    /// Stages for a sensor `sensor_height_m` above the road.
+    pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
+        let grid = HierarchicalGrid::new(params.grid.clone());
+        let terrain = Terrain::new(params.terrain.clone(), &grid, sensor_height_m);
+        let foreground = Foreground::new(params.foreground.clone());
+        Self { params, grid, terrain, classes: Vec::new(), foreground }
+    }
+
+    /// Runs the stages on `cloud`.
+    pub fn run(&mut self, cloud: &PointCloud, clock: &mut StageClock, stage_times: &mut Vec<StageTime>) {
+        self.grid.fill(cloud);
+        clock.lap("grid", stage_times);
+        self.terrain.estimate(&self.grid);
+        segment_ground(&self.grid, &self.terrain, &self.params.ground, &mut self.classes);
+        // Here the refinement of walls turns short cells on long lines into tall ones (HG section 3.1).
+        clock.lap("ground", stage_times);
+        self.foreground.extract(cloud, &self.grid, &self.classes, &self.terrain);
+        clock.lap("foreground", stage_times);
+    }
+
+    /// The parameters.
+    pub fn params(&self) -> &HierarchicalParams {
+        &self.params
+    }
+
+    /// The grid of the latest scan.
+    pub fn grid(&self) -> &HierarchicalGrid {
+        &self.grid
+    }
+
+    /// Indices of the latest scan's foreground points, ascending.
+    pub fn point_indices(&self) -> &[u32] {
+        self.foreground.point_indices()
+    }
+
+    /// The classified cells and points of the latest scan.
+    pub fn stage_products(&self) -> Vec<StageProduct> {
+        let cells = self.grid.occupied().iter().map(|&cell_idx| {
+            let cell = &self.grid.cells()[cell_idx as usize];
+            ProductCell {
+                center_m: self.grid.center_m(cell_idx),
+                z_range_m: [cell.z_min_m, cell.z_max_m],
+                class: self.classes[cell_idx as usize],
+            }
+        });
+        let cells = Shape::Cells { cell_size_m: self.grid.params().cell_size_m, cells: cells.collect() };
+        vec![
+            StageProduct { stage: "ground", name: "cells", shape: cells },
+            StageProduct {
+                stage: "foreground",
+                name: "points",
+                shape: Shape::LabeledPoints(self.point_classes()),
+            },
+        ]
+    }
+
+    /// Points of short cells that lie below the foreground are ground.
+    fn point_classes(&self) -> Vec<SurfaceClass> {
+        let class_of = |&cell_idx: &u32| match cell_idx {
+            NO_CELL => SurfaceClass::Unseen,
+            _ => match self.classes[cell_idx as usize] {
+                SurfaceClass::Short => SurfaceClass::Ground,
+                class => class,
+            },
+        };
+        let mut classes: Vec<SurfaceClass> = self.grid.cell_of_point().iter().map(class_of).collect();
+        for &point_idx in self.point_indices() {
+            classes[point_idx as usize] = SurfaceClass::Short;
+        }
+        classes
+    }
+}

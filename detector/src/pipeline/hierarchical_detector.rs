@@ -1,0 +1,183 @@
+//! The detector of the paper.
+
+use crate::classify::size_gate::size_gate;
+use crate::detection::Detection;
+use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
+use crate::fit::convex_hull_box::ConvexHullBox;
+use crate::fit::outline::mark_outline;
+use crate::grid::dense_level::DenseLevel;
+use crate::oriented_box::OrientedBox;
+use crate::params::HierarchicalParams;
+use crate::pipeline::foreground_stages::ForegroundStages;
+use crate::point_cloud::PointCloud;
+use crate::segment::clusters::Clusters;
+use crate::segment::connected_components::connected_components;
+use crate::segment::dense_separation::DenseSeparation;
+use crate::stage_product::{Shape, StageProduct};
+
+/// Objects from a hierarchical grid.
+///
+/// Paper: HG sections 3 to 3.2; boxes as VM section 4.
+#[derive(Debug, Clone)]
+pub struct HierarchicalDetector {
+    foreground: ForegroundStages,
+    dense: DenseLevel,
+    links: Vec<[u32; 2]>,
+    separation: DenseSeparation,
+    clusters: Clusters,
+    is_outline: Vec<bool>,
+    box_fit: ConvexHullBox,
+    objects: Vec<FittedObject>,
+    hulls_m: Vec<[f32; 2]>,
+    object_points: Vec<u32>,
+}
+
+/// A cluster that is large enough, with its box.
+#[derive(Debug, Clone)]
+struct FittedObject {
+    cluster_idx: usize,
+    bounding_box: OrientedBox,
+    /// Its hull within `hulls_m`.
+    hull: std::ops::Range<usize>,
+}
+
+impl HierarchicalDetector {
+    /// A detector for a sensor `sensor_height_m` above the road.
+    pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
+        Self {
+            foreground: ForegroundStages::new(params, sensor_height_m),
+            dense: DenseLevel::default(),
+            links: Vec::new(),
+            separation: DenseSeparation::default(),
+            clusters: Clusters::default(),
+            is_outline: Vec::new(),
+            box_fit: ConvexHullBox::default(),
+            objects: Vec::new(),
+            hulls_m: Vec::new(),
+            object_points: Vec::new(),
+        }
+    }
+}
+
+impl Detector for HierarchicalDetector {
+    fn name(&self) -> &'static str {
+        "hierarchical"
+    }
+
+    fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        output.clear();
+        let mut clock = StageClock::start();
+        self.foreground.run(cloud, &mut clock, &mut output.stage_times);
+        let grid = self.foreground.grid();
+        let params = self.foreground.params();
+        self.dense.fill(cloud, grid, self.foreground.point_indices());
+        clock.lap("dense_level", &mut output.stage_times);
+        connected_components(grid, &self.dense, &params.merge, &mut self.links);
+        clock.lap("merge", &mut output.stage_times);
+        self.separation.separate(grid, &self.dense, &self.links, &params.separation);
+        let object_of_dense = self.separation.object_of_dense();
+        let labels = self.dense.dense_of_point().iter().map(|&dense_idx| object_of_dense[dense_idx as usize]);
+        self.clusters.group(labels, self.separation.n_parts());
+        clock.lap("separation", &mut output.stage_times);
+        mark_outline(grid, &self.dense, object_of_dense, &mut self.is_outline);
+        self.fit_boxes(cloud, output);
+        clock.lap("boxes", &mut output.stage_times);
+        self.classify(output);
+        clock.lap("classify", &mut output.stage_times);
+    }
+
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        let mut products = self.foreground.stage_products();
+        let cuts = self.separation.cut_links().iter().map(|&blocks| self.cut(blocks)).collect();
+        let hulls = self.objects.iter().map(|object| self.hull(object)).collect();
+        let boxes = self.objects.iter().map(|object| object.bounding_box).collect();
+        products.extend([
+            StageProduct { stage: "separation", name: "cuts", shape: Shape::Segments(cuts) },
+            StageProduct {
+                stage: "separation",
+                name: "clusters",
+                shape: Shape::Clusters(self.cluster_of_point(cloud.len())),
+            },
+            StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
+            StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
+        ]);
+        products
+    }
+}
+
+impl HierarchicalDetector {
+    fn fit_boxes(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        self.objects.clear();
+        self.hulls_m.clear();
+        let point_indices = self.foreground.point_indices();
+        let dense_of_point = self.dense.dense_of_point();
+        for (cluster_idx, members) in self.clusters.iter().enumerate() {
+            if members.len() < self.foreground.params().cluster.min_points {
+                let reason = DropReason::TooFewPoints;
+                output.dropped_clusters.push(DroppedCluster { n_points: members.len(), reason });
+                continue;
+            }
+            let position_m = |&place: &u32| cloud.position_m(point_indices[place as usize] as usize);
+            let is_outline = |&&place: &&u32| self.is_outline[dense_of_point[place as usize] as usize];
+            let outline_m = members.iter().filter(is_outline).map(position_m).map(|[x, y, _]| [x, y]);
+            let z_range_m = members
+                .iter()
+                .map(position_m)
+                .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], [_, _, z]| [low.min(z), high.max(z)]);
+            let bounding_box =
+                self.box_fit.fit(outline_m, z_range_m).expect("every object has cells on its outline");
+            let hull_start = self.hulls_m.len();
+            self.hulls_m.extend_from_slice(self.box_fit.hull_m());
+            self.objects.push(FittedObject {
+                cluster_idx,
+                bounding_box,
+                hull: hull_start..self.hulls_m.len(),
+            });
+        }
+    }
+
+    /// The vehicle model (VM sections 4 and 5) takes the place of the size gate here.
+    fn classify(&mut self, output: &mut DetectorOutput) {
+        let point_indices = self.foreground.point_indices();
+        for object in &self.objects {
+            let members = self.clusters.members(object.cluster_idx);
+            self.object_points.clear();
+            self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
+            output.detections.push(Detection {
+                point_indices: &self.object_points,
+                bounding_box: object.bounding_box,
+                class: size_gate(members.len(), &object.bounding_box, &self.foreground.params().vehicle_size),
+                score: None,
+            });
+        }
+    }
+
+    /// The border between two neighbouring cells whose link was cut, drawn at the height of the lower one's top.
+    fn cut(&self, blocks: [u32; 2]) -> [[f32; 3]; 2] {
+        let grid = self.foreground.grid();
+        let [a, b] = blocks.map(|block_idx| grid.center_m(self.dense.cell_of_block()[block_idx as usize]));
+        let [top_a_m, top_b_m] = blocks.map(|block_idx| self.dense.z_max_m(block_idx));
+        let top_m = top_a_m.min(top_b_m);
+        let middle_m = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+        // A quarter turn from the line between the centres, half as long to either side.
+        let half_m = [0.5 * (a[1] - b[1]), 0.5 * (b[0] - a[0])];
+        [1.0, -1.0].map(|side| [middle_m[0] + side * half_m[0], middle_m[1] + side * half_m[1], top_m])
+    }
+
+    fn hull(&self, object: &FittedObject) -> Vec<[f32; 3]> {
+        let [_, _, center_z_m] = object.bounding_box.center_m;
+        let bottom_m = center_z_m - object.bounding_box.length_width_height_m[2] / 2.0;
+        self.hulls_m[object.hull.clone()].iter().map(|&[x, y]| [x, y, bottom_m]).collect()
+    }
+
+    fn cluster_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
+        let mut cluster_of_point = vec![None; n_points];
+        for (members, cluster_idx) in self.clusters.iter().zip(0..) {
+            for &place in members {
+                cluster_of_point[self.foreground.point_indices()[place as usize] as usize] =
+                    Some(cluster_idx);
+            }
+        }
+        cluster_of_point
+    }
+}

@@ -1,0 +1,313 @@
+//! Blobs of several objects, cut where their dense cells are empty.
+
+use serde::Deserialize;
+
+use crate::grid::dense_level::DenseLevel;
+use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::disjoint_sets::DisjointSets;
+
+/// Tuning of [`DenseSeparation::separate`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DenseSeparationParams {
+    /// A dense cell with less than this share of the mean of its coarse cell's occupied dense cells is near-empty.
+    pub low_density_share: f32,
+    /// Mean points per occupied dense cell below which a coarse cell is too thin for its gaps to mean anything.
+    pub min_mean_points: f32,
+}
+
+/// Decides for every dense cell which object it belongs to.
+///
+/// *Parts* are the groups of touching occupied dense cells of a coarse cell: one, unless a line of near-empty dense
+/// cells runs through it (Fig. 4 c). Parts of linked coarse cells stay together if an occupied dense cell of the one
+/// touches one of the other; near-empty dense cells along their border, straight (Fig. 4 a) or stepped (Fig. 4 b),
+/// keep them apart. Where the points are too thin for a gap to mean anything, coarse cells stay whole and linked.
+///
+/// Paper: HG section 3.2, third step, and Fig. 4.
+#[derive(Debug, Clone, Default)]
+pub struct DenseSeparation {
+    // The part, and after all links the object, of every dense cell.
+    object_of_dense: Vec<u32>,
+    first_part_of_block: Vec<u32>,
+    // Occupied dense cells of each part, as bits.
+    cells_of_part: Vec<u64>,
+    is_thin: Vec<bool>,
+    parts: DisjointSets,
+    cut_links: Vec<[u32; 2]>,
+}
+
+/// Marks dense cells without points.
+pub const NO_OBJECT: u32 = u32::MAX;
+
+impl DenseSeparation {
+    /// Replaces the content by the objects of the blobs that `links` makes of the blocks of `dense`.
+    pub fn separate(
+        &mut self,
+        grid: &HierarchicalGrid,
+        dense: &DenseLevel,
+        links: &[[u32; 2]],
+        params: &DenseSeparationParams,
+    ) {
+        let xi = grid.params().xi;
+        self.find_parts(dense, xi, params);
+        self.parts.reset(self.cells_of_part.len());
+        self.cut_links.clear();
+        for &[block_idx, neighbor_idx] in links {
+            let steps = steps_between(grid, dense, [block_idx, neighbor_idx]);
+            if !self.link(xi, [block_idx, neighbor_idx], steps) {
+                self.cut_links.push([block_idx, neighbor_idx]);
+            }
+        }
+        for part in self.object_of_dense.iter_mut().filter(|part| **part != NO_OBJECT) {
+            *part = self.parts.representative(*part);
+        }
+    }
+
+    /// The object of every dense cell: the smallest number of its parts, or [`NO_OBJECT`] for empty cells.
+    pub fn object_of_dense(&self) -> &[u32] {
+        &self.object_of_dense
+    }
+
+    /// Number of parts; objects are numbered below it.
+    pub fn n_parts(&self) -> usize {
+        self.cells_of_part.len()
+    }
+
+    /// The links that were cut, ascending.
+    pub fn cut_links(&self) -> &[[u32; 2]] {
+        &self.cut_links
+    }
+
+    fn find_parts(&mut self, dense: &DenseLevel, xi: u32, params: &DenseSeparationParams) {
+        self.object_of_dense.clear();
+        self.object_of_dense.resize(dense.n_points().len(), NO_OBJECT);
+        self.first_part_of_block.clear();
+        self.cells_of_part.clear();
+        self.is_thin.clear();
+        for block_idx in 0..dense.n_blocks() as u32 {
+            let n_points = dense.n_points_of_block(block_idx);
+            let occupancy = Occupancy::of(n_points, params);
+            self.first_part_of_block.push(self.cells_of_part.len() as u32);
+            self.is_thin.push(occupancy.is_thin);
+            let first_part = self.cells_of_part.len();
+            if occupancy.is_thin {
+                self.cells_of_part.push(occupancy.filled);
+            } else {
+                push_touching_groups(occupancy.filled, xi, &mut self.cells_of_part);
+            }
+            let parts = &self.cells_of_part[first_part..];
+            for (bit, &n_in_cell) in n_points.iter().enumerate() {
+                if n_in_cell > 0 {
+                    let dense_idx = block_idx as usize * n_points.len() + bit;
+                    self.object_of_dense[dense_idx] =
+                        (first_part + nearest_part(parts, bit as u32, xi)) as u32;
+                }
+            }
+        }
+        self.first_part_of_block.push(self.cells_of_part.len() as u32);
+    }
+
+    fn parts_of_block(&self, block_idx: u32) -> std::ops::Range<u32> {
+        let block_idx = block_idx as usize;
+        self.first_part_of_block[block_idx]..self.first_part_of_block[block_idx + 1]
+    }
+
+    /// Joins the parts of two linked blocks that belong together; `false` if none do.
+    fn link(&mut self, xi: u32, blocks: [u32; 2], steps: [i32; 2]) -> bool {
+        let thin = blocks.iter().any(|&block_idx| self.is_thin[block_idx as usize]);
+        let mut nearest = (u32::MAX, [0, 0]);
+        let mut touched = false;
+        for part in self.parts_of_block(blocks[0]) {
+            for neighbor in self.parts_of_block(blocks[1]) {
+                let cells = [part, neighbor].map(|idx| self.cells_of_part[idx as usize]);
+                let distance = chebyshev_distance(cells, xi, steps);
+                if distance <= 1 {
+                    self.parts.join(part, neighbor);
+                    touched = true;
+                }
+                nearest = nearest.min((distance, [part, neighbor]));
+            }
+        }
+        if thin && !touched {
+            let (_, [part, neighbor]) = nearest;
+            self.parts.join(part, neighbor);
+        }
+        thin || touched
+    }
+}
+
+/// Columns and rows from the first block to the second, each -1, 0 or 1.
+fn steps_between(grid: &HierarchicalGrid, dense: &DenseLevel, blocks: [u32; 2]) -> [i32; 2] {
+    let [from, to] = blocks.map(|block_idx| grid.column_and_row(dense.cell_of_block()[block_idx as usize]));
+    [to[0] as i32 - from[0] as i32, to[1] as i32 - from[1] as i32]
+}
+
+struct Occupancy {
+    /// Dense cells that are not near-empty, as bits.
+    filled: u64,
+    is_thin: bool,
+}
+
+impl Occupancy {
+    fn of(n_points: &[u32], params: &DenseSeparationParams) -> Self {
+        let n_occupied = n_points.iter().filter(|&&n| n > 0).count();
+        let mean = n_points.iter().sum::<u32>() as f32 / n_occupied as f32;
+        let least = (params.low_density_share * mean).max(1.0);
+        let is_filled = n_points.iter().enumerate().filter(|&(_, &n)| n as f32 >= least);
+        Self {
+            filled: is_filled.fold(0, |bits, (bit, _)| bits | 1 << bit),
+            is_thin: mean < params.min_mean_points,
+        }
+    }
+}
+
+/// Splits `filled` into groups that touch at sides or corners, in the order of their first cell.
+fn push_touching_groups(filled: u64, xi: u32, groups: &mut Vec<u64>) {
+    let mut left = filled;
+    while left != 0 {
+        let mut group = 1 << left.trailing_zeros();
+        loop {
+            let grown = (0..xi * xi)
+                .filter(|&bit| left >> bit & 1 == 1 && touches(group, bit, xi))
+                .fold(group, |bits, bit| bits | 1 << bit);
+            if grown == group {
+                break;
+            }
+            group = grown;
+        }
+        groups.push(group);
+        left &= !group;
+    }
+}
+
+fn touches(cells: u64, bit: u32, xi: u32) -> bool {
+    chebyshev_distance([cells, 1 << bit], xi, [0, 0]) <= 1
+}
+
+/// The part of `parts` nearest to dense cell `bit`; the first of equally near ones.
+fn nearest_part(parts: &[u64], bit: u32, xi: u32) -> usize {
+    let distances = parts.iter().map(|&cells| chebyshev_distance([cells, 1 << bit], xi, [0, 0]));
+    let nearest = distances.enumerate().min_by_key(|&(_, distance)| distance);
+    nearest.map_or(0, |(part, _)| part)
+}
+
+/// Fewest steps, sideways or diagonal, from a dense cell of the first set to one of the second, whose coarse cell is
+/// `steps` columns and rows away.
+fn chebyshev_distance(cells: [u64; 2], xi: u32, steps: [i32; 2]) -> u32 {
+    let xi = xi as i32;
+    let positions = |bits: u64| {
+        let set = (0..xi * xi).filter(move |bit| bits >> bit & 1 == 1);
+        set.map(move |bit| [bit % xi, bit / xi])
+    };
+    let mut least = u32::MAX;
+    for [column, row] in positions(cells[0]) {
+        for [to_column, to_row] in positions(cells[1]) {
+            let across = (to_column + steps[0] * xi - column).unsigned_abs();
+            let along = (to_row + steps[1] * xi - row).unsigned_abs();
+            least = least.min(across.max(along));
+        }
+    }
+    least
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::hierarchical_grid::GridParams;
+    use crate::point_cloud::PointCloud;
+    use crate::segment::connected_components::{ConnectedComponentsParams, connected_components};
+
+    const PARAMS: DenseSeparationParams =
+        DenseSeparationParams { low_density_share: 0.1, min_mean_points: 5.0 };
+
+    /// Separates a drawing of dense cells, three to a coarse cell: `#` holds `n_points` points, `1` a single one.
+    /// Returns the drawing with a letter for each object.
+    fn separated(drawing: &str, n_points: usize) -> String {
+        let xi = 3;
+        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi, extent_m: 6.0 });
+        let mut cloud = PointCloud::default();
+        let mut place_of_point = Vec::new();
+        for (row, line) in drawing.lines().enumerate() {
+            for (column, mark) in line.chars().enumerate() {
+                let n_points = match mark {
+                    '#' => n_points,
+                    '1' => 1,
+                    _ => 0,
+                };
+                for _ in 0..n_points {
+                    let at_m = |step: usize| (step as f32 + 0.5) * 0.2;
+                    cloud.push([at_m(column), at_m(row), 0.0], 0.0);
+                    place_of_point.push((row, column));
+                }
+            }
+        }
+        grid.fill(&cloud);
+        let point_indices: Vec<u32> = (0..cloud.len() as u32).collect();
+        let mut dense = DenseLevel::default();
+        dense.fill(&cloud, &grid, &point_indices);
+        let mut links = Vec::new();
+        connected_components(
+            &grid,
+            &dense,
+            &ConnectedComponentsParams { max_height_difference_m: 1.0 },
+            &mut links,
+        );
+        let mut separation = DenseSeparation::default();
+        separation.separate(&grid, &dense, &links, &PARAMS);
+        let mut lines: Vec<Vec<char>> = drawing.lines().map(|line| vec!['.'; line.len()]).collect();
+        let mut seen = Vec::new();
+        for (&dense_idx, (row, column)) in dense.dense_of_point().iter().zip(place_of_point) {
+            let object = separation.object_of_dense()[dense_idx as usize];
+            let letter = seen.iter().position(|&it| it == object).unwrap_or_else(|| {
+                seen.push(object);
+                seen.len() - 1
+            });
+            lines[row][column] = (b'a' + letter as u8) as char;
+        }
+        lines.iter().map(|line| line.iter().collect::<String>()).collect::<Vec<_>>().join("\n")
+    }
+
+    #[track_caller]
+    fn check(drawing: &str, n_points: usize, expected: &str) {
+        let found = separated(drawing, n_points);
+        assert_eq!(found, expected, "\n{drawing}\nbecame\n{found}");
+    }
+
+    // The coarse cells lie at columns 0-2, 3-5, 6-8 and likewise for rows.
+
+    #[test]
+    fn a_straight_empty_border_between_two_cells_separates() {
+        // Fig. 4 a.
+        check("##.###\n##.###\n##.###", 20, "aa.bbb\naa.bbb\naa.bbb");
+    }
+
+    #[test]
+    fn a_stepped_empty_border_between_two_cells_separates() {
+        // Fig. 4 b.
+        check("###.##\n##..##\n#..###", 20, "aaa.bb\naa..bb\na..bbb");
+    }
+
+    #[test]
+    fn an_empty_line_through_one_cell_separates() {
+        // Fig. 4 c.
+        check("#.#\n#.#\n#.#", 20, "a.b\na.b\na.b");
+        check("####.####\n####.####\n####.####", 20, "aaaa.bbbb\naaaa.bbbb\naaaa.bbbb");
+    }
+
+    #[test]
+    fn cells_that_touch_at_a_corner_stay_together() {
+        check("##.\n##.\n..#", 20, "aa.\naa.\n..a");
+        check("##....\n##....\n..#...\n...##.", 20, "aa....\naa....\n..a...\n...aa.");
+    }
+
+    #[test]
+    fn near_empty_cells_separate_like_empty_ones_and_join_the_nearer_side() {
+        check("##1###\n##1###\n##1###", 40, "aaabbb\naaabbb\naaabbb");
+    }
+
+    #[test]
+    fn gaps_mean_nothing_where_points_are_thin() {
+        check("##.###\n##.###\n##.###", 3, "aa.aaa\naa.aaa\naa.aaa");
+        check("#.#\n#.#\n#.#", 3, "a.a\na.a\na.a");
+    }
+}

@@ -1,0 +1,140 @@
+//! Which cells are ground, which are tall, and which are the street's objects.
+
+use serde::Deserialize;
+
+use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::terrain::Terrain;
+use crate::stage_product::SurfaceClass;
+
+/// Tuning of [`segment_ground`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GroundSegmentationParams {
+    /// Cells with fewer points are clutter; the paper has 4 to 8.
+    pub min_points: u32,
+    /// Highest minus lowest point of a ground cell stays below this, in metres.
+    pub max_ground_extent_m: f32,
+    /// The mean elevation around a ground cell is within this of the terrain, in metres.
+    pub ground_band_m: f32,
+    /// A cell that reaches higher above the ground, or spans more, is tall; in metres.
+    pub tall_height_m: f32,
+}
+
+/// Writes the class of every cell of `grid` to `classes`, which has one entry a cell; empty cells are unseen.
+///
+/// The paper calls a cell tall above 1.40 m over the sensor or when it spans 3.10 m. With its sensor at 1.73 m both
+/// are 3.1 m over a level road; we take 3.10 m over the *terrain* for both, so that a climbing road does not turn
+/// its cars into walls.
+///
+/// Paper: HG section 3.1.
+pub fn segment_ground(
+    grid: &HierarchicalGrid,
+    terrain: &Terrain,
+    params: &GroundSegmentationParams,
+    classes: &mut Vec<SurfaceClass>,
+) {
+    classes.clear();
+    classes.resize(grid.cells().len(), SurfaceClass::Unseen);
+    for &cell_idx in grid.occupied() {
+        classes[cell_idx as usize] = class_of(grid, terrain, params, cell_idx);
+    }
+}
+
+fn class_of(
+    grid: &HierarchicalGrid,
+    terrain: &Terrain,
+    params: &GroundSegmentationParams,
+    cell_idx: u32,
+) -> SurfaceClass {
+    let cell = &grid.cells()[cell_idx as usize];
+    if cell.n_points < params.min_points {
+        return SurfaceClass::Clutter;
+    }
+    let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
+    if cell.z_max_m - terrain_m > params.tall_height_m || cell.z_extent_m() > params.tall_height_m {
+        return SurfaceClass::Tall;
+    }
+    let flat = cell.z_extent_m() < params.max_ground_extent_m;
+    if flat && (neighborhood_mean_m(grid, cell_idx) - terrain_m).abs() <= params.ground_band_m {
+        SurfaceClass::Ground
+    } else {
+        SurfaceClass::Short
+    }
+}
+
+/// Mean over the occupied cells of the neighbourhood of their mean elevations.
+fn neighborhood_mean_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
+    let mut sum_m = 0.0;
+    let mut n_occupied = 0.0;
+    for neighbor_idx in grid.neighborhood(cell_idx) {
+        let cell = &grid.cells()[neighbor_idx as usize];
+        if cell.n_points > 0 {
+            sum_m += cell.z_mean_m();
+            n_occupied += 1.0;
+        }
+    }
+    sum_m / n_occupied
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::HierarchicalParams;
+
+    /// Level road with `extra` points over the cell around (9.0, 3.0); returns that cell's class.
+    fn class_with(extra: &[[f32; 3]]) -> SurfaceClass {
+        let params = HierarchicalParams::paper();
+        let mut grid = HierarchicalGrid::new(params.grid.clone());
+        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
+        let mut cloud: crate::PointCloud =
+            steps().flat_map(|x| steps().map(move |y| [x, y, -1.73])).collect();
+        for &position_m in extra {
+            cloud.push(position_m, 0.0);
+        }
+        grid.fill(&cloud);
+        let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
+        terrain.estimate(&grid);
+        let mut classes = Vec::new();
+        segment_ground(&grid, &terrain, &params.ground, &mut classes);
+        let near = |&&cell_idx: &&u32| {
+            let [x, y] = grid.center_m(cell_idx);
+            (x - 9.0).abs() <= 0.3 && (y - 3.0).abs() <= 0.3
+        };
+        classes[*grid.occupied().iter().find(near).unwrap() as usize]
+    }
+
+    fn column(from_m: f32, to_m: f32) -> Vec<[f32; 3]> {
+        (0..=20).map(|step| [9.0, 3.0, from_m + (to_m - from_m) * step as f32 / 20.0]).collect()
+    }
+
+    #[test]
+    fn a_level_cell_at_the_height_of_the_road_is_ground() {
+        assert_eq!(class_with(&[]), SurfaceClass::Ground);
+        assert_eq!(class_with(&column(-1.73, -1.50)), SurfaceClass::Ground);
+    }
+
+    #[test]
+    fn what_rises_more_than_25_cm_is_a_short_object() {
+        assert_eq!(class_with(&column(-1.73, -1.45)), SurfaceClass::Short);
+        assert_eq!(class_with(&column(-1.73, 0.2)), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn what_reaches_more_than_310_cm_above_the_road_is_tall() {
+        assert_eq!(class_with(&column(-1.73, 1.36)), SurfaceClass::Short);
+        assert_eq!(class_with(&column(-1.73, 1.38)), SurfaceClass::Tall);
+        // A crown without its trunk.
+        assert_eq!(class_with(&column(1.2, 1.6)), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn few_points_are_clutter() {
+        let params = HierarchicalParams::paper();
+        let mut grid = HierarchicalGrid::new(params.grid.clone());
+        grid.fill(&[[5.0, 5.0, 0.0]; 3].into_iter().collect());
+        let terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
+        let mut classes = Vec::new();
+        segment_ground(&grid, &terrain, &params.ground, &mut classes);
+        assert_eq!(classes[grid.occupied()[0] as usize], SurfaceClass::Clutter);
+    }
+}

@@ -1,0 +1,184 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Evaluates and benchmarks LiDAR object detectors side by side.
+#[derive(Debug, Parser)]
+#[command(name = "scanbench", version, max_term_width = 100, after_help = EXAMPLES, after_long_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  scanbench run                              simulated street, all detectors
+  scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
+  scanbench run kitti-object -d hierarchical,pca --criterion centre
+  scanbench data list                        what is in the catalogue";
+
+const EXIT_CODES: &str = "\
+Examples:
+  scanbench run                              simulated street, all detectors
+  scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
+  scanbench run kitti-object -d hierarchical,pca --criterion centre
+  scanbench data list                        what is in the catalogue
+
+Exit codes:
+  0    good
+  1    internal error
+  2    wrong usage or configuration
+  3    data missing or damaged
+  4    nothing was evaluated
+  130  interrupted";
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run detectors on labelled scans, score them, and leave a run directory
+    Run(RunArgs),
+    /// Look at the catalogue of data sets
+    #[command(subcommand)]
+    Data(DataCommand),
+    /// Score annotations fed back as detections: everything must come out at exactly 1
+    Selftest(SelftestArgs),
+    /// Print a completion script for a shell
+    #[command(
+        after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"
+    )]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// The verbs of `scanbench data`.
+#[derive(Debug, Subcommand)]
+pub enum DataCommand {
+    /// List the data sets of the catalogue and whether they are there
+    #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
+    List(CatalogueArgs),
+}
+
+/// Where data sets are looked up.
+#[derive(Debug, Args)]
+pub struct CatalogueArgs {
+    /// Catalogue to look ids up in, instead of the built-in one
+    #[arg(long, value_name = "FILE", env = "SCANBENCH_DATASETS")]
+    pub catalogue: Option<PathBuf>,
+}
+
+/// Which scans are taken.
+#[derive(Debug, Args)]
+pub struct DatasetArgs {
+    /// Ids of the catalogue, or paths of data sets
+    #[arg(value_name = "DATASET", default_value = "street-main-road")]
+    pub datasets: Vec<String>,
+    /// Format of the data sets given as paths, instead of recognising it
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
+    /// Which scans, by place in the data set: `0..500:5` is every fifth of the first 500
+    #[arg(long, value_name = "RANGE")]
+    pub scans: Option<String>,
+    /// Seed of simulated data sets, instead of the catalogue's
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Where ids are looked up.
+    #[command(flatten)]
+    pub catalogue: CatalogueArgs,
+}
+
+/// How detections are judged.
+#[derive(Debug, Args)]
+pub struct MatchingArgs {
+    /// When a detection may match an annotation
+    #[arg(long, value_enum, value_name = "CRITERION")]
+    pub criterion: Option<CriterionName>,
+}
+
+/// Names of the matching criteria.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CriterionName {
+    /// Point sets agree: intersection over union of at least 0.5
+    Points,
+    /// Centres are less than 2 m apart on the ground plan
+    Centre,
+}
+
+/// Arguments of `scanbench run`.
+#[derive(Debug, Args)]
+#[command(after_help = RUN_EXAMPLES)]
+pub struct RunArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Detectors, by comma: `hierarchical`, `kd-tree`, `pca`
+    #[arg(
+        short,
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "hierarchical,kd-tree,pca"
+    )]
+    pub detectors: Vec<String>,
+    /// Configuration that overrides parameters of detectors and matching
+    #[arg(short, long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// How detections are judged.
+    #[command(flatten)]
+    pub matching: MatchingArgs,
+    /// Run directory to write [default: runs/<time>-<data sets>]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Replace the run directory if there is one
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Scans read or simulated at once; detectors always run alone [default: number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Detections of the first scan that are thrown away before anything is timed
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub warmup: u16,
+    /// What is streamed to Rerun.
+    #[command(flatten)]
+    pub stream: StreamArgs,
+}
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  scanbench run
+  scanbench run --seed 7 --scans 0..40 -o runs/seed-7
+  scanbench run ../data/kitti_tracking -d hierarchical,kd-tree --criterion centre
+  scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
+
+Leaves in the run directory: manifest.json, report.json, scans.csv, matches.csv,
+table_<task>.{csv,md,tex} and, unless --no-rrd, run.rrd for the Rerun viewer.";
+
+/// What is streamed to Rerun.
+#[derive(Debug, Args)]
+pub struct StreamArgs {
+    /// Save the Rerun recording as `run.rrd` in the run directory (the default), or as FILE
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    pub save_rrd: Option<Option<PathBuf>>,
+    /// Write no Rerun recording
+    #[arg(long, conflicts_with_all = ["save_rrd", "connect", "spawn"])]
+    pub no_rrd: bool,
+    /// Stream to a running Rerun viewer as well
+    #[arg(long, value_name = "URL")]
+    pub connect: Option<String>,
+    /// Start a Rerun viewer and stream to it as well
+    #[arg(long, conflicts_with = "connect")]
+    pub spawn: bool,
+}
+
+/// Arguments of `scanbench selftest`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  scanbench selftest ../data/kitti_tracking --scans 0..10")]
+pub struct SelftestArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+}

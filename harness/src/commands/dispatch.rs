@@ -1,0 +1,25 @@
+//! From the parsed command line to the verb.
+
+use clap::CommandFactory as _;
+
+use crate::cli::{Cli, Command, DataCommand};
+use crate::commands::data_list::data_list;
+use crate::commands::run::run;
+use crate::commands::selftest::selftest;
+
+/// Does what the command line asks for.
+///
+/// # Errors
+///
+/// Whatever the verb returns; [`Failure::of`](crate::commands::failure::Failure::of) tells the exit code.
+pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
+    match &cli.command {
+        Command::Run(arguments) => run(arguments),
+        Command::Data(DataCommand::List(arguments)) => data_list(arguments),
+        Command::Selftest(arguments) => selftest(arguments),
+        Command::Completions { shell } => {
+            clap_complete::generate(*shell, &mut Cli::command(), "scanbench", &mut std::io::stdout());
+            Ok(())
+        }
+    }
+}

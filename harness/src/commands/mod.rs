@@ -1,0 +1,15 @@
+//! The verbs of the command line: from arguments to work done and a result printed.
+
+pub mod failure;
+pub mod progress;
+pub mod interruption;
+pub mod open_datasets;
+pub mod provenance;
+pub mod run_rows;
+pub mod run_manifest;
+#[cfg(feature = "rerun")]
+pub mod recording;
+pub mod run;
+pub mod selftest;
+pub mod data_list;
+pub mod dispatch;

@@ -1,0 +1,61 @@
+//! From the names on the command line to data sets and the scans taken from them.
+
+use std::str::FromStr as _;
+
+use crate::cli::DatasetArgs;
+use crate::commands::failure::NothingEvaluated;
+use crate::dataset::Dataset;
+use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::open::{OpenOptions, open_dataset};
+use crate::dataset::scan_selection::ScanSelection;
+
+/// A data set and the scans that are asked for.
+pub struct OpenedDataset {
+    /// The data set.
+    pub dataset: Box<dyn Dataset>,
+    /// Which of its scans, as indices into [`Dataset::scan_ids`].
+    pub scan_indices: Vec<usize>,
+}
+
+/// The catalogue at `path`, or the built-in one.
+///
+/// # Errors
+///
+/// If it cannot be read.
+pub fn open_catalogue(path: Option<&std::path::Path>) -> anyhow::Result<Catalogue> {
+    Ok(path.map_or_else(built_in_catalogue, read_catalogue)?)
+}
+
+/// Opens all data sets before anything is run, so that a misspelled last one costs nothing.
+///
+/// # Errors
+///
+/// If one of them does not exist, is damaged, or has no scan that is asked for.
+pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDataset>> {
+    let catalogue = open_catalogue(arguments.catalogue.catalogue.as_deref())?;
+    let format = arguments.format.as_deref().map(DatasetFormat::from_str).transpose()?;
+    let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
+    let options = OpenOptions { format, seed: arguments.seed };
+    let mut opened: Vec<OpenedDataset> = Vec::new();
+    for name in &arguments.datasets {
+        let dataset = open_dataset(name, &options, &catalogue)?;
+        let id = &dataset.description().id;
+        anyhow::ensure!(
+            opened.iter().all(|it| it.dataset.description().id != *id),
+            crate::commands::failure::Usage(format!(
+                "two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"
+            ))
+        );
+        let n_scans = dataset.scan_ids().len();
+        let scan_indices = match &selection {
+            Some(selection) => selection.positions(n_scans)?,
+            None => (0..n_scans).collect(),
+        };
+        if scan_indices.is_empty() {
+            return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
+        }
+        opened.push(OpenedDataset { dataset, scan_indices });
+    }
+    Ok(opened)
+}

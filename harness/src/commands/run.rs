@@ -1,0 +1,238 @@
+//! `scanbench run`.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context as _;
+use indicatif::ProgressBar;
+use jiff::Timestamp;
+use reports::csv_rows::CsvRowWriter;
+use reports::manifest::Manifest;
+use reports::match_row::MatchRow;
+use reports::run_directory::{
+    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
+};
+use reports::run_report::RunReport;
+use reports::scan_row::ScanRow;
+use reports::table::task_table::{TaskTable, task_tables};
+use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
+
+use crate::cli::{CriterionName, RunArgs};
+use crate::commands::failure::NothingEvaluated;
+use crate::commands::interruption::interruption_flag;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::progress::progress_over_scans;
+use crate::commands::run_manifest::run_manifest;
+use crate::commands::run_rows::{match_rows, scan_row};
+use crate::dataset::DatasetDescription;
+use crate::matching::criterion::Criterion;
+use crate::metrics::counts::SCORING_VERSION;
+use crate::run::config::RunConfig;
+use crate::run::detector_list::{ListedDetector, detectors_named};
+use crate::run::scores::DatasetScores;
+use crate::run::side_by_side::{ScanResults, SideBySide};
+#[cfg(feature = "rerun")]
+use crate::{commands::recording::Recording, task::Task};
+
+/// Runs detectors on labelled scans, writes the run directory and prints the tables.
+///
+/// # Errors
+///
+/// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
+pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
+    let started = Timestamp::now();
+    let config = run_config(arguments)?;
+    let detectors = detectors_named(&arguments.detectors)?;
+    let datasets = open_datasets(&arguments.data)?;
+    let directory = begin_directory(arguments, &datasets, started)?;
+    let mut archive = Archive::begin(arguments, &config, &detectors, &datasets, &directory)?;
+    let interrupted = interruption_flag()?;
+    let mut rows = Vec::new();
+    for opened in &datasets {
+        let scores = evaluate(arguments, &config, &detectors, opened, interrupted, &mut archive)?;
+        rows.extend(scores.metric_rows());
+    }
+    archive.finish()?;
+    let manifest = run_manifest(arguments, &config, &detectors, &datasets, started);
+    let report = RunReport::new(SCORING_VERSION, rows)?;
+    let tables = write_report(&directory, &manifest, &report)?;
+    let finished = directory.finish()?;
+    print(&tables, &finished)
+}
+
+fn run_config(arguments: &RunArgs) -> anyhow::Result<RunConfig> {
+    let mut config = RunConfig::load(arguments.config.as_deref())?;
+    match arguments.matching.criterion {
+        Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
+        Some(CriterionName::Centre) => config.choose_criterion(Criterion::CENTRE),
+        None => {}
+    }
+    Ok(config)
+}
+
+fn begin_directory(
+    arguments: &RunArgs,
+    datasets: &[OpenedDataset],
+    started: Timestamp,
+) -> anyhow::Result<RunDirectory> {
+    let existing = if arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
+    let (target, latest) = match &arguments.output {
+        Some(target) => (target.clone(), LatestPointer::Leave),
+        None => {
+            let ids: Vec<&str> = datasets.iter().map(|it| it.dataset.description().id.as_str()).collect();
+            let time = crate::commands::provenance::compact_utc(started);
+            (PathBuf::from("runs").join(format!("{time}-{}", ids.join("+"))), LatestPointer::Update)
+        }
+    };
+    Ok(RunDirectory::create(&target, existing, latest)?)
+}
+
+/// The files that grow scan by scan.
+struct Archive {
+    scans: CsvRowWriter<ScanRow>,
+    matches: CsvRowWriter<MatchRow>,
+    criterion: &'static str,
+    #[cfg(feature = "rerun")]
+    recording: Option<Recording>,
+}
+
+impl Archive {
+    #[cfg_attr(not(feature = "rerun"), expect(unused_variables, reason = "only recordings need them"))]
+    fn begin(
+        arguments: &RunArgs,
+        config: &RunConfig,
+        detectors: &[ListedDetector],
+        datasets: &[OpenedDataset],
+        directory: &RunDirectory,
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
+            matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
+            criterion: config.matching.criterion.name(),
+            #[cfg(feature = "rerun")]
+            recording: Recording::begin(
+                &arguments.stream,
+                directory.path_of("run.rrd"),
+                &directory.target().file_name().unwrap_or_default().to_string_lossy(),
+                first_shown_task(datasets),
+                &detectors.iter().map(|it| it.name).collect::<Vec<_>>(),
+            )?,
+        })
+    }
+
+    fn add(
+        &mut self,
+        dataset: &DatasetDescription,
+        results: &ScanResults<'_>,
+        scores: &DatasetScores,
+        progress: &ProgressBar,
+    ) -> anyhow::Result<()> {
+        for result in results.results {
+            for assignment in &result.assignments {
+                self.scans.write(&scan_row(dataset, results.scan, result, assignment))?;
+                for row in match_rows(dataset, self.criterion, results.scan, result, assignment) {
+                    self.matches.write(&row)?;
+                }
+            }
+        }
+        #[cfg(feature = "rerun")]
+        if let Some(recording) = &mut self.recording
+            && let Some(warning) = recording.log(results, scores)?
+        {
+            progress.println(format!("warning: {warning}"));
+        }
+        #[cfg(not(feature = "rerun"))]
+        let _ = scores;
+        progress.inc(1);
+        Ok(())
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        self.scans.finish()?;
+        self.matches.finish()?;
+        #[cfg(feature = "rerun")]
+        if let Some(recording) = self.recording {
+            recording.finish()?;
+        }
+        Ok(())
+    }
+}
+
+/// False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
+#[cfg(feature = "rerun")]
+fn first_shown_task(datasets: &[OpenedDataset]) -> Task {
+    let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
+    if datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles }
+}
+
+fn evaluate(
+    arguments: &RunArgs,
+    config: &RunConfig,
+    listed: &[ListedDetector],
+    opened: &OpenedDataset,
+    interrupted: &AtomicBool,
+    archive: &mut Archive,
+) -> anyhow::Result<DatasetScores> {
+    let description = opened.dataset.description();
+    let mut detectors: Vec<_> =
+        listed.iter().map(|it| it.build(config, description.sensor_height_m)).collect();
+    let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
+    let mut scores = DatasetScores::new(description.clone(), &names);
+    let side_by_side = SideBySide {
+        dataset: &*opened.dataset,
+        scan_indices: &opened.scan_indices,
+        matching: config.matching,
+        n_warmup: arguments.warmup.into(),
+        n_jobs: n_jobs(arguments),
+        interrupted,
+    };
+    let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
+    side_by_side.run(&mut detectors, |results| -> anyhow::Result<()> {
+        scores.add(results.scan, results.results);
+        archive.add(description, &results, &scores, &progress)
+    })?;
+    progress.finish_and_clear();
+    if scores.n_annotations() == 0 {
+        let reason = format!(
+            "none of the {} scans of {:?} has an annotation that counts",
+            scores.n_scans(),
+            description.id
+        );
+        return Err(NothingEvaluated { reason }.into());
+    }
+    Ok(scores)
+}
+
+fn n_jobs(arguments: &RunArgs) -> usize {
+    let n_cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    arguments.jobs.map_or_else(n_cores, usize::from)
+}
+
+fn write_report(
+    directory: &RunDirectory,
+    manifest: &Manifest,
+    report: &RunReport,
+) -> anyhow::Result<Vec<TaskTable>> {
+    directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+    directory.write_file(REPORT_JSON, report.to_json().as_bytes())?;
+    let tables = task_tables(report, manifest)?;
+    for table in &tables {
+        let renderings =
+            BTreeMap::from([("csv", to_csv(table)), ("md", to_markdown(table)), ("tex", to_latex(table))]);
+        for (extension, text) in renderings {
+            directory.write_file(&format!("{}.{extension}", table.file_stem()), text.as_bytes())?;
+        }
+    }
+    Ok(tables)
+}
+
+fn print(tables: &[TaskTable], finished: &std::path::Path) -> anyhow::Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    for table in tables {
+        writeln!(stdout, "{}", to_terminal(table)).context("cannot write to stdout")?;
+    }
+    eprintln!("Run directory: {}", finished.display());
+    Ok(())
+}

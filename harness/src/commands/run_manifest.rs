@@ -1,0 +1,96 @@
+//! What `manifest.json` says of a run.
+
+use std::collections::BTreeMap;
+
+use jiff::Timestamp;
+use reports::archive::SCHEMA;
+use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest};
+
+use crate::cli::RunArgs;
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::provenance::{git_state, machine, rfc3339_utc, rustc_version};
+use crate::dataset;
+use crate::matching::criterion::Criterion;
+use crate::metrics::counts::SCORING_VERSION;
+use crate::run::config::RunConfig;
+use crate::run::detector_list::ListedDetector;
+
+/// Everything that decides the numbers of a run that began at `started`.
+pub fn run_manifest(
+    arguments: &RunArgs,
+    config: &RunConfig,
+    detectors: &[ListedDetector],
+    datasets: &[OpenedDataset],
+    started: Timestamp,
+) -> Manifest {
+    let matching = &config.matching;
+    let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
+    let of_detector = |listed: &ListedDetector| DetectorEntry {
+        name: listed.name.to_owned(),
+        parameters: resolved[listed.table].clone(),
+    };
+    Manifest {
+        schema: SCHEMA,
+        scoring_version: SCORING_VERSION,
+        scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
+        created: rfc3339_utc(started),
+        argv: std::env::args_os().map(|it| it.to_string_lossy().into_owned()).collect(),
+        seeds: seeds(datasets),
+        n_warmup_detections: arguments.warmup.into(),
+        matching_criterion: in_words(matching.criterion),
+        ignored: IgnoreRule {
+            min_points: matching.eligibility.min_points as u32,
+            max_range_m: matching.eligibility.max_range_m,
+        },
+        datasets: datasets.iter().map(|it| dataset_entry(it, arguments)).collect(),
+        detectors: detectors.iter().map(of_detector).collect(),
+        config: resolved,
+        git: git_state(),
+        rustc_version: rustc_version(),
+        rerun_version: rerun_version(),
+        machine: machine(),
+    }
+}
+
+fn in_words(criterion: Criterion) -> String {
+    match criterion {
+        Criterion::Points { min_iou } => format!("points, IoU at least {min_iou}"),
+        Criterion::Centre { max_distance_m } => format!("centre, closer than {max_distance_m} m"),
+    }
+}
+
+fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
+    let descriptions = datasets.iter().map(|it| it.dataset.description());
+    descriptions.filter_map(|it| Some((it.id.clone(), it.seed?))).collect()
+}
+
+fn dataset_entry(opened: &OpenedDataset, arguments: &RunArgs) -> DatasetEntry {
+    let description = opened.dataset.description();
+    DatasetEntry {
+        id: description.id.clone(),
+        format: description.format.clone(),
+        root: description.root.as_ref().map(|it| it.display().to_string()),
+        simulated: description.simulated,
+        annotated: match &description.annotated {
+            dataset::AnnotatedClasses::EveryObject => AnnotatedClasses::EveryObject,
+            dataset::AnnotatedClasses::Only(classes) => {
+                AnnotatedClasses::Only(classes.iter().map(|it| it.name().to_owned()).collect())
+            }
+        },
+        checksum: description.checksum.clone(),
+        n_scans: opened.scan_indices.len() as u64,
+        selection: arguments.data.scans.clone(),
+        sensor_height_m: f64::from(description.sensor_height_m),
+        licence: description.licence.clone(),
+    }
+}
+
+#[cfg(feature = "rerun")]
+fn rerun_version() -> Option<String> {
+    Some(crate::stream::rerun_version())
+}
+
+#[cfg(not(feature = "rerun"))]
+fn rerun_version() -> Option<String> {
+    None
+}

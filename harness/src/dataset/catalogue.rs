@@ -1,0 +1,329 @@
+//! The catalogue of data sets, `datasets.toml`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Error as _, SeqAccess, Unexpected, Visitor};
+use toml::Spanned;
+
+use super::dataset_format::DatasetFormat;
+use super::root_template::RootTemplate;
+use super::text_file::read_text_file;
+use super::{AnnotatedClasses, DatasetError};
+use crate::annotation::AnnotationClass;
+
+/// The catalogue that is part of the program.
+const BUILT_IN: &str = include_str!("../../../datasets.toml");
+
+/// What data sets there are, by id.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Catalogue {
+    /// The data sets.
+    pub entries: BTreeMap<String, CatalogueEntry>,
+}
+
+/// One data set of the catalogue.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CatalogueEntry {
+    /// Its format, and which part of it is meant.
+    pub parts: CataloguedParts,
+    /// Where it lies.
+    pub root: RootTemplate,
+    /// What its annotations cover.
+    pub annotated: AnnotatedClasses,
+    /// Height of the sensor above the road, in metres.
+    pub sensor_height_m: f32,
+    /// Its licence.
+    pub licence: String,
+    /// Where to get it.
+    pub url: String,
+    /// The checksum its files must have, as [`checksum`](super::checksum) describes it.
+    pub checksum: Option<String>,
+}
+
+/// Which part of a data set is meant, in terms of its format.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum CataloguedParts {
+    /// KITTI tracking.
+    KittiTracking {
+        /// These drives, or all.
+        sequences: Option<BTreeSet<String>>,
+    },
+    /// KITTI object.
+    KittiObject {
+        /// The scans of these numbers, or all.
+        scans: Option<BTreeSet<u32>>,
+    },
+}
+
+impl CataloguedParts {
+    /// The format in whose terms this is.
+    pub fn format(&self) -> DatasetFormat {
+        match self {
+            Self::KittiTracking { .. } => DatasetFormat::KittiTracking,
+            Self::KittiObject { .. } => DatasetFormat::KittiObject,
+        }
+    }
+}
+
+/// The catalogue that is part of the program.
+///
+/// # Errors
+///
+/// [`DatasetError::Catalogue`] if its file was broken when the program was compiled.
+pub fn built_in_catalogue() -> Result<Catalogue, DatasetError> {
+    parse_catalogue("built-in datasets.toml", BUILT_IN)
+}
+
+/// Reads the catalogue at `path`.
+///
+/// # Errors
+///
+/// [`DatasetError::Io`], [`DatasetError::NotText`], or [`DatasetError::Catalogue`] with the line of the first mistake.
+pub fn read_catalogue(path: &Path) -> Result<Catalogue, DatasetError> {
+    parse_catalogue(&path.display().to_string(), &read_text_file(path)?)
+}
+
+/// Reads the catalogue in `text`, which errors call `name`.
+///
+/// # Errors
+///
+/// [`DatasetError::Catalogue`] with the line of the first mistake.
+pub fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
+    let source = CatalogueText { name, text };
+    let written: BTreeMap<Spanned<String>, WrittenEntry> = toml::from_str(text)
+        .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message().to_owned()))?;
+    let entries = written.into_iter().map(|(id, entry)| {
+        if !id.get_ref().chars().all(|it| it.is_ascii_alphanumeric() || it == '-' || it == '_') {
+            let problem = format!("{:?} is no id: only letters, digits, - and _ may be in it", id.get_ref());
+            return Err(source.error(id.span().start, problem));
+        }
+        Ok((id.into_inner(), entry_from_written(entry, &source)?))
+    });
+    Ok(Catalogue { entries: entries.collect::<Result<_, DatasetError>>()? })
+}
+
+/// An entry as it is written, with the positions of what can be wrong.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenEntry {
+    format: DatasetFormat,
+    root: Spanned<String>,
+    sequences: Option<Spanned<BTreeSet<String>>>,
+    scans: Option<Spanned<BTreeSet<u32>>>,
+    #[serde(deserialize_with = "annotated_classes")]
+    annotated_classes: AnnotatedClasses,
+    sensor_height_m: Spanned<f32>,
+    licence: String,
+    url: String,
+    checksum: Option<Spanned<String>>,
+}
+
+/// The text errors point into.
+struct CatalogueText<'a> {
+    name: &'a str,
+    text: &'a str,
+}
+
+impl CatalogueText<'_> {
+    fn error(&self, byte_offset: usize, problem: String) -> DatasetError {
+        let before = self.text.as_bytes().iter().take(byte_offset);
+        let line = 1 + before.filter(|byte| **byte == b'\n').count();
+        DatasetError::Catalogue { catalogue: self.name.to_owned(), line, problem }
+    }
+}
+
+fn entry_from_written(
+    written: WrittenEntry,
+    source: &CatalogueText<'_>,
+) -> Result<CatalogueEntry, DatasetError> {
+    let root = RootTemplate::parse(written.root.get_ref())
+        .map_err(|problem| source.error(written.root.span().start, problem))?;
+    let sensor_height_m = *written.sensor_height_m.get_ref();
+    if !(sensor_height_m > 0.0 && sensor_height_m.is_finite()) {
+        let problem = format!("sensor_height_m is {sensor_height_m}, but a sensor is above the road");
+        return Err(source.error(written.sensor_height_m.span().start, problem));
+    }
+    if let Some(checksum) = &written.checksum
+        && !is_sha256(checksum.get_ref())
+    {
+        let problem = format!("checksum {:?} is not 64 lower-case hexadecimal digits", checksum.get_ref());
+        return Err(source.error(checksum.span().start, problem));
+    }
+    Ok(CatalogueEntry {
+        parts: parts(written.format, written.sequences, written.scans, source)?,
+        root,
+        annotated: written.annotated_classes,
+        sensor_height_m,
+        licence: written.licence,
+        url: written.url,
+        checksum: written.checksum.map(Spanned::into_inner),
+    })
+}
+
+fn parts(
+    format: DatasetFormat,
+    sequences: Option<Spanned<BTreeSet<String>>>,
+    scans: Option<Spanned<BTreeSet<u32>>>,
+    source: &CatalogueText<'_>,
+) -> Result<CataloguedParts, DatasetError> {
+    let misplaced = |field: &str, byte_offset: usize| {
+        source.error(byte_offset, format!("{field} cannot be chosen in the format {format}"))
+    };
+    match (format, sequences, scans) {
+        (DatasetFormat::KittiTracking, sequences, None) => {
+            Ok(CataloguedParts::KittiTracking { sequences: sequences.map(Spanned::into_inner) })
+        }
+        (DatasetFormat::KittiObject, None, scans) => {
+            Ok(CataloguedParts::KittiObject { scans: scans.map(Spanned::into_inner) })
+        }
+        (DatasetFormat::KittiTracking, _, Some(scans)) => Err(misplaced("scans", scans.span().start)),
+        (DatasetFormat::KittiObject, Some(sequences), _) => {
+            Err(misplaced("sequences", sequences.span().start))
+        }
+    }
+}
+
+fn is_sha256(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
+}
+
+/// Reads `"every-object"` or a list of classes.
+fn annotated_classes<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> Result<AnnotatedClasses, D::Error> {
+    struct AnnotatedClassesVisitor;
+
+    impl<'de> Visitor<'de> for AnnotatedClassesVisitor {
+        type Value = AnnotatedClasses;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str("\"every-object\" or a list of classes")
+        }
+
+        fn visit_str<E: serde::de::Error>(self, keyword: &str) -> Result<AnnotatedClasses, E> {
+            match keyword {
+                "every-object" => Ok(AnnotatedClasses::EveryObject),
+                _ => Err(E::invalid_value(Unexpected::Str(keyword), &self)),
+            }
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<AnnotatedClasses, A::Error> {
+            let classes: BTreeSet<AnnotationClass> =
+                Deserialize::deserialize(SeqAccessDeserializer::new(list))?;
+            if classes.is_empty() {
+                return Err(A::Error::invalid_length(0, &"at least one class"));
+            }
+            Ok(AnnotatedClasses::Only(classes.into_iter().collect()))
+        }
+    }
+
+    deserializer.deserialize_any(AnnotatedClassesVisitor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::kitti::label::KITTI_CLASSES;
+    use proptest::prelude::*;
+
+    const ENTRY: &str = r#"
+[my-drive]
+format = "kitti-tracking"
+root = "/data"
+sequences = ["0003", "0001"]
+annotated_classes = ["van", "car"]
+sensor_height_m = 1.8
+licence = "mine"
+url = "https://example.org"
+"#;
+
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, line: usize, problem: &str) {
+        let text = ENTRY.replace(from, to);
+        assert_ne!(text, ENTRY, "nothing replaced");
+        let error = parse_catalogue("my.toml", &text).expect_err("a mistake");
+        let message = error.to_string();
+        assert!(
+            message.starts_with(&format!("my.toml, line {line}: ")) && message.contains(problem),
+            "{message}"
+        );
+        assert!(error.is_usage_error());
+    }
+
+    #[test]
+    fn an_entry_is_read() {
+        let catalogue = parse_catalogue("my.toml", ENTRY).unwrap();
+        let expected = CatalogueEntry {
+            parts: CataloguedParts::KittiTracking {
+                sequences: Some(BTreeSet::from(["0001".to_owned(), "0003".to_owned()])),
+            },
+            root: RootTemplate::parse("/data").unwrap(),
+            annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car, AnnotationClass::Van]),
+            sensor_height_m: 1.8,
+            licence: "mine".to_owned(),
+            url: "https://example.org".to_owned(),
+            checksum: None,
+        };
+        assert_eq!(catalogue.entries, BTreeMap::from([("my-drive".to_owned(), expected)]));
+    }
+
+    #[test]
+    fn a_data_set_may_annotate_every_object() {
+        let text = ENTRY.replace(r#"["van", "car"]"#, r#""every-object""#);
+        let catalogue = parse_catalogue("my.toml", &text).unwrap();
+        assert_eq!(catalogue.entries["my-drive"].annotated, AnnotatedClasses::EveryObject);
+    }
+
+    #[test]
+    fn the_built_in_catalogue_knows_what_kitti_annotates() {
+        let catalogue = built_in_catalogue().unwrap();
+        let ids: Vec<&String> = catalogue.entries.keys().collect();
+        assert_eq!(ids, ["kitti-object", "kitti-tracking"]);
+        for entry in catalogue.entries.values() {
+            assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
+        }
+    }
+
+    #[test]
+    fn mistakes_are_named_with_line_and_value() {
+        check_refused("kitti-tracking", "kitty", 3, "unknown variant `kitty`");
+        check_refused("sensor_height_m", "sensor_heigth_m", 7, "unknown field `sensor_heigth_m`");
+        check_refused("/data", "${DATA", 4, "without");
+        check_refused("1.8", "-1.8", 7, "sensor_height_m is -1.8");
+        check_refused("1.8", "nan", 7, "sensor_height_m is NaN");
+        check_refused("1.8", "\"high\"", 7, "high");
+        check_refused("\"van\"", "\"wan\"", 6, "unknown variant `wan`");
+        check_refused(r#"["van", "car"]"#, "\"everything\"", 6, "\"everything\"");
+        check_refused(r#"["van", "car"]"#, "[]", 6, "at least one class");
+        check_refused("sequences = [\"0003\", \"0001\"]", "scans = [3]", 5, "scans cannot be chosen");
+        check_refused("url", "checksum = \"12ab\"\nurl", 9, "checksum \"12ab\"");
+        check_refused("my-drive", "\"../drive\"", 2, "\"../drive\" is no id");
+        check_refused("licence = \"mine\"", "licence = \"mine", 8, "");
+    }
+
+    #[test]
+    fn sequences_cannot_be_chosen_where_there_are_none() {
+        check_refused("kitti-tracking", "kitti-object", 5, "sequences cannot be chosen");
+    }
+
+    #[test]
+    fn a_missing_field_is_named() {
+        check_refused("licence = \"mine\"\n", "", 2, "missing field `licence`");
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_gives_a_catalogue_or_an_error(text in "(?s).{0,200}") {
+            let _ = parse_catalogue("my.toml", &text);
+        }
+
+        #[test]
+        fn any_damage_gives_a_catalogue_or_an_error(start in 0..ENTRY.len(), replaced in "\\PC{0,5}") {
+            let _ = parse_catalogue("my.toml", &format!("{}{replaced}{}", &ENTRY[..start], &ENTRY[start + 1..]));
+        }
+    }
+}

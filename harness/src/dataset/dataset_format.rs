@@ -1,0 +1,70 @@
+//! The formats that can be read.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::DatasetError;
+
+/// How a data set is laid out on disk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DatasetFormat {
+    /// KITTI's tracking benchmark: whole drives.
+    KittiTracking,
+    /// KITTI's object benchmark: single scans.
+    KittiObject,
+}
+
+impl DatasetFormat {
+    /// All formats.
+    pub const ALL: [Self; 2] = [Self::KittiTracking, Self::KittiObject];
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::KittiTracking => "kitti-tracking",
+            Self::KittiObject => "kitti-object",
+        }
+    }
+
+    /// The names of all formats.
+    pub fn names() -> Vec<String> {
+        Self::ALL.map(|format| format.name().to_owned()).to_vec()
+    }
+}
+
+impl fmt::Display for DatasetFormat {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+impl FromStr for DatasetFormat {
+    type Err = DatasetError;
+
+    fn from_str(name: &str) -> Result<Self, DatasetError> {
+        Self::ALL
+            .into_iter()
+            .find(|format| format.name() == name)
+            .ok_or_else(|| DatasetError::UnknownFormat { name: name.to_owned(), known: Self::names() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_format_is_found_by_its_name() {
+        for format in DatasetFormat::ALL {
+            assert_eq!(format.name().parse::<DatasetFormat>().unwrap(), format);
+        }
+    }
+
+    #[test]
+    fn an_unknown_format_is_a_usage_error_that_lists_the_known_ones() {
+        let error = "kitty".parse::<DatasetFormat>().expect_err("no such format");
+        assert_eq!(error.to_string(), r#"unknown format "kitty", known are kitti-tracking, kitti-object"#);
+        assert!(error.is_usage_error());
+    }
+}

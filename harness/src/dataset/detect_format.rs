@@ -1,0 +1,135 @@
+//! What lies at a path.
+
+use std::path::{Path, PathBuf};
+
+use super::DatasetError;
+use super::dataset_format::DatasetFormat;
+use super::kitti::object::is_kitti_object;
+use super::kitti::tracking::is_kitti_tracking;
+
+/// A data set on disk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FoundDataset {
+    /// Its format.
+    pub format: DatasetFormat,
+    /// The folder that holds it in the layout of the format.
+    pub folder: PathBuf,
+}
+
+/// Finds the data set at `path`: `path` itself, a split in it (`training`, else `testing`), or, if it is neither, the
+/// only one among the folders in it.
+///
+/// Only `formats` are looked for.
+///
+/// # Errors
+///
+/// [`DatasetError::Io`] if `path` cannot be read as a folder; [`DatasetError::UnrecognizedFormat`] if it holds nothing known;
+/// [`DatasetError::SeveralDatasets`] if it cannot be told which data set is meant.
+pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundDataset, DatasetError> {
+    let mut found = found_in(path, formats);
+    if found.is_empty() {
+        found = folders_in(path)?.iter().flat_map(|folder| found_in(folder, formats)).collect();
+    }
+    match found.len() {
+        0 => Err(DatasetError::UnrecognizedFormat {
+            path: path.to_path_buf(),
+            formats: formats.iter().map(|format| format.name().to_owned()).collect(),
+        }),
+        1 => Ok(found.remove(0)),
+        _ => Err(DatasetError::SeveralDatasets {
+            path: path.to_path_buf(),
+            found: found.iter().map(|it| format!("{} {}", it.format, it.folder.display())).collect(),
+        }),
+    }
+}
+
+/// What `path` is or, if it is nothing, what its first known split is; several formats if the layout fits several.
+fn found_in(path: &Path, formats: &[DatasetFormat]) -> Vec<FoundDataset> {
+    let folders = [path.to_path_buf(), path.join("training"), path.join("testing")];
+    let found = folders.into_iter().map(|folder| -> Vec<FoundDataset> {
+        let fitting = formats.iter().filter(|format| recognizes(**format, &folder));
+        fitting.map(|&format| FoundDataset { format, folder: folder.clone() }).collect()
+    });
+    found.into_iter().find(|found| !found.is_empty()).unwrap_or_default()
+}
+
+fn recognizes(format: DatasetFormat, folder: &Path) -> bool {
+    match format {
+        DatasetFormat::KittiTracking => is_kitti_tracking(folder),
+        DatasetFormat::KittiObject => is_kitti_object(folder),
+    }
+}
+
+fn folders_in(path: &Path) -> Result<Vec<PathBuf>, DatasetError> {
+    let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(io_error)? {
+        let path = entry.map_err(io_error)?.path();
+        if path.is_dir() {
+            folders.push(path);
+        }
+    }
+    folders.sort();
+    Ok(folders)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Makes `files`, looks at `path` and compares with format and folder, or a part of the error.
+    #[track_caller]
+    fn check(files: &[&str], path: &str, expected: Result<(DatasetFormat, &str), &str>) {
+        let root = tempfile::tempdir().unwrap();
+        for file in files {
+            let file = root.path().join(file);
+            std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+            std::fs::write(file, []).unwrap();
+        }
+        let found = detect_format(&root.path().join(path), &DatasetFormat::ALL);
+        match (found, expected) {
+            (Ok(found), Ok((format, folder))) => {
+                assert_eq!(found, FoundDataset { format, folder: root.path().join(folder) });
+            }
+            (Err(error), Err(part)) => assert!(error.to_string().contains(part), "{error}"),
+            (found, expected) => panic!("{found:?}, expected {expected:?}"),
+        }
+    }
+
+    const TRACKING: [&str; 2] = ["t/training/velodyne/0000/000000.bin", "t/training/label_02/0000.txt"];
+    const OBJECT: [&str; 2] = ["o/training/velodyne/000000.bin", "o/training/label_2/000000.txt"];
+
+    #[test]
+    fn the_split_its_parent_and_the_parent_of_that_name_the_same() {
+        for path in ["t/training", "t", ""] {
+            check(&TRACKING, path, Ok((DatasetFormat::KittiTracking, "t/training")));
+        }
+        for path in ["o/training", "o", ""] {
+            check(&OBJECT, path, Ok((DatasetFormat::KittiObject, "o/training")));
+        }
+    }
+
+    #[test]
+    fn training_comes_before_testing() {
+        let files =
+            ["testing/velodyne/000000.bin", "testing/calib/000000.txt", "training/label_2/000000.txt"];
+        check(&files, "", Ok((DatasetFormat::KittiObject, "training")));
+        check(&files[..2], "", Ok((DatasetFormat::KittiObject, "testing")));
+    }
+
+    #[test]
+    fn of_several_data_sets_one_must_be_named() {
+        check(&[TRACKING, OBJECT].concat(), "", Err("holds several data sets, name one: kitti-object"));
+    }
+
+    #[test]
+    fn a_folder_that_fits_two_formats_is_not_guessed() {
+        check(&["label_2/000000.txt", "label_02/0000.txt"], "", Err("holds several data sets"));
+    }
+
+    #[test]
+    fn what_is_unknown_is_refused_with_the_formats_looked_for() {
+        check(&["a/b.csv"], "", Err("holds no data set in a known format (kitti-tracking, kitti-object)"));
+        check(&["a/b.csv"], "nowhere", Err("cannot read"));
+    }
+}

@@ -1,0 +1,361 @@
+//! KITTI's label files: one line per object, boxes in the rectified camera frame.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::annotation::{AnnotationClass, Occlusion};
+use crate::dataset::text_file::{TextLine, quoted, text_lines};
+use crate::dataset::{AnnotatedClasses, DatasetError};
+
+/// What the benchmarks label. Buses are not told from trucks, poles and trees are not labelled at all.
+pub const KITTI_CLASSES: [AnnotationClass; 8] = [
+    AnnotationClass::Car,
+    AnnotationClass::Van,
+    AnnotationClass::Truck,
+    AnnotationClass::Pedestrian,
+    AnnotationClass::SittingPerson,
+    AnnotationClass::Cyclist,
+    AnnotationClass::Tram,
+    AnnotationClass::Misc,
+];
+
+/// One line of a label file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KittiLabel {
+    /// An object with its box.
+    Object(KittiObject),
+    /// A part of the image in which objects were not labelled.
+    DontCare(ImageBox),
+}
+
+/// A labelled object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KittiObject {
+    /// What it is.
+    pub class: AnnotationClass,
+    /// Number of the object within its drive; only in the tracking benchmark.
+    pub track: Option<u32>,
+    /// How much of it is hidden; `None` where the file says *unknown*.
+    pub occlusion: Option<Occlusion>,
+    /// How much of it the image cuts off.
+    pub truncation: Truncation,
+    /// Where it is.
+    pub camera_box: CameraBox,
+}
+
+/// How much of an object the image cuts off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Truncation {
+    /// This share, 0 to 1.
+    Share(f32),
+    /// Not said, or cut off by an unknown share.
+    Unknown,
+    /// The people who labelled it marked the object as not to be judged, mostly where its track begins or ends.
+    Ignored,
+}
+
+/// A box as KITTI gives it, in the rectified camera frame: x right, y down, z forward.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraBox {
+    /// Centre of the bottom in metres.
+    pub bottom_center_m: [f64; 3],
+    /// Height, width and length in metres, above 0.
+    pub height_width_length_m: [f64; 3],
+    /// Turn about the downward axis in radians; at 0 the object heads along x.
+    pub rotation_y_rad: f64,
+}
+
+/// A rectangle of the image; its edges belong to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageBox {
+    /// Left, top, right and bottom in pixels.
+    pub left_top_right_bottom_px: [f64; 4],
+}
+
+/// Reads a label file of the tracking benchmark: the labels of a whole drive by number of the scan.
+///
+/// `path` is named in errors. Scans without objects are missing from the result.
+///
+/// # Errors
+///
+/// [`DatasetError::Line`] for a line that does not follow the format or whose class is not among `annotated`.
+pub fn parse_tracking_labels(
+    path: &Path,
+    text: &str,
+    annotated: &AnnotatedClasses,
+) -> Result<BTreeMap<u32, Vec<KittiLabel>>, DatasetError> {
+    let mut labels_by_scan: BTreeMap<u32, Vec<KittiLabel>> = BTreeMap::new();
+    for mut line in text_lines(path, text) {
+        let scan: u32 = line.integer("frame")?;
+        let track: i64 = line.integer("track id")?;
+        let track = match track {
+            -1 => None,
+            _ => Some(
+                u32::try_from(track)
+                    .map_err(|_| line.error(format!("track id {track} is not -1 or a u32")))?,
+            ),
+        };
+        let label = parse_label(line, track, annotated, tracking_truncation)?;
+        labels_by_scan.entry(scan).or_default().push(label);
+    }
+    Ok(labels_by_scan)
+}
+
+/// Reads a label file of the object benchmark: the labels of one scan.
+///
+/// `path` is named in errors.
+///
+/// # Errors
+///
+/// As [`parse_tracking_labels`].
+pub fn parse_object_labels(
+    path: &Path,
+    text: &str,
+    annotated: &AnnotatedClasses,
+) -> Result<Vec<KittiLabel>, DatasetError> {
+    text_lines(path, text).map(|line| parse_label(line, None, annotated, object_truncation)).collect()
+}
+
+/// The fields that both benchmarks have.
+fn parse_label(
+    mut line: TextLine<'_>,
+    track: Option<u32>,
+    annotated: &AnnotatedClasses,
+    truncation_of: fn(f64) -> Option<Truncation>,
+) -> Result<KittiLabel, DatasetError> {
+    let class = parse_class(&mut line, annotated)?;
+    let truncated = line.number("truncation")?;
+    let occluded: i64 = line.integer("occlusion")?;
+    line.number("alpha")?;
+    let image_box = ImageBox { left_top_right_bottom_px: line.numbers("image box")? };
+    let height_width_length_m: [f64; 3] = line.numbers("dimensions")?;
+    let bottom_center_m = line.numbers("location")?;
+    let rotation_y_rad = line.number("rotation")?;
+    if line.has_more() {
+        line.number("score")?;
+    }
+    line.clone().end()?;
+
+    let Some(class) = class else { return Ok(KittiLabel::DontCare(image_box)) };
+    if let Some(side_m) = height_width_length_m.into_iter().find(|side_m| *side_m <= 0.0) {
+        return Err(line.error(format!("a box with a side of {side_m} m")));
+    }
+    Ok(KittiLabel::Object(KittiObject {
+        class,
+        track,
+        occlusion: parse_occlusion(occluded)
+            .ok_or_else(|| line.error(format!("occlusion {occluded} is not among -1 to 3")))?,
+        truncation: truncation_of(truncated)
+            .ok_or_else(|| line.error(format!("truncation {truncated} is not known to the format")))?,
+        camera_box: CameraBox { bottom_center_m, height_width_length_m, rotation_y_rad },
+    }))
+}
+
+/// The class, or `None` for `DontCare`.
+fn parse_class(
+    line: &mut TextLine<'_>,
+    annotated: &AnnotatedClasses,
+) -> Result<Option<AnnotationClass>, DatasetError> {
+    let word = line.word("class")?;
+    let class = match word {
+        "DontCare" => return Ok(None),
+        "Car" => AnnotationClass::Car,
+        "Van" => AnnotationClass::Van,
+        "Truck" => AnnotationClass::Truck,
+        "Pedestrian" => AnnotationClass::Pedestrian,
+        // The object benchmark writes the former, the tracking benchmark the latter.
+        "Person_sitting" | "Person" => AnnotationClass::SittingPerson,
+        "Cyclist" => AnnotationClass::Cyclist,
+        "Tram" => AnnotationClass::Tram,
+        "Misc" => AnnotationClass::Misc,
+        _ => return Err(line.error(format!("unknown class {}", quoted(word)))),
+    };
+    match annotated {
+        AnnotatedClasses::Only(classes) if !classes.contains(&class) => {
+            Err(line.error(format!("class {} is not among those the data set annotates", quoted(word))))
+        }
+        _ => Ok(Some(class)),
+    }
+}
+
+/// The outer `None` is an error, the inner one *unknown*.
+#[expect(clippy::option_option, reason = "the caller turns the outer one into an error at once")]
+fn parse_occlusion(occluded: i64) -> Option<Option<Occlusion>> {
+    match occluded {
+        0 => Some(Some(Occlusion::None)),
+        1 => Some(Some(Occlusion::Partly)),
+        2 => Some(Some(Occlusion::Largely)),
+        3 | -1 => Some(None),
+        _ => None,
+    }
+}
+
+/// The object benchmark gives a share, or -1.
+fn object_truncation(truncated: f64) -> Option<Truncation> {
+    match truncated {
+        -1.0 => Some(Truncation::Unknown),
+        0.0..=1.0 => Some(Truncation::Share(truncated as f32)),
+        _ => None,
+    }
+}
+
+/// The tracking benchmark gives levels: 0 whole, 1 cut off by whatever share, 2 ignored.
+///
+/// Its documentation speaks of a share all the same, so that shares between are taken for such.
+fn tracking_truncation(truncated: f64) -> Option<Truncation> {
+    match truncated {
+        1.0 => Some(Truncation::Unknown),
+        2.0 => Some(Truncation::Ignored),
+        _ => object_truncation(truncated),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const CAR: &str = "Car 0.36 1 -1.6 904.5 172.8 1241 374 1.51 1.69 4.04 3.45 1.53 5.88 -1.1";
+
+    fn kitti() -> AnnotatedClasses {
+        AnnotatedClasses::Only(KITTI_CLASSES.to_vec())
+    }
+
+    fn object(text: &str) -> KittiObject {
+        match parse_object_labels(Path::new("l.txt"), text, &kitti()).unwrap().remove(0) {
+            KittiLabel::Object(object) => object,
+            label @ KittiLabel::DontCare(_) => panic!("{label:?}"),
+        }
+    }
+
+    #[track_caller]
+    fn check_object_refused(text: &str, message: &str) {
+        let error = parse_object_labels(Path::new("l.txt"), text, &kitti()).expect_err("malformed");
+        assert_eq!(error.to_string(), format!("\"l.txt\", {message}"));
+        assert!(!error.is_usage_error());
+    }
+
+    #[track_caller]
+    fn check_tracking_truncation(field: &str, expected: Truncation) {
+        let text = format!("7 2 {}", CAR.replace("0.36", field));
+        let labels = parse_tracking_labels(Path::new("l.txt"), &text, &kitti()).unwrap();
+        let KittiLabel::Object(object) = &labels[&7][0] else { panic!("{labels:?}") };
+        assert_eq!((object.truncation, object.track), (expected, Some(2)));
+    }
+
+    #[test]
+    fn every_field_has_its_place() {
+        let expected = KittiObject {
+            class: AnnotationClass::Car,
+            track: None,
+            occlusion: Some(Occlusion::Partly),
+            truncation: Truncation::Share(0.36),
+            camera_box: CameraBox {
+                bottom_center_m: [3.45, 1.53, 5.88],
+                height_width_length_m: [1.51, 1.69, 4.04],
+                rotation_y_rad: -1.1,
+            },
+        };
+        assert_eq!(object(CAR), expected);
+        assert_eq!(object(&format!("{CAR} 0.95")), expected);
+    }
+
+    #[test]
+    fn dont_care_has_an_image_box_only() {
+        let text = "DontCare -1 -1 -10 1 2 3 4 -1 -1 -1 -1000 -1000 -1000 -10\n";
+        let labels = parse_object_labels(Path::new("l.txt"), text, &kitti()).unwrap();
+        assert_eq!(
+            labels,
+            [KittiLabel::DontCare(ImageBox { left_top_right_bottom_px: [1.0, 2.0, 3.0, 4.0] })]
+        );
+    }
+
+    #[test]
+    fn a_file_without_lines_has_no_objects() {
+        assert_eq!(parse_object_labels(Path::new("l.txt"), "\n", &kitti()).unwrap(), []);
+    }
+
+    #[test]
+    fn unknown_occlusion_is_none() {
+        assert_eq!(object(&CAR.replace("0.36 1", "0.36 3")).occlusion, None);
+    }
+
+    #[test]
+    fn sitting_persons_have_a_name_in_each_benchmark() {
+        for name in ["Person_sitting", "Person"] {
+            assert_eq!(object(&CAR.replace("Car", name)).class, AnnotationClass::SittingPerson);
+        }
+    }
+
+    #[test]
+    fn tracking_gives_levels_of_truncation() {
+        check_tracking_truncation("0", Truncation::Share(0.0));
+        check_tracking_truncation("1", Truncation::Unknown);
+        check_tracking_truncation("2", Truncation::Ignored);
+        check_tracking_truncation("0.36", Truncation::Share(0.36));
+    }
+
+    #[test]
+    fn tracking_labels_are_told_apart_by_scan() {
+        let text = format!("7 2 {CAR}\n9 -1 {CAR}\n7 3 {CAR}");
+        let labels = parse_tracking_labels(Path::new("l.txt"), &text, &kitti()).unwrap();
+        let n_labels: Vec<(u32, usize)> = labels.iter().map(|(scan, labels)| (*scan, labels.len())).collect();
+        assert_eq!(n_labels, [(7, 2), (9, 1)]);
+    }
+
+    #[test]
+    fn a_malformed_line_is_named_with_its_number_and_value() {
+        check_object_refused(&format!("{CAR}\nCar 0.0 0"), "line 2: ends before its alpha");
+        check_object_refused(&CAR.replace("1.53", "1,53"), r#"line 1: location "1,53" is not a number"#);
+        check_object_refused(
+            &CAR.replace("5.88", "NaN"),
+            r#"line 1: location "NaN" is not a number up to 1e9"#,
+        );
+        check_object_refused(
+            &CAR.replace("0.36 1", "0.36 x"),
+            r#"line 1: occlusion "x" is not such a whole number"#,
+        );
+        check_object_refused(&CAR.replace("0.36 1", "0.36 4"), "line 1: occlusion 4 is not among -1 to 3");
+        check_object_refused(&CAR.replace("0.36", "2"), "line 1: truncation 2 is not known to the format");
+        check_object_refused(&CAR.replace("4.04", "-1"), "line 1: a box with a side of -1 m");
+        check_object_refused(&format!("{CAR} 0.9 7"), r#"line 1: does not end before "7""#);
+        check_object_refused(&CAR.replace("Car", "Caravan"), r#"line 1: unknown class "Caravan""#);
+    }
+
+    #[test]
+    fn a_class_that_is_not_annotated_is_refused() {
+        let only_vans = AnnotatedClasses::Only(vec![AnnotationClass::Van]);
+        let error = parse_object_labels(Path::new("l.txt"), CAR, &only_vans).expect_err("a car");
+        assert_eq!(
+            error.to_string(),
+            r#""l.txt", line 1: class "Car" is not among those the data set annotates"#
+        );
+        assert!(parse_object_labels(Path::new("l.txt"), CAR, &AnnotatedClasses::EveryObject).is_ok());
+    }
+
+    #[test]
+    fn a_tracking_line_without_scan_or_track_is_refused() {
+        for line in
+            [CAR.to_owned(), format!("-1 0 {CAR}"), format!("0 -2 {CAR}"), format!("0 99999999999 {CAR}")]
+        {
+            assert!(parse_tracking_labels(Path::new("l.txt"), &line, &kitti()).is_err(), "{line}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_gives_labels_or_an_error(text in "(?s).{0,200}") {
+            let _ = parse_tracking_labels(Path::new("l.txt"), &text, &kitti());
+            let _ = parse_object_labels(Path::new("l.txt"), &text, &kitti());
+        }
+
+        #[test]
+        fn any_fields_give_labels_or_an_error(
+            fields in prop::collection::vec("(-?[0-9]{1,12}(\\.[0-9]{1,3})?(e[0-9]{1,4})?|Car|DontCare|nan)", 0..20)
+        ) {
+            let text = format!("Car {}\n{}", fields.join(" "), fields.join(" "));
+            let _ = parse_tracking_labels(Path::new("l.txt"), &text, &kitti());
+            let _ = parse_object_labels(Path::new("l.txt"), &text, &kitti());
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! The KITTI benchmarks: scans all round, boxes where the left colour camera sees.
+
+pub mod calibration;
+pub mod label;
+pub mod box_in_velodyne;
+pub mod camera_field_of_view;
+pub mod ground_truth;
+pub mod split_folder;
+pub mod tracking;
+pub mod object;

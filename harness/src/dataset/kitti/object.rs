@@ -1,0 +1,150 @@
+//! KITTI's object benchmark: single scans, each with its own label and calibration file.
+//!
+//! ```text
+//! velodyne/NNNNNN.bin
+//! label_2/NNNNNN.txt
+//! calib/NNNNNN.txt
+//! image_2/NNNNNN.png   optional, only its size is read
+//! ```
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::calibration::{KittiCalibration, parse_calibration};
+use super::ground_truth::{KittiGroundTruth, label_scan};
+use super::label::{KittiLabel, parse_object_labels};
+use super::split_folder::SplitFolder;
+use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::numbered_files::{numbered_file, numbered_files};
+use crate::dataset::source::DatasetSource;
+use crate::dataset::velodyne_bin::read_velodyne_bin;
+use crate::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+
+/// The folder of the label files.
+const LABELS: &str = "label_2";
+
+/// The scans come from all over KITTI's drives, and the files do not say from which: they count as one.
+const SEQUENCE: &str = "training";
+
+/// An open KITTI object data set: labels and calibrations are in memory, scans are read one at a time.
+#[derive(Debug, Clone)]
+pub struct KittiObjects {
+    // Invariant: `scan_ids` and `scans` have the same length and order.
+    description: DatasetDescription,
+    scan_ids: Vec<ScanId>,
+    scans: Vec<Scan>,
+}
+
+/// What is known about a scan without reading its points.
+#[derive(Debug, Clone)]
+struct Scan {
+    path: PathBuf,
+    calibration: KittiCalibration,
+    image_size_px: [u32; 2],
+    labels: Vec<KittiLabel>,
+}
+
+/// Whether `folder` looks like a split of the object benchmark.
+pub fn is_kitti_object(folder: &Path) -> bool {
+    let has_scans = || {
+        std::fs::read_dir(folder.join("velodyne")).is_ok_and(|mut entries| {
+            entries.any(|entry| {
+                entry.is_ok_and(|it| it.path().extension().is_some_and(|extension| extension == "bin"))
+            })
+        })
+    };
+    folder.join(LABELS).is_dir() || (folder.join("calib").is_dir() && has_scans())
+}
+
+/// Opens the split folder of `source`: all its scans, or only those numbered in `scans`.
+///
+/// # Errors
+///
+/// [`DatasetError`] if a scan lacks its labels or calibration, labels lack their scan, or labels or calibrations are
+/// damaged. Scans are not looked into. With `scans`, files that belong to other scans are not looked at.
+pub fn open_kitti_object(
+    source: DatasetSource,
+    scans: Option<&BTreeSet<u32>>,
+) -> Result<KittiObjects, DatasetError> {
+    let mut folder = SplitFolder::with_labels(&source.folder, LABELS)?;
+    let numbers = scan_numbers(&folder, scans)?;
+    let mut scan_ids = Vec::with_capacity(numbers.len());
+    let mut opened = Vec::with_capacity(numbers.len());
+    for index in numbers {
+        opened.push(open_scan(&mut folder, index, &source.annotated)?);
+        scan_ids.push(ScanId { sequence: SEQUENCE.to_owned(), index });
+    }
+    let description = source.describe(DatasetFormat::KittiObject, folder.finish());
+    Ok(KittiObjects { description, scan_ids, scans: opened })
+}
+
+impl Dataset for KittiObjects {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let scan = &self.scans[scan_idx];
+        let cloud = read_velodyne_bin(&scan.path)?;
+        let truth = KittiGroundTruth {
+            calibration: &scan.calibration,
+            image_size_px: scan.image_size_px,
+            labels: &scan.labels,
+        };
+        Ok(label_scan(self.scan_ids[scan_idx].clone(), cloud, &truth))
+    }
+}
+
+/// The numbers of the scans to open, at least one, all of which exist.
+fn scan_numbers(
+    folder: &SplitFolder,
+    selected: Option<&BTreeSet<u32>>,
+) -> Result<BTreeSet<u32>, DatasetError> {
+    let velodyne = folder.path_of("velodyne");
+    let labels = folder.path_of(LABELS);
+    let present = numbered_files(&velodyne, "bin")?;
+    let labeled = numbered_files(&labels, "txt")?;
+    let wanted = selected.unwrap_or(&labeled);
+    if let Some(&missing) = wanted.difference(&present).next() {
+        let scan = numbered_file(&velodyne, missing, "bin");
+        return Err(if labeled.contains(&missing) {
+            DatasetError::LabelsWithoutScan { labels: numbered_file(&labels, missing, "txt"), scan }
+        } else {
+            DatasetError::MissingSelected { path: scan }
+        });
+    }
+    let numbers = selected.cloned().unwrap_or(present);
+    if numbers.is_empty() {
+        return Err(DatasetError::NoScans { path: velodyne });
+    }
+    Ok(numbers)
+}
+
+fn open_scan(
+    folder: &mut SplitFolder,
+    number: u32,
+    annotated: &AnnotatedClasses,
+) -> Result<Scan, DatasetError> {
+    let scan_name = format!("velodyne/{number:06}.bin");
+    let path = folder.path_of(&scan_name);
+    folder.add_scan(&scan_name)?;
+    let labels_name = format!("{LABELS}/{number:06}.txt");
+    let labels = folder
+        .read_text(&labels_name, |labels| DatasetError::ScanWithoutLabels { scan: path.clone(), labels })?;
+    let calibration_name = format!("calib/{number:06}.txt");
+    let calibration = folder.read_text(&calibration_name, |calibration| {
+        DatasetError::ScanWithoutCalibration { scan: path.clone(), calibration }
+    })?;
+    let image = numbered_file(&folder.path_of("image_2"), number, "png");
+    Ok(Scan {
+        labels: parse_object_labels(&folder.path_of(&labels_name), &labels, annotated)?,
+        calibration: parse_calibration(&folder.path_of(&calibration_name), &calibration)?,
+        image_size_px: folder.image_size_px(&format!("{number:06}"), &image)?,
+        path,
+    })
+}

@@ -1,0 +1,93 @@
+//! The folder of a KITTI split (`training`), whose files are checked for existence and taken into the checksum as they
+//! are read.
+
+use std::path::{Path, PathBuf};
+
+use crate::dataset::DatasetError;
+use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::png_size::png_size_px;
+use crate::dataset::text_file::read_text_file;
+
+/// The scanner's height above the road in KITTI's car, in metres.
+pub const KITTI_SENSOR_HEIGHT_M: f32 = 1.73;
+
+/// The size of most of KITTI's images, in pixels. Others are up to 18 columns and 6 rows smaller or larger.
+const USUAL_IMAGE_SIZE_PX: [u32; 2] = [1242, 375];
+
+/// A folder with its checksum so far. Names of files are relative to it, with `/` between folders.
+#[derive(Debug, Clone)]
+pub struct SplitFolder {
+    path: PathBuf,
+    checksum: DatasetChecksum,
+}
+
+impl SplitFolder {
+    /// The folder `path`, whose scans are in `velodyne`; `labels` is the folder of the labels.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Unlabeled`] if the latter does not exist, as in KITTI's test splits.
+    pub fn with_labels(path: &Path, labels: &str) -> Result<Self, DatasetError> {
+        let folder = Self { path: path.to_path_buf(), checksum: DatasetChecksum::default() };
+        if folder.path_of(labels).is_dir() {
+            return Ok(folder);
+        }
+        Err(DatasetError::Unlabeled { scans: folder.path_of("velodyne"), labels: folder.path_of(labels) })
+    }
+
+    /// Where the file `name` lies.
+    pub fn path_of(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Takes the size of the scan `name` into the checksum.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Io`].
+    pub fn add_scan(&mut self, name: &str) -> Result<(), DatasetError> {
+        let path = self.path_of(name);
+        let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
+        self.checksum.add_scan(name, metadata.len());
+        Ok(())
+    }
+
+    /// Reads the text file `name` and takes it into the checksum; `missing` is the error if it does not exist.
+    ///
+    /// # Errors
+    ///
+    /// `missing`, and those of [`read_text_file`].
+    pub fn read_text(
+        &mut self,
+        name: &str,
+        missing: impl FnOnce(PathBuf) -> DatasetError,
+    ) -> Result<String, DatasetError> {
+        let text = match read_text_file(&self.path_of(name)) {
+            Err(DatasetError::Io { path, source }) if source.kind() == std::io::ErrorKind::NotFound => {
+                return Err(missing(path));
+            }
+            result => result?,
+        };
+        self.checksum.add_text(name, &text);
+        Ok(text)
+    }
+
+    /// Width and height in pixels of `image`, taken into the checksum as those of `name`.
+    ///
+    /// No text file of KITTI tells the size, and the images are a download of their own that scans do not need: where
+    /// `image` does not exist, it is that of most drives, 1242 × 375.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`png_size_px`].
+    pub fn image_size_px(&mut self, name: &str, image: &Path) -> Result<[u32; 2], DatasetError> {
+        let size_px = if image.exists() { png_size_px(image)? } else { USUAL_IMAGE_SIZE_PX };
+        self.checksum.add_image_size(name, size_px);
+        Ok(size_px)
+    }
+
+    /// The checksum of all that was read.
+    pub fn finish(self) -> String {
+        self.checksum.finish()
+    }
+}

@@ -1,0 +1,134 @@
+//! From what the user names to an open data set.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts};
+use super::dataset_format::DatasetFormat;
+use super::detect_format::{FoundDataset, detect_format};
+use super::kitti::label::KITTI_CLASSES;
+use super::kitti::object::open_kitti_object;
+use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
+use super::kitti::tracking::open_kitti_tracking;
+use super::root_template::UnsetVariable;
+use super::source::DatasetSource;
+use super::{AnnotatedClasses, Dataset, DatasetError};
+
+/// The data set of the catalogue that is run when none is asked for.
+pub const DEFAULT_DATASET: &str = "kitti-tracking";
+
+/// How a data set is opened other than the catalogue says.
+#[derive(Debug, Clone, Copy)]
+pub struct OpenOptions {
+    /// The format of a data set at a path; the files tell otherwise.
+    pub format: Option<DatasetFormat>,
+    /// The seed of a simulation.
+    pub seed: Option<u64>,
+}
+
+/// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path.
+///
+/// A folder that has the name of a catalogued data set is reached as `./name`. At a path the format is detected unless
+/// `format` says what to look for; what the files do not say (the classes and the height of the sensor) is taken to be
+/// as in the benchmark of the format.
+///
+/// # Errors
+///
+/// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue.
+pub fn open_dataset(
+    id_or_path: &str,
+    options: &OpenOptions,
+    catalogue: &Catalogue,
+) -> Result<Box<dyn Dataset>, DatasetError> {
+    match catalogue.entries.get(id_or_path) {
+        Some(entry) => open_catalogued(id_or_path, entry, options.format),
+        None => open_path(id_or_path, options.format, catalogue),
+    }
+}
+
+fn open_catalogued(
+    id: &str,
+    entry: &CatalogueEntry,
+    format: Option<DatasetFormat>,
+) -> Result<Box<dyn Dataset>, DatasetError> {
+    let catalogued = entry.parts.format();
+    if let Some(asked_for) = format
+        && asked_for != catalogued
+    {
+        return Err(DatasetError::FormatContradictsCatalogue {
+            id: id.to_owned(),
+            catalogued: catalogued.to_string(),
+            asked_for: asked_for.to_string(),
+        });
+    }
+    let root = entry.root.expand(|name| std::env::var_os(name)).map_err(|UnsetVariable(variable)| {
+        DatasetError::UnsetVariable { id: id.to_owned(), variable, url: entry.url.clone() }
+    })?;
+    if !root.is_dir() {
+        let remedy = match entry.root.variable() {
+            Some(variable) => format!("set {variable} to its folder"),
+            None => "correct its root in the catalogue".to_owned(),
+        };
+        return Err(DatasetError::MissingRoot { id: id.to_owned(), root, remedy, url: entry.url.clone() });
+    }
+    let source = DatasetSource {
+        id: id.to_owned(),
+        folder: detect_format(&root, &[catalogued])?.folder,
+        annotated: entry.annotated.clone(),
+        sensor_height_m: entry.sensor_height_m,
+        licence: Some(entry.licence.clone()),
+    };
+    let dataset = open_parts(source, &entry.parts)?;
+    match (&entry.checksum, &dataset.description().checksum) {
+        (Some(expected), Some(found)) if expected != found => Err(DatasetError::Checksum {
+            id: id.to_owned(),
+            expected: expected.clone(),
+            found: found.clone(),
+        }),
+        _ => Ok(dataset),
+    }
+}
+
+fn open_path(
+    path: &str,
+    format: Option<DatasetFormat>,
+    catalogue: &Catalogue,
+) -> Result<Box<dyn Dataset>, DatasetError> {
+    let is_a_word = !path.contains(std::path::is_separator);
+    if is_a_word && !Path::new(path).exists() {
+        let known = catalogue.entries.keys().cloned().collect();
+        return Err(DatasetError::UnknownDataset { name: path.to_owned(), known });
+    }
+    let formats = format.map_or_else(|| DatasetFormat::ALL.to_vec(), |format| vec![format]);
+    let found = detect_format(Path::new(path), &formats)?;
+    let source = DatasetSource {
+        id: name_of(&found),
+        folder: found.folder,
+        annotated: AnnotatedClasses::Only(KITTI_CLASSES.to_vec()),
+        sensor_height_m: KITTI_SENSOR_HEIGHT_M,
+        licence: None,
+    };
+    let everything = match found.format {
+        DatasetFormat::KittiTracking => CataloguedParts::KittiTracking { sequences: None },
+        DatasetFormat::KittiObject => CataloguedParts::KittiObject { scans: None },
+    };
+    open_parts(source, &everything)
+}
+
+fn open_parts(source: DatasetSource, parts: &CataloguedParts) -> Result<Box<dyn Dataset>, DatasetError> {
+    match parts {
+        CataloguedParts::KittiTracking { sequences } => {
+            Ok(Box::new(open_kitti_tracking(source, sequences.as_ref())?))
+        }
+        CataloguedParts::KittiObject { scans } => Ok(Box::new(open_kitti_object(source, scans.as_ref())?)),
+    }
+}
+
+/// The name of the folder, or of the one above if it is only called after its split.
+fn name_of(found: &FoundDataset) -> String {
+    // A relative folder may end in `..` or be `.`, which is no name.
+    let folder = found.folder.canonicalize().unwrap_or_else(|_| found.folder.clone());
+    let mut names = folder.ancestors().filter_map(|it| it.file_name()).map(|name| name.to_string_lossy());
+    let name = names.find(|name| name != "training" && name != "testing");
+    name.map_or_else(|| found.format.to_string(), Cow::into_owned)
+}

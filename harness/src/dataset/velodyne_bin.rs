@@ -1,0 +1,137 @@
+//! Scans as Velodyne `.bin` files: per point x, y, z in metres and intensity, as little-endian f32, and nothing else.
+
+use std::path::Path;
+
+use detector::PointCloud;
+
+use super::DatasetError;
+
+/// Four values of four bytes.
+const N_BYTES_PER_POINT: usize = 16;
+
+/// The names of the values of a point, in order.
+const COLUMNS: [&str; 4] = ["x", "y", "z", "intensity"];
+
+/// Reads the scan at `path`.
+///
+/// The file has no header, so that one that was cut between two points cannot be told from a shorter scan.
+///
+/// # Errors
+///
+/// [`DatasetError::Io`]; [`DatasetError::NoPoints`] for an empty file; [`DatasetError::PartialPoint`] for a size that is not
+/// a multiple of 16 bytes; [`DatasetError::NotFinite`] for a value that is NaN or infinite.
+pub fn read_velodyne_bin(path: &Path) -> Result<PointCloud, DatasetError> {
+    // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
+    let bytes =
+        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    parse_velodyne_bin(path, &bytes)
+}
+
+/// The scan in `bytes`; `path` is named in errors.
+///
+/// # Errors
+///
+/// As [`read_velodyne_bin`].
+pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PointCloud, DatasetError> {
+    if bytes.is_empty() {
+        return Err(DatasetError::NoPoints { path: path.to_path_buf() });
+    }
+    let (points, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
+    if !rest.is_empty() {
+        return Err(DatasetError::PartialPoint {
+            path: path.to_path_buf(),
+            n_bytes: bytes.len(),
+            n_bytes_per_point: N_BYTES_PER_POINT,
+        });
+    }
+    let mut cloud = PointCloud::with_capacity(points.len());
+    for (point_idx, point) in points.iter().enumerate() {
+        let values = values_of(point);
+        if let Some(column_idx) = values.iter().position(|value| !value.is_finite()) {
+            return Err(DatasetError::NotFinite {
+                path: path.to_path_buf(),
+                point_idx,
+                byte_offset: point_idx * N_BYTES_PER_POINT,
+                column: COLUMNS[column_idx],
+                value: values[column_idx],
+            });
+        }
+        let [x_m, y_m, z_m, intensity] = values;
+        cloud.push([x_m, y_m, z_m], intensity);
+    }
+    Ok(cloud)
+}
+
+fn values_of(point: &[u8; N_BYTES_PER_POINT]) -> [f32; 4] {
+    let (values, _) = point.as_chunks::<4>();
+    std::array::from_fn(|column_idx| f32::from_le_bytes(values[column_idx]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn bytes_of(points: &[[f32; 4]]) -> Vec<u8> {
+        points.iter().flatten().flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    #[track_caller]
+    fn check_refused(bytes: &[u8], message: &str) {
+        let error = parse_velodyne_bin(Path::new("a.bin"), bytes).expect_err("damaged");
+        assert_eq!(error.to_string(), message);
+        assert!(!error.is_usage_error());
+    }
+
+    #[test]
+    fn points_come_out_as_they_went_in() {
+        let bytes = bytes_of(&[[1.0, -2.0, 3.5, 0.25], [4.0, 5.0, -6.0, 0.0]]);
+        let cloud = parse_velodyne_bin(Path::new("a.bin"), &bytes).expect("sound");
+        assert!(cloud.positions_m().eq([[1.0, -2.0, 3.5], [4.0, 5.0, -6.0]]));
+        assert_eq!(cloud.intensity(), [0.25, 0.0]);
+    }
+
+    #[test]
+    fn an_empty_scan_is_refused() {
+        check_refused(&[], r#""a.bin" holds no points"#);
+    }
+
+    #[test]
+    fn a_scan_cut_within_a_point_is_refused_with_both_sizes() {
+        let bytes = bytes_of(&[[1.0; 4]; 3]);
+        check_refused(
+            &bytes[..41],
+            r#""a.bin" is damaged or cut off: its 41 bytes are not a multiple of the 16 of a point"#,
+        );
+    }
+
+    #[test]
+    fn a_scan_shorter_than_a_point_is_refused() {
+        check_refused(
+            &[0; 7],
+            r#""a.bin" is damaged or cut off: its 7 bytes are not a multiple of the 16 of a point"#,
+        );
+    }
+
+    #[test]
+    fn nan_is_refused_with_its_position() {
+        let bytes = bytes_of(&[[1.0; 4], [1.0; 4], [1.0, f32::NAN, 1.0, 1.0]]);
+        check_refused(&bytes, r#""a.bin", point 2 (byte 32): y is NaN"#);
+    }
+
+    #[test]
+    fn infinity_is_refused_with_its_position() {
+        let bytes = bytes_of(&[[1.0; 4], [1.0, 1.0, f32::NEG_INFINITY, 1.0]]);
+        check_refused(&bytes, r#""a.bin", point 1 (byte 16): z is -inf"#);
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_give_their_points_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+            if let Ok(cloud) = parse_velodyne_bin(Path::new("a.bin"), &bytes) {
+                prop_assert_eq!(cloud.len() * N_BYTES_PER_POINT, bytes.len());
+                prop_assert!(cloud.positions_m().flatten().all(f32::is_finite));
+            }
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! When a detection is good enough for an annotation, and what it costs.
+
+use detector::Detections;
+
+use crate::annotation::{Annotation, LabeledScan};
+use crate::matching::hungarian::AdmissiblePair;
+use crate::matching::point_overlap::PointOverlap;
+
+/// What makes a pair admissible, and what it costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Criterion {
+    /// Intersection over union of the point sets is at least `min_iou`; costs 1 − IoU. Judges what the sensor saw.
+    Points {
+        /// 0 to 1.
+        min_iou: f64,
+    },
+    /// The centres are closer than `max_distance_m` on the ground plan; costs the distance in metres.
+    Centre {
+        /// In metres, exclusive.
+        max_distance_m: f64,
+    },
+}
+
+impl Criterion {
+    /// Point sets that agree by half, the default.
+    pub const POINTS: Self = Self::Points { min_iou: 0.5 };
+    /// Centres within 2 m, as nuScenes has it.
+    pub const CENTRE: Self = Self::Centre { max_distance_m: 2.0 };
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Points { .. } => "points",
+            Self::Centre { .. } => "centre",
+        }
+    }
+
+    /// The admissible pairs of annotations and detections, by annotation, then detection.
+    pub fn admissible_pairs(
+        self,
+        scan: &LabeledScan,
+        detections: &Detections,
+        overlap: &PointOverlap,
+    ) -> Vec<AdmissiblePair> {
+        match self {
+            Self::Points { min_iou } => pairs_by_points(scan, detections, overlap, min_iou),
+            Self::Centre { max_distance_m } => pairs_by_centre(scan, detections, max_distance_m),
+        }
+    }
+}
+
+fn pairs_by_points(
+    scan: &LabeledScan,
+    detections: &Detections,
+    overlap: &PointOverlap,
+    min_iou: f64,
+) -> Vec<AdmissiblePair> {
+    let annotations = scan.annotations.iter().enumerate();
+    let pairs = annotations.flat_map(|(annotation_idx, annotation)| {
+        let shared = overlap.of_annotation(annotation_idx).iter();
+        shared.map(move |&(detection_idx, n_shared)| {
+            let n_detection = detections.get(detection_idx).point_indices.len();
+            let n_union = annotation.point_indices.len() + n_detection - n_shared;
+            let iou = n_shared as f64 / n_union as f64;
+            AdmissiblePair { annotation_idx, detection_idx, cost: 1.0 - iou }
+        })
+    });
+    pairs.filter(|pair| 1.0 - pair.cost >= min_iou).collect()
+}
+
+fn pairs_by_centre(scan: &LabeledScan, detections: &Detections, max_distance_m: f64) -> Vec<AdmissiblePair> {
+    let mut pairs = Vec::new();
+    for (annotation_idx, annotation) in scan.annotations.iter().enumerate() {
+        let Some(at_m) = center_m(scan, annotation) else { continue };
+        for (detection_idx, detection) in detections.iter().enumerate() {
+            let [x_m, y_m, _] = detection.bounding_box.center_m.map(f64::from);
+            let cost = (x_m - at_m[0]).hypot(y_m - at_m[1]);
+            if cost < max_distance_m {
+                pairs.push(AdmissiblePair { annotation_idx, detection_idx, cost });
+            }
+        }
+    }
+    pairs
+}
+
+/// Centre of an annotation on the ground plan in metres: of its box, else of its points; `None` if it has neither.
+pub fn center_m(scan: &LabeledScan, annotation: &Annotation) -> Option<[f64; 2]> {
+    if let Some(bounding_box) = &annotation.bounding_box {
+        let [x_m, y_m, _] = bounding_box.center_m.map(f64::from);
+        return Some([x_m, y_m]);
+    }
+    let n_points = annotation.point_indices.len();
+    let mut sum_m = [0.0; 2];
+    for &point_idx in &annotation.point_indices {
+        let [x_m, y_m, _] = scan.cloud.position_m(point_idx as usize);
+        sum_m = [sum_m[0] + f64::from(x_m), sum_m[1] + f64::from(y_m)];
+    }
+    (n_points > 0).then(|| sum_m.map(|it| it / n_points as f64))
+}

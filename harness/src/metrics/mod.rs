@@ -1,0 +1,5 @@
+//! From outcomes and times to numbers.
+
+pub mod counts;
+pub mod segmentation_quality;
+pub mod latency;

@@ -1,0 +1,6 @@
+//! Detectors side by side over the scans of a data set.
+
+pub mod config;
+pub mod detector_list;
+pub mod side_by_side;
+pub mod scores;

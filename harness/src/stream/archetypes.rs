@@ -1,0 +1,92 @@
+//! Turns our shapes into Rerun's, one function per archetype.
+
+use std::sync::Arc;
+
+use detector::stage_product::ProductCell;
+use detector::{OrientedBox, PointCloud};
+use rerun::components::ClassId;
+use rerun::datatypes::Rgba32;
+use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array};
+use rerun::external::arrow::datatypes::{DataType, Field};
+use rerun::{
+    Boxes3D, Component as _, ComponentDescriptor, ComponentIdentifier, FillMode, LineStrips3D, Points2D,
+    Points3D, Quaternion, Radius, SerializedComponentBatch,
+};
+
+/// Cells are drawn at least this high, so that a flat one can be seen.
+const MIN_CELL_HEIGHT_M: f32 = 0.04;
+
+/// Indices of the points that can be drawn: a viewer has no place for NaN and infinity.
+pub fn drawable_points(cloud: &PointCloud) -> impl Iterator<Item = usize> + '_ {
+    let finite = |&point_idx: &usize| cloud.position_m(point_idx).iter().all(|it| it.is_finite());
+    (0..cloud.len()).filter(finite)
+}
+
+/// Points without a colour of their own.
+///
+/// The Arrow array is made by hand, because Rerun's own conversion copies every point several times.
+pub fn points(positions_m: impl Iterator<Item = [f32; 3]>, radius: Radius) -> Vec<SerializedComponentBatch> {
+    let coordinates: Vec<f32> = positions_m.flatten().collect();
+    let coordinate = Arc::new(Field::new("item", DataType::Float32, false));
+    let coordinates: ArrayRef = Arc::new(Float32Array::from(coordinates));
+    let array = Arc::new(FixedSizeListArray::new(coordinate, 3, coordinates, None));
+    let radii = Points3D::update_fields().with_radii([radius]).radii;
+    let positions = SerializedComponentBatch::new(array, Points3D::descriptor_positions());
+    [Some(positions), radii].into_iter().flatten().collect()
+}
+
+/// Class ids that colour nothing until a view maps their column to the points.
+pub fn class_ids(ids: Vec<u16>, column: ComponentIdentifier) -> SerializedComponentBatch {
+    let descriptor = ComponentDescriptor::partial(column).with_component_type(ClassId::name());
+    SerializedComponentBatch::new(Arc::new(UInt16Array::from(ids)), descriptor)
+}
+
+/// Outlines of upright boxes.
+pub fn boxes(boxes: impl IntoIterator<Item = OrientedBox>) -> Boxes3D {
+    let mut centers_m = Vec::new();
+    let mut half_sizes_m = Vec::new();
+    let mut turns = Vec::new();
+    for it in boxes {
+        let (sin, cos) = (it.yaw_rad / 2.0).sin_cos();
+        centers_m.push(it.center_m);
+        half_sizes_m.push(it.length_width_height_m.map(|side_m| side_m / 2.0));
+        turns.push(Quaternion::from_xyzw([0.0, 0.0, sin, cos]));
+    }
+    Boxes3D::from_centers_and_half_sizes(centers_m, half_sizes_m)
+        .with_quaternions(turns)
+        .with_fill_mode(FillMode::MajorWireframe)
+}
+
+/// Solid columns over the ground, without their colour.
+pub fn cells(cell_size_m: f32, cells: &[ProductCell]) -> Boxes3D {
+    let half_side_m = cell_size_m * 0.46;
+    let centers_m = cells.iter().map(|it| {
+        let [low_m, high_m] = it.z_range_m;
+        [it.center_m[0], it.center_m[1], f32::midpoint(low_m, high_m)]
+    });
+    let half_sizes_m = cells.iter().map(|it| {
+        let [low_m, high_m] = it.z_range_m;
+        [half_side_m, half_side_m, (high_m - low_m).max(MIN_CELL_HEIGHT_M) / 2.0]
+    });
+    Boxes3D::from_centers_and_half_sizes(centers_m, half_sizes_m).with_fill_mode(FillMode::Solid)
+}
+
+/// Straight lines from end to end.
+pub fn segments(segments: &[[[f32; 3]; 2]]) -> LineStrips3D {
+    LineStrips3D::new(segments)
+}
+
+/// Closed outlines; the first vertex of each is repeated at its end.
+pub fn contours(contours: &[Vec<[f32; 3]>]) -> LineStrips3D {
+    let closed = contours.iter().map(|contour| contour.iter().chain(contour.first()).copied());
+    LineStrips3D::new(closed.map(Iterator::collect::<Vec<_>>))
+}
+
+/// A line of text in two dimensions.
+pub fn written(position: [f32; 2], text: String) -> Points2D {
+    Points2D::new([position])
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_colors([Rgba32::WHITE])
+        .with_labels([text])
+        .with_show_labels(true)
+}

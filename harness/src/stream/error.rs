@@ -1,0 +1,90 @@
+//! Why a recording cannot be made.
+
+use std::path::PathBuf;
+
+/// Why a recording cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum StreamError {
+    /// The address of the viewer cannot be understood.
+    #[error("{url:?} is not the address of a viewer, such as rerun+http://127.0.0.1:9876/proxy: {reason}")]
+    BadUrl {
+        /// What was given.
+        url: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A viewer is to be started, but there is none.
+    #[error(
+        "no program `rerun` in PATH; install the viewer with `pip install rerun-sdk=={version}` or `cargo binstall rerun-cli@{version}`"
+    )]
+    ViewerNotInstalled {
+        /// The version that fits the recordings.
+        version: String,
+    },
+    /// A viewer is there, but does not start.
+    #[error("cannot start the viewer `rerun`")]
+    ViewerFailed {
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The file cannot be created.
+    #[error("cannot create the recording {path:?}")]
+    Create {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The file cannot be written to its end.
+    #[error("cannot write the recording {path:?}: {reason}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong, as Rerun puts it.
+        reason: String,
+    },
+    /// Rerun refused.
+    #[error("cannot log {entity}: {reason}")]
+    Log {
+        /// What was to be logged.
+        entity: String,
+        /// What Rerun said.
+        reason: String,
+    },
+    /// A detector logs that was not announced when the stream was opened.
+    #[error("detector {detector:?} was not announced; there are {announced:?}")]
+    UnknownDetector {
+        /// Its name.
+        detector: String,
+        /// Those that were.
+        announced: Vec<String>,
+    },
+    /// A stage product of another scan.
+    #[error("{product} of {detector} labels {n_labels} points of a scan of {n_points}")]
+    ProductLength {
+        /// The detector.
+        detector: String,
+        /// The product.
+        product: &'static str,
+        /// Points of the scan.
+        n_points: usize,
+        /// Labels of the product.
+        n_labels: usize,
+    },
+    /// An assignment of another scan.
+    #[error(
+        "an assignment of {detector} has {n_annotation_outcomes} annotations and {n_detection_outcomes} detections, the scan has {n_annotations} and {n_detections}"
+    )]
+    AssignmentLength {
+        /// The detector.
+        detector: String,
+        /// Outcomes of annotations.
+        n_annotation_outcomes: usize,
+        /// Outcomes of detections.
+        n_detection_outcomes: usize,
+        /// Annotations of the scan.
+        n_annotations: usize,
+        /// Detections in the scan.
+        n_detections: usize,
+    },
+}

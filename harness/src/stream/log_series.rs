@@ -1,0 +1,90 @@
+//! Logs the numbers that change from scan to scan.
+
+use std::time::Duration;
+
+use detector::detector::StageTime;
+use rerun::{RecordingStream, Scalars, SeriesLines};
+
+use super::error::StreamError;
+use super::{entity_paths, legend, palette, recording};
+use crate::task::Task;
+
+/// An F-rate over the scans so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunningFRate {
+    /// The task it is about.
+    pub task: Task,
+    /// The rate, 0 to 1; `None` while its denominator is zero.
+    pub f_rate: Option<f64>,
+}
+
+/// Logs name and colour of the lines of the detector at `detector_idx`, for the whole recording.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_lines(stream: &RecordingStream, detector: &str, detector_idx: usize) -> Result<(), StreamError> {
+    let line = SeriesLines::new()
+        .with_names([detector])
+        .with_colors([legend::rgba(palette::detector_color(detector_idx))])
+        .with_widths([2.0]);
+    for task in Task::ALL {
+        recording::log_static(stream, entity_paths::f_rate(task, detector), &line)?;
+    }
+    recording::log_static(stream, entity_paths::latency(detector), &line)
+}
+
+/// Logs the F-rates so far at the current time; one that is undefined leaves a gap.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_f_rates(
+    stream: &RecordingStream,
+    detector: &str,
+    f_rates: &[RunningFRate],
+) -> Result<(), StreamError> {
+    for RunningFRate { task, f_rate } in f_rates {
+        if let Some(f_rate) = f_rate {
+            recording::log(stream, entity_paths::f_rate(*task, detector), &Scalars::single(*f_rate))?;
+        }
+    }
+    Ok(())
+}
+
+/// Logs the latency of the scan at the current time.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_latency(stream: &RecordingStream, detector: &str, latency: Duration) -> Result<(), StreamError> {
+    recording::log(stream, entity_paths::latency(detector), &Scalars::single(milliseconds(latency)))
+}
+
+/// Logs the stage times of the scan at the current time, and the names of the stages unless they are `known_stages`.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_stage_times(
+    stream: &RecordingStream,
+    detector: &str,
+    stage_times: &[StageTime],
+    known_stages: &mut Vec<&'static str>,
+) -> Result<(), StreamError> {
+    let path = entity_paths::stage_times(detector);
+    if !stage_times.iter().map(|it| it.stage).eq(known_stages.iter().copied()) {
+        *known_stages = stage_times.iter().map(|it| it.stage).collect();
+        let lines = SeriesLines::new()
+            .with_names(known_stages.iter().copied())
+            .with_colors(palette::CYCLE.iter().cycle().take(known_stages.len()).map(|it| legend::rgba(*it)))
+            .with_widths(vec![1.5; known_stages.len()]);
+        recording::log_static(stream, path.clone(), &lines)?;
+    }
+    let times_ms = stage_times.iter().map(|it| milliseconds(it.duration));
+    recording::log(stream, path, &Scalars::new(times_ms))
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
+}

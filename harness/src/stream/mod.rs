@@ -1,0 +1,33 @@
+//! Recordings for the Rerun viewer; the only place that knows Rerun.
+//!
+//! A [`session::Stream`] takes labelled scans, what each detector made of them and what became of every object, and
+//! writes them to an `.rrd` file and, on request, to a viewer at the same time. It draws the generic products of
+//! [`detector::stage_product`], so a new detector is drawn without a new line here.
+//!
+//! A recording is a view: nothing is read back from it.
+
+pub mod palette;
+mod error;
+mod legend;
+mod entity_paths;
+mod recording;
+mod archetypes;
+mod blueprint;
+mod recording_file;
+mod viewer;
+mod log_static;
+mod log_scan;
+mod log_products;
+mod log_outcomes;
+mod log_series;
+pub mod session;
+
+pub use error::StreamError;
+pub use log_series::RunningFRate;
+pub use session::{DetectorView, Stream, StreamEnding, StreamOptions};
+pub use viewer::{ViewerChoice, ViewerState, ViewerUrl};
+
+/// Version of the Rerun library; a viewer of this version opens the recordings.
+pub fn rerun_version() -> String {
+    rerun::build_info().version.to_string()
+}

@@ -1,0 +1,57 @@
+//! Colours that can be told apart with every kind of colour vision, and what they stand for.
+//!
+//! The hues are those of Okabe and Ito's palette; the greys stay behind them on a dark background.
+
+use detector::stage_product::SurfaceClass;
+
+/// Red, green and blue, 0 to 255.
+pub type Rgb = [u8; 3];
+
+/// Orange.
+pub const ORANGE: Rgb = [230, 159, 0];
+/// Sky blue.
+pub const SKY_BLUE: Rgb = [86, 180, 233];
+/// Bluish green.
+pub const BLUISH_GREEN: Rgb = [0, 158, 115];
+/// Yellow.
+pub const YELLOW: Rgb = [240, 228, 66];
+/// Blue.
+pub const BLUE: Rgb = [0, 114, 178];
+/// Vermilion.
+pub const VERMILION: Rgb = [213, 94, 0];
+/// Reddish purple.
+pub const REDDISH_PURPLE: Rgb = [204, 121, 167];
+/// A grey between the two ends.
+pub const GREY: Rgb = [150, 150, 150];
+
+/// A right detection, or the annotation it found.
+pub const MATCHED: Rgb = BLUISH_GREEN;
+/// An annotation nobody found.
+pub const MISSED: Rgb = YELLOW;
+/// A detection of nothing.
+pub const FALSE: Rgb = VERMILION;
+/// What is neither right nor wrong.
+pub const IGNORED: Rgb = GREY;
+/// What a person, or the simulator, labelled.
+pub const ANNOTATION: Rgb = SKY_BLUE;
+/// Behind everything that is drawn in three dimensions.
+pub const BACKGROUND: Rgb = [16, 17, 21];
+
+/// Hues for things that have no meaning of their own, such as clusters; neighbours in the list differ most.
+pub const CYCLE: [Rgb; 7] = [SKY_BLUE, ORANGE, BLUISH_GREEN, REDDISH_PURPLE, YELLOW, BLUE, VERMILION];
+
+/// The hue of the detector at `detector_idx` in the order of the run.
+pub fn detector_color(detector_idx: usize) -> Rgb {
+    [SKY_BLUE, ORANGE, REDDISH_PURPLE, YELLOW, BLUISH_GREEN, BLUE, VERMILION][detector_idx % 7]
+}
+
+/// The colour of points and cells of `class`: the foreground is bright, the ground is dim.
+pub fn surface_color(class: SurfaceClass) -> Rgb {
+    match class {
+        SurfaceClass::Unseen => [52, 52, 58],
+        SurfaceClass::Clutter => [112, 92, 72],
+        SurfaceClass::Ground => [84, 84, 92],
+        SurfaceClass::Tall => [72, 104, 158],
+        SurfaceClass::Short => [226, 226, 230],
+    }
+}

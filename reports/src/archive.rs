@@ -1,0 +1,89 @@
+//! What the files of a run have in common: their version, and the ways in which reading and writing them fails.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+/// Version of the layout of `report.json`, `manifest.json` and the CSV files; raised when a reader of the old layout
+/// would misread the new one.
+pub const SCHEMA: u32 = 1;
+
+/// Why a file of a run cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum ArchiveError {
+    /// The operating system refused to read.
+    #[error("cannot read {path:?}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// The operating system refused to write.
+    #[error("cannot write {path:?}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// The file was written by another version of this program.
+    #[error("{path:?} has schema {found}, but this program reads schema {expected}")]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// The schema this program reads, [`SCHEMA`].
+        expected: u32,
+        /// The schema of the file.
+        found: u32,
+    },
+    /// The file is not JSON, or not the JSON it should be; the source says at which line and column.
+    #[error("{path:?} is damaged")]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: serde_json::Error,
+    },
+    /// A row cannot be written or read; the source says which and why.
+    #[error("bad row in {path:?}")]
+    Csv {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: csv::Error,
+    },
+    /// The columns of a CSV file are not the expected ones.
+    #[error("{path:?} has the columns {found:?}, expected {expected:?}")]
+    Columns {
+        /// The file.
+        path: PathBuf,
+        /// The columns this program reads.
+        expected: String,
+        /// The columns of the file.
+        found: String,
+    },
+}
+
+/// Reads a JSON file whose top level says under `schema` which layout it has.
+///
+/// # Errors
+///
+/// [`ArchiveError`] if the file cannot be read, has another schema than [`SCHEMA`], or does not hold a `T`.
+pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, ArchiveError> {
+    #[derive(Deserialize)]
+    struct SchemaOnly {
+        schema: u32,
+    }
+
+    let damaged = |source| ArchiveError::Json { path: path.to_path_buf(), source };
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
+    // The version is looked at first, so that a newer file is called newer and not damaged.
+    let SchemaOnly { schema } = serde_json::from_str(&text).map_err(damaged)?;
+    if schema != SCHEMA {
+        return Err(ArchiveError::Schema { path: path.to_path_buf(), expected: SCHEMA, found: schema });
+    }
+    serde_json::from_str(&text).map_err(damaged)
+}

@@ -1,0 +1,91 @@
+//! What became of an annotation, a detection or a pair of them, with all that is needed to judge it again.
+
+/// What became of an annotation, a detection or a pair of them.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MatchOutcome {
+    /// The detection found the annotation.
+    Matched {
+        /// What was found.
+        annotation: AnnotationFacts,
+        /// What found it.
+        detection: DetectionFacts,
+        /// Lower is better; the unit is the criterion's.
+        cost: f64,
+    },
+    /// The annotation was missed.
+    Missed {
+        /// What was missed.
+        annotation: AnnotationFacts,
+        /// Why.
+        reason: String,
+    },
+    /// The annotation is neither found nor missed.
+    IgnoredAnnotation {
+        /// What does not count.
+        annotation: AnnotationFacts,
+        /// Why.
+        reason: String,
+    },
+    /// The detection is false.
+    False {
+        /// What is false.
+        detection: DetectionFacts,
+        /// Why.
+        reason: String,
+    },
+    /// The detection is neither right nor false.
+    IgnoredDetection {
+        /// What does not count.
+        detection: DetectionFacts,
+        /// Why.
+        reason: String,
+    },
+    /// It cannot be known whether the detection is false.
+    Unknowable {
+        /// What cannot be judged.
+        detection: DetectionFacts,
+    },
+}
+
+/// What is known about an annotation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnnotationFacts {
+    /// Its place among the annotations of the scan, from 0.
+    pub id: u64,
+    /// Number of the object within its drive.
+    pub track: Option<u32>,
+    /// What it is.
+    pub class: String,
+    /// How much of it other things hide from the sensor, in words.
+    pub occlusion: Option<String>,
+    /// Number of its points.
+    pub n_points: u64,
+    /// Its box, where boxes are labelled.
+    pub bounding_box: Option<BoxFacts>,
+}
+
+/// What is known about a detection.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DetectionFacts {
+    /// Its place among the detections of the scan, from 0.
+    pub id: u64,
+    /// What the detector takes it for.
+    pub class: String,
+    /// How sure the detector is; higher is surer.
+    pub score: Option<f32>,
+    /// Number of its points.
+    pub n_points: u64,
+    /// Its box.
+    pub bounding_box: BoxFacts,
+}
+
+/// An upright box in the sensor frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoxFacts {
+    /// Centre x (forward), y (left), z (up) in metres.
+    pub center_m: [f32; 3],
+    /// Length (along the heading), width and height in metres.
+    pub length_width_height_m: [f32; 3],
+    /// Heading in radians, counter-clockwise from x seen from above.
+    pub yaw_rad: f32,
+}

@@ -1,0 +1,106 @@
+//! What has to be said beneath a table.
+
+use std::collections::BTreeSet;
+
+use crate::table::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
+use crate::table::task_table::TaskTable;
+
+/// The sentences beneath a table, and the signs in it that refer to them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Notes {
+    marks: BTreeSet<Mark>,
+    /// The sentences, in order; those that a sign refers to begin with it.
+    pub(crate) sentences: Vec<String>,
+}
+
+/// The title of the table of a task.
+pub(crate) fn title(table: &TaskTable) -> String {
+    format!("Task {}. Rates in %. Matched by {}.", table.task, table.matching_criterion)
+}
+
+/// What has to be said beneath `grids`, which are printed together.
+pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
+    let lines = || grids.iter().flat_map(|it| &it.lines);
+    let marks: BTreeSet<Mark> = lines().flat_map(|it| &it.cells).filter_map(|it| it.mark).collect();
+    let has_line = |kind| lines().any(|it: &Line| it.kind == kind);
+    let has_column = |title| grids.iter().flat_map(|it| &it.columns).any(|it| it.title == title);
+
+    let mut notes = Notes { marks, sentences: vec![abbreviations(&table.cpu_model)] };
+    if has_column("IA") {
+        notes.sentences.push(
+            "P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored, \
+             neither right nor wrong."
+                .to_owned(),
+        );
+    }
+    if has_line(LineKind::Overall) {
+        notes.sentences.push(
+            "overall: counts and times are summed over the data sets before a ratio is taken.".to_owned(),
+        );
+    }
+    if has_line(LineKind::Paper) {
+        notes.sentences.extend(table.paper.map(|paper| {
+            let methods =
+                paper.methods.iter().filter(|it| table.detectors.iter().any(|our| our == it.detector));
+            let places: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
+            format!(
+                "paper: {}; {}. Other scans, annotations and machine than ours: for orientation.",
+                paper.source,
+                places.join(", ")
+            )
+        }));
+    }
+    let about_marks: Vec<_> = notes.marks.iter().map(|&mark| notes.sentence_about(mark)).collect();
+    notes.sentences.extend(about_marks);
+    notes
+}
+
+fn abbreviations(cpu_model: &str) -> String {
+    format!(
+        "NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per \
+         second of detection alone, on {cpu_model}."
+    )
+}
+
+impl Notes {
+    /// The sign of a cell's mark, empty without one. For simulated data it is a word, see [`Self::tag`].
+    pub(crate) fn sign(&self, cell: &Cell) -> String {
+        match cell.mark {
+            None | Some(Mark::Simulated | Mark::PartlySimulated) => String::new(),
+            Some(mark) => self.sign_of(mark),
+        }
+    }
+
+    /// The word that marks a cell as simulated.
+    pub(crate) fn tag(cell: &Cell) -> Option<&'static str> {
+        match cell.mark {
+            Some(Mark::Simulated) => Some("simulated"),
+            Some(Mark::PartlySimulated) => Some("partly simulated"),
+            _ => None,
+        }
+    }
+
+    fn sign_of(&self, mark: Mark) -> String {
+        let Mark::Undefined(_) = mark else { return "†".to_owned() };
+        let is_number = |it: &&Mark| matches!(it, Mark::Undefined(_));
+        let number_idx = self.marks.iter().filter(is_number).position(|it| *it == mark);
+        // There are three reasons, so three signs are enough.
+        ["¹", "²", "³"][number_idx.expect("the marks of all printed cells were collected")].to_owned()
+    }
+
+    fn sentence_about(&self, mark: Mark) -> String {
+        let sentence = match mark {
+            Mark::Simulated => return "simulated: made by a simulator, not recorded.".to_owned(),
+            Mark::PartlySimulated => {
+                return "partly simulated: summed over recorded and simulated data sets.".to_owned();
+            }
+            Mark::NotPublic => "Budapest recordings, not public.",
+            Mark::Undefined(Undefined::FalseObjectsUnknown) => {
+                "undefined: not every class of object is annotated, so false objects cannot be known."
+            }
+            Mark::Undefined(Undefined::ZeroDenominator) => "undefined: the denominator is zero.",
+            Mark::Undefined(Undefined::NotTimed) => "undefined: no scan was timed.",
+        };
+        format!("{} {sentence}", self.sign_of(mark))
+    }
+}

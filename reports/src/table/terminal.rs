@@ -1,0 +1,278 @@
+//! The table as aligned text, without colour.
+
+use std::fmt::Write as _;
+
+use crate::table::grid::{Alignment, Cell, Grid, Line, LineKind, fraction};
+use crate::table::notes::{Notes, notes, title};
+use crate::table::task_grids::{counts_grid, main_grid};
+use crate::table::task_table::TaskTable;
+
+/// Sentences are broken to this many characters.
+const LINE_WIDTH: usize = 100;
+/// Between columns.
+const GAP: &str = "  ";
+/// Between groups of columns, in addition.
+const GROUP_GAP: &str = " ";
+
+/// The table for a terminal: as in the papers, then the counts it is made of, then what has to be said.
+///
+/// Three detectors with names of the usual length fit into 100 columns.
+pub fn to_terminal(table: &TaskTable) -> String {
+    let (main, counts) = (main_grid(table), counts_grid(table));
+    let notes = notes(table, &[&main, &counts]);
+    let mut text = format!("{}\n\n", title(table));
+    write_grid(&mut text, &main, &notes);
+    text.push('\n');
+    write_grid(&mut text, &counts, &notes);
+    text.push('\n');
+    for sentence in &notes.sentences {
+        text.push_str(&wrapped(sentence));
+    }
+    text
+}
+
+/// How wide a column is.
+struct Width {
+    /// All of it.
+    total: usize,
+    /// From the decimal point on, signs included; zero for text.
+    fraction: usize,
+}
+
+fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+    let widths = widths(grid, notes);
+    let total = grid_width(grid, &widths);
+    write_group_heads(text, grid, &widths);
+    let heads = grid.columns.iter().zip(&widths).map(|(column, width)| match column.alignment {
+        Alignment::Left => format!("{:<1$}", column.title, width.total),
+        Alignment::Decimal => format!("{:>1$}", column.title, width.total),
+    });
+    write_cells(text, grid, heads.collect());
+    push_line(text, &"─".repeat(total));
+    for line in &grid.lines {
+        if line.kind == LineKind::Overall {
+            push_line(text, &"─".repeat(total));
+        }
+        let cells =
+            widths.iter().enumerate().map(|(column_idx, width)| match grid.columns[column_idx].alignment {
+                Alignment::Left => format!("{:<1$}", left_text(line, column_idx, notes), width.total),
+                Alignment::Decimal => decimal_text(&line.cells[column_idx], width, notes),
+            });
+        write_cells(text, grid, cells.collect());
+    }
+}
+
+/// The names of the groups above their columns, with a rule each; nothing if there are no groups.
+fn write_group_heads(text: &mut String, grid: &Grid, widths: &[Width]) {
+    let groups = grid.groups();
+    if groups.iter().all(|(name, _)| name.is_none()) {
+        return;
+    }
+    let (mut names, mut rules) = (Vec::new(), Vec::new());
+    let mut widths = widths.iter();
+    for (name, n_columns) in groups {
+        let of_columns: usize = widths.by_ref().take(n_columns).map(|it| it.total).sum();
+        let width = of_columns + GAP.len() * (n_columns - 1);
+        names.push(format!("{:^1$}", name.unwrap_or(""), width));
+        rules.push(if name.is_some() { "─".repeat(width) } else { " ".repeat(width) });
+    }
+    let gap = format!("{GAP}{GROUP_GAP}");
+    push_line(text, &names.join(&gap));
+    push_line(text, &rules.join(&gap));
+}
+
+fn write_cells(text: &mut String, grid: &Grid, cells: Vec<String>) {
+    let mut line = String::new();
+    for (column_idx, cell) in cells.into_iter().enumerate() {
+        if column_idx > 0 {
+            line.push_str(GAP);
+            if grid.columns[column_idx].group != grid.columns[column_idx - 1].group {
+                line.push_str(GROUP_GAP);
+            }
+        }
+        line.push_str(&cell);
+    }
+    push_line(text, &line);
+}
+
+fn push_line(text: &mut String, line: &str) {
+    writeln!(text, "{}", line.trim_end()).expect("a string takes all that is written");
+}
+
+fn left_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
+    let cell = &line.cells[column_idx];
+    let is_beneath = column_idx == 0 && matches!(line.kind, LineKind::Detail | LineKind::Paper);
+    let indent = if is_beneath { "  " } else { "" };
+    let tag = Notes::tag(cell).map_or_else(String::new, |it| format!(" ({it})"));
+    if cell.text.is_empty() {
+        String::new()
+    } else {
+        format!("{indent}{}{}{tag}", cell.text, notes.sign(cell))
+    }
+}
+
+fn decimal_text(cell: &Cell, width: &Width, notes: &Notes) -> String {
+    let fraction = format!("{}{}", fraction(&cell.text), notes.sign(cell));
+    let whole = cell.text.split('.').next().unwrap_or("");
+    format!("{whole:>0$}{fraction:<1$}", width.total - width.fraction, width.fraction)
+}
+
+fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
+    let n_chars = |text: &str| text.chars().count();
+    let columns = grid.columns.iter().enumerate().map(|(column_idx, column)| {
+        let (mut total, mut fraction_width) = (0, 0);
+        for line in &grid.lines {
+            let cell = &line.cells[column_idx];
+            match column.alignment {
+                Alignment::Left => total = total.max(n_chars(&left_text(line, column_idx, notes))),
+                Alignment::Decimal => {
+                    let whole = n_chars(&cell.text) - n_chars(fraction(&cell.text));
+                    let behind = n_chars(fraction(&cell.text)) + n_chars(&notes.sign(cell));
+                    total = total.max(whole);
+                    fraction_width = fraction_width.max(behind);
+                }
+            }
+        }
+        Width { total: n_chars(column.title).max(total + fraction_width), fraction: fraction_width }
+    });
+    columns.collect()
+}
+
+fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
+    let columns: usize = widths.iter().map(|it| it.total).sum();
+    columns + GAP.len() * (widths.len() - 1) + GROUP_GAP.len() * (grid.groups().len() - 1)
+}
+
+/// `sentence` in lines of at most [`LINE_WIDTH`] characters, all but the first indented.
+fn wrapped(sentence: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in sentence.split_whitespace() {
+        let last = lines.last_mut().expect("there is a first line");
+        let is_start = last.trim().is_empty();
+        if !is_start && last.chars().count() + 1 + word.chars().count() > LINE_WIDTH {
+            lines.push(format!("  {word}"));
+        } else {
+            last.push_str(if is_start { "" } else { " " });
+            last.push_str(word);
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::sample;
+
+    #[test]
+    fn objects_are_printed_with_recall_where_the_f_rate_is_undefined() {
+        insta::assert_snapshot!(to_terminal(&sample::tables()[0]), @r#"
+        Task objects. Rates in %. Matched by points, Jaccard at least 0.5.
+
+                                              hierarchical            kd-tree                pca
+                                           ───────────────────   ──────────────────   ──────────────────
+        data set                      NO     ND  F-rate    fps     ND  F-rate   fps     ND  F-rate   fps
+        ────────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)        412   423     88.9  121     480     76.2  8.04   415     76.9  46.0
+          paper: Budapest #1†        669           89     29             77    0.38
+          paper: Budapest #2†        429           79     25             64    0.22
+        kitti_tracking               318     –¹     –¹    98.2     –¹     –¹   0.47     –¹     –¹   39.9
+          recall, TP / NO                          91.2                  85.2                 64.2
+        kitti_object                  61     –¹     –¹   104       –¹     –¹   0.50     –¹     –¹   41.0
+          recall, TP / NO                          90.2                 100.0                 65.6
+          paper: KITTI               496           82     29             75    0.46
+        ────────────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)   791     –¹     –¹   107       –¹     –¹   0.71     –¹     –¹   42.1
+          recall, TP / NO                          90.5                  85.0                 71.0
+          paper: overall†           1594           83     28             72    0.35
+
+        data set                    detector      scans   NO   TP   MO    FO     P      R  F-rate  IA   ID
+        ──────────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)       hierarchical     20  412  371   41   52   87.7   90.0    88.9  17  230
+                                    kd-tree          20  412  340   72  140   70.8   82.5    76.2  17  230
+                                    pca              20  412  318   94   97   76.6   77.2    76.9  17  230
+        kitti_tracking              hierarchical     20  318  290   28    –¹   –¹    91.2     –¹   17  230
+                                    kd-tree          20  318  271   47    –¹   –¹    85.2     –¹   17  230
+                                    pca              20  318  204  114    –¹   –¹    64.2     –¹   17  230
+        kitti_object                hierarchical     20   61   55    6    –¹   –¹    90.2     –¹   17  230
+                                    kd-tree          20   61   61    0    –¹   –¹   100.0     –¹   17  230
+                                    pca              20   61   40   21    –¹   –¹    65.6     –¹   17  230
+        ──────────────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)  hierarchical     60  791  716   75    –¹   –¹    90.5     –¹   51  690
+                                    kd-tree          60  791  672  119    –¹   –¹    85.0     –¹   51  690
+                                    pca              60  791  562  229    –¹   –¹    71.0     –¹   51  690
+
+        NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans
+          per second of detection alone, on Example CPU @ 2 GHz.
+        P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored,
+          neither right nor wrong.
+        overall: counts and times are summed over the data sets before a ratio is taken.
+        paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1;
+          connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans,
+          annotations and machine than ours: for orientation.
+        simulated: made by a simulator, not recorded.
+        partly simulated: summed over recorded and simulated data sets.
+        † Budapest recordings, not public.
+        ¹ undefined: not every class of object is annotated, so false objects cannot be known.
+        "#);
+    }
+
+    #[test]
+    fn vehicles_are_printed_with_a_note_on_each_undefined_number() {
+        insta::assert_snapshot!(to_terminal(&sample::tables()[1]), @r#"
+        Task vehicles. Rates in %. Matched by points, Jaccard at least 0.5.
+
+                                              hierarchical           kd-tree                pca
+                                           ──────────────────   ──────────────────   ─────────────────
+        data set                      NO    ND  F-rate    fps     ND  F-rate   fps    ND  F-rate   fps
+        ──────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)        190   189    95.5  121      214    84.2  8.04   190   100.0  46.0
+          paper: Budapest #1†        567          89     24                                 73    15
+          paper: Budapest #2†       1141          90     21                                 71    12
+          paper: Budapest #3†        368          80     22                                 57    13
+        kitti_tracking               240   244    87.2   98.2   1239    26.9  0.47   179    71.6  39.9
+        kitti_object                   0     0     –¹     –²       3     0.0  –²       0     –¹   41.0
+          paper: KITTI               614          78     25                                 62    14
+        ──────────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)   430   433    90.8  109     1456    39.1  0.89   369    85.1  42.1
+          paper: overall†           2690          86     23                                 68    13.5
+
+        data set                    detector      scans   NO   TP  MO    FO      P      R  F-rate  IA   ID
+        ──────────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)       hierarchical     20  190  181   9     8   95.8   95.3    95.5  17  230
+                                    kd-tree          20  190  170  20    44   79.4   89.5    84.2  17  230
+                                    pca              20  190  190   0     0  100.0  100.0   100.0  17  230
+        kitti_tracking              hierarchical     20  240  211  29    33   86.5   87.9    87.2  17  230
+                                    kd-tree          20  240  199  41  1040   16.1   82.9    26.9  17  230
+                                    pca              20  240  150  90    29   83.8   62.5    71.6  17  230
+        kitti_object                hierarchical     20    0    0   0     0    –¹     –¹      –¹   17  230
+                                    kd-tree          20    0    0   0     3    0.0    –¹      0.0  17  230
+                                    pca              20    0    0   0     0    –¹     –¹      –¹   17  230
+        ──────────────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)  hierarchical     60  430  392  38    41   90.5   91.2    90.8  51  690
+                                    kd-tree          60  430  369  61  1087   25.3   85.8    39.1  51  690
+                                    pca              60  430  340  90    29   92.1   79.1    85.1  51  690
+
+        NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans
+          per second of detection alone, on Example CPU @ 2 GHz.
+        P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored,
+          neither right nor wrong.
+        overall: counts and times are summed over the data sets before a ratio is taken.
+        paper: Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in
+          Continuously Streamed Urban LIDAR Point Clouds, table 1; PCA based approach under pca, model-based
+          approach under hierarchical. Other scans, annotations and machine than ours: for orientation.
+        simulated: made by a simulator, not recorded.
+        partly simulated: summed over recorded and simulated data sets.
+        † Budapest recordings, not public.
+        ¹ undefined: the denominator is zero.
+        ² undefined: no scan was timed.
+        "#);
+    }
+
+    #[test]
+    fn three_detectors_fit_into_a_hundred_columns() {
+        for line in sample::tables().iter().map(to_terminal).collect::<String>().lines() {
+            assert!(line.chars().count() <= 100, "{line}");
+        }
+    }
+}
