@@ -4,6 +4,7 @@
 
 pub mod annotation;
 pub mod task;
+pub mod simulator;
 pub mod dataset;
 pub mod matching;
 pub mod metrics;

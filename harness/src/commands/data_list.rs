@@ -14,8 +14,8 @@ use crate::dataset::open::{OpenOptions, open_dataset};
 pub fn data_list(arguments: &CatalogueArgs) -> anyhow::Result<()> {
     let catalogue = open_catalogue(arguments.catalogue.as_deref())?;
     let mut stdout = std::io::stdout().lock();
-    for id in catalogue.entries.keys() {
-        match open_dataset(id, &OpenOptions { format: None, seed: None }, &catalogue) {
+    for id in catalogue.ids() {
+        match open_dataset(id, &OpenOptions::default(), &catalogue) {
             Ok(dataset) => {
                 let description = dataset.description();
                 let n_scans = dataset.scan_ids().len();

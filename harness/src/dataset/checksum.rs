@@ -5,9 +5,10 @@
 //! - `scan NAME SIZE` for every scan file, SIZE in bytes. Scans are by far the most of the data; hashing their contents
 //!   would take longer than running the detectors, so a scan that changes but keeps its size is not noticed.
 //! - `text NAME SHA256` for every label and calibration file, over its content.
-//! - `image NAME WIDTHxHEIGHT` for the image size that the labelled region is computed with.
+//! - `image NAME WIDTHxHEIGHT` for the image size, in pixels, that the labelled region of the scan or sequence NAME is
+//!   computed with.
 //!
-//! Names are relative to the folder of the data set, with `/` between folders, so that it may lie anywhere.
+//! Names of files are relative to the folder of the data set, with `/` between folders, so that it may lie anywhere.
 
 use sha2::{Digest as _, Sha256};
 
@@ -25,10 +26,10 @@ impl DatasetChecksum {
 
     /// Adds a label or calibration file by its content.
     pub fn add_text(&mut self, name: &str, content: &str) {
-        self.lines.push(format!("text {name} {}\n", hex(&Sha256::digest(content))));
+        self.lines.push(format!("text {name} {}\n", sha256(content)));
     }
 
-    /// Adds the size of the image of the scan or sequence `name`.
+    /// Adds the size of the image of the scan or sequence `name`, in pixels.
     pub fn add_image_size(&mut self, name: &str, [width_px, height_px]: [u32; 2]) {
         self.lines.push(format!("image {name} {width_px}x{height_px}\n"));
     }
@@ -36,12 +37,15 @@ impl DatasetChecksum {
     /// The checksum in lower-case hexadecimal; the order of the additions does not matter.
     pub fn finish(mut self) -> String {
         self.lines.sort_unstable();
-        hex(&Sha256::digest(self.lines.concat()))
+        sha256(&self.lines.concat())
     }
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+/// SHA-256 of `content` in lower-case hexadecimal.
+pub fn sha256(content: &str) -> String {
+    let digest = Sha256::digest(content);
+    let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
+    digits.map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)])).collect()
 }
 
 #[cfg(test)]

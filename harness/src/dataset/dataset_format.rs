@@ -9,9 +9,9 @@ use super::DatasetError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DatasetFormat {
-    /// KITTI's tracking benchmark, see [`kitti::tracking`](super::kitti::tracking).
+    /// KITTI's tracking benchmark: whole drives.
     KittiTracking,
-    /// KITTI's object benchmark, see [`kitti::object`](super::kitti::object).
+    /// KITTI's object benchmark: single scans.
     KittiObject,
 }
 

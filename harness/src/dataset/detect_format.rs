@@ -38,7 +38,7 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
         1 => Ok(found.remove(0)),
         _ => Err(DatasetError::SeveralDatasets {
             path: path.to_path_buf(),
-            found: found.iter().map(|it| format!("{} {:?}", it.format, it.folder)).collect(),
+            found: found.iter().map(|it| format!("{} {}", it.format, it.folder.display())).collect(),
         }),
     }
 }

@@ -5,20 +5,21 @@ use std::path::PathBuf;
 use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
 use crate::task::Task;
 
-// What several formats are made of.
+// What several formats have in common.
 pub mod text_file;
 pub mod numbered_files;
 pub mod velodyne_bin;
 pub mod png_size;
 pub mod points_of_boxes;
 pub mod checksum;
+pub mod dataset_format;
 pub mod source;
 
 // The formats, a folder each.
 pub mod kitti;
+pub mod simulated_street;
 
 // From what the user names to an open data set, and to the scans of it that are run.
-pub mod dataset_format;
 pub mod detect_format;
 pub mod root_template;
 pub mod catalogue;

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::dataset_format::DatasetFormat;
 use super::{AnnotatedClasses, DatasetDescription};
 
 /// Where a data set lies, and what its files do not say.
@@ -21,10 +22,10 @@ pub struct DatasetSource {
 
 impl DatasetSource {
     /// The description of the recorded data set, once its files are known.
-    pub fn describe(self, format: &str, checksum: String) -> DatasetDescription {
+    pub fn describe(self, format: DatasetFormat, checksum: String) -> DatasetDescription {
         DatasetDescription {
             id: self.id,
-            format: format.to_owned(),
+            format: format.name().to_owned(),
             root: Some(self.folder),
             simulated: false,
             annotated: self.annotated,

@@ -7,18 +7,19 @@ use super::label::CameraBox;
 
 /// The box in the velodyne frame.
 ///
-/// Centre and heading are carried over exactly. The box stands upright in the camera frame and ours stands upright in the
-/// velodyne frame; the frames are tilted by about a degree, so that ends of a car may differ by some centimetres.
+/// Heading and centre of the bottom are carried over exactly. KITTI's box stands upright in the camera frame, ours in the
+/// velodyne frame; these are tilted against each other by about a degree, so that the roof of a car may be off by some
+/// two centimetres and its bumpers by as much in height.
 pub fn box_in_velodyne(camera_box: &CameraBox, velodyne_from_camera: &Matrix4<f64>) -> OrientedBox {
-    let [x, bottom_y, z] = camera_box.bottom_center_m;
+    let [x, y, z] = camera_box.bottom_center_m;
     let [height_m, width_m, length_m] = camera_box.height_width_length_m;
-    // The camera's y points down.
-    let center_m = velodyne_from_camera * Vector4::new(x, bottom_y - height_m / 2.0, z, 1.0);
+    let bottom_center_m = velodyne_from_camera * Vector4::new(x, y, z, 1.0);
+    let center_z_m = bottom_center_m.z + height_m / 2.0;
     let (sin, cos) = camera_box.rotation_y_rad.sin_cos();
     // A direction, hence 0 in the last place. The turn about y takes x to (cos, 0, -sin).
     let heading = velodyne_from_camera * Vector4::new(cos, 0.0, -sin, 0.0);
     OrientedBox {
-        center_m: [center_m.x as f32, center_m.y as f32, center_m.z as f32],
+        center_m: [bottom_center_m.x as f32, bottom_center_m.y as f32, center_z_m as f32],
         length_width_height_m: [length_m as f32, width_m as f32, height_m as f32],
         yaw_rad: heading.y.atan2(heading.x) as f32,
     }
@@ -42,10 +43,10 @@ mod tests {
             rotation_y_rad,
         };
         let found = box_in_velodyne(&camera_box, &calibration.velodyne_from_camera);
-        for (found_m, expected_m) in found.center_m.into_iter().zip([10.0, -2.0, -1.0]) {
+        let found_m = found.center_m.into_iter().chain(found.length_width_height_m);
+        for (found_m, expected_m) in found_m.zip([10.0, -2.0, -1.0, 4.0, 1.6, 1.4]) {
             assert!((found_m - expected_m).abs() < 1e-6, "{found:?}");
         }
-        assert_eq!(found.length_width_height_m, [4.0, 1.6, 1.4]);
         assert!((found.yaw_rad - expected_yaw_rad).abs() < 1e-6, "{found:?}");
     }
 

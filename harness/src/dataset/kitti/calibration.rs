@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nalgebra::{Matrix3, Matrix3x4, Matrix4};
+use nalgebra::{Matrix3, Matrix3x4, Matrix4, SMatrix};
 
 use crate::dataset::DatasetError;
 use crate::dataset::text_file::{TextLine, text_lines};
@@ -19,9 +19,9 @@ const VELODYNE_TO_CAMERA: &str = "Tr_velo_to_cam or Tr_velo_cam";
 /// *Camera* is the rectified frame of KITTI's boxes: x right, y down, z forward, in metres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KittiCalibration {
-    /// From homogeneous velodyne coordinates to homogeneous pixels of camera 2 (P2 · R0_rect · Tr_velo_to_cam).
+    /// From homogeneous velodyne coordinates to homogeneous pixels of camera 2 (`P2 · R0_rect · Tr_velo_to_cam`).
     pub image_from_velodyne: Matrix3x4<f64>,
-    /// The inverse of R0_rect · Tr_velo_to_cam.
+    /// The inverse of `R0_rect · Tr_velo_to_cam`.
     pub velodyne_from_camera: Matrix4<f64>,
 }
 
@@ -40,19 +40,11 @@ pub fn parse_calibration(path: &Path, text: &str) -> Result<KittiCalibration, Da
     let mut camera_from_velodyne: Option<Matrix3x4<f64>> = None;
     for mut line in text_lines(path, text) {
         match line.word("name")?.trim_end_matches(':') {
-            "P2" => {
-                set_once(&mut projection, line, |numbers: &[f64; 12]| Matrix3x4::from_row_slice(numbers))?
-            }
-            "R0_rect" | "R_rect" => {
-                set_once(&mut rectification, line, |numbers: &[f64; 9]| Matrix3::from_row_slice(numbers))?;
-            }
-            "Tr_velo_to_cam" | "Tr_velo_cam" => {
-                set_once(&mut camera_from_velodyne, line, |numbers: &[f64; 12]| {
-                    Matrix3x4::from_row_slice(numbers)
-                })?
-            }
-            _ => {}
-        }
+            "P2" => set_once(&mut projection, line),
+            "R0_rect" | "R_rect" => set_once(&mut rectification, line),
+            "Tr_velo_to_cam" | "Tr_velo_cam" => set_once(&mut camera_from_velodyne, line),
+            _ => Ok(()),
+        }?;
     }
     let missing = |expected| DatasetError::CalibrationEntry { path: path.to_path_buf(), expected };
     let projection = projection.ok_or_else(|| missing(PROJECTION))?;
@@ -67,16 +59,21 @@ pub fn parse_calibration(path: &Path, text: &str) -> Result<KittiCalibration, Da
     Ok(KittiCalibration { image_from_velodyne: projection * rectified_from_velodyne, velodyne_from_camera })
 }
 
-/// Fills `matrix` with the numbers of the rest of `line`.
-fn set_once<Matrix, const N: usize>(
-    matrix: &mut Option<Matrix>,
+/// Fills `matrix` with the rest of `line`, whose numbers go row by row.
+fn set_once<const R: usize, const C: usize>(
+    matrix: &mut Option<SMatrix<f64, R, C>>,
     mut line: TextLine<'_>,
-    from_rows: impl Fn(&[f64; N]) -> Matrix,
 ) -> Result<(), DatasetError> {
     if matrix.is_some() {
         return Err(line.error("gives a matrix for the second time".to_owned()));
     }
-    *matrix = Some(from_rows(&line.numbers(&format!("{N} numbers"))?));
+    let mut rows = SMatrix::zeros();
+    for row in 0..R {
+        for column in 0..C {
+            rows[(row, column)] = line.number("matrix")?;
+        }
+    }
+    *matrix = Some(rows);
     line.end()
 }
 
@@ -107,7 +104,7 @@ fn homogeneous(transform: &Matrix3x4<f64>) -> Matrix4<f64> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use nalgebra::Vector4;
+    use nalgebra::{Vector3, Vector4};
     use proptest::prelude::*;
 
     /// A camera at the sensor that looks along x: 700 px focal length, centre of the image at (621, 187).
@@ -134,7 +131,7 @@ Tr_imu_to_velo: none of our business
     fn what_is_ahead_is_in_the_middle_of_the_image() {
         let calibration = parse(FORWARD_CAMERA).unwrap();
         let pixel = calibration.image_from_velodyne * Vector4::new(10.0, 0.0, 0.0, 1.0);
-        assert_eq!([pixel.x / pixel.z, pixel.y / pixel.z, pixel.z], [621.0, 187.0, 10.0]);
+        assert_eq!(pixel, Vector3::new(6210.0, 1870.0, 10.0));
         let ahead = calibration.velodyne_from_camera * Vector4::new(0.0, 0.0, 10.0, 1.0);
         assert_eq!(ahead, Vector4::new(10.0, 0.0, 0.0, 1.0));
     }
@@ -160,7 +157,7 @@ Tr_imu_to_velo: none of our business
     fn a_malformed_matrix_is_named_with_its_line() {
         check_refused(
             &FORWARD_CAMERA.replace("700 187 0 0 0 1 0", "700"),
-            r#""c.txt", line 2: ends before its 12 numbers"#,
+            r#""c.txt", line 2: ends before its matrix"#,
         );
         check_refused(
             &FORWARD_CAMERA.replace("1 0 0 0 1 0 0 0 1\n", "1 0 0 0 1 0 0 0 1 7\n"),
@@ -168,7 +165,7 @@ Tr_imu_to_velo: none of our business
         );
         check_refused(
             &FORWARD_CAMERA.replace("621", "6x1"),
-            r#""c.txt", line 2: 12 numbers "6x1" is not a number"#,
+            r#""c.txt", line 2: matrix "6x1" is not a number"#,
         );
         check_refused(
             &format!("{FORWARD_CAMERA}R_rect: 1 0 0 0 1 0 0 0 1"),

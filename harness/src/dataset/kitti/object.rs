@@ -15,6 +15,7 @@ use super::ground_truth::{KittiGroundTruth, label_scan};
 use super::label::{KittiLabel, parse_object_labels};
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::{numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -74,7 +75,7 @@ pub fn open_kitti_object(
         opened.push(open_scan(&mut folder, index, &source.annotated)?);
         scan_ids.push(ScanId { sequence: SEQUENCE.to_owned(), index });
     }
-    let description = source.describe("kitti-object", folder.finish());
+    let description = source.describe(DatasetFormat::KittiObject, folder.finish());
     Ok(KittiObjects { description, scan_ids, scans: opened })
 }
 

@@ -15,6 +15,7 @@ use super::ground_truth::{KittiGroundTruth, label_scan};
 use super::label::{KittiLabel, parse_tracking_labels};
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -77,7 +78,7 @@ pub fn open_kitti_tracking(
     if scan_ids.is_empty() {
         return Err(DatasetError::NoScans { path: velodyne });
     }
-    let description = source.describe("kitti-tracking", folder.finish());
+    let description = source.describe(DatasetFormat::KittiTracking, folder.finish());
     Ok(KittiTracking { description, scan_ids, sequences: opened })
 }
 

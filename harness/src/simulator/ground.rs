@@ -1,0 +1,222 @@
+//! Road, kerbs and pavement: a height field and where a ray meets it.
+
+use parry3d::math::Vector;
+use parry3d::query::Ray;
+
+use super::road_axis::RoadAxis;
+
+/// The cross-section of a road.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrossSection {
+    /// Distance of the kerb to the left of the axis, in metres.
+    pub left_kerb_m: f32,
+    /// Distance of the kerb to the right of the axis, in metres.
+    pub right_kerb_m: f32,
+    /// How much the road falls per metre from its middle to the gutter.
+    pub crown: f32,
+    /// How high kerbs stand, in metres.
+    pub kerb_height_m: f32,
+}
+
+/// A road with its axis and cross-section.
+#[derive(Debug, Clone)]
+pub struct Road {
+    /// Its middle line.
+    pub axis: RoadAxis,
+    /// What it looks like cut across.
+    pub section: CrossSection,
+}
+
+/// The ground everywhere: roads, and raised ground beside them.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    /// The road that is driven along, and any that cross it. Their heights add up.
+    pub roads: Vec<Road>,
+    /// Where pavement ends and gardens begin, as metres beyond the kerb.
+    pub pavement_width_m: f32,
+}
+
+/// Where a ray meets the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GroundHit {
+    /// Distance in lengths of the ray's direction.
+    pub range_m: f32,
+    /// Unit normal.
+    pub normal: Vector,
+    /// Share of light that comes back.
+    pub reflectivity: f32,
+}
+
+/// What a place on the plan belongs to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Surface {
+    Road { from_axis_m: f32 },
+    Raised { from_kerb_m: f32 },
+}
+
+const MARKING_REFLECTIVITY: f32 = 0.6;
+const ASPHALT_REFLECTIVITY: f32 = 0.18;
+const PAVING_REFLECTIVITY: f32 = 0.3;
+const GRASS_REFLECTIVITY: f32 = 0.4;
+const KERB_REFLECTIVITY: f32 = 0.35;
+
+impl Ground {
+    /// Height of the surface at x, y in metres.
+    pub fn height_m(&self, plan: [f32; 2]) -> f32 {
+        let (level, raised) = self.levels_m(plan);
+        match self.surface(plan) {
+            Surface::Road { .. } => level,
+            Surface::Raised { .. } => raised,
+        }
+    }
+
+    /// Unit normal of the road surface at x, y, without crown.
+    pub fn normal(&self, plan: [f32; 2]) -> Vector {
+        let step_m = 0.5;
+        let slope = |dx: f32, dy: f32| {
+            let ahead = self.slope_height_m([plan[0] + dx, plan[1] + dy]);
+            let behind = self.slope_height_m([plan[0] - dx, plan[1] - dy]);
+            (ahead - behind) / (2.0 * step_m)
+        };
+        Vector::new(-slope(step_m, 0.0), -slope(0.0, step_m), 1.0).normalize()
+    }
+
+    /// Where `ray`, coming from above the ground, meets it within `max_range_m`.
+    pub fn cast(&self, ray: &Ray, max_range_m: f32) -> Option<GroundHit> {
+        // The level of the road goes on below the raised ground, and the raised level above the road: both are smooth,
+        // and a ray that comes down crosses the raised one first.
+        let raised_m = self.descent(ray, 0.0, max_range_m, Level::Raised)?;
+        let at_raised = plan_at(ray, raised_m);
+        if let Surface::Raised { from_kerb_m } = self.surface(at_raised) {
+            let reflectivity =
+                if from_kerb_m < self.pavement_width_m { PAVING_REFLECTIVITY } else { GRASS_REFLECTIVITY };
+            return Some(GroundHit { range_m: raised_m, normal: self.normal(at_raised), reflectivity });
+        }
+        let road_m = self.descent(ray, raised_m, f32::INFINITY, Level::Road)?;
+        match self.surface(plan_at(ray, road_m)) {
+            Surface::Road { from_axis_m } if road_m <= max_range_m => Some(GroundHit {
+                range_m: road_m,
+                normal: self.normal(plan_at(ray, road_m)),
+                reflectivity: road_reflectivity(from_axis_m),
+            }),
+            Surface::Road { .. } => None,
+            Surface::Raised { .. } => self.kerb_hit(ray, raised_m, road_m, max_range_m),
+        }
+    }
+
+    fn slope_height_m(&self, plan: [f32; 2]) -> f32 {
+        let heights = self.roads.iter().map(|road| {
+            let along_m = road.axis.road_position(plan).along_m;
+            road.axis.height_and_gradient(along_m).0
+        });
+        heights.sum()
+    }
+
+    /// Height of the road's level and of the raised level.
+    fn levels_m(&self, plan: [f32; 2]) -> (f32, f32) {
+        let mut slope_height_m = 0.0;
+        let mut fall_m = f32::INFINITY;
+        let mut kerb_height_m = 0.0;
+        for road in &self.roads {
+            let position = road.axis.road_position(plan);
+            slope_height_m += road.axis.height_and_gradient(position.along_m).0;
+            let half_m = road.section.left_kerb_m.min(road.section.right_kerb_m);
+            fall_m = fall_m.min(position.left_m.abs().min(half_m) * road.section.crown);
+            kerb_height_m = road.section.kerb_height_m;
+        }
+        let road_m = slope_height_m - fall_m;
+        (road_m, road_m + kerb_height_m)
+    }
+
+    fn surface(&self, plan: [f32; 2]) -> Surface {
+        let mut from_kerb_m = f32::INFINITY;
+        for road in &self.roads {
+            let left_m = road.axis.road_position(plan).left_m;
+            let beyond_m = if left_m > 0.0 {
+                left_m - road.section.left_kerb_m
+            } else {
+                -left_m - road.section.right_kerb_m
+            };
+            if beyond_m < 0.0 {
+                return Surface::Road { from_axis_m: left_m };
+            }
+            from_kerb_m = from_kerb_m.min(beyond_m);
+        }
+        Surface::Raised { from_kerb_m }
+    }
+
+    /// Where the ray, above `level` at `from_m`, comes down to it.
+    fn descent(&self, ray: &Ray, from_m: f32, max_range_m: f32, level: Level) -> Option<f32> {
+        let clearance_m = |range_m: f32| {
+            let (road_m, raised_m) = self.levels_m(plan_at(ray, range_m));
+            let level_m = match level {
+                Level::Road => road_m,
+                Level::Raised => raised_m,
+            };
+            ray.origin.z + ray.dir.z * range_m - level_m
+        };
+        let mut last = (from_m, clearance_m(from_m));
+        // The secant through two places near the crossing: quick because the levels are nearly plane.
+        let gradient = self.descent_per_m(ray);
+        if gradient <= 1e-4 {
+            return None;
+        }
+        let mut range_m = from_m + last.1 / gradient;
+        for _ in 0..8 {
+            if !(0.0..=max_range_m * 1.5 + 10.0).contains(&range_m) {
+                return None;
+            }
+            let clearance = clearance_m(range_m);
+            if clearance.abs() < 5e-4 {
+                break;
+            }
+            let secant = (last.1 - clearance) / (range_m - last.0);
+            let step = clearance / if secant > 1e-4 { secant } else { gradient };
+            last = (range_m, clearance);
+            range_m += step;
+        }
+        (range_m <= max_range_m).then_some(range_m)
+    }
+
+    /// How fast the ray approaches the slope below its origin, in metres per length of its direction.
+    fn descent_per_m(&self, ray: &Ray) -> f32 {
+        let normal = self.normal([ray.origin.x, ray.origin.y]);
+        -ray.dir.dot(normal) / normal.z
+    }
+
+    /// The ray is above the road's plan at `road_side_m` and below the raised level beyond it at `raised_side_m`.
+    fn kerb_hit(
+        &self,
+        ray: &Ray,
+        road_side_m: f32,
+        raised_side_m: f32,
+        max_range_m: f32,
+    ) -> Option<GroundHit> {
+        let (mut near_m, mut far_m) = (road_side_m, raised_side_m);
+        for _ in 0..12 {
+            let middle_m = (near_m + far_m) / 2.0;
+            match self.surface(plan_at(ray, middle_m)) {
+                Surface::Road { .. } => near_m = middle_m,
+                Surface::Raised { .. } => far_m = middle_m,
+            }
+        }
+        // Kerbstones are worn round: some of each faces any ray.
+        let normal = Vector::new(-ray.dir.x, -ray.dir.y, 0.0).normalize_or_zero();
+        let hit = GroundHit { range_m: near_m, normal, reflectivity: KERB_REFLECTIVITY };
+        (near_m <= max_range_m).then_some(hit)
+    }
+}
+
+fn road_reflectivity(from_axis_m: f32) -> f32 {
+    if from_axis_m.abs() < 0.06 { MARKING_REFLECTIVITY } else { ASPHALT_REFLECTIVITY }
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Level {
+    Road,
+    Raised,
+}
+
+fn plan_at(ray: &Ray, range_m: f32) -> [f32; 2] {
+    [ray.origin.x + ray.dir.x * range_m, ray.origin.y + ray.dir.y * range_m]
+}

@@ -1,0 +1,34 @@
+//! A simulated street: a seeded drive of a car with a rotating LiDAR, with complete ground truth.
+//!
+//! A [`Street`] is drawn from a [`StreetKind`] and a seed; a [`sensor::SensorModel`] makes scans of it. The same kind,
+//! seed, sensor and number give the same scan, byte for byte, in any order, with any number of threads and on any
+//! x86-64 machine: every beam of every scan has a random stream of its own, and nothing calls the platform's
+//! mathematics library ([`portable_math`]).
+//!
+//! Simulated is not real. What the simulator leaves out: wet roads, rain, mirror images, echoes that mix two surfaces.
+
+pub mod portable_math;
+pub mod sensor;
+pub mod material;
+pub mod solid;
+pub mod facade;
+pub mod scene;
+pub mod road_axis;
+pub mod ground;
+pub mod object_shape;
+pub mod vehicle_shape;
+pub mod person_shape;
+pub mod furniture_shape;
+pub mod vegetation_shape;
+pub mod world;
+pub mod roadside;
+pub mod parked_row;
+pub mod pavement;
+pub mod traffic;
+pub mod house_row;
+pub mod main_road;
+pub mod scan;
+pub mod labeling;
+pub mod street;
+
+pub use street::{EgoPose, SIMULATOR_VERSION, Street, StreetKind};

@@ -1,0 +1,234 @@
+//! A seeded street and the scans of a drive through it.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use parry3d::math::{Pose, Vector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::labeling::{VisibleObject, annotation};
+use super::main_road::main_road;
+use super::object_shape::ObjectShape;
+use super::scan::{Surroundings, Turn, beam_errors, turn};
+use super::scene::{Leaf, LeafForm, Scene};
+use super::sensor::SensorModel;
+use super::world::{Motion, World, world_from_placement};
+use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+
+/// Bumped whenever the same street, seed and sensor give other scans.
+pub const SIMULATOR_VERSION: u32 = 1;
+
+/// The kinds of streets there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum StreetKind {
+    /// Traffic both ways, parked rows, pavements with trees, houses on both sides.
+    MainRoad,
+}
+
+impl StreetKind {
+    /// All kinds, in the order in which tables list them.
+    pub const ALL: [Self; 1] = [Self::MainRoad];
+
+    /// The name used on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MainRoad => "street-main-road",
+        }
+    }
+
+    /// The beginning of the names of its drives.
+    fn sequence_prefix(self) -> &'static str {
+        self.name().trim_start_matches("street-")
+    }
+}
+
+/// A street and a drive through it, the same for the same kind and seed.
+#[derive(Debug, Clone)]
+pub struct Street {
+    kind: StreetKind,
+    seed: u64,
+    world: World,
+    standing: Scene,
+}
+
+/// Where the car with the sensor is during a scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EgoPose {
+    /// Time since the start of the drive.
+    pub time: Duration,
+    /// Position of the sensor in the world: x, y, z in metres.
+    pub position_m: [f32; 3],
+    /// Rotation from sensor to world: quaternion x, y, z, w.
+    pub world_from_sensor_xyzw: [f32; 4],
+}
+
+/// What the dice of a seed are used for; each use has dice of its own.
+#[derive(Debug, Clone, Copy)]
+enum Dice {
+    World = 0,
+    BeamErrors = 1,
+    Pulses = 2,
+}
+
+impl Street {
+    /// Draws the street of this kind and seed.
+    pub fn new(kind: StreetKind, seed: u64) -> Self {
+        let mut rng = dice(kind, seed, Dice::World);
+        let world = match kind {
+            StreetKind::MainRoad => main_road(&mut rng),
+        };
+        let mut leaves = world.walls.clone();
+        for (object, object_idx) in world.objects.iter().zip(0..) {
+            if let Motion::Standing(pose) = &object.motion {
+                leaves.extend(object_leaves(&object.shape_at(0.0), pose, object_idx));
+            }
+        }
+        Self { kind, seed, world, standing: Scene::new(leaves) }
+    }
+
+    /// Which kind it is.
+    pub fn kind(&self) -> StreetKind {
+        self.kind
+    }
+
+    /// The seed it was drawn with.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The name of the drive, such as `main-road-7`.
+    pub fn sequence(&self) -> String {
+        format!("{}-{}", self.kind.sequence_prefix(), self.seed)
+    }
+
+    /// How many scans `sensor` makes until the end of the drive. The car then stands still.
+    pub fn n_scans(&self, sensor: &SensorModel) -> u32 {
+        (self.world.drive_duration_s * sensor.turns_per_second) as u32
+    }
+
+    /// Everything a scan of this street depends on but its number, as text: the same text, the same scans.
+    pub fn provenance(&self, sensor: &SensorModel) -> String {
+        let Self { kind, seed, .. } = self;
+        format!("simulator {SIMULATOR_VERSION}\nstreet {}\nseed {seed}\nsensor {sensor:?}\n", kind.name())
+    }
+
+    /// Where the sensor is, and when, during scan `scan_idx`.
+    pub fn ego_pose(&self, sensor: &SensorModel, scan_idx: u32) -> EgoPose {
+        let pose = self.world_from_sensor(sensor, scan_idx);
+        let seconds = f64::from(scan_idx) / f64::from(sensor.turns_per_second);
+        EgoPose {
+            time: Duration::from_secs_f64(seconds),
+            position_m: pose.translation.into(),
+            world_from_sensor_xyzw: pose.rotation.into(),
+        }
+    }
+
+    /// Makes scan `scan_idx`, which does not depend on any other.
+    ///
+    /// The scan is taken in an instant: nothing moves during a turn, as in recordings whose motion was compensated.
+    /// Every object with a point is annotated, ordered by track. Scans after the end of the drive show the traffic
+    /// from a car that stands.
+    pub fn scan(&self, sensor: &SensorModel, scan_idx: u32) -> LabeledScan {
+        let world_from_sensor = self.world_from_sensor(sensor, scan_idx);
+        let movers = self.movers(sensor, scan_idx, world_from_sensor.translation);
+        let leaves =
+            movers.iter().flat_map(|(object_idx, (shape, pose))| object_leaves(shape, pose, *object_idx));
+        let surroundings = Surroundings {
+            ground: &self.world.ground,
+            standing: &self.standing,
+            moving: &Scene::new(leaves.collect()),
+            world_from_sensor,
+        };
+        let errors = beam_errors(sensor, &mut dice(self.kind, self.seed, Dice::BeamErrors));
+        let turn = turn(sensor, &errors, &surroundings, |beam| {
+            let mut rng = dice(self.kind, self.seed, Dice::Pulses);
+            rng.set_stream(u64::from(scan_idx) << 32 | u64::from(beam));
+            rng
+        });
+        let annotations = self.annotations(&turn, sensor, &movers, &world_from_sensor);
+        let point_regions = vec![PointRegion::Labeled; turn.cloud.len()];
+        let id = ScanId { sequence: self.sequence(), index: scan_idx };
+        LabeledScan { id, cloud: turn.cloud, annotations, point_regions }
+    }
+
+    fn world_from_sensor(&self, sensor: &SensorModel, scan_idx: u32) -> Pose {
+        let drive_s = self.world.drive_duration_s;
+        let time_s = time_s(sensor, scan_idx).min(drive_s);
+        let placement = self.world.ego.placement_at(time_s).expect("the drive ends within the street");
+        let world_from_car = world_from_placement(&self.world.ground, &placement);
+        let sensor_in_car = Vector::Z * sensor.height_above_road_m;
+        Pose::from_parts(world_from_car * sensor_in_car, world_from_car.rotation)
+    }
+
+    /// The moving objects within the sensor's range during a scan, with their forms and places.
+    fn movers(
+        &self,
+        sensor: &SensorModel,
+        scan_idx: u32,
+        sensor_position: Vector,
+    ) -> BTreeMap<u32, (Cow<'_, ObjectShape>, Pose)> {
+        let time_s = time_s(sensor, scan_idx);
+        let moving =
+            self.world.objects.iter().zip(0..).filter(|(it, _)| matches!(it.motion, Motion::Following(_)));
+        let placed = moving.filter_map(|(object, object_idx)| {
+            let pose = object.world_from_object(&self.world.ground, time_s)?;
+            // Half of a long bus may reach into the range.
+            let is_near = (pose.translation - sensor_position).length() < sensor.max_range_m + 10.0;
+            is_near.then(|| (object_idx, (object.shape_at(time_s), pose)))
+        });
+        placed.collect()
+    }
+
+    fn annotations(
+        &self,
+        turn: &Turn,
+        sensor: &SensorModel,
+        movers: &BTreeMap<u32, (Cow<'_, ObjectShape>, Pose)>,
+        world_from_sensor: &Pose,
+    ) -> Vec<Annotation> {
+        let mut points_of: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (object_idx, point_idx) in turn.objects.iter().zip(0_u32..) {
+            if let Some(object_idx) = object_idx {
+                points_of.entry(*object_idx).or_default().push(point_idx);
+            }
+        }
+        let sensor_from_world = world_from_sensor.inverse();
+        let visible = points_of.into_iter().map(|(object_idx, point_indices)| {
+            let object = &self.world.objects[object_idx as usize];
+            let (shape, world_from_object) = match (&object.motion, movers.get(&object_idx)) {
+                (_, Some((shape, pose))) => (shape.clone(), *pose),
+                (Motion::Standing(pose), None) => (object.shape_at(0.0), *pose),
+                (Motion::Following(_), None) => unreachable!("only what is near was cast at"),
+            };
+            let sensor_from_object = sensor_from_world * world_from_object;
+            let object = VisibleObject { object_idx, shape: &shape, sensor_from_object, point_indices };
+            annotation(object, turn, sensor)
+        });
+        visible.collect()
+    }
+}
+
+fn time_s(sensor: &SensorModel, scan_idx: u32) -> f32 {
+    scan_idx as f32 / sensor.turns_per_second
+}
+
+fn object_leaves(shape: &ObjectShape, world_from_object: &Pose, object_idx: u32) -> Vec<Leaf> {
+    let placed = |part: &super::object_shape::Part| Leaf {
+        form: LeafForm::Solid(part.solid.placed(world_from_object)),
+        material: part.material,
+        object_idx: Some(object_idx),
+    };
+    shape.parts.iter().map(placed).collect()
+}
+
+fn dice(kind: StreetKind, seed: u64, purpose: Dice) -> ChaCha8Rng {
+    let mut key = [0; 32];
+    key[..8].copy_from_slice(&seed.to_le_bytes());
+    key[8] = purpose as u8;
+    for (byte, letter) in key[9..].iter_mut().zip(kind.name().bytes()) {
+        *byte = letter;
+    }
+    ChaCha8Rng::from_seed(key)
+}
