@@ -56,7 +56,8 @@ impl DrawnStreet {
 /// Values from the first to the second end, both included, no more than [`SPACING_M`] apart.
 fn steps(ends_m: [f32; 2]) -> Vec<f32> {
     let n_steps = ((ends_m[1] - ends_m[0]) / SPACING_M).ceil().max(1.0);
-    let between = (0..n_steps as usize).map(|step| ends_m[0] + step as f32 * (ends_m[1] - ends_m[0]) / n_steps);
+    let between =
+        (0..n_steps as usize).map(|step| ends_m[0] + step as f32 * (ends_m[1] - ends_m[0]) / n_steps);
     between.chain([ends_m[1]]).collect()
 }
 

@@ -1,18 +1,17 @@
 //! `scanbench run`.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use anyhow::Context as _;
 use indicatif::ProgressBar;
 use jiff::Timestamp;
 use reports::csv_rows::CsvRowWriter;
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
-    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
+    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, RunDirectoryError,
+    SCANS_CSV,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
@@ -20,12 +19,13 @@ use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 
 use crate::cli::{CriterionName, RunArgs};
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::run_manifest::run_manifest;
 use crate::commands::run_rows::{match_rows, scan_row};
+use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::DatasetDescription;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
@@ -42,13 +42,14 @@ use crate::{commands::recording::Recording, task::Task};
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
+    // Before anything is written, so that Ctrl-C leaves nothing behind.
+    let interrupted = interruption_flag()?;
     let started = Timestamp::now();
     let config = run_config(arguments)?;
     let detectors = detectors_named(&arguments.detectors)?;
     let datasets = open_datasets(&arguments.data)?;
     let directory = begin_directory(arguments, &datasets, started)?;
     let mut archive = Archive::begin(arguments, &config, &detectors, &datasets, &directory)?;
-    let interrupted = interruption_flag()?;
     let mut rows = Vec::new();
     for opened in &datasets {
         let scores = evaluate(arguments, &config, &detectors, opened, interrupted, &mut archive)?;
@@ -86,7 +87,15 @@ fn begin_directory(
             (PathBuf::from("runs").join(format!("{time}-{}", ids.join("+"))), LatestPointer::Update)
         }
     };
-    Ok(RunDirectory::create(&target, existing, latest)?)
+    RunDirectory::create(&target, existing, latest).map_err(|error| {
+        let is_occupied = matches!(error, RunDirectoryError::Occupied { .. });
+        let error = anyhow::Error::from(error);
+        if is_occupied {
+            error.context(Usage("--overwrite replaces an earlier run".to_owned()))
+        } else {
+            error
+        }
+    })
 }
 
 /// The files that grow scan by scan.
@@ -141,7 +150,7 @@ impl Archive {
         if let Some(recording) = &mut self.recording
             && let Some(warning) = recording.log(results, scores)?
         {
-            progress.println(format!("warning: {warning}"));
+            warn(progress, &warning);
         }
         #[cfg(not(feature = "rerun"))]
         let _ = scores;
@@ -153,11 +162,19 @@ impl Archive {
         self.scans.finish()?;
         self.matches.finish()?;
         #[cfg(feature = "rerun")]
-        if let Some(recording) = self.recording {
-            recording.finish()?;
+        if let Some(recording) = self.recording
+            && let Some(warning) = recording.finish()?
+        {
+            print_diagnostic(format_args!("warning: {warning}"));
         }
         Ok(())
     }
+}
+
+/// Not through the bar itself, which says nothing where it is hidden.
+#[cfg(feature = "rerun")]
+fn warn(progress: &ProgressBar, warning: &str) {
+    progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
 }
 
 /// False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
@@ -228,11 +245,9 @@ fn write_report(
     Ok(tables)
 }
 
-fn print(tables: &[TaskTable], finished: &std::path::Path) -> anyhow::Result<()> {
-    let mut stdout = std::io::stdout().lock();
-    for table in tables {
-        writeln!(stdout, "{}", to_terminal(table)).context("cannot write to stdout")?;
-    }
-    eprintln!("Run directory: {}", finished.display());
-    Ok(())
+fn print(tables: &[TaskTable], finished: &Path) -> anyhow::Result<()> {
+    let printed = tables.iter().try_for_each(|table| print_result(to_terminal(table)));
+    // Also where nobody takes the tables: the run is there.
+    print_diagnostic(format_args!("Run directory: {}", finished.display()));
+    printed
 }

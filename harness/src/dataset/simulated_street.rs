@@ -91,9 +91,8 @@ mod tests {
     #[test]
     fn the_checksum_changes_with_the_seed() {
         let drive = StreetDrive { street: StreetKind::MainRoad, seed: 3, n_scans: 4, turns_per_scan: 5 };
-        let checksum = |drive: &StreetDrive| {
-            open_simulated_street("street", drive).description().checksum.clone()
-        };
+        let checksum =
+            |drive: &StreetDrive| open_simulated_street("street", drive).description().checksum.clone();
         assert_ne!(checksum(&drive), checksum(&StreetDrive { seed: 4, ..drive.clone() }));
         assert_eq!(checksum(&drive), checksum(&drive.clone()));
     }
