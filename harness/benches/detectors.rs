@@ -3,6 +3,8 @@
 //! `cargo bench --bench detectors [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path. Without it the
 //! simulated street is used.
 
+#![expect(clippy::print_stdout, reason = "a benchmark prints")]
+
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
