@@ -1,18 +1,17 @@
 //! `scanbench run`.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use anyhow::Context as _;
 use indicatif::ProgressBar;
 use jiff::Timestamp;
 use reports::csv_rows::CsvRowWriter;
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
-    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
+    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, RunDirectoryError,
+    SCANS_CSV,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
@@ -20,13 +19,14 @@ use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 
 use crate::cli::{CriterionName, RunArgs};
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_manifest::run_manifest;
 use crate::commands::run_rows::{match_rows, scan_row};
+use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::DatasetDescription;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
@@ -52,6 +52,8 @@ struct Plan<'a> {
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
+    // Before anything is written, so that Ctrl-C leaves nothing behind.
+    let interrupted = interruption_flag()?;
     let plan = Plan {
         arguments,
         started: Timestamp::now(),
@@ -61,7 +63,6 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     };
     let directory = begin_directory(&plan)?;
     let mut archive = Archive::begin(&plan, &directory)?;
-    let interrupted = interruption_flag()?;
     let mut rows = Vec::new();
     for opened in &plan.datasets {
         rows.extend(evaluate(&plan, opened, interrupted, &mut archive)?.metric_rows());
@@ -87,12 +88,22 @@ fn run_config(arguments: &RunArgs) -> anyhow::Result<RunConfig> {
 
 fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
     let existing = if plan.arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
-    if let Some(target) = &plan.arguments.output {
-        return Ok(RunDirectory::create(target, existing, LatestPointer::Leave)?);
-    }
-    let ids: Vec<&str> = plan.datasets.iter().map(|it| it.dataset.description().id.as_str()).collect();
-    let target = PathBuf::from("runs").join(format!("{}-{}", compact_utc(plan.started), ids.join("+")));
-    Ok(RunDirectory::create(&target, existing, LatestPointer::Update)?)
+    let created = if let Some(target) = &plan.arguments.output {
+        RunDirectory::create(target, existing, LatestPointer::Leave)
+    } else {
+        let ids: Vec<&str> = plan.datasets.iter().map(|it| it.dataset.description().id.as_str()).collect();
+        let target = PathBuf::from("runs").join(format!("{}-{}", compact_utc(plan.started), ids.join("+")));
+        RunDirectory::create(&target, existing, LatestPointer::Update)
+    };
+    created.map_err(|error| {
+        let is_occupied = matches!(error, RunDirectoryError::Occupied { .. });
+        let error = anyhow::Error::from(error);
+        if is_occupied {
+            error.context(Usage("--overwrite replaces an earlier run".to_owned()))
+        } else {
+            error
+        }
+    })
 }
 
 /// The files that grow scan by scan.
@@ -134,7 +145,7 @@ impl Archive {
         if let Some(recording) = &mut self.recording
             && let Some(warning) = recording.log(results, scores)?
         {
-            progress.println(format!("warning: {warning}"));
+            warn(progress, &warning);
         }
         #[cfg(not(feature = "rerun"))]
         let _ = scores;
@@ -146,11 +157,19 @@ impl Archive {
         self.scans.finish()?;
         self.matches.finish()?;
         #[cfg(feature = "rerun")]
-        if let Some(recording) = self.recording {
-            recording.finish()?;
+        if let Some(recording) = self.recording
+            && let Some(warning) = recording.finish()?
+        {
+            print_diagnostic(format_args!("warning: {warning}"));
         }
         Ok(())
     }
+}
+
+/// Not through the bar itself, which says nothing where it is hidden.
+#[cfg(feature = "rerun")]
+fn warn(progress: &ProgressBar, warning: &str) {
+    progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
 }
 
 #[cfg(feature = "rerun")]
@@ -223,11 +242,9 @@ fn write_report(
     Ok(tables)
 }
 
-fn print(tables: &[TaskTable], finished: &std::path::Path) -> anyhow::Result<()> {
-    let mut stdout = std::io::stdout().lock();
-    for table in tables {
-        writeln!(stdout, "{}", to_terminal(table)).context("cannot write to stdout")?;
-    }
-    eprintln!("Run directory: {}", finished.display());
-    Ok(())
+fn print(tables: &[TaskTable], finished: &Path) -> anyhow::Result<()> {
+    let printed = tables.iter().try_for_each(|table| print_result(to_terminal(table)));
+    // Also where nobody takes the tables: the run is there.
+    print_diagnostic(format_args!("Run directory: {}", finished.display()));
+    printed
 }

@@ -1,7 +1,5 @@
 //! `scanbench selftest`: annotations fed back as detections.
 
-use std::io::Write as _;
-
 use detector::{DetectedClass, Detection, Detections, OrientedBox};
 use reports::counts::Counts as Scored;
 
@@ -10,6 +8,7 @@ use crate::cli::SelftestArgs;
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
+use crate::commands::standard_streams::print_result;
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle};
@@ -32,13 +31,12 @@ pub struct SelftestFailed {
 ///
 /// [`SelftestFailed`] if anything differs; if data cannot be read or hold no annotation.
 pub fn selftest(arguments: &SelftestArgs) -> anyhow::Result<()> {
-    let mut stdout = std::io::stdout().lock();
     let (mut n_failed, mut n_checked) = (0, 0);
     for opened in open_datasets(&arguments.data)? {
         for checked in check_dataset(&opened)? {
             n_checked += 1;
             n_failed += usize::from(!checked.is_perfect());
-            writeln!(stdout, "{checked}")?;
+            print_result(&checked)?;
         }
     }
     if n_failed > 0 {
