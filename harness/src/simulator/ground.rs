@@ -194,7 +194,7 @@ impl Ground {
     ) -> Option<GroundHit> {
         let (mut near_m, mut far_m) = (road_side_m, raised_side_m);
         for _ in 0..12 {
-            let middle_m = (near_m + far_m) / 2.0;
+            let middle_m = f32::midpoint(near_m, far_m);
             match self.surface(plan_at(ray, middle_m)) {
                 Surface::Road { .. } => near_m = middle_m,
                 Surface::Raised { .. } => far_m = middle_m,
@@ -219,4 +219,64 @@ enum Level {
 
 fn plan_at(ray: &Ray, range_m: f32) -> [f32; 2] {
     [ray.origin.x + ray.dir.x * range_m, ray.origin.y + ray.dir.y * range_m]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::road_axis::{RoadAxisShape, Wave};
+    use proptest::prelude::*;
+
+    fn ground(gradient: f32) -> Ground {
+        let axis = RoadAxis::new(&RoadAxisShape {
+            origin_m: [0.0, 0.0],
+            heading_rad: 0.0,
+            reach_m: [-200.0, 200.0],
+            bends: Wave { amplitude_m: 3.0, length_m: 300.0, phase: 0.1 },
+            gradient,
+            hills: Wave { amplitude_m: 0.5, length_m: 200.0, phase: 0.2 },
+        });
+        let section = CrossSection { left_kerb_m: 5.0, right_kerb_m: 7.0, crown: 0.02, kerb_height_m: 0.12 };
+        Ground { roads: vec![Road { axis, section }], pavement_width_m: 3.0 }
+    }
+
+    proptest! {
+        #[test]
+        fn a_ray_ends_on_the_surface(
+            gradient in -0.1_f32..0.1,
+            azimuth_rad in -3.1_f32..3.1,
+            fall in 0.03_f32..0.5,
+        ) {
+            let ground = ground(gradient);
+            let origin = Vector::new(0.0, 0.0, ground.height_m([0.0, 0.0]) + 1.73);
+            let level = Vector::new(azimuth_rad.cos(), azimuth_rad.sin(), 0.0);
+            let slope = ground.normal([0.0, 0.0]);
+            let along_slope = (level - slope * level.dot(slope)).normalize();
+            let ray = Ray::new(origin, (along_slope - slope * fall).normalize());
+            let hit = ground.cast(&ray, 120.0).expect("the ray falls");
+            let place = ray.point_at(hit.range_m);
+            let above_m = place.z - ground.height_m([place.x, place.y]);
+            let on_kerb = (-0.002..0.122).contains(&above_m) && hit.reflectivity == KERB_REFLECTIVITY;
+            prop_assert!(above_m.abs() < 0.002 || on_kerb, "{above_m} {hit:?}");
+            prop_assert!(hit.normal.dot(ray.dir) < 0.0);
+        }
+    }
+
+    #[test]
+    fn pavement_stands_above_the_gutter_by_a_kerb() {
+        let ground = ground(0.0);
+        let left_of_axis = |left_m| {
+            let position = crate::simulator::road_axis::RoadPosition { along_m: 10.0, left_m };
+            ground.height_m(ground.roads[0].axis.world_plan(position).0)
+        };
+        assert!((left_of_axis(5.1) - left_of_axis(4.9) - 0.12).abs() < 0.01);
+        assert!((left_of_axis(0.0) - left_of_axis(4.0) - 0.08).abs() < 0.01);
+        assert!((left_of_axis(-7.1) - left_of_axis(-6.9) - 0.12).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_ray_upward_meets_no_ground() {
+        let ray = Ray::new(Vector::new(0.0, 0.0, 5.0), Vector::new(0.9, 0.0, 0.3).normalize());
+        assert_eq!(ground(0.0).cast(&ray, 120.0), None);
+    }
 }

@@ -147,7 +147,7 @@ fn garden_border(world: &mut World, roadside: &Roadside, [from_m, to_m]: [f32; 2
         4..8 => furniture_shape::fence(length_m, rng),
         _ => return,
     };
-    let placement = roadside.facing_road((from_m + to_m) / 2.0, roadside.building_line_m + 0.55);
+    let placement = roadside.facing_road(f32::midpoint(from_m, to_m), roadside.building_line_m + 0.55);
     world.stand(shape, &placement);
 }
 

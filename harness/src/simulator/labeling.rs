@@ -1,7 +1,6 @@
 //! From what the pulses met to annotations.
 
 use parry3d::math::{Pose, Vector};
-use parry3d::query::Ray;
 
 use super::object_shape::ObjectShape;
 use super::portable_math;
@@ -67,7 +66,7 @@ fn occlusion(object: &VisibleObject<'_>, turn: &Turn, sensor: &SensorModel) -> O
     let mut n_through = 0_u32;
     let mut n_hidden = 0_u32;
     for beam in turn.ends.chunks(n_firings) {
-        if !(window.least_rise..=window.greatest_rise).contains(&beam[0].direction.z) {
+        if !(window.least_rise..=window.greatest_rise).contains(&beam[0].ray.dir.z) {
             continue;
         }
         for firing in window.firings(n_firings) {
@@ -87,8 +86,7 @@ fn occlusion(object: &VisibleObject<'_>, turn: &Turn, sensor: &SensorModel) -> O
 
 /// Where a pulse, were it alone with the object, would reach it.
 fn enter_m(solids: &[PlacedSolid], end: &PulseEnd) -> Option<f32> {
-    let ray = Ray::new(Vector::ZERO, end.direction);
-    let enters_m = solids.iter().filter_map(|solid| solid.crossing(&ray)).map(|crossing| crossing.enter);
+    let enters_m = solids.iter().filter_map(|solid| solid.crossing(&end.ray)).map(|crossing| crossing.enter);
     enters_m.reduce(f32::min)
 }
 
@@ -136,9 +134,11 @@ fn angular_window(solids: &[PlacedSolid]) -> AngularWindow {
         window.least_rise = window.least_rise.min(rise);
         window.greatest_rise = window.greatest_rise.max(rise);
     }
-    // The rise of a point on an edge may exceed that of both ends, if only little.
-    window.least_rise -= 0.01;
-    window.greatest_rise += 0.01;
+    // Beams start up to a hand above the origin, and an edge may rise a little above both of its ends.
+    let nearest_m = corners().map(Vector::length).fold(f32::INFINITY, f32::min);
+    let slack = 0.01 + 0.25 / nearest_m.max(0.5);
+    window.least_rise -= slack;
+    window.greatest_rise += slack;
     window
 }
 

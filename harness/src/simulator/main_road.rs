@@ -20,34 +20,41 @@ const DRIVE_DURATION_S: f32 = 40.0;
 struct Layout {
     n_lanes_each_way: u32,
     lane_width_m: f32,
-    parking_width_m: f32,
+    /// Width of the parking lane on the left and on the right; 0 where none is.
+    parking_width_m: [f32; 2],
     pavement_width_m: f32,
     reach_m: [f32; 2],
 }
 
 impl Layout {
     fn draw(rng: &mut ChaCha8Rng, drive_length_m: f32) -> Self {
+        let parking_width_m =
+            [0, 1].map(|_| if rng.random_bool(0.7) { rng.random_range(2.2..2.6) } else { 0.0 });
         Self {
             n_lanes_each_way: if rng.random_bool(0.3) { 2 } else { 1 },
-            lane_width_m: rng.random_range(3.2..3.6),
-            parking_width_m: rng.random_range(2.15..2.4),
-            pavement_width_m: rng.random_range(2.6..4.8),
+            lane_width_m: rng.random_range(3.3..3.9),
+            parking_width_m,
+            pavement_width_m: rng.random_range(2.8..5.5),
             reach_m: [-MARGIN_M, drive_length_m + MARGIN_M],
         }
     }
 
-    fn kerb_m(&self) -> f32 {
-        self.n_lanes_each_way as f32 * self.lane_width_m + self.parking_width_m
+    /// Distance of the outer edge of the lanes from the axis.
+    fn lanes_m(&self) -> f32 {
+        self.n_lanes_each_way as f32 * self.lane_width_m
+    }
+
+    fn parking_width_m(&self, side: Side) -> f32 {
+        match side {
+            Side::Left => self.parking_width_m[0],
+            Side::Right => self.parking_width_m[1],
+        }
     }
 
     fn roadside(&self, side: Side) -> Roadside {
-        Roadside {
-            road_idx: 0,
-            side,
-            reach_m: self.reach_m,
-            kerb_m: self.kerb_m(),
-            building_line_m: self.kerb_m() + self.pavement_width_m,
-        }
+        let kerb_m = self.lanes_m() + self.parking_width_m(side);
+        let building_line_m = kerb_m + self.pavement_width_m;
+        Roadside { road_idx: 0, side, reach_m: self.reach_m, kerb_m, building_line_m }
     }
 }
 
@@ -72,15 +79,18 @@ pub fn main_road(rng: &mut ChaCha8Rng) -> World {
     };
     for side in [Side::Left, Side::Right] {
         let roadside = layout.roadside(side);
-        let parked = ParkedRowParams { occupied_share: rng.random_range(0.55..0.92), person_beside: 0.12 };
-        parked_row(&mut world, &roadside, &parked, rng);
+        if layout.parking_width_m(side) > 0.0 {
+            let parked =
+                ParkedRowParams { occupied_share: rng.random_range(0.35..0.85), person_beside: 0.12 };
+            parked_row(&mut world, &roadside, &parked, rng);
+        }
         let furnished = PavementParams {
             furniture_spacing_m: rng.random_range(4.0..9.0),
             tree_share: rng.random_range(0.1..0.5),
-            people_spacing_m: rng.random_range(6.0..20.0),
+            people_spacing_m: rng.random_range(8.0..25.0),
         };
         pavement(&mut world, &roadside, &furnished, rng);
-        let built = HouseRowParams { gap: rng.random_range(0.1..0.4), set_back: rng.random_range(0.0..0.5) };
+        let built = HouseRowParams { gap: rng.random_range(0.2..0.6), set_back: rng.random_range(0.0..0.6) };
         house_row(&mut world, &roadside, &built, rng);
     }
     traffic(&mut world, &layout, rng);
@@ -97,8 +107,8 @@ fn ground(layout: &Layout, rng: &mut ChaCha8Rng) -> Ground {
         hills: wave(rng, 0.0..1.2, 180.0..400.0),
     });
     let section = CrossSection {
-        left_kerb_m: layout.kerb_m(),
-        right_kerb_m: layout.kerb_m(),
+        left_kerb_m: layout.roadside(Side::Left).kerb_m,
+        right_kerb_m: layout.roadside(Side::Right).kerb_m,
         crown: rng.random_range(0.01..0.03),
         kerb_height_m: rng.random_range(0.08..0.15),
     };
@@ -133,7 +143,7 @@ fn traffic(world: &mut World, layout: &Layout, rng: &mut ChaCha8Rng) {
         lane_traffic(world, &oncoming, [0.0, 0.0], DRIVE_DURATION_S, rng);
     }
     for side in [Side::Left, Side::Right] {
-        let from_axis_m = layout.kerb_m() - layout.parking_width_m - 0.4;
+        let from_axis_m = layout.lanes_m() - 0.45;
         let bicycles = Lane {
             road_idx: 0,
             left_m: side.sign() * from_axis_m,

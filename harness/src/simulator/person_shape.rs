@@ -45,7 +45,7 @@ pub fn pedestrian(build: &Build, walked_m: f32) -> ObjectShape {
     let (hip_m, shoulder_m) = (height_m * 0.5, height_m * 0.82);
     let head_m = height_m * 0.13;
     let leg = |side: f32| {
-        let foot = [side * swing_m, side * 0.10, 0.07];
+        let foot = [side * swing_m, side * 0.10, 0.02];
         (Solid::cylinder(foot, [0.0, side * 0.09, hip_m], 0.075), clothes)
     };
     let arm = |side: f32| {
@@ -149,6 +149,6 @@ mod tests {
 
     #[test]
     fn cyclists_are_as_large_as_cyclists() {
-        check(cyclist, [1.6, 1.9], [1.5, 1.9]);
+        check(cyclist, [1.6, 1.9], [1.5, 2.0]);
     }
 }

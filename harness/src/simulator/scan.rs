@@ -36,10 +36,10 @@ pub struct Turn {
 }
 
 /// Where a pulse went and ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct PulseEnd {
-    /// Unit vector in the sensor frame.
-    pub direction: Vector,
+    /// Where it came from and its direction, a unit vector, in the sensor frame.
+    pub ray: Ray,
     /// Where it ended, in metres; infinite if nowhere.
     pub range_m: f32,
     /// The object it ended on.
@@ -77,26 +77,28 @@ pub fn turn(
         objects: Vec::with_capacity(n_pulses),
         ends: Vec::with_capacity(n_pulses),
     };
-    for ((elevation_deg, error), beam) in sensor.elevations_deg().zip(errors).zip(0..) {
-        let mut rng = beam_rng(beam);
-        let elevation_rad = f64::from(elevation_deg + error.elevation_deg).to_radians();
+    for ((beam, error), beam_idx) in sensor.beams().zip(errors).zip(0..) {
+        let mut rng = beam_rng(beam_idx);
+        let elevation_rad = f64::from(beam.elevation_deg + error.elevation_deg).to_radians();
         let (rise, level) = portable_math::sin_cos(elevation_rad);
+        let origin = Vector::Z * beam.origin_height_m;
         for firing in 0..sensor.n_firings_per_turn {
             let turned = (f64::from(firing) + 0.5) / f64::from(sensor.n_firings_per_turn);
             let azimuth_rad = std::f64::consts::PI - turned * std::f64::consts::TAU
                 + f64::from(error.azimuth_deg).to_radians();
             let (sine, cosine) = portable_math::sin_cos(azimuth_rad);
             let direction = Vector::new((level * cosine) as f32, (level * sine) as f32, rise as f32);
-            let hit = first_hit(sensor, surroundings, direction, rng.next_u32());
+            let ray = Ray::new(origin, direction);
+            let hit = first_hit(sensor, surroundings, &ray, rng.next_u32());
             turn.ends.push(PulseEnd {
-                direction,
+                ray,
                 range_m: hit.map_or(f32::INFINITY, |it| it.range_m),
                 object_idx: hit.and_then(|it| it.object_idx),
             });
             let Some(hit) = hit else { continue };
             let measured_m = hit.range_m + error.range_m + gaussian(&mut rng) * sensor.range_noise_sigma_m;
             if is_detected(sensor, &hit, rng.random()) && measured_m >= sensor.min_range_m {
-                turn.cloud.push((direction * measured_m).into(), intensity(&hit, gaussian(&mut rng)));
+                turn.cloud.push(ray.point_at(measured_m).into(), intensity(&hit, gaussian(&mut rng)));
                 turn.objects.push(hit.object_idx);
             }
         }
@@ -104,17 +106,12 @@ pub fn turn(
     turn
 }
 
-fn first_hit(
-    sensor: &SensorModel,
-    surroundings: &Surroundings<'_>,
-    direction: Vector,
-    dice: u32,
-) -> Option<Hit> {
-    if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, direction)) {
+fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, dice: u32) -> Option<Hit> {
+    if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, ray)) {
         return None;
     }
     let pose = &surroundings.world_from_sensor;
-    let pulse = Pulse { ray: Ray::new(pose.translation, pose.rotation * direction), dice };
+    let pulse = Pulse { ray: Ray::new(*pose * ray.origin, pose.rotation * ray.dir), dice };
     let ground = surroundings.ground.cast(&pulse.ray, sensor.max_range_m).map(|hit| Hit {
         range_m: hit.range_m,
         cos_incidence: (-pulse.ray.dir.dot(hit.normal)).clamp(0.0, 1.0),
@@ -127,12 +124,12 @@ fn first_hit(
     })
 }
 
-/// Whether a pulse in this direction (sensor frame) meets the roof of the car that carries the sensor.
-fn is_shaded(roof: &CarrierRoof, direction: Vector) -> bool {
-    if direction.z >= 0.0 {
+/// Whether a pulse (sensor frame) meets the roof of the car that carries the sensor.
+fn is_shaded(roof: &CarrierRoof, ray: &Ray) -> bool {
+    if ray.dir.z >= 0.0 {
         return false;
     }
-    let at_roof = direction * (roof.depth_below_sensor_m / -direction.z);
+    let at_roof = ray.point_at((roof.depth_below_sensor_m + ray.origin.z) / -ray.dir.z);
     (-roof.rear_m..roof.front_m).contains(&at_roof.x) && at_roof.y.abs() < roof.half_width_m
 }
 
@@ -199,8 +196,9 @@ mod tests {
     #[test]
     fn steep_beams_ahead_meet_the_own_roof() {
         let roof = SensorModel::hdl_64e_s2().carrier_roof.unwrap();
-        assert!(is_shaded(&roof, Vector::new(0.9, 0.0, -0.43)));
-        assert!(!is_shaded(&roof, Vector::new(0.0, 0.9, -0.43)));
-        assert!(!is_shaded(&roof, Vector::new(1.0, 0.0, 0.1)));
+        let is_shaded = |toward| is_shaded(&roof, &Ray::new(Vector::ZERO, toward));
+        assert!(is_shaded(Vector::new(0.9, 0.0, -0.43)));
+        assert!(!is_shaded(Vector::new(0.0, 0.9, -0.43)));
+        assert!(!is_shaded(Vector::new(1.0, 0.0, 0.1)));
     }
 }

@@ -29,6 +29,9 @@ pub enum LeafForm {
     Facade(PlacedFacade),
 }
 
+/// Side of the cubes within which a pane does the same to all pulses, in metres.
+const SPOT_M: f32 = 0.35;
+
 /// Many leaves, arranged for casting rays.
 #[derive(Debug, Clone)]
 pub struct Scene {
@@ -111,7 +114,9 @@ impl Scene {
         if material.passage != Passage::Pane {
             return Some(hit);
         }
-        match pane_fate(chance(pulse.dice, leaf_idx), hit.cos_incidence) {
+        // What a pane does depends on the spot and not on the pulse: reflections and blinds are larger than a beam.
+        let spot = spot_number(pulse.ray.point_at(range_m));
+        match pane_fate(chance(spot, leaf_idx), hit.cos_incidence) {
             PaneFate::Passed => None,
             PaneFate::Returned => Some(hit),
             PaneFate::Lost => Some(Hit { reflectivity: 0.0, ..hit }),
@@ -134,6 +139,13 @@ fn hit_inside(leaf: &Leaf, chance: f32, mean_free_path_m: f32, [enter, exit]: [f
     // Leaves stand at all angles: this is their mean cosine.
     let leaf_cosine = 0.5;
     hit_on(range_m, leaf_cosine, leaf.material, leaf.object_idx).filter(|_| range_m < exit)
+}
+
+/// The same number for all places within a few decimetres.
+fn spot_number(position: Vector) -> u32 {
+    let cell = (position * (1.0 / SPOT_M)).floor();
+    let [x, y, z] = [cell.x, cell.y, cell.z].map(|it| it as i32 as u32);
+    x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f)
 }
 
 /// A number in (0, 1) that depends on both arguments and nothing else.
@@ -159,12 +171,12 @@ mod tests {
     /// Shares of 1,000 pulses along x that end at objects 0 and 1.
     fn shares(first: Material) -> [f32; 2] {
         let scene = Scene::new(vec![
-            leaf([5.0, -1.0, -1.0], [6.0, 1.0, 1.0], first, 0),
-            leaf([8.0, -1.0, -1.0], [9.0, 1.0, 1.0], Material::METAL, 1),
+            leaf([5.0, -1.0, -1.0], [6.0, 1000.0, 1.0], first, 0),
+            leaf([8.0, -1.0, -1.0], [9.0, 1000.0, 1.0], Material::METAL, 1),
         ]);
         let mut n_hits = [0.0; 2];
         for dice in 0..1000 {
-            let pulse = Pulse { ray: Ray::new(Vector::ZERO, Vector::X), dice };
+            let pulse = Pulse { ray: Ray::new(Vector::Y * dice as f32, Vector::X), dice };
             let hit = scene.cast(&pulse, 100.0).unwrap();
             n_hits[hit.object_idx.unwrap() as usize] += 0.001;
         }

@@ -49,8 +49,19 @@ pub struct BeamBlock {
     pub n_beams: u32,
     /// Elevation of the first beam above the horizon, in degrees.
     pub top_elevation_deg: f32,
+    /// Height of their common origin above the origin of the sensor frame, in metres.
+    pub origin_height_m: f32,
     /// How much lower each next beam points, in degrees.
     pub step_deg: f32,
+}
+
+/// One beam as its description has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam {
+    /// Elevation above the horizon in degrees.
+    pub elevation_deg: f32,
+    /// Height of its origin above the origin of the sensor frame, in metres.
+    pub origin_height_m: f32,
 }
 
 /// A level rectangle below the sensor that swallows beams.
@@ -110,10 +121,13 @@ impl SensorModel {
         self.blocks.iter().map(|block| block.n_beams).sum()
     }
 
-    /// Nominal elevation of every beam above the horizon in degrees, in the order of the blocks.
-    pub fn elevations_deg(&self) -> impl Iterator<Item = f32> + '_ {
+    /// The nominal beams, in the order of the blocks.
+    pub fn beams(&self) -> impl Iterator<Item = Beam> + '_ {
         self.blocks.iter().flat_map(|block| {
-            (0..block.n_beams).map(|beam| block.top_elevation_deg - beam as f32 * block.step_deg)
+            (0..block.n_beams).map(|beam| Beam {
+                elevation_deg: block.top_elevation_deg - beam as f32 * block.step_deg,
+                origin_height_m: block.origin_height_m,
+            })
         })
     }
 
@@ -135,8 +149,9 @@ impl SensorModel {
         within("random_loss", self.random_loss.into(), 0.0, 1.0)?;
         let n_beams = self.blocks.iter().map(|block| f64::from(block.n_beams)).sum();
         within("number of beams", n_beams, 1.0, 1024.0)?;
-        for elevation_deg in self.elevations_deg() {
-            within("elevation of a beam in degrees", elevation_deg.into(), -90.0, 90.0)?;
+        for beam in self.beams() {
+            within("elevation of a beam in degrees", beam.elevation_deg.into(), -90.0, 90.0)?;
+            within("origin_height_m", beam.origin_height_m.into(), -1.0, 1.0)?;
         }
         if let Some(roof) = self.carrier_roof {
             within("depth_below_sensor_m", roof.depth_below_sensor_m.into(), 0.01, 10.0)?;
@@ -168,7 +183,7 @@ mod tests {
     #[test]
     fn the_hdl_64e_looks_from_two_degrees_up_to_25_degrees_down() {
         let sensor = SensorModel::hdl_64e_s2();
-        let elevations_deg: Vec<f32> = sensor.elevations_deg().collect();
+        let elevations_deg: Vec<f32> = sensor.beams().map(|beam| beam.elevation_deg).collect();
         assert_eq!(elevations_deg.len(), 64);
         assert!((elevations_deg[0] - 2.0).abs() < 1e-3 && (elevations_deg[63] + 24.8).abs() < 1e-3);
         assert!(elevations_deg.is_sorted_by(|above, below| above > below));

@@ -58,7 +58,7 @@ impl Solid {
         let half_width_m = (y1 - y0) / 2.0;
         Self::Prism(Prism {
             profile_m: vec![[x0, z0], [x1, z0], [x1, z1], [x0, z1]],
-            center_y_m: (y0 + y1) / 2.0,
+            center_y_m: f32::midpoint(y0, y1),
             bottom_half_width_m: half_width_m,
             top_half_width_m: half_width_m,
         })

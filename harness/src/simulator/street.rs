@@ -233,3 +233,180 @@ fn dice(kind: StreetKind, seed: u64, purpose: Dice) -> ChaCha8Rng {
     }
     ChaCha8Rng::from_seed(key)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sha2::{Digest, Sha256};
+
+    fn scan(kind: StreetKind, seed: u64, scan_idx: u32) -> LabeledScan {
+        Street::new(kind, seed).scan(&SensorModel::hdl_64e_s2(), scan_idx)
+    }
+
+    /// A sensor with few pulses, for tests that need many streets.
+    fn coarse_sensor() -> SensorModel {
+        SensorModel { n_firings_per_turn: 200, ..SensorModel::hdl_64e_s2() }
+    }
+
+    fn checksum(scan: &LabeledScan) -> String {
+        let mut hasher = Sha256::new();
+        for (position_m, intensity) in scan.cloud.positions_m().zip(scan.cloud.intensity()) {
+            position_m.iter().chain([intensity]).for_each(|it| hasher.update(it.to_le_bytes()));
+        }
+        for it in &scan.annotations {
+            hasher.update(format!("{it:?}"));
+        }
+        let digest = hasher.finalize();
+        let start = digest.first_chunk().expect("SHA-256 has 32 bytes");
+        format!("{:016x}", u64::from_be_bytes(*start))
+    }
+
+    /// The accepted checksum of scan 3 of street 1 of a kind. A change here means other scans: bump
+    /// [`SIMULATOR_VERSION`].
+    #[track_caller]
+    fn check_golden(kind: StreetKind, expected: &str) {
+        assert_eq!(checksum(&scan(kind, 1, 3)), expected, "{}", kind.name());
+    }
+
+    #[test]
+    fn a_main_road_gives_the_same_bytes_on_every_machine() {
+        check_golden(StreetKind::MainRoad, "8e26ea78a79097f5");
+    }
+
+    #[test]
+    fn a_scan_does_not_depend_on_those_made_before_or_beside_it() {
+        let street = Street::new(StreetKind::MainRoad, 5);
+        let sensor = coarse_sensor();
+        let alone = street.scan(&sensor, 7);
+        let beside = std::thread::scope(|scope| {
+            let other = scope.spawn(|| street.scan(&sensor, 8));
+            let seven = street.scan(&sensor, 7);
+            let _ = other.join();
+            seven
+        });
+        assert_eq!(beside, alone);
+        assert_eq!(Street::new(StreetKind::MainRoad, 5).scan(&sensor, 7), alone);
+    }
+
+    #[test]
+    fn seeds_and_numbers_make_different_scans() {
+        let sensor = coarse_sensor();
+        let one = Street::new(StreetKind::MainRoad, 1);
+        let other = Street::new(StreetKind::MainRoad, 2);
+        assert_ne!(one.scan(&sensor, 0).cloud, other.scan(&sensor, 0).cloud);
+        assert_ne!(one.scan(&sensor, 0).cloud, one.scan(&sensor, 1).cloud);
+        assert_ne!(one.provenance(&sensor), other.provenance(&sensor));
+        assert_ne!(one.provenance(&sensor), one.provenance(&SensorModel::hdl_64e_s2()));
+    }
+
+    #[test]
+    fn a_full_scan_has_as_many_returns_as_the_real_sensor() {
+        for kind in StreetKind::ALL {
+            for seed in 0..3 {
+                let scan = scan(kind, seed, 40);
+                assert!((100_000..128_000).contains(&scan.cloud.len()), "{}", scan.cloud.len());
+                assert_eq!(scan.point_regions, vec![PointRegion::Labeled; scan.cloud.len()]);
+                assert_eq!(
+                    scan.id,
+                    ScanId { sequence: format!("{}-{seed}", kind.sequence_prefix()), index: 40 }
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_point_of_an_annotation_lies_in_its_box_but_for_noise() {
+        let noise_m = 0.1;
+        for kind in StreetKind::ALL {
+            for seed in 0..8 {
+                let scan = Street::new(kind, seed).scan(&coarse_sensor(), 60);
+                for it in &scan.annotations {
+                    let mut grown = it.bounding_box.unwrap();
+                    grown.length_width_height_m =
+                        grown.length_width_height_m.map(|edge| edge + 2.0 * noise_m);
+                    for point_idx in &it.point_indices {
+                        let position_m = scan.cloud.position_m(*point_idx as usize);
+                        assert!(grown.contains(position_m), "seed {seed} {it:?} {position_m:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn annotations_share_no_points_and_have_some() {
+        let scan = Street::new(StreetKind::MainRoad, 9).scan(&coarse_sensor(), 10);
+        let mut seen = vec![false; scan.cloud.len()];
+        for it in &scan.annotations {
+            assert!(!it.point_indices.is_empty() && it.point_indices.is_sorted_by(|a, b| a < b));
+            for point_idx in &it.point_indices {
+                assert!(!std::mem::replace(&mut seen[*point_idx as usize], true));
+            }
+        }
+        let tracks: Vec<_> = scan.annotations.iter().map(|it| it.track.unwrap()).collect();
+        assert!(tracks.is_sorted_by(|a, b| a < b), "one annotation a track");
+    }
+
+    #[test]
+    fn close_by_there_are_enough_objects_to_tell_apart() {
+        for kind in StreetKind::ALL {
+            for seed in 0..4 {
+                let scan = scan(kind, seed, 100);
+                let n_seen_well = scan.annotations.iter().filter(|it| {
+                    it.point_indices.len() >= 20 && it.bounding_box.is_some_and(|it| it.range_m() < 80.0)
+                });
+                let n_seen_well = n_seen_well.count();
+                assert!((15..140).contains(&n_seen_well), "{} {seed}: {n_seen_well}", kind.name());
+            }
+        }
+    }
+
+    #[test]
+    fn what_stands_keeps_its_place_and_size_while_the_car_drives_on() {
+        let street = Street::new(StreetKind::MainRoad, 3);
+        let sensor = coarse_sensor();
+        let world_centers = |scan_idx: u32| -> BTreeMap<u32, [f32; 3]> {
+            let world_from_sensor = street.world_from_sensor(&sensor, scan_idx);
+            let scan = street.scan(&sensor, scan_idx);
+            let standing = scan.annotations.iter().filter(|it| {
+                let object = &street.world.objects[it.track.unwrap() as usize];
+                matches!(object.motion, Motion::Standing(_))
+            });
+            let centers = standing.map(|it| {
+                let center = Vector::from(it.bounding_box.unwrap().center_m);
+                (it.track.unwrap(), (world_from_sensor * center).into())
+            });
+            centers.collect()
+        };
+        let (before, after) = (world_centers(20), world_centers(25));
+        let in_both: Vec<_> =
+            before.iter().filter_map(|(track, one)| Some((one, after.get(track)?))).collect();
+        assert!(in_both.len() > 20);
+        for (one, other) in in_both {
+            assert!(one.iter().zip(other).all(|(a, b)| (a - b).abs() < 0.02), "{one:?} {other:?}");
+        }
+        let moved_m = street.ego_pose(&sensor, 25).position_m[0] - street.ego_pose(&sensor, 20).position_m[0];
+        assert!(moved_m > 2.0);
+    }
+
+    #[test]
+    fn the_road_below_the_sensor_lies_at_its_mounting_height() {
+        let sensor = SensorModel { carrier_roof: None, ..SensorModel::hdl_64e_s2() };
+        let scan = Street::new(StreetKind::MainRoad, 4).scan(&sensor, 50);
+        let near = scan.cloud.positions_m().filter(|[x, y, _]| x.abs() < 6.0 && y.abs() < 1.0);
+        let mut heights_m: Vec<f32> = near.map(|[_, _, z]| z).collect();
+        heights_m.sort_by(f32::total_cmp);
+        let median_m = heights_m[heights_m.len() / 2];
+        assert!((median_m + sensor.height_above_road_m).abs() < 0.06, "{median_m}");
+    }
+
+    #[test]
+    fn the_car_stands_when_the_drive_is_over() {
+        let street = Street::new(StreetKind::MainRoad, 6);
+        let sensor = coarse_sensor();
+        let last = street.n_scans(&sensor);
+        let position_at = |scan_idx| street.ego_pose(&sensor, scan_idx).position_m;
+        assert_eq!(position_at(last), position_at(last + 5000));
+        assert!(!street.scan(&sensor, last + 5000).cloud.is_empty());
+    }
+}

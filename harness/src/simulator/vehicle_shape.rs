@@ -141,7 +141,7 @@ fn car(rng: &mut ChaCha8Rng) -> ObjectShape {
     ];
     let heights_m = [waist_m - 0.02, height_m - 0.02];
     let half_widths_m = [shoulder_half_width_m + 0.005, cabin_top_half_width_m + 0.005];
-    let middle = (style.roof_front + style.roof_rear) / 2.0;
+    let middle = f32::midpoint(style.roof_front, style.roof_rear);
     for (foot, top) in [
         (style.windscreen_foot, style.roof_front),
         (middle, middle),
