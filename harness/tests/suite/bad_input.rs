@@ -320,7 +320,7 @@ fn a_run_directory_that_exists() {
     let it = Spoilt::drive();
     it.workplace.succeed(&["run", "street", "-d", "pca", "-o", "out"]);
     let report = it.workplace.read("out/report.json");
-    it.check("run street -d pca -o out", 2, &["\"out\" exists", "--overwrite"]);
+    it.check("run street -d pca -o out", 2, &["\"out\" exists; ", "replaced with --overwrite"]);
     assert_eq!(it.workplace.read("out/report.json"), report);
 }
 

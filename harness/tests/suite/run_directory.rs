@@ -100,6 +100,18 @@ fn the_number_of_jobs_changes_no_number() {
 }
 
 #[test]
+fn a_simulated_street_hangs_on_its_seed_alone() {
+    let workplace = Workplace::new();
+    for (run, seed, jobs) in [("one", "7", "1"), ("three", "7", "3"), ("other", "8", "3")] {
+        let arguments = ["run", "-d", "pca", "--scans", "0..9:4", "--seed", seed, "--jobs", jobs, "-o", run];
+        let ended = workplace.succeed(&arguments);
+        assert!(ended.stdout.contains("street-main-road (simulated)"), "{ended:#?}");
+    }
+    check_same_numbers(&workplace, ["one", "three"]);
+    assert_ne!(workplace.read("one/matches.csv"), workplace.read("other/matches.csv"));
+}
+
+#[test]
 fn the_order_of_the_detectors_only_reorders() {
     let workplace = drive(3);
     workplace.succeed(&["run", "street", "-d", "hierarchical,pca", "-o", "there"]);
