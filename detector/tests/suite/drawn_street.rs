@@ -61,11 +61,11 @@ fn steps(ends_m: [f32; 2]) -> Vec<f32> {
     between.chain([ends_m[1]]).collect()
 }
 
-/// Two cars one behind the other, a person, a pole and a façade.
+/// Two cars 0.4 m apart, bumper to bumper in one coarse cell, a person, a pole and a façade.
 pub fn main_road() -> PointCloud {
     DrawnStreet::road()
         .block([4.1, 8.3], [2.1, 3.9], 1.5)
-        .block([9.5, 13.5], [2.2, 4.0], 1.5)
+        .block([8.7, 12.7], [2.2, 4.0], 1.5)
         .block([5.2, 5.7], [-4.3, -3.9], 1.8)
         .block([-6.1, -5.9], [3.1, 3.3], 5.0)
         .block([-12.0, 12.0], [-9.0, -8.5], 8.0)

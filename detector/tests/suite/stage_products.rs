@@ -72,14 +72,14 @@ fn rounded(value: f32) -> String {
 #[test]
 fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     insta::assert_snapshot!(described(&main_road()), @r"
-    ground/cells: 84 clutter, 1404 ground, 163 short object, 83 tall
+    ground/cells: 84 clutter, 1406 ground, 161 short object, 83 tall
     foreground/points: 249 clutter, 14004 ground, 5135 short object, 40905 tall
     separation/cuts: 1 segments
     separation/clusters: 3 of 2492, 2287, 356 points
     boxes/hulls: 3 of 4, 4, 4 corners
     boxes/boxes: 3 boxes
     vehicle of 2492 points, centre 6.20 3.00 -0.88 m, 4.20 x 1.80 x 1.30 m, yaw 0.00 degrees
-    vehicle of 2287 points, centre 11.50 3.10 -0.88 m, 4.00 x 1.80 x 1.30 m, yaw 0.00 degrees
+    vehicle of 2287 points, centre 10.70 3.10 -0.88 m, 4.00 x 1.80 x 1.30 m, yaw 0.00 degrees
     object of 356 points, centre 5.45 -4.10 -0.73 m, 0.50 x 0.40 x 1.60 m, yaw 0.00 degrees
     dropped clusters: 0
     ");

@@ -21,10 +21,11 @@ pub struct Recording {
     viewer_was_lost: bool,
 }
 
-/// A recording outside of the run directory, under another name until it is complete.
+/// A recording outside of the run directory.
 struct RecordingElsewhere {
-    unfinished: NamedTempFile,
     file: PathBuf,
+    /// Where it is written until it is complete; `None` for devices and pipes, which are written at once.
+    unfinished: Option<NamedTempFile>,
 }
 
 impl Recording {
@@ -51,7 +52,7 @@ impl Recording {
         };
         let elsewhere = arguments.save_rrd.as_ref().and_then(Option::as_deref);
         let elsewhere = elsewhere.map(RecordingElsewhere::begin).transpose()?;
-        let file = elsewhere.as_ref().map_or(default_file, |it| it.unfinished.path().to_owned());
+        let file = elsewhere.as_ref().map_or(default_file, |it| it.path().to_owned());
         let options = StreamOptions { name: name.to_owned(), file, viewer, shown_task };
         let stream = Stream::open(&options, detectors)?;
         Ok(Some(Self { stream, elsewhere, n_scans: 0, viewer_was_lost: false }))
@@ -117,6 +118,11 @@ impl RecordingElsewhere {
         if file.is_dir() {
             return Err(create_error(std::io::ErrorKind::IsADirectory.into()));
         }
+        // A link stays one, and a device is not replaced by a file.
+        let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
+        if file.exists() && !file.is_file() {
+            return Ok(Self { file, unfinished: None });
+        }
         let folder = file.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = tempfile::Builder::new();
         builder.prefix(".recording-").suffix(".rrd");
@@ -126,13 +132,20 @@ impl RecordingElsewhere {
             // As for any other file: the umask decides who may read it.
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        let unfinished = builder.tempfile_in(folder).map_err(create_error)?;
-        Ok(Self { unfinished, file: file.to_owned() })
+        let unfinished = Some(builder.tempfile_in(folder).map_err(create_error)?);
+        Ok(Self { file, unfinished })
+    }
+
+    /// Where to write.
+    fn path(&self) -> &Path {
+        self.unfinished.as_ref().map_or(&self.file, NamedTempFile::path)
     }
 
     fn finish(self) -> Result<(), StreamError> {
-        let persisted = self.unfinished.persist(&self.file);
-        persisted.map_err(|it| StreamError::Create { path: self.file, source: it.error })?;
+        if let Some(unfinished) = self.unfinished {
+            let persisted = unfinished.persist(&self.file);
+            persisted.map_err(|it| StreamError::Create { path: self.file, source: it.error })?;
+        }
         Ok(())
     }
 }

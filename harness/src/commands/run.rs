@@ -95,14 +95,9 @@ fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
         let target = PathBuf::from("runs").join(format!("{}-{}", compact_utc(plan.started), ids.join("+")));
         RunDirectory::create(&target, existing, LatestPointer::Update)
     };
-    created.map_err(|error| {
-        let is_occupied = matches!(error, RunDirectoryError::Occupied { .. });
-        let error = anyhow::Error::from(error);
-        if is_occupied {
-            error.context(Usage("--overwrite replaces an earlier run".to_owned()))
-        } else {
-            error
-        }
+    created.map_err(|error| match error {
+        RunDirectoryError::Occupied { .. } => Usage(format!("{error} with --overwrite")).into(),
+        error => error.into(),
     })
 }
 
