@@ -29,8 +29,10 @@ pub enum StreetKind {
     #[serde(rename = "street-main-road")]
     MainRoad,
     /// One way between close houses, parked rows, slim pavements.
+    #[serde(rename = "street-narrow")]
     NarrowStreet,
     /// Two roads that cross; vehicles wait on one of them.
+    #[serde(rename = "street-intersection")]
     Intersection,
 }
 
