@@ -368,7 +368,7 @@ fn a_disk_that_takes_no_recording() {
 #[test]
 fn a_disk_that_takes_no_report() {
     let no_recording = if cfg!(feature = "rerun") { " --no-rrd" } else { "" };
-    check_full_disk(&format!("run street -o out{no_recording}"), &["cannot write \"", "File too large"]);
+    check_full_disk(&format!("run street -o out{no_recording}"), &["cannot write \"", "ile too large"]);
 }
 
 #[test]
