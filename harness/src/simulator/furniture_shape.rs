@@ -31,6 +31,13 @@ pub fn sign(rng: &mut ChaCha8Rng) -> ObjectShape {
     ObjectShape::new(AnnotationClass::Pole, [upright(height_m, 0.035), (plate, Material::RETROREFLECTOR)])
 }
 
+/// A traffic light that faces along x.
+pub fn traffic_light(rng: &mut ChaCha8Rng) -> ObjectShape {
+    let height_m = rng.random_range(3.0_f32..3.6);
+    let head = Solid::cuboid([0.05, -0.15, height_m - 1.0], [0.25, 0.15, height_m - 0.1]);
+    ObjectShape::new(AnnotationClass::Pole, [upright(height_m, 0.07), (head, Material::RUBBER)])
+}
+
 /// A bollard.
 pub fn bollard(rng: &mut ChaCha8Rng) -> ObjectShape {
     let height_m = rng.random_range(0.8_f32..1.1);
@@ -109,6 +116,7 @@ mod tests {
     fn furniture_is_as_high_as_in_the_street() {
         check(lamp_post, [5.0, 9.5]);
         check(sign, [2.2, 3.1]);
+        check(traffic_light, [2.9, 3.7]);
         check(bollard, [0.7, 1.2]);
         check(bin, [0.8, 1.4]);
         check(bench, [0.8, 0.9]);

@@ -34,6 +34,8 @@ pub struct Ground {
     pub roads: Vec<Road>,
     /// Where pavement ends and gardens begin, as metres beyond the kerb.
     pub pavement_width_m: f32,
+    /// Radius of the kerb where two roads meet, in metres.
+    pub corner_radius_m: f32,
 }
 
 /// Where a ray meets the ground.
@@ -140,6 +142,14 @@ impl Ground {
             if beyond_m < 0.0 {
                 return Surface::Road { from_axis_m: left_m };
             }
+            // Where two roads meet, the kerb goes round the corner in an arc.
+            if beyond_m.max(from_kerb_m) < self.corner_radius_m {
+                let (dx, dy) = (self.corner_radius_m - beyond_m, self.corner_radius_m - from_kerb_m);
+                let from_center_m = (dx * dx + dy * dy).sqrt();
+                if from_center_m > self.corner_radius_m {
+                    return Surface::Road { from_axis_m: f32::INFINITY };
+                }
+            }
             from_kerb_m = from_kerb_m.min(beyond_m);
         }
         Surface::Raised { from_kerb_m }
@@ -237,7 +247,7 @@ mod tests {
             hills: Wave { amplitude_m: 0.5, length_m: 200.0, phase: 0.2 },
         });
         let section = CrossSection { left_kerb_m: 5.0, right_kerb_m: 7.0, crown: 0.02, kerb_height_m: 0.12 };
-        Ground { roads: vec![Road { axis, section }], pavement_width_m: 3.0 }
+        Ground { roads: vec![Road { axis, section }], pavement_width_m: 3.0, corner_radius_m: 0.0 }
     }
 
     proptest! {

@@ -26,7 +26,10 @@ pub struct HouseRowParams {
 pub fn house_row(world: &mut World, roadside: &Roadside, params: &HouseRowParams, rng: &mut ChaCha8Rng) {
     let [mut along_m, end_m] = roadside.reach_m;
     while along_m < end_m {
-        let length_m = rng.random_range(8.0_f32..22.0);
+        let length_m = rng.random_range(8.0_f32..22.0).min(end_m - along_m);
+        if length_m < 3.0 {
+            break;
+        }
         let set_back_m = if rng.random_bool(params.set_back) { rng.random_range(2.0_f32..6.0) } else { 0.0 };
         house(world, roadside, [along_m, along_m + length_m], set_back_m, rng);
         if set_back_m > 0.0 {
@@ -35,7 +38,7 @@ pub fn house_row(world: &mut World, roadside: &Roadside, params: &HouseRowParams
         }
         along_m += length_m;
         if rng.random_bool(params.gap) {
-            let gap_m = rng.random_range(3.0_f32..9.0);
+            let gap_m = rng.random_range(3.0_f32..9.0).min(end_m - along_m);
             garden_border(world, roadside, [along_m, along_m + gap_m], rng);
             garden_plants(world, roadside, [along_m, along_m + gap_m], 12.0, rng);
             along_m += gap_m;
@@ -49,7 +52,7 @@ pub fn house_row(world: &mut World, roadside: &Roadside, params: &HouseRowParams
 fn back_row(world: &mut World, roadside: &Roadside, rng: &mut ChaCha8Rng) {
     let [mut along_m, end_m] = roadside.reach_m;
     while along_m < end_m {
-        let length_m = rng.random_range(12.0_f32..30.0);
+        let length_m = rng.random_range(12.0_f32..30.0).min((end_m - along_m).max(3.0));
         house(world, roadside, [along_m, along_m + length_m], rng.random_range(0.0_f32..12.0), rng);
         along_m += length_m + rng.random_range(0.0_f32..8.0);
     }
@@ -142,6 +145,9 @@ fn relief(length_m: f32, pattern: &FacadePattern, rng: &mut ChaCha8Rng) -> Vec<S
 /// A hedge, a fence or nothing along the building line.
 fn garden_border(world: &mut World, roadside: &Roadside, [from_m, to_m]: [f32; 2], rng: &mut ChaCha8Rng) {
     let length_m = to_m - from_m - rng.random_range(0.6_f32..1.6);
+    if length_m < 1.0 {
+        return;
+    }
     let shape = match rng.random_range(0..10_u32) {
         0..4 => vegetation_shape::hedge(length_m, rng),
         4..8 => furniture_shape::fence(length_m, rng),

@@ -3,154 +3,121 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::ground::{CrossSection, Ground, Road};
+use super::ground::{Ground, Road};
 use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row};
-use super::pavement::{PavementParams, pavement};
+use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
+use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
+use super::road_plan::{MARGIN_M, RoadPlan, parking_width_m};
 use super::roadside::{Roadside, Side};
 use super::traffic::{Lane, bicycle_traffic, lane_traffic};
 use super::world::{Course, Stance, World};
 
-/// How far the street goes on before and after the drive, in metres: what the sensor can see.
-const MARGIN_M: f32 = 130.0;
 const DRIVE_DURATION_S: f32 = 40.0;
-
-/// The widths of one main road.
-struct Layout {
-    n_lanes_each_way: u32,
-    lane_width_m: f32,
-    /// Width of the parking lane on the left and on the right; 0 where none is.
-    parking_width_m: [f32; 2],
-    pavement_width_m: f32,
-    reach_m: [f32; 2],
-}
-
-impl Layout {
-    fn draw(rng: &mut ChaCha8Rng, drive_length_m: f32) -> Self {
-        let parking_width_m =
-            [0, 1].map(|_| if rng.random_bool(0.7) { rng.random_range(2.2..2.6) } else { 0.0 });
-        Self {
-            n_lanes_each_way: if rng.random_bool(0.3) { 2 } else { 1 },
-            lane_width_m: rng.random_range(3.3..3.9),
-            parking_width_m,
-            pavement_width_m: rng.random_range(2.8..5.5),
-            reach_m: [-MARGIN_M, drive_length_m + MARGIN_M],
-        }
-    }
-
-    /// Distance of the outer edge of the lanes from the axis.
-    fn lanes_m(&self) -> f32 {
-        self.n_lanes_each_way as f32 * self.lane_width_m
-    }
-
-    fn parking_width_m(&self, side: Side) -> f32 {
-        match side {
-            Side::Left => self.parking_width_m[0],
-            Side::Right => self.parking_width_m[1],
-        }
-    }
-
-    fn roadside(&self, side: Side) -> Roadside {
-        let kerb_m = self.lanes_m() + self.parking_width_m(side);
-        let building_line_m = kerb_m + self.pavement_width_m;
-        Roadside { road_idx: 0, side, reach_m: self.reach_m, kerb_m, building_line_m }
-    }
-}
 
 /// Draws a main road.
 pub fn main_road(rng: &mut ChaCha8Rng) -> World {
-    let ego_speed_m_per_s = rng.random_range(7.0_f32..13.0);
-    let layout = Layout::draw(rng, ego_speed_m_per_s * DRIVE_DURATION_S);
-    let outer_lane_m = (layout.n_lanes_each_way as f32 - 0.5) * layout.lane_width_m;
-    let ego = Course {
+    let speed_m_per_s = rng.random_range(7.0_f32..13.0);
+    let n_lanes_each_way = if rng.random_bool(0.3) { 2 } else { 1 };
+    let lane_width_m = rng.random_range(3.5_f32..4.0);
+    let plan = RoadPlan {
         road_idx: 0,
-        start: RoadPosition { along_m: 0.0, left_m: -outer_lane_m },
-        speed_m_per_s: ego_speed_m_per_s,
-        reach_m: layout.reach_m,
+        lanes_m: n_lanes_each_way as f32 * lane_width_m,
+        parking_width_m: [parking_width_m(0.3, rng), parking_width_m(0.3, rng)],
+        pavement_width_m: rng.random_range(2.8..5.5),
+        reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
+    };
+    let lanes = lanes(&plan, n_lanes_each_way, speed_m_per_s, rng);
+    let ego = Course {
+        road_idx: plan.road_idx,
+        start: RoadPosition { along_m: 0.0, left_m: lanes.with_ego[0].left_m },
+        speed_m_per_s,
+        reach_m: plan.reach_m,
         stance: Stance::OnSlope,
     };
-    let mut world = World {
-        ground: ground(&layout, rng),
-        walls: Vec::new(),
-        objects: Vec::new(),
-        ego,
-        drive_duration_s: DRIVE_DURATION_S,
-    };
+    let mut world = World::new(ground(&plan, rng), ego, DRIVE_DURATION_S);
     for side in [Side::Left, Side::Right] {
-        let roadside = layout.roadside(side);
-        if layout.parking_width_m(side) > 0.0 {
+        let roadside = plan.roadside(side);
+        if plan.has_parking(side) {
             let parked =
                 ParkedRowParams { occupied_share: rng.random_range(0.35..0.85), person_beside: 0.12 };
             parked_row(&mut world, &roadside, &parked, rng);
         }
-        let furnished = PavementParams {
-            furniture_spacing_m: rng.random_range(4.0..9.0),
-            tree_share: rng.random_range(0.1..0.5),
-            people_spacing_m: rng.random_range(8.0..25.0),
-        };
-        pavement(&mut world, &roadside, &furnished, rng);
-        let built = HouseRowParams { gap: rng.random_range(0.2..0.6), set_back: rng.random_range(0.0..0.6) };
-        house_row(&mut world, &roadside, &built, rng);
+        furnish(&mut world, &roadside, rng);
     }
-    traffic(&mut world, &layout, rng);
+    traffic(&mut world, &lanes, rng);
     world
 }
 
-fn ground(layout: &Layout, rng: &mut ChaCha8Rng) -> Ground {
+fn ground(plan: &RoadPlan, rng: &mut ChaCha8Rng) -> Ground {
     let axis = RoadAxis::new(&RoadAxisShape {
         origin_m: [0.0, 0.0],
         heading_rad: 0.0,
-        reach_m: layout.reach_m,
-        bends: wave(rng, 0.0..7.0, 350.0..700.0),
-        gradient: rng.random_range(-0.05..0.05),
-        hills: wave(rng, 0.0..1.2, 180.0..400.0),
+        reach_m: plan.reach_m,
+        bends: Wave::any(0.0..7.0, 350.0..700.0, rng),
+        gradient: rng.random_range(-0.06..0.06),
+        hills: Wave::any(0.0..1.5, 180.0..400.0, rng),
     });
-    let section = CrossSection {
-        left_kerb_m: layout.roadside(Side::Left).kerb_m,
-        right_kerb_m: layout.roadside(Side::Right).kerb_m,
-        crown: rng.random_range(0.01..0.03),
-        kerb_height_m: rng.random_range(0.08..0.15),
+    let roads = vec![Road { axis, section: plan.cross_section(rng) }];
+    Ground { roads, pavement_width_m: plan.pavement_width_m, corner_radius_m: 0.0 }
+}
+
+fn furnish(world: &mut World, roadside: &Roadside, rng: &mut ChaCha8Rng) {
+    let furniture = PavementFurnitureParams {
+        spacing_m: rng.random_range(4.0..9.0),
+        from_kerb_m: 0.65,
+        tree_share: rng.random_range(0.1..0.5),
     };
-    Ground { roads: vec![Road { axis, section }], pavement_width_m: layout.pavement_width_m }
+    pavement_furniture(world, roadside, &furniture, rng);
+    let people = PavementPeopleParams { spacing_m: rng.random_range(8.0..25.0), from_kerb_m: 1.3 };
+    pavement_people(world, roadside, &people, rng);
+    let houses = HouseRowParams { gap: rng.random_range(0.2..0.6), set_back: rng.random_range(0.0..0.6) };
+    house_row(world, roadside, &houses, rng);
 }
 
-fn wave(rng: &mut ChaCha8Rng, amplitude_m: std::ops::Range<f32>, length_m: std::ops::Range<f32>) -> Wave {
-    Wave {
-        amplitude_m: rng.random_range(amplitude_m),
-        length_m: rng.random_range(length_m),
-        phase: rng.random_range(0.0..1.0),
-    }
+/// All lanes of the road.
+struct Lanes {
+    /// The ego vehicle's own lane first.
+    with_ego: Vec<Lane>,
+    oncoming: Vec<Lane>,
+    bicycles: [Lane; 2],
 }
 
-fn traffic(world: &mut World, layout: &Layout, rng: &mut ChaCha8Rng) {
-    let ego = world.ego;
+fn lanes(plan: &RoadPlan, n_lanes_each_way: u32, ego_speed_m_per_s: f32, rng: &mut ChaCha8Rng) -> Lanes {
     let spacing_m = rng.random_range(18.0_f32..50.0);
-    for lane_idx in 0..layout.n_lanes_each_way {
-        let from_axis_m = (lane_idx as f32 + 0.5) * layout.lane_width_m;
-        let is_ego_lane = lane_idx + 1 == layout.n_lanes_each_way;
-        let with_ego = Lane {
-            road_idx: 0,
-            left_m: -from_axis_m,
-            speed_m_per_s: if is_ego_lane { ego.speed_m_per_s } else { ego.speed_m_per_s + 2.0 },
-            reach_m: layout.reach_m,
-            spacing_m,
-        };
-        let kept_free_m = if is_ego_lane { [-6.0, 8.0] } else { [0.0, 0.0] };
-        lane_traffic(world, &with_ego, kept_free_m, DRIVE_DURATION_S, rng);
-        let oncoming =
-            Lane { left_m: from_axis_m, speed_m_per_s: -rng.random_range(8.0_f32..14.0), ..with_ego };
-        lane_traffic(world, &oncoming, [0.0, 0.0], DRIVE_DURATION_S, rng);
+    let lane = |left_m: f32, speed_m_per_s: f32| Lane {
+        road_idx: plan.road_idx,
+        left_m,
+        speed_m_per_s,
+        reach_m: plan.reach_m,
+        spacing_m,
+    };
+    // Vehicles keep to the inner side of their lanes and leave the edge to bicycles.
+    let lane_width_m = plan.lanes_m / n_lanes_each_way as f32;
+    let outer_m = plan.lanes_m - lane_width_m / 2.0 - 0.3;
+    let from_axis_m = |lane_idx: u32| outer_m - lane_idx as f32 * lane_width_m;
+    let with_ego = (0..n_lanes_each_way)
+        .map(|lane_idx| lane(-from_axis_m(lane_idx), ego_speed_m_per_s + 2.0 * lane_idx as f32));
+    let oncoming = (0..n_lanes_each_way)
+        .map(|lane_idx| lane(from_axis_m(lane_idx), -rng.random_range(8.0_f32..14.0)))
+        .collect();
+    let bicycles = [Side::Left, Side::Right].map(|side| Lane {
+        spacing_m: 60.0,
+        ..lane(side.sign() * (plan.lanes_m - 0.4), -side.sign() * rng.random_range(3.5_f32..6.0))
+    });
+    Lanes { with_ego: with_ego.collect(), oncoming, bicycles }
+}
+
+fn traffic(world: &mut World, lanes: &Lanes, rng: &mut ChaCha8Rng) {
+    for (lane, lane_idx) in lanes.with_ego.iter().zip(0..) {
+        let kept_free_m = if lane_idx == 0 { [-6.0, 8.0] } else { [0.0, 0.0] };
+        lane_traffic(world, lane, kept_free_m, DRIVE_DURATION_S, rng);
     }
-    for side in [Side::Left, Side::Right] {
-        let from_axis_m = layout.lanes_m() - 0.45;
-        let bicycles = Lane {
-            road_idx: 0,
-            left_m: side.sign() * from_axis_m,
-            speed_m_per_s: -side.sign() * rng.random_range(3.5_f32..6.0),
-            reach_m: layout.reach_m,
-            spacing_m: 60.0,
-        };
-        bicycle_traffic(world, &bicycles, DRIVE_DURATION_S, rng);
+    for lane in &lanes.oncoming {
+        lane_traffic(world, lane, [0.0, 0.0], DRIVE_DURATION_S, rng);
+    }
+    for lane in &lanes.bicycles {
+        bicycle_traffic(world, lane, DRIVE_DURATION_S, rng);
     }
 }

@@ -1,6 +1,9 @@
 //! The line a road follows: gentle bends and gradients.
 
-use parry3d::math::Vector;
+use std::ops::Range;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 use super::portable_math;
 
@@ -98,17 +101,20 @@ impl RoadAxis {
         let [x, y] = turned(along_m, across_m);
         ([x + self.origin[0], y + self.origin[1]], turned(unit, slope * unit))
     }
-
-    /// The straight line from the place to the left of it, as a level unit vector.
-    pub fn leftward(&self, position: RoadPosition) -> Vector {
-        let (_, [x, y]) = self.world_plan(position);
-        Vector::new(-y, x, 0.0)
-    }
 }
 
 impl Wave {
     /// No wave at all.
     pub const FLAT: Self = Self { amplitude_m: 0.0, length_m: 1.0, phase: 0.0 };
+
+    /// Draws a wave from these ranges of amplitude and length in metres.
+    pub fn any(amplitude_m: Range<f32>, length_m: Range<f32>, rng: &mut ChaCha8Rng) -> Self {
+        Self {
+            amplitude_m: rng.random_range(amplitude_m),
+            length_m: rng.random_range(length_m),
+            phase: rng.random_range(0.0..1.0),
+        }
+    }
 
     fn height_at(&self, along_m: f32) -> f32 {
         let turns = f64::from(along_m) / f64::from(self.length_m) + f64::from(self.phase);

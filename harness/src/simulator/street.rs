@@ -8,8 +8,10 @@ use parry3d::math::{Pose, Vector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::intersection::intersection;
 use super::labeling::{VisibleObject, annotation};
 use super::main_road::main_road;
+use super::narrow_street::narrow_street;
 use super::object_shape::ObjectShape;
 use super::scan::{Surroundings, Turn, beam_errors, turn};
 use super::scene::{Leaf, LeafForm, Scene};
@@ -26,16 +28,22 @@ pub enum StreetKind {
     /// Traffic both ways, parked rows, pavements with trees, houses on both sides.
     #[serde(rename = "street-main-road")]
     MainRoad,
+    /// One way between close houses, parked rows, slim pavements.
+    NarrowStreet,
+    /// Two roads that cross; vehicles wait on one of them.
+    Intersection,
 }
 
 impl StreetKind {
     /// All kinds, in the order in which tables list them.
-    pub const ALL: [Self; 1] = [Self::MainRoad];
+    pub const ALL: [Self; 3] = [Self::MainRoad, Self::NarrowStreet, Self::Intersection];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::MainRoad => "street-main-road",
+            Self::NarrowStreet => "street-narrow",
+            Self::Intersection => "street-intersection",
         }
     }
 
@@ -79,6 +87,8 @@ impl Street {
         let mut rng = dice(kind, seed, Dice::World);
         let world = match kind {
             StreetKind::MainRoad => main_road(&mut rng),
+            StreetKind::NarrowStreet => narrow_street(&mut rng),
+            StreetKind::Intersection => intersection(&mut rng),
         };
         let mut leaves = world.walls.clone();
         for (object, object_idx) in world.objects.iter().zip(0..) {
@@ -270,7 +280,17 @@ mod tests {
 
     #[test]
     fn a_main_road_gives_the_same_bytes_on_every_machine() {
-        check_golden(StreetKind::MainRoad, "8e26ea78a79097f5");
+        check_golden(StreetKind::MainRoad, "0077159a7d773201");
+    }
+
+    #[test]
+    fn a_narrow_street_gives_the_same_bytes_on_every_machine() {
+        check_golden(StreetKind::NarrowStreet, "cff7462c2031f750");
+    }
+
+    #[test]
+    fn an_intersection_gives_the_same_bytes_on_every_machine() {
+        check_golden(StreetKind::Intersection, "c1b4fe4ab0700fd4");
     }
 
     #[test]

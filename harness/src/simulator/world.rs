@@ -93,6 +93,11 @@ pub struct Placement {
 }
 
 impl World {
+    /// An empty street.
+    pub fn new(ground: Ground, ego: Course, drive_duration_s: f32) -> Self {
+        Self { ground, walls: Vec::new(), objects: Vec::new(), ego, drive_duration_s }
+    }
+
     /// Puts a standing object into the street.
     pub fn stand(&mut self, shape: ObjectShape, placement: &Placement) {
         let pose = world_from_placement(&self.ground, placement);

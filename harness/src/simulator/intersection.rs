@@ -1,0 +1,180 @@
+//! Two roads that cross: one flows, on the other vehicles wait.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::furniture_shape;
+use super::ground::{Ground, Road};
+use super::house_row::{HouseRowParams, house_row};
+use super::parked_row::{ParkedRowParams, parked_row};
+use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
+use super::pavement_people::{PavementPeopleParams, pavement_people};
+use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
+use super::road_plan::{MARGIN_M, RoadPlan, parking_width_m};
+use super::roadside::{Roadside, Side};
+use super::traffic::{Lane, lane_traffic};
+use super::waiting_queue::{WaitingQueueParams, waiting_queue};
+use super::world::{Course, Stance, World};
+
+const DRIVE_DURATION_S: f32 = 20.0;
+const MAIN: usize = 0;
+const CROSSING: usize = 1;
+/// Kept free of parked vehicles and furniture before and after the corner, in metres beyond the kerb.
+const CORNER_CLEARANCE_M: f32 = 7.0;
+/// Depth of the corner houses, in metres: where the houses of the crossing road begin.
+const CORNER_HOUSE_M: f32 = 11.5;
+
+/// Both roads of an intersection.
+struct Plans {
+    main: RoadPlan,
+    crossing: RoadPlan,
+    /// Where they cross, in metres along the main road; on the crossing road it is 0.
+    crossed_at_m: f32,
+}
+
+/// Draws an intersection that the drive reaches after a few seconds.
+pub fn intersection(rng: &mut ChaCha8Rng) -> World {
+    let speed_m_per_s = rng.random_range(4.0_f32..8.0);
+    let plans = plans(speed_m_per_s, rng);
+    let ego = Course {
+        road_idx: MAIN,
+        start: RoadPosition { along_m: 0.0, left_m: -plans.main.lanes_m / 2.0 },
+        speed_m_per_s,
+        reach_m: plans.main.reach_m,
+        stance: Stance::OnSlope,
+    };
+    let mut world = World::new(ground(&plans, rng), ego, DRIVE_DURATION_S);
+    for side in [Side::Left, Side::Right] {
+        let along_main = plans.main.roadside(side);
+        let crossing_kerb_m = plans.crossing.roadside(Side::Left).kerb_m;
+        let crossing_line_m = plans.crossing.roadside(Side::Left).building_line_m;
+        furnish(&mut world, &along_main, [plans.crossed_at_m, crossing_kerb_m, crossing_line_m], rng);
+        let along_crossing = plans.crossing.roadside(side);
+        let main_kerb_m = plans.main.roadside(Side::Left).kerb_m;
+        let main_line_m = plans.main.roadside(Side::Left).building_line_m;
+        furnish(&mut world, &along_crossing, [0.0, main_kerb_m, main_line_m + CORNER_HOUSE_M], rng);
+    }
+    corner_posts(&mut world, &plans, rng);
+    traffic(&mut world, &plans, rng);
+    world
+}
+
+fn plans(ego_speed_m_per_s: f32, rng: &mut ChaCha8Rng) -> Plans {
+    let mut plan = |road_idx, reach_m| {
+        // The same on both sides, so that the corners are alike.
+        let parking_width_m = parking_width_m(0.4, rng);
+        RoadPlan {
+            road_idx,
+            lanes_m: rng.random_range(3.2..4.2),
+            parking_width_m: [parking_width_m; 2],
+            pavement_width_m: rng.random_range(2.4..4.5),
+            reach_m,
+        }
+    };
+    let main = plan(MAIN, [-MARGIN_M, ego_speed_m_per_s * DRIVE_DURATION_S + MARGIN_M]);
+    let crossing = plan(CROSSING, [-MARGIN_M, MARGIN_M]);
+    Plans { main, crossing, crossed_at_m: rng.random_range(15.0..40.0) }
+}
+
+fn ground(plans: &Plans, rng: &mut ChaCha8Rng) -> Ground {
+    let main = RoadAxis::new(&RoadAxisShape {
+        origin_m: [0.0, 0.0],
+        heading_rad: 0.0,
+        reach_m: plans.main.reach_m,
+        bends: Wave::FLAT,
+        gradient: rng.random_range(-0.05..0.05),
+        hills: Wave::any(0.0..0.8, 180.0..400.0, rng),
+    });
+    let crossing = RoadAxis::new(&RoadAxisShape {
+        origin_m: [plans.crossed_at_m, 0.0],
+        heading_rad: std::f32::consts::FRAC_PI_2,
+        reach_m: plans.crossing.reach_m,
+        bends: Wave::FLAT,
+        gradient: rng.random_range(-0.05..0.05),
+        hills: Wave::FLAT,
+    });
+    let main_section = plans.main.cross_section(rng);
+    let mut crossing_section = plans.crossing.cross_section(rng);
+    crossing_section.kerb_height_m = main_section.kerb_height_m;
+    crossing_section.crown = main_section.crown;
+    let roads =
+        vec![Road { axis: main, section: main_section }, Road { axis: crossing, section: crossing_section }];
+    Ground {
+        roads,
+        pavement_width_m: plans.main.pavement_width_m,
+        corner_radius_m: rng.random_range(2.0..6.0),
+    }
+}
+
+/// Furnishes one side of one road before and after the other road, which meets it at `middle_m`, has its kerb
+/// `kerb_m` and its first houses `houses_m` from there.
+fn furnish(
+    world: &mut World,
+    whole: &Roadside,
+    [middle_m, kerb_m, houses_m]: [f32; 3],
+    rng: &mut ChaCha8Rng,
+) {
+    let has_parking = world.ground.roads[whole.road_idx].section.left_kerb_m > 4.5;
+    let before =
+        |from_middle_m: f32| Roadside { reach_m: [whole.reach_m[0], middle_m - from_middle_m], ..*whole };
+    let after =
+        |from_middle_m: f32| Roadside { reach_m: [middle_m + from_middle_m, whole.reach_m[1]], ..*whole };
+    let parked = ParkedRowParams { occupied_share: rng.random_range(0.35..0.85), person_beside: 0.1 };
+    let furniture = PavementFurnitureParams {
+        spacing_m: rng.random_range(4.0..9.0),
+        from_kerb_m: 0.6,
+        tree_share: rng.random_range(0.1..0.4),
+    };
+    let houses = HouseRowParams { gap: rng.random_range(0.1..0.5), set_back: rng.random_range(0.0..0.4) };
+    let corner_m = kerb_m + CORNER_CLEARANCE_M;
+    for (clear, built) in [(before(corner_m), before(houses_m)), (after(corner_m), after(houses_m))] {
+        if has_parking {
+            parked_row(world, &clear, &parked, rng);
+        }
+        pavement_furniture(world, &clear, &furniture, rng);
+        house_row(world, &built, &houses, rng);
+    }
+    // People walk on across the other road.
+    let people = PavementPeopleParams { spacing_m: rng.random_range(8.0..20.0), from_kerb_m: 1.2 };
+    pavement_people(world, whole, &people, rng);
+}
+
+/// Traffic lights and signs at the four corners.
+fn corner_posts(world: &mut World, plans: &Plans, rng: &mut ChaCha8Rng) {
+    for side in [Side::Left, Side::Right] {
+        let roadside = plans.main.roadside(side);
+        let crossing_kerb_m = plans.crossing.roadside(Side::Left).kerb_m;
+        for direction in [-1.0, 1.0] {
+            let along_m = plans.crossed_at_m + direction * (crossing_kerb_m + rng.random_range(3.5..5.0));
+            let placement = roadside.facing_road(along_m, roadside.kerb_m + 0.5);
+            let post = if rng.random_bool(0.6) {
+                furniture_shape::traffic_light(rng)
+            } else {
+                furniture_shape::sign(rng)
+            };
+            world.stand(post, &placement);
+        }
+    }
+}
+
+fn traffic(world: &mut World, plans: &Plans, rng: &mut ChaCha8Rng) {
+    let with_ego = Lane {
+        road_idx: MAIN,
+        left_m: world.ego.start.left_m,
+        speed_m_per_s: world.ego.speed_m_per_s,
+        reach_m: plans.main.reach_m,
+        spacing_m: rng.random_range(18.0..45.0),
+    };
+    lane_traffic(world, &with_ego, [-6.0, 9.0], DRIVE_DURATION_S, rng);
+    let oncoming =
+        Lane { left_m: -with_ego.left_m, speed_m_per_s: -rng.random_range(5.0_f32..10.0), ..with_ego };
+    lane_traffic(world, &oncoming, [0.0, 0.0], DRIVE_DURATION_S, rng);
+    for side in [Side::Left, Side::Right] {
+        let queue = WaitingQueueParams {
+            stop_line_m: plans.main.roadside(Side::Left).kerb_m + rng.random_range(3.0_f32..5.0),
+            from_axis_m: plans.crossing.lanes_m / 2.0,
+            n_vehicles: rng.random_range(0..7),
+        };
+        waiting_queue(world, &plans.crossing.roadside(side), &queue, rng);
+    }
+}

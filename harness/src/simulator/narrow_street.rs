@@ -1,0 +1,102 @@
+//! A narrow street: one way, houses close by, cars parked on one or both sides, slim pavements.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::ground::{Ground, Road};
+use super::house_row::{HouseRowParams, house_row};
+use super::parked_row::{ParkedRowParams, parked_row};
+use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
+use super::pavement_people::{PavementPeopleParams, pavement_people};
+use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
+use super::road_plan::{MARGIN_M, RoadPlan, parking_width_m};
+use super::roadside::Side;
+use super::traffic::{Lane, bicycle_traffic, lane_traffic};
+use super::world::{Course, Stance, World};
+
+const DRIVE_DURATION_S: f32 = 40.0;
+
+/// Draws a narrow street.
+pub fn narrow_street(rng: &mut ChaCha8Rng) -> World {
+    let speed_m_per_s = rng.random_range(3.0_f32..7.0);
+    let plan = RoadPlan {
+        road_idx: 0,
+        lanes_m: rng.random_range(1.8..2.3),
+        parking_width_m: parking(rng),
+        pavement_width_m: rng.random_range(1.2..2.6),
+        reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
+    };
+    let ego = Course {
+        road_idx: plan.road_idx,
+        start: RoadPosition { along_m: 0.0, left_m: 0.0 },
+        speed_m_per_s,
+        reach_m: plan.reach_m,
+        stance: Stance::OnSlope,
+    };
+    let mut world = World::new(ground(&plan, rng), ego, DRIVE_DURATION_S);
+    for side in [Side::Left, Side::Right] {
+        furnish(&mut world, &plan, side, rng);
+    }
+    traffic(&mut world, &plan, rng);
+    world
+}
+
+/// Vehicles park on both sides of every third street, else on one.
+fn parking(rng: &mut ChaCha8Rng) -> [f32; 2] {
+    let width_m = parking_width_m(0.0, rng);
+    match rng.random_range(0..3_u32) {
+        0 => [width_m, 0.0],
+        1 => [0.0, width_m],
+        _ => [width_m; 2],
+    }
+}
+
+fn ground(plan: &RoadPlan, rng: &mut ChaCha8Rng) -> Ground {
+    let axis = RoadAxis::new(&RoadAxisShape {
+        origin_m: [0.0, 0.0],
+        heading_rad: 0.0,
+        reach_m: plan.reach_m,
+        bends: Wave::any(1.0..6.0, 150.0..300.0, rng),
+        gradient: rng.random_range(-0.1..0.1),
+        hills: Wave::any(0.0..1.0, 150.0..300.0, rng),
+    });
+    let roads = vec![Road { axis, section: plan.cross_section(rng) }];
+    Ground { roads, pavement_width_m: plan.pavement_width_m, corner_radius_m: 0.0 }
+}
+
+fn furnish(world: &mut World, plan: &RoadPlan, side: Side, rng: &mut ChaCha8Rng) {
+    let roadside = plan.roadside(side);
+    if plan.has_parking(side) {
+        let parked = ParkedRowParams { occupied_share: rng.random_range(0.5..0.9), person_beside: 0.08 };
+        parked_row(world, &roadside, &parked, rng);
+    }
+    let furniture = PavementFurnitureParams {
+        spacing_m: rng.random_range(7.0..14.0),
+        from_kerb_m: 0.42,
+        tree_share: rng.random_range(0.0..0.15),
+    };
+    pavement_furniture(world, &roadside, &furniture, rng);
+    let people = PavementPeopleParams { spacing_m: rng.random_range(10.0..30.0), from_kerb_m: 0.85 };
+    pavement_people(world, &roadside, &people, rng);
+    let houses = HouseRowParams { gap: rng.random_range(0.0..0.3), set_back: rng.random_range(0.0..0.3) };
+    house_row(world, &roadside, &houses, rng);
+}
+
+fn traffic(world: &mut World, plan: &RoadPlan, rng: &mut ChaCha8Rng) {
+    let vehicles = Lane {
+        road_idx: plan.road_idx,
+        left_m: 0.0,
+        speed_m_per_s: world.ego.speed_m_per_s,
+        reach_m: plan.reach_m,
+        spacing_m: rng.random_range(25.0..70.0),
+    };
+    lane_traffic(world, &vehicles, [-6.0, 9.0], DRIVE_DURATION_S, rng);
+    // Bicycles may go against the traffic; they pass at its edge.
+    let bicycles = Lane {
+        left_m: plan.lanes_m - 0.3,
+        speed_m_per_s: -rng.random_range(3.0_f32..5.0),
+        spacing_m: 80.0,
+        ..vehicles
+    };
+    bicycle_traffic(world, &bicycles, DRIVE_DURATION_S, rng);
+}

@@ -1,0 +1,57 @@
+//! Trees, lamps, signs, bins and the like along the kerb.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::furniture_shape;
+use super::object_shape::ObjectShape;
+use super::person_shape;
+use super::roadside::Roadside;
+use super::vegetation_shape;
+use super::world::World;
+
+/// How a pavement is furnished.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PavementFurnitureParams {
+    /// Mean distance between things, in metres.
+    pub spacing_m: f32,
+    /// How far from the kerb their middle stands, in metres.
+    pub from_kerb_m: f32,
+    /// Share of them that are trees, 0 to 1.
+    pub tree_share: f64,
+}
+
+/// Furnishes the pavement of `roadside`.
+pub fn pavement_furniture(
+    world: &mut World,
+    roadside: &Roadside,
+    params: &PavementFurnitureParams,
+    rng: &mut ChaCha8Rng,
+) {
+    let [mut along_m, end_m] = roadside.reach_m;
+    loop {
+        along_m += params.spacing_m * rng.random_range(0.4..1.6);
+        if along_m > end_m {
+            return;
+        }
+        let shape = if rng.random_bool(params.tree_share) {
+            vegetation_shape::tree(rng)
+        } else {
+            street_furniture(rng)
+        };
+        let from_axis_m = roadside.kerb_m + params.from_kerb_m;
+        world.stand(shape, &roadside.facing_road(along_m, from_axis_m));
+    }
+}
+
+fn street_furniture(rng: &mut ChaCha8Rng) -> ObjectShape {
+    match rng.random_range(0..100_u32) {
+        0..28 => furniture_shape::lamp_post(rng),
+        28..50 => furniture_shape::sign(rng),
+        50..62 => furniture_shape::bollard(rng),
+        62..80 => furniture_shape::bin(rng),
+        80..88 => furniture_shape::bench(rng),
+        88..97 => person_shape::parked_bicycle(),
+        _ => furniture_shape::advertising_column(rng),
+    }
+}
