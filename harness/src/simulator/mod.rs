@@ -5,8 +5,8 @@
 //! x86-64 machine: every beam of every scan has a random stream of its own, and nothing calls the platform's
 //! mathematics library ([`portable_math`]).
 //!
-//! Simulated is not real. What the simulator leaves out: rain, wet roads, the motion of the car and of others
-//! during a turn, and second echoes.
+//! Simulated is not real. What the simulator leaves out: rain, wet roads, second echoes, and the vibration of
+//! the car.
 
 pub mod portable_math;
 pub mod sensor;

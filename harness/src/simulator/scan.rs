@@ -18,6 +18,8 @@ pub struct Turn {
     pub cloud: PointCloud,
     /// For every point, the object it lies on.
     pub objects: Vec<Option<u32>>,
+    /// For every point, in which of the surroundings it was seen.
+    pub moments: Vec<usize>,
     /// For every pulse, beam by beam, where it ended, whether or not it came back.
     pub ends: Vec<PulseEnd>,
 }
@@ -51,24 +53,27 @@ pub fn beam_errors(sensor: &SensorModel, rng: &mut ChaCha8Rng) -> Vec<BeamError>
     (0..sensor.n_beams()).map(draw).collect()
 }
 
-/// Sends all pulses of one turn. `beam_rng` gives every beam its own dice, so that beams do not depend on each other.
+/// Sends all pulses of one turn, an equal part of it from each of `surroundings` in turn: one if nothing moves
+/// meanwhile. `beam_rng` gives every beam its own dice, so that beams do not depend on each other.
 pub fn turn(
     sensor: &SensorModel,
     errors: &[BeamError],
-    surroundings: &Surroundings<'_>,
+    surroundings: &[Surroundings<'_>],
     beam_rng: impl Fn(u32) -> ChaCha8Rng,
 ) -> Turn {
     let n_pulses = (sensor.n_beams() * sensor.n_firings_per_turn) as usize;
     let mut turn = Turn {
         cloud: PointCloud::with_capacity(n_pulses),
         objects: Vec::with_capacity(n_pulses),
+        moments: Vec::with_capacity(n_pulses),
         ends: Vec::with_capacity(n_pulses),
     };
     for ((beam, error), beam_idx) in sensor.beams().zip(errors).zip(0..) {
         let mut rng = beam_rng(beam_idx);
         let mut previous = None;
-        for ray in rays(sensor, beam, error) {
-            let hit = first_hit(sensor, surroundings, &ray, rng.next_u32());
+        for (ray, firing) in rays(sensor, beam, error).zip(0..) {
+            let moment = firing * surroundings.len() / sensor.n_firings_per_turn as usize;
+            let hit = first_hit(sensor, &surroundings[moment], &ray, rng.next_u32());
             let end = PulseEnd {
                 ray,
                 range_m: hit.map_or(f32::INFINITY, |it| it.range_m),
@@ -79,6 +84,7 @@ pub fn turn(
                 let measured_m = (echo.range_m + error.range_m).max(0.0);
                 turn.cloud.push(ray.point_at(measured_m).into(), echo.intensity);
                 turn.objects.push(echo.object_idx);
+                turn.moments.push(moment);
             }
             turn.ends.push(end);
             previous = Some(end);
@@ -196,7 +202,7 @@ mod tests {
 
     #[test]
     fn dark_things_far_away_are_often_lost() {
-        check_share_detected(100.0, 0.03, 0.2..0.6);
+        check_share_detected(100.0, 0.015, 0.2..0.6);
     }
 
     #[test]
