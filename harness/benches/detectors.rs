@@ -3,13 +3,15 @@
 //! `cargo bench --bench detectors [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path. Without it the
 //! simulated street is used.
 
+#![expect(clippy::print_stdout, reason = "a benchmark prints")]
+
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use detector::detector::StageTime;
 use detector::{DetectorOutput, PointCloud};
 use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{DEFAULT_DATASET, OpenOptions, open_dataset};
+use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::scan_selection::ScanSelection;
 use harness::metrics::latency::Latencies;
 use harness::run::config::RunConfig;
@@ -21,9 +23,9 @@ const N_WARMUP_ROUNDS: usize = 2;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cargo appends `--bench`.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|it| !it.starts_with("--")).collect();
-    let name = arguments.first().map_or(DEFAULT_DATASET, String::as_str);
+    let name = arguments.first().map_or("street-main-road", String::as_str);
     let selection: ScanSelection = arguments.get(1).map_or("0..8", String::as_str).parse()?;
-    let dataset = open_dataset(name, &OpenOptions { format: None, seed: None }, &built_in_catalogue()?)?;
+    let dataset = open_dataset(name, &OpenOptions::default(), &built_in_catalogue()?)?;
     let positions = selection.positions(dataset.scan_ids().len())?;
     let clouds: Vec<PointCloud> = positions
         .iter()

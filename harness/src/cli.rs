@@ -15,14 +15,14 @@ pub struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  scanbench run                              simulated street, all detectors
+  scanbench run                              simulated streets, all detectors
   scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
   scanbench data list                        what is in the catalogue";
 
 const EXIT_CODES: &str = "\
 Examples:
-  scanbench run                              simulated street, all detectors
+  scanbench run                              simulated streets, all detectors
   scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
   scanbench data list                        what is in the catalogue
@@ -75,7 +75,7 @@ pub struct CatalogueArgs {
 #[derive(Debug, Args)]
 pub struct DatasetArgs {
     /// Ids of the catalogue, or paths of data sets
-    #[arg(value_name = "DATASET", default_value = "street-main-road")]
+    #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASETS)]
     pub datasets: Vec<String>,
     /// Format of the data sets given as paths, instead of recognising it
     #[arg(long, value_name = "FORMAT")]
@@ -143,21 +143,34 @@ pub struct RunArgs {
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub warmup: u16,
     /// What is streamed to Rerun.
+    #[cfg(feature = "rerun")]
     #[command(flatten)]
     pub stream: StreamArgs,
 }
 
+#[cfg(feature = "rerun")]
 const RUN_EXAMPLES: &str = "\
 Examples:
   scanbench run
   scanbench run --seed 7 --scans 0..40 -o runs/seed-7
-  scanbench run ../data/kitti_tracking -d hierarchical,kd-tree --criterion centre
+  scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
 Leaves in the run directory: manifest.json, report.json, scans.csv, matches.csv,
 table_<task>.{csv,md,tex} and, unless --no-rrd, run.rrd for the Rerun viewer.";
 
+#[cfg(not(feature = "rerun"))]
+const RUN_EXAMPLES: &str = "\
+Examples:
+  scanbench run
+  scanbench run --seed 7 --scans 0..40 -o runs/seed-7
+  scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
+
+Leaves in the run directory: manifest.json, report.json, scans.csv, matches.csv
+and table_<task>.{csv,md,tex}. This program was built without Rerun.";
+
 /// What is streamed to Rerun.
+#[cfg(feature = "rerun")]
 #[derive(Debug, Args)]
 pub struct StreamArgs {
     /// Save the Rerun recording as `run.rrd` in the run directory (the default), or as FILE

@@ -5,15 +5,10 @@ use std::process::ExitCode;
 use clap::Parser as _;
 use harness::cli::Cli;
 use harness::commands::dispatch::dispatch;
-use harness::commands::failure::Failure;
+use harness::commands::failure::exit_code_of;
 
 fn main() -> ExitCode {
+    let cli = Cli::parse();
     // Returning instead of exiting lets recordings and half-written files end properly.
-    match dispatch(&Cli::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(Failure::of(&error) as u8)
-        }
-    }
+    ExitCode::from(exit_code_of(|| dispatch(&cli)))
 }

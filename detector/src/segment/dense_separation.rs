@@ -12,16 +12,17 @@ use crate::segment::disjoint_sets::DisjointSets;
 pub struct DenseSeparationParams {
     /// A dense cell with less than this share of the mean of its coarse cell's occupied dense cells is near-empty.
     pub low_density_share: f32,
-    /// Mean points per occupied dense cell below which a coarse cell is too thin for its gaps to mean anything.
-    pub min_mean_points: f32,
+    /// Up to this range from the sensor a single empty dense cell separates, in metres; up to twice it takes two in a
+    /// row, and so on: the farther away, the wider the gaps that the sensor leaves on one and the same object.
+    pub single_gap_range_m: f32,
 }
 
 /// Decides for every dense cell which object it belongs to.
 ///
-/// *Parts* are the groups of touching occupied dense cells of a coarse cell: one, unless a line of near-empty dense
+/// *Parts* are the groups of occupied dense cells of a coarse cell that touch: one, unless a line of near-empty dense
 /// cells runs through it (Fig. 4 c). Parts of linked coarse cells stay together if an occupied dense cell of the one
 /// touches one of the other; near-empty dense cells along their border, straight (Fig. 4 a) or stepped (Fig. 4 b),
-/// keep them apart. Where the points are too thin for a gap to mean anything, coarse cells stay whole and linked.
+/// keep them apart. What touches depends on the range, see [`DenseSeparationParams::single_gap_range_m`].
 ///
 /// Paper: HG section 3.2, third step, and Fig. 4.
 #[derive(Debug, Clone, Default)]
@@ -31,7 +32,6 @@ pub struct DenseSeparation {
     first_part_of_block: Vec<u32>,
     // Occupied dense cells of each part, as bits.
     cells_of_part: Vec<u64>,
-    is_thin: Vec<bool>,
     parts: DisjointSets,
     cut_links: Vec<[u32; 2]>,
 }
@@ -48,14 +48,14 @@ impl DenseSeparation {
         links: &[[u32; 2]],
         params: &DenseSeparationParams,
     ) {
-        let xi = grid.params().xi;
-        self.find_parts(dense, xi, params);
+        self.find_parts(grid, dense, params);
         self.parts.reset(self.cells_of_part.len());
         self.cut_links.clear();
-        for &[block_idx, neighbor_idx] in links {
-            let steps = steps_between(grid, dense, [block_idx, neighbor_idx]);
-            if !self.link(xi, [block_idx, neighbor_idx], steps) {
-                self.cut_links.push([block_idx, neighbor_idx]);
+        for &blocks in links {
+            let cell = dense.cell_of_block()[blocks[0] as usize];
+            let touch = Touch { xi: grid.params().xi, max_steps: max_steps(grid, cell, params) };
+            if !self.join_touching(&touch, blocks, steps_between(grid, dense, blocks)) {
+                self.cut_links.push(blocks);
             }
         }
         for part in self.object_of_dense.iter_mut().filter(|part| **part != NO_OBJECT) {
@@ -78,29 +78,22 @@ impl DenseSeparation {
         &self.cut_links
     }
 
-    fn find_parts(&mut self, dense: &DenseLevel, xi: u32, params: &DenseSeparationParams) {
+    fn find_parts(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, params: &DenseSeparationParams) {
         self.object_of_dense.clear();
         self.object_of_dense.resize(dense.n_points().len(), NO_OBJECT);
         self.first_part_of_block.clear();
         self.cells_of_part.clear();
-        self.is_thin.clear();
-        for block_idx in 0..dense.n_blocks() as u32 {
-            let n_points = dense.n_points_of_block(block_idx);
-            let occupancy = Occupancy::of(n_points, params);
-            self.first_part_of_block.push(self.cells_of_part.len() as u32);
-            self.is_thin.push(occupancy.is_thin);
+        for (block_idx, &cell_idx) in dense.cell_of_block().iter().enumerate() {
+            let n_points = dense.n_points_of_block(block_idx as u32);
+            let touch = Touch { xi: grid.params().xi, max_steps: max_steps(grid, cell_idx, params) };
             let first_part = self.cells_of_part.len();
-            if occupancy.is_thin {
-                self.cells_of_part.push(occupancy.filled);
-            } else {
-                push_touching_groups(occupancy.filled, xi, &mut self.cells_of_part);
-            }
+            self.first_part_of_block.push(first_part as u32);
+            touch.push_groups(occupied(n_points, params.low_density_share), &mut self.cells_of_part);
             let parts = &self.cells_of_part[first_part..];
             for (bit, &n_in_cell) in n_points.iter().enumerate() {
                 if n_in_cell > 0 {
-                    let dense_idx = block_idx as usize * n_points.len() + bit;
-                    self.object_of_dense[dense_idx] =
-                        (first_part + nearest_part(parts, bit as u32, xi)) as u32;
+                    let dense_idx = block_idx * n_points.len() + bit;
+                    self.object_of_dense[dense_idx] = (first_part + touch.nearest(parts, bit as u32)) as u32;
                 }
             }
         }
@@ -112,28 +105,35 @@ impl DenseSeparation {
         self.first_part_of_block[block_idx]..self.first_part_of_block[block_idx + 1]
     }
 
-    /// Joins the parts of two linked blocks that belong together; `false` if none do.
-    fn link(&mut self, xi: u32, blocks: [u32; 2], steps: [i32; 2]) -> bool {
-        let thin = blocks.iter().any(|&block_idx| self.is_thin[block_idx as usize]);
-        let mut nearest = (u32::MAX, [0, 0]);
-        let mut touched = false;
+    /// Joins the parts of two blocks, `steps` apart, that touch; `false` if none do.
+    fn join_touching(&mut self, touch: &Touch, blocks: [u32; 2], steps: [i32; 2]) -> bool {
+        let mut any = false;
         for part in self.parts_of_block(blocks[0]) {
             for neighbor in self.parts_of_block(blocks[1]) {
                 let cells = [part, neighbor].map(|idx| self.cells_of_part[idx as usize]);
-                let distance = chebyshev_distance(cells, xi, steps);
-                if distance <= 1 {
+                if touch.distance(cells, steps) <= touch.max_steps {
                     self.parts.join(part, neighbor);
-                    touched = true;
+                    any = true;
                 }
-                nearest = nearest.min((distance, [part, neighbor]));
             }
         }
-        if thin && !touched {
-            let (_, [part, neighbor]) = nearest;
-            self.parts.join(part, neighbor);
-        }
-        thin || touched
+        any
     }
+}
+
+/// From how many steps between occupied dense cells on there is a gap between them.
+fn max_steps(grid: &HierarchicalGrid, cell_idx: u32, params: &DenseSeparationParams) -> u32 {
+    let [x_m, y_m] = grid.center_m(cell_idx);
+    1 + (x_m.hypot(y_m) / params.single_gap_range_m) as u32
+}
+
+/// The dense cells of a block that are not near-empty, as bits.
+fn occupied(n_points: &[u32], low_density_share: f32) -> u64 {
+    let n_occupied = n_points.iter().filter(|&&n| n > 0).count();
+    let mean = n_points.iter().sum::<u32>() as f32 / n_occupied as f32;
+    let least = (low_density_share * mean).max(1.0);
+    let is_occupied = n_points.iter().enumerate().filter(|&(_, &n)| n as f32 >= least);
+    is_occupied.fold(0, |bits, (bit, _)| bits | 1 << bit)
 }
 
 /// Columns and rows from the first block to the second, each -1, 0 or 1.
@@ -142,72 +142,58 @@ fn steps_between(grid: &HierarchicalGrid, dense: &DenseLevel, blocks: [u32; 2]) 
     [to[0] as i32 - from[0] as i32, to[1] as i32 - from[1] as i32]
 }
 
-struct Occupancy {
-    /// Dense cells that are not near-empty, as bits.
-    filled: u64,
-    is_thin: bool,
+/// Which dense cells touch.
+struct Touch {
+    xi: u32,
+    max_steps: u32,
 }
 
-impl Occupancy {
-    fn of(n_points: &[u32], params: &DenseSeparationParams) -> Self {
-        let n_occupied = n_points.iter().filter(|&&n| n > 0).count();
-        let mean = n_points.iter().sum::<u32>() as f32 / n_occupied as f32;
-        let least = (params.low_density_share * mean).max(1.0);
-        let is_filled = n_points.iter().enumerate().filter(|&(_, &n)| n as f32 >= least);
-        Self {
-            filled: is_filled.fold(0, |bits, (bit, _)| bits | 1 << bit),
-            is_thin: mean < params.min_mean_points,
-        }
-    }
-}
-
-/// Splits `filled` into groups that touch at sides or corners, in the order of their first cell.
-fn push_touching_groups(filled: u64, xi: u32, groups: &mut Vec<u64>) {
-    let mut left = filled;
-    while left != 0 {
-        let mut group = 1 << left.trailing_zeros();
-        loop {
-            let grown = (0..xi * xi)
-                .filter(|&bit| left >> bit & 1 == 1 && touches(group, bit, xi))
-                .fold(group, |bits, bit| bits | 1 << bit);
-            if grown == group {
-                break;
+impl Touch {
+    /// Splits `cells` of one block into groups that touch, in the order of their first cell.
+    fn push_groups(&self, cells: u64, groups: &mut Vec<u64>) {
+        let mut left = cells;
+        while left != 0 {
+            let mut group = 1 << left.trailing_zeros();
+            loop {
+                let touched = (0..self.xi * self.xi).filter(|&bit| {
+                    left >> bit & 1 == 1 && self.distance([group, 1 << bit], [0, 0]) <= self.max_steps
+                });
+                let grown = touched.fold(group, |bits, bit| bits | 1 << bit);
+                if grown == group {
+                    break;
+                }
+                group = grown;
             }
-            group = grown;
-        }
-        groups.push(group);
-        left &= !group;
-    }
-}
-
-fn touches(cells: u64, bit: u32, xi: u32) -> bool {
-    chebyshev_distance([cells, 1 << bit], xi, [0, 0]) <= 1
-}
-
-/// The part of `parts` nearest to dense cell `bit`; the first of equally near ones.
-fn nearest_part(parts: &[u64], bit: u32, xi: u32) -> usize {
-    let distances = parts.iter().map(|&cells| chebyshev_distance([cells, 1 << bit], xi, [0, 0]));
-    let nearest = distances.enumerate().min_by_key(|&(_, distance)| distance);
-    nearest.map_or(0, |(part, _)| part)
-}
-
-/// Fewest steps, sideways or diagonal, from a dense cell of the first set to one of the second, whose coarse cell is
-/// `steps` columns and rows away.
-fn chebyshev_distance(cells: [u64; 2], xi: u32, steps: [i32; 2]) -> u32 {
-    let xi = xi as i32;
-    let positions = |bits: u64| {
-        let set = (0..xi * xi).filter(move |bit| bits >> bit & 1 == 1);
-        set.map(move |bit| [bit % xi, bit / xi])
-    };
-    let mut least = u32::MAX;
-    for [column, row] in positions(cells[0]) {
-        for [to_column, to_row] in positions(cells[1]) {
-            let across = (to_column + steps[0] * xi - column).unsigned_abs();
-            let along = (to_row + steps[1] * xi - row).unsigned_abs();
-            least = least.min(across.max(along));
+            groups.push(group);
+            left &= !group;
         }
     }
-    least
+
+    /// Which of `parts` is nearest to dense cell `bit` of the same block; the first of equally near ones.
+    fn nearest(&self, parts: &[u64], bit: u32) -> usize {
+        let distances = parts.iter().map(|&cells| self.distance([cells, 1 << bit], [0, 0]));
+        let nearest = distances.enumerate().min_by_key(|&(_, distance)| distance);
+        nearest.map_or(0, |(part, _)| part)
+    }
+
+    /// Fewest steps, sideways or diagonal, from a dense cell of the first set to one of the second, whose block is
+    /// `steps` columns and rows away.
+    fn distance(&self, cells: [u64; 2], steps: [i32; 2]) -> u32 {
+        let xi = self.xi as i32;
+        let positions = |bits: u64| {
+            let set = (0..xi * xi).filter(move |bit| bits >> bit & 1 == 1);
+            set.map(move |bit| [bit % xi, bit / xi])
+        };
+        let mut least = u32::MAX;
+        for [column, row] in positions(cells[0]) {
+            for [to_column, to_row] in positions(cells[1]) {
+                let across = (to_column + steps[0] * xi - column).unsigned_abs();
+                let along = (to_row + steps[1] * xi - row).unsigned_abs();
+                least = least.min(across.max(along));
+            }
+        }
+        least
+    }
 }
 
 #[cfg(test)]
@@ -218,25 +204,25 @@ mod tests {
     use crate::segment::connected_components::{ConnectedComponentsParams, connected_components};
 
     const PARAMS: DenseSeparationParams =
-        DenseSeparationParams { low_density_share: 0.1, min_mean_points: 5.0 };
+        DenseSeparationParams { low_density_share: 0.1, single_gap_range_m: 12.0 };
 
-    /// Separates a drawing of dense cells, three to a coarse cell: `#` holds `n_points` points, `1` a single one.
-    /// Returns the drawing with a letter for each object.
-    fn separated(drawing: &str, n_points: usize) -> String {
+    /// Separates a drawing of dense cells, three to a coarse cell, whose first corner is `forward_m` in front of the
+    /// sensor: `#` holds 20 points, `1` a single one. Returns the drawing with a letter for each object.
+    fn separated(drawing: &str, forward_m: f32) -> String {
         let xi = 3;
-        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi, extent_m: 6.0 });
+        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi, extent_m: 60.0 });
         let mut cloud = PointCloud::default();
         let mut place_of_point = Vec::new();
         for (row, line) in drawing.lines().enumerate() {
             for (column, mark) in line.chars().enumerate() {
                 let n_points = match mark {
-                    '#' => n_points,
+                    '#' => 20,
                     '1' => 1,
                     _ => 0,
                 };
                 for _ in 0..n_points {
                     let at_m = |step: usize| (step as f32 + 0.5) * 0.2;
-                    cloud.push([at_m(column), at_m(row), 0.0], 0.0);
+                    cloud.push([forward_m + at_m(column), at_m(row), 0.0], 0.0);
                     place_of_point.push((row, column));
                 }
             }
@@ -268,9 +254,14 @@ mod tests {
     }
 
     #[track_caller]
-    fn check(drawing: &str, n_points: usize, expected: &str) {
-        let found = separated(drawing, n_points);
+    fn check_at(forward_m: f32, drawing: &str, expected: &str) {
+        let found = separated(drawing, forward_m);
         assert_eq!(found, expected, "\n{drawing}\nbecame\n{found}");
+    }
+
+    #[track_caller]
+    fn check(drawing: &str, expected: &str) {
+        check_at(6.0, drawing, expected);
     }
 
     // The coarse cells lie at columns 0-2, 3-5, 6-8 and likewise for rows.
@@ -278,36 +269,38 @@ mod tests {
     #[test]
     fn a_straight_empty_border_between_two_cells_separates() {
         // Fig. 4 a.
-        check("##.###\n##.###\n##.###", 20, "aa.bbb\naa.bbb\naa.bbb");
+        check("##.###\n##.###\n##.###", "aa.bbb\naa.bbb\naa.bbb");
     }
 
     #[test]
     fn a_stepped_empty_border_between_two_cells_separates() {
         // Fig. 4 b.
-        check("###.##\n##..##\n#..###", 20, "aaa.bb\naa..bb\na..bbb");
+        check("###.##\n##..##\n#..###", "aaa.bb\naa..bb\na..bbb");
     }
 
     #[test]
     fn an_empty_line_through_one_cell_separates() {
         // Fig. 4 c.
-        check("#.#\n#.#\n#.#", 20, "a.b\na.b\na.b");
-        check("####.####\n####.####\n####.####", 20, "aaaa.bbbb\naaaa.bbbb\naaaa.bbbb");
+        check("#.#\n#.#\n#.#", "a.b\na.b\na.b");
+        check("####.####\n####.####\n####.####", "aaaa.bbbb\naaaa.bbbb\naaaa.bbbb");
     }
 
     #[test]
     fn cells_that_touch_at_a_corner_stay_together() {
-        check("##.\n##.\n..#", 20, "aa.\naa.\n..a");
-        check("##....\n##....\n..#...\n...##.", 20, "aa....\naa....\n..a...\n...aa.");
+        check("##.\n##.\n..#", "aa.\naa.\n..a");
+        check("##....\n##....\n..#...\n...##.", "aa....\naa....\n..a...\n...aa.");
     }
 
     #[test]
     fn near_empty_cells_separate_like_empty_ones_and_join_the_nearer_side() {
-        check("##1###\n##1###\n##1###", 40, "aaabbb\naaabbb\naaabbb");
+        check("##1###\n##1###\n##1###", "aaabbb\naaabbb\naaabbb");
     }
 
     #[test]
-    fn gaps_mean_nothing_where_points_are_thin() {
-        check("##.###\n##.###\n##.###", 3, "aa.aaa\naa.aaa\naa.aaa");
-        check("#.#\n#.#\n#.#", 3, "a.a\na.a\na.a");
+    fn the_farther_away_the_wider_a_gap_has_to_be() {
+        check_at(18.0, "##.###\n##.###\n##.###", "aa.aaa\naa.aaa\naa.aaa");
+        check_at(18.0, "#.#\n#.#\n#.#", "a.a\na.a\na.a");
+        check_at(18.0, "##..##\n##..##\n##..##", "aa..bb\naa..bb\naa..bb");
+        check_at(30.0, "##..##\n##..##\n##..##", "aa..aa\naa..aa\naa..aa");
     }
 }

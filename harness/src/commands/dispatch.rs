@@ -6,6 +6,7 @@ use crate::cli::{Cli, Command, DataCommand};
 use crate::commands::data_list::data_list;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
+use crate::commands::standard_streams::print_result;
 
 /// Does what the command line asks for.
 ///
@@ -17,9 +18,13 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Run(arguments) => run(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Selftest(arguments) => selftest(arguments),
-        Command::Completions { shell } => {
-            clap_complete::generate(*shell, &mut Cli::command(), "scanbench", &mut std::io::stdout());
-            Ok(())
-        }
+        Command::Completions { shell } => completions(*shell),
     }
+}
+
+fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
+    // Not straight to stdout: the generator panics where it cannot write.
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "scanbench", &mut script);
+    print_result(String::from_utf8_lossy(&script).trim_end())
 }

@@ -1,7 +1,12 @@
 //! How the program ends when something is wrong.
 
+use std::io::ErrorKind;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use reports::archive::ArchiveError;
 use reports::run_directory::RunDirectoryError;
 
+use crate::commands::standard_streams::print_diagnostic;
 use crate::dataset::DatasetError;
 use crate::run::config::ConfigError;
 use crate::run::detector_list::DetectorListError;
@@ -36,9 +41,27 @@ pub struct NothingEvaluated {
 #[error("{0}")]
 pub struct Usage(pub String);
 
+/// Does `work` and returns the exit code, having told stderr why if it is not 0.
+///
+/// A panic is an internal error; left alone it would end the program with 101, which means something else.
+pub fn exit_code_of(work: impl FnOnce() -> anyhow::Result<()>) -> u8 {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(())) => 0,
+        Ok(Err(error)) => {
+            print_diagnostic(format_args!("error: {error:#}"));
+            Failure::of(&error) as u8
+        }
+        // The panic has been reported where it happened.
+        Err(_) => Failure::Internal as u8,
+    }
+}
+
 impl Failure {
     /// What kind of ending `error` is.
     pub fn of(error: &anyhow::Error) -> Self {
+        if error.is::<Usage>() {
+            return Self::Usage;
+        }
         let of_dataset = |error: &DatasetError| if error.is_usage_error() { Self::Usage } else { Self::Data };
         if let Some(error) = error.downcast_ref::<DatasetError>() {
             return of_dataset(error);
@@ -51,33 +74,116 @@ impl Failure {
         if error.is::<NothingEvaluated>() {
             return Self::NothingEvaluated;
         }
-        if error.is::<ConfigError>()
-            || error.is::<DetectorListError>()
-            || error.is::<Usage>()
-            || error.is::<RunDirectoryError>()
-            || is_stream_usage(error)
-        {
+        if error.is::<ConfigError>() || error.is::<DetectorListError>() {
             return Self::Usage;
         }
+        if let Some(error) = error.downcast_ref::<RunDirectoryError>() {
+            return Self::of_run_directory(error);
+        }
+        if let Some(error) = error.downcast_ref::<ArchiveError>() {
+            return Self::of_archive(error);
+        }
+        Self::of_stream(error)
+    }
+
+    fn of_run_directory(error: &RunDirectoryError) -> Self {
+        match error {
+            RunDirectoryError::NoName { .. }
+            | RunDirectoryError::Occupied { .. }
+            | RunDirectoryError::NotARun { .. }
+            | RunDirectoryError::LatestOccupied { .. } => Self::Usage,
+            RunDirectoryError::Io { source, .. } => Self::of_writing(source.kind()),
+            RunDirectoryError::Archive(error) => Self::of_archive(error),
+        }
+    }
+
+    fn of_archive(error: &ArchiveError) -> Self {
+        match error {
+            ArchiveError::Write { source, .. } => Self::of_writing(source.kind()),
+            _ => Self::Internal,
+        }
+    }
+
+    /// Whether the place to write to was badly chosen, or fails although it was not.
+    fn of_writing(kind: ErrorKind) -> Self {
+        match kind {
+            ErrorKind::NotFound
+            | ErrorKind::NotADirectory
+            | ErrorKind::IsADirectory
+            | ErrorKind::AlreadyExists
+            | ErrorKind::PermissionDenied
+            | ErrorKind::ReadOnlyFilesystem
+            | ErrorKind::InvalidFilename => Self::Usage,
+            _ => Self::Internal,
+        }
+    }
+
+    #[cfg(feature = "rerun")]
+    fn of_stream(error: &anyhow::Error) -> Self {
+        use crate::stream::StreamError;
+        match error.downcast_ref::<StreamError>() {
+            Some(
+                StreamError::BadUrl { .. }
+                | StreamError::SwitchedOff
+                | StreamError::ViewerNotInstalled { .. }
+                | StreamError::ViewerFailed { .. },
+            ) => Self::Usage,
+            Some(StreamError::Create { source, .. }) => Self::of_writing(source.kind()),
+            _ => Self::Internal,
+        }
+    }
+
+    #[cfg(not(feature = "rerun"))]
+    fn of_stream(_: &anyhow::Error) -> Self {
         Self::Internal
     }
 }
 
-#[cfg(feature = "rerun")]
-fn is_stream_usage(error: &anyhow::Error) -> bool {
-    use crate::stream::StreamError;
-    matches!(
-        error.downcast_ref::<StreamError>(),
-        Some(
-            StreamError::BadUrl { .. }
-                | StreamError::Create { .. }
-                | StreamError::ViewerNotInstalled { .. }
-                | StreamError::ViewerFailed { .. }
-        )
-    )
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::side_by_side::RunError;
 
-#[cfg(not(feature = "rerun"))]
-fn is_stream_usage(_: &anyhow::Error) -> bool {
-    false
+    #[track_caller]
+    fn check(error: impl Into<anyhow::Error>, expected: Failure) {
+        let error = error.into();
+        assert_eq!(Failure::of(&error), expected, "{error:#}");
+        assert_eq!(exit_code_of(|| Err(error)), expected as u8);
+    }
+
+    fn not_written(kind: ErrorKind) -> RunDirectoryError {
+        RunDirectoryError::Io { path: "runs".into(), source: kind.into() }
+    }
+
+    #[test]
+    fn a_full_disk_is_not_the_users_mistake_and_a_bad_place_is() {
+        check(not_written(ErrorKind::StorageFull), Failure::Internal);
+        check(not_written(ErrorKind::NotADirectory), Failure::Usage);
+        let table = |kind: ErrorKind| ArchiveError::Write { path: "a.csv".into(), source: kind.into() };
+        check(table(ErrorKind::StorageFull), Failure::Internal);
+        check(RunDirectoryError::from(table(ErrorKind::PermissionDenied)), Failure::Usage);
+    }
+
+    #[test]
+    fn data_that_are_missing_and_data_that_do_not_exist_differ() {
+        let missing = || DatasetError::NoScans { path: "velodyne".into() };
+        let unknown = || DatasetError::UnknownDataset { name: "kity".to_owned(), known: Vec::new() };
+        check(missing(), Failure::Data);
+        check(RunError::from(missing()), Failure::Data);
+        check(unknown(), Failure::Usage);
+        check(RunError::from(unknown()), Failure::Usage);
+        check(anyhow::Error::from(missing()).context(Usage("bad catalogue".to_owned())), Failure::Usage);
+    }
+
+    #[test]
+    fn interrupted_and_empty_runs_have_codes_of_their_own() {
+        check(RunError::Interrupted { n_done: 1, n_scans: 2 }, Failure::Interrupted);
+        check(NothingEvaluated { reason: "no cars".to_owned() }, Failure::NothingEvaluated);
+    }
+
+    #[test]
+    fn a_panic_is_an_internal_error() {
+        assert_eq!(exit_code_of(|| panic!("on purpose")), 1);
+        assert_eq!(exit_code_of(|| Ok(())), 0);
+    }
 }

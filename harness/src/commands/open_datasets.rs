@@ -1,9 +1,10 @@
 //! From the names on the command line to data sets and the scans taken from them.
 
+use std::path::Path;
 use std::str::FromStr as _;
 
 use crate::cli::DatasetArgs;
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::dataset::Dataset;
 use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
 use crate::dataset::dataset_format::DatasetFormat;
@@ -22,9 +23,15 @@ pub struct OpenedDataset {
 ///
 /// # Errors
 ///
-/// If it cannot be read.
-pub fn open_catalogue(path: Option<&std::path::Path>) -> anyhow::Result<Catalogue> {
-    Ok(path.map_or_else(built_in_catalogue, read_catalogue)?)
+/// [`Usage`] if it cannot be read.
+pub fn open_catalogue(path: Option<&Path>) -> anyhow::Result<Catalogue> {
+    let Some(path) = path else { return Ok(built_in_catalogue()?) };
+    read_catalogue(path).map_err(|error| {
+        let is_usage_error = error.is_usage_error();
+        let error = anyhow::Error::from(error);
+        // Where data are missing this would be another exit code, but a catalogue is none.
+        if is_usage_error { error } else { error.context(Usage("the catalogue cannot be used".to_owned())) }
+    })
 }
 
 /// Opens all data sets before anything is run, so that a misspelled last one costs nothing.
@@ -38,12 +45,12 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
     let options = OpenOptions { format, seed: arguments.seed };
     let mut opened: Vec<OpenedDataset> = Vec::new();
-    for name in &arguments.datasets {
+    for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
         let dataset = open_dataset(name, &options, &catalogue)?;
         let id = &dataset.description().id;
         anyhow::ensure!(
             opened.iter().all(|it| it.dataset.description().id != *id),
-            crate::commands::failure::Usage(format!(
+            Usage(format!(
                 "two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"
             ))
         );
@@ -57,5 +64,9 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
         }
         opened.push(OpenedDataset { dataset, scan_indices });
     }
+    anyhow::ensure!(
+        arguments.seed.is_none() || opened.iter().any(|it| it.dataset.description().simulated),
+        Usage("--seed is for simulated data sets, and none is asked for".to_owned())
+    );
     Ok(opened)
 }

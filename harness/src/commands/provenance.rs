@@ -41,3 +41,31 @@ pub fn rfc3339_utc(time: Timestamp) -> String {
 pub fn compact_utc(time: Timestamp) -> String {
     time.strftime("%Y%m%dT%H%M%SZ").to_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_in_utc_to_the_second() {
+        let time: Timestamp = "2014-08-24T23:59:58.7+02:00".parse().expect("a time");
+        assert_eq!(rfc3339_utc(time), "2014-08-24T21:59:58Z");
+        assert_eq!(compact_utc(time), "20140824T215958Z");
+    }
+
+    #[test]
+    fn the_program_knows_what_it_was_built_from() {
+        if let Some(git) = git_state() {
+            assert_eq!(git.commit.len(), 40, "{git:?}");
+            assert!(git.commit.bytes().all(|byte| byte.is_ascii_hexdigit()), "{git:?}");
+        }
+        assert!(rustc_version().starts_with("rustc "), "{}", rustc_version());
+    }
+
+    #[test]
+    fn the_machine_has_a_name_and_cores() {
+        let machine = machine();
+        assert!(machine.n_cores >= 1 && !machine.cpu_model.is_empty(), "{machine:?}");
+        assert!(machine.os.starts_with(std::env::consts::OS), "{machine:?}");
+    }
+}

@@ -1,19 +1,31 @@
 //! The Rerun recording of a run, where the program was built with Rerun.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
 
 use crate::cli::StreamArgs;
 use crate::run::scores::DatasetScores;
 use crate::run::side_by_side::ScanResults;
-use crate::stream::{DetectorView, RunningFRate, Stream, StreamOptions, ViewerChoice, ViewerState};
+use crate::stream::{
+    DetectorView, RunningFRate, Stream, StreamError, StreamOptions, ViewerChoice, ViewerState,
+};
 use crate::task::Task;
 
 /// An open recording that follows a run.
 #[must_use = "a recording that is not finished may be incomplete without anyone knowing"]
 pub struct Recording {
     stream: Stream,
+    elsewhere: Option<RecordingElsewhere>,
     n_scans: u32,
     viewer_was_lost: bool,
+}
+
+/// A recording outside of the run directory.
+struct RecordingElsewhere {
+    file: PathBuf,
+    /// Where it is written until it is complete; `None` for devices and pipes, which are written at once.
+    unfinished: Option<NamedTempFile>,
 }
 
 impl Recording {
@@ -38,9 +50,12 @@ impl Recording {
             (None, true) => ViewerChoice::Spawn,
             (None, false) => ViewerChoice::None,
         };
-        let file = arguments.save_rrd.clone().flatten().unwrap_or(default_file);
+        let elsewhere = arguments.save_rrd.as_ref().and_then(Option::as_deref);
+        let elsewhere = elsewhere.map(RecordingElsewhere::begin).transpose()?;
+        let file = elsewhere.as_ref().map_or(default_file, |it| it.path().to_owned());
         let options = StreamOptions { name: name.to_owned(), file, viewer, shown_task };
-        Ok(Some(Self { stream: Stream::open(&options, detectors)?, n_scans: 0, viewer_was_lost: false }))
+        let stream = Stream::open(&options, detectors)?;
+        Ok(Some(Self { stream, elsewhere, n_scans: 0, viewer_was_lost: false }))
     }
 
     /// Logs one scan and what all detectors made of it. Returns a warning the first time the viewer is lost.
@@ -78,13 +93,59 @@ impl Recording {
         }
     }
 
-    /// Writes the end of the file.
+    /// Writes the end of the file. Returns a warning if the viewer is lost only now.
     ///
     /// # Errors
     ///
     /// If the file is not complete.
-    pub fn finish(self) -> anyhow::Result<()> {
-        self.stream.finish()?;
+    pub fn finish(self) -> anyhow::Result<Option<String>> {
+        let ending = self.stream.finish()?;
+        if let Some(elsewhere) = self.elsewhere {
+            elsewhere.finish()?;
+        }
+        Ok(match ending.viewer {
+            ViewerState::Lost { reason } if !self.viewer_was_lost => {
+                Some(format!("the viewer was lost ({reason}) and may lack the end; the file is complete"))
+            }
+            _ => None,
+        })
+    }
+}
+
+impl RecordingElsewhere {
+    fn begin(file: &Path) -> Result<Self, StreamError> {
+        let create_error = |source| StreamError::Create { path: file.to_owned(), source };
+        if file.is_dir() {
+            return Err(create_error(std::io::ErrorKind::IsADirectory.into()));
+        }
+        // A link stays one, and a device is not replaced by a file.
+        let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
+        if file.exists() && !file.is_file() {
+            return Ok(Self { file, unfinished: None });
+        }
+        let folder = file.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".recording-").suffix(".rrd");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // As for any other file: the umask decides who may read it.
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let unfinished = Some(builder.tempfile_in(folder).map_err(create_error)?);
+        Ok(Self { file, unfinished })
+    }
+
+    /// Where to write.
+    fn path(&self) -> &Path {
+        self.unfinished.as_ref().map_or(&self.file, NamedTempFile::path)
+    }
+
+    fn finish(self) -> Result<(), StreamError> {
+        if let Some(unfinished) = self.unfinished {
+            let persisted = unfinished.persist(&self.file);
+            persisted.map_err(|it| StreamError::Create { path: self.file, source: it.error })?;
+        }
         Ok(())
     }
 }

@@ -1,18 +1,17 @@
 //! `scanbench run`.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use anyhow::Context as _;
 use indicatif::ProgressBar;
 use jiff::Timestamp;
 use reports::csv_rows::CsvRowWriter;
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
-    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
+    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, RunDirectoryError,
+    SCANS_CSV,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
@@ -20,12 +19,14 @@ use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 
 use crate::cli::{CriterionName, RunArgs};
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
+use crate::commands::provenance::compact_utc;
 use crate::commands::run_manifest::run_manifest;
 use crate::commands::run_rows::{match_rows, scan_row};
+use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::DatasetDescription;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
@@ -36,26 +37,39 @@ use crate::run::side_by_side::{ScanResults, SideBySide};
 #[cfg(feature = "rerun")]
 use crate::{commands::recording::Recording, task::Task};
 
+/// What is to be run.
+struct Plan<'a> {
+    arguments: &'a RunArgs,
+    config: RunConfig,
+    detectors: Vec<ListedDetector>,
+    datasets: Vec<OpenedDataset>,
+    started: Timestamp,
+}
+
 /// Runs detectors on labelled scans, writes the run directory and prints the tables.
 ///
 /// # Errors
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
-    let started = Timestamp::now();
-    let config = run_config(arguments)?;
-    let detectors = detectors_named(&arguments.detectors)?;
-    let datasets = open_datasets(&arguments.data)?;
-    let directory = begin_directory(arguments, &datasets, started)?;
-    let mut archive = Archive::begin(arguments, &config, &detectors, &datasets, &directory)?;
+    // Before anything is written, so that Ctrl-C leaves nothing behind.
     let interrupted = interruption_flag()?;
+    let plan = Plan {
+        arguments,
+        started: Timestamp::now(),
+        config: run_config(arguments)?,
+        detectors: detectors_named(&arguments.detectors)?,
+        datasets: open_datasets(&arguments.data)?,
+    };
+    let directory = begin_directory(&plan)?;
+    let mut archive = Archive::begin(&plan, &directory)?;
     let mut rows = Vec::new();
-    for opened in &datasets {
-        let scores = evaluate(arguments, &config, &detectors, opened, interrupted, &mut archive)?;
-        rows.extend(scores.metric_rows());
+    for opened in &plan.datasets {
+        rows.extend(evaluate(&plan, opened, interrupted, &mut archive)?.metric_rows());
     }
     archive.finish()?;
-    let manifest = run_manifest(arguments, &config, &detectors, &datasets, started);
+    let Plan { config, detectors, datasets, started, .. } = &plan;
+    let manifest = run_manifest(arguments, config, detectors, datasets, *started);
     let report = RunReport::new(SCORING_VERSION, rows)?;
     let tables = write_report(&directory, &manifest, &report)?;
     let finished = directory.finish()?;
@@ -72,21 +86,19 @@ fn run_config(arguments: &RunArgs) -> anyhow::Result<RunConfig> {
     Ok(config)
 }
 
-fn begin_directory(
-    arguments: &RunArgs,
-    datasets: &[OpenedDataset],
-    started: Timestamp,
-) -> anyhow::Result<RunDirectory> {
-    let existing = if arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
-    let (target, latest) = match &arguments.output {
-        Some(target) => (target.clone(), LatestPointer::Leave),
-        None => {
-            let ids: Vec<&str> = datasets.iter().map(|it| it.dataset.description().id.as_str()).collect();
-            let time = crate::commands::provenance::compact_utc(started);
-            (PathBuf::from("runs").join(format!("{time}-{}", ids.join("+"))), LatestPointer::Update)
-        }
+fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
+    let existing = if plan.arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
+    let created = if let Some(target) = &plan.arguments.output {
+        RunDirectory::create(target, existing, LatestPointer::Leave)
+    } else {
+        let ids: Vec<&str> = plan.datasets.iter().map(|it| it.dataset.description().id.as_str()).collect();
+        let target = PathBuf::from("runs").join(format!("{}-{}", compact_utc(plan.started), ids.join("+")));
+        RunDirectory::create(&target, existing, LatestPointer::Update)
     };
-    Ok(RunDirectory::create(&target, existing, latest)?)
+    created.map_err(|error| match error {
+        RunDirectoryError::Occupied { .. } => Usage(format!("{error} with --overwrite")).into(),
+        error => error.into(),
+    })
 }
 
 /// The files that grow scan by scan.
@@ -99,26 +111,13 @@ struct Archive {
 }
 
 impl Archive {
-    #[cfg_attr(not(feature = "rerun"), expect(unused_variables, reason = "only recordings need them"))]
-    fn begin(
-        arguments: &RunArgs,
-        config: &RunConfig,
-        detectors: &[ListedDetector],
-        datasets: &[OpenedDataset],
-        directory: &RunDirectory,
-    ) -> anyhow::Result<Self> {
+    fn begin(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Self> {
         Ok(Self {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
             matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
-            criterion: config.matching.criterion.name(),
+            criterion: plan.config.matching.criterion.name(),
             #[cfg(feature = "rerun")]
-            recording: Recording::begin(
-                &arguments.stream,
-                directory.path_of("run.rrd"),
-                &directory.target().file_name().unwrap_or_default().to_string_lossy(),
-                first_shown_task(datasets),
-                &detectors.iter().map(|it| it.name).collect::<Vec<_>>(),
-            )?,
+            recording: begin_recording(plan, directory)?,
         })
     }
 
@@ -141,7 +140,7 @@ impl Archive {
         if let Some(recording) = &mut self.recording
             && let Some(warning) = recording.log(results, scores)?
         {
-            progress.println(format!("warning: {warning}"));
+            warn(progress, &warning);
         }
         #[cfg(not(feature = "rerun"))]
         let _ = scores;
@@ -153,28 +152,38 @@ impl Archive {
         self.scans.finish()?;
         self.matches.finish()?;
         #[cfg(feature = "rerun")]
-        if let Some(recording) = self.recording {
-            recording.finish()?;
+        if let Some(recording) = self.recording
+            && let Some(warning) = recording.finish()?
+        {
+            print_diagnostic(format_args!("warning: {warning}"));
         }
         Ok(())
     }
 }
 
-/// False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
+/// Not through the bar itself, which says nothing where it is hidden.
 #[cfg(feature = "rerun")]
-fn first_shown_task(datasets: &[OpenedDataset]) -> Task {
+fn warn(progress: &ProgressBar, warning: &str) {
+    progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
+}
+
+#[cfg(feature = "rerun")]
+fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Option<Recording>> {
+    // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
     let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
-    if datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles }
+    let shown_task = if plan.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
+    let name = directory.target().file_name().unwrap_or_default().to_string_lossy();
+    let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
+    Recording::begin(&plan.arguments.stream, directory.path_of("run.rrd"), &name, shown_task, &detectors)
 }
 
 fn evaluate(
-    arguments: &RunArgs,
-    config: &RunConfig,
-    listed: &[ListedDetector],
+    plan: &Plan<'_>,
     opened: &OpenedDataset,
     interrupted: &AtomicBool,
     archive: &mut Archive,
 ) -> anyhow::Result<DatasetScores> {
+    let Plan { arguments, config, detectors: listed, .. } = plan;
     let description = opened.dataset.description();
     let mut detectors: Vec<_> =
         listed.iter().map(|it| it.build(config, description.sensor_height_m)).collect();
@@ -228,11 +237,9 @@ fn write_report(
     Ok(tables)
 }
 
-fn print(tables: &[TaskTable], finished: &std::path::Path) -> anyhow::Result<()> {
-    let mut stdout = std::io::stdout().lock();
-    for table in tables {
-        writeln!(stdout, "{}", to_terminal(table)).context("cannot write to stdout")?;
-    }
-    eprintln!("Run directory: {}", finished.display());
-    Ok(())
+fn print(tables: &[TaskTable], finished: &Path) -> anyhow::Result<()> {
+    let printed = tables.iter().try_for_each(|table| print_result(to_terminal(table)));
+    // Also where nobody takes the tables: the run is there.
+    print_diagnostic(format_args!("Run directory: {}", finished.display()));
+    printed
 }

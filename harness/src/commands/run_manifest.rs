@@ -85,12 +85,11 @@ fn dataset_entry(opened: &OpenedDataset, arguments: &RunArgs) -> DatasetEntry {
     }
 }
 
-#[cfg(feature = "rerun")]
+/// The version of Rerun that recordings are made with, if the program can make them.
 fn rerun_version() -> Option<String> {
-    Some(crate::stream::rerun_version())
-}
-
-#[cfg(not(feature = "rerun"))]
-fn rerun_version() -> Option<String> {
-    None
+    #[cfg(feature = "rerun")]
+    let version = Some(crate::stream::rerun_version());
+    #[cfg(not(feature = "rerun"))]
+    let version = None;
+    version
 }

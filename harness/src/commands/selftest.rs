@@ -1,7 +1,5 @@
 //! `scanbench selftest`: annotations fed back as detections.
 
-use std::io::Write as _;
-
 use detector::{DetectedClass, Detection, Detections, OrientedBox};
 use reports::counts::Counts as Scored;
 
@@ -10,6 +8,7 @@ use crate::cli::SelftestArgs;
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
+use crate::commands::standard_streams::print_result;
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle};
@@ -32,13 +31,12 @@ pub struct SelftestFailed {
 ///
 /// [`SelftestFailed`] if anything differs; if data cannot be read or hold no annotation.
 pub fn selftest(arguments: &SelftestArgs) -> anyhow::Result<()> {
-    let mut stdout = std::io::stdout().lock();
     let (mut n_failed, mut n_checked) = (0, 0);
     for opened in open_datasets(&arguments.data)? {
         for checked in check_dataset(&opened)? {
             n_checked += 1;
             n_failed += usize::from(!checked.is_perfect());
-            writeln!(stdout, "{checked}")?;
+            print_result(&checked)?;
         }
     }
     if n_failed > 0 {
@@ -153,4 +151,54 @@ fn echo<'a>(scan: &'a LabeledScan) -> Detections {
 fn box_of_points(scan: &LabeledScan, annotation: &Annotation) -> OrientedBox {
     let [x_m, y_m] = crate::matching::criterion::center_m(scan, annotation).unwrap_or_default();
     OrientedBox { center_m: [x_m as f32, y_m as f32, 0.0], length_width_height_m: [0.0; 3], yaw_rad: 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A check on five annotations that all were found, changed by `change`.
+    #[track_caller]
+    fn check(change: impl FnOnce(&mut Checked), expected_perfect: bool) {
+        let mut checked = Checked {
+            dataset: "drawn".to_owned(),
+            task: Task::Objects,
+            criterion: Criterion::POINTS,
+            counts: Counts { n_annotations: 5, n_matched: 5, ..Counts::default() },
+            false_detections: FalseDetections::Known,
+            largest_cost: 0.0,
+        };
+        change(&mut checked);
+        assert_eq!(checked.is_perfect(), expected_perfect, "{checked}");
+        assert_eq!(checked.to_string().starts_with("ok "), expected_perfect, "{checked}");
+    }
+
+    #[test]
+    fn all_found_and_nothing_else_at_no_cost_is_perfect() {
+        check(|_| {}, true);
+        check(|it| it.counts.n_ignored_annotations = 3, true);
+        check(|it| it.false_detections = FalseDetections::Unknowable, true);
+    }
+
+    #[test]
+    fn anything_less_is_not() {
+        check(|it| it.counts.n_matched = 4, false);
+        check(|it| it.counts.n_false = 1, false);
+        check(|it| it.largest_cost = 1e-9, false);
+        check(|it| it.counts.n_unknowable = 1, false);
+        check(|it| it.counts = Counts::default(), false);
+    }
+
+    #[test]
+    fn where_false_detections_are_unknowable_a_miss_is_still_one() {
+        let unknowable = |n_matched, n_unknowable| {
+            move |it: &mut Checked| {
+                it.false_detections = FalseDetections::Unknowable;
+                it.counts.n_matched = n_matched;
+                it.counts.n_unknowable = n_unknowable;
+            }
+        };
+        check(unknowable(4, 0), false);
+        check(unknowable(5, 1), false);
+    }
 }

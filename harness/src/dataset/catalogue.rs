@@ -11,6 +11,7 @@ use toml::Spanned;
 
 use super::dataset_format::DatasetFormat;
 use super::root_template::RootTemplate;
+use super::simulated_street::StreetDrive;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
 use crate::annotation::AnnotationClass;
@@ -21,11 +22,27 @@ const BUILT_IN: &str = include_str!("../../../datasets.toml");
 /// What data sets there are, by id.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalogue {
-    /// The data sets.
-    pub entries: BTreeMap<String, CatalogueEntry>,
+    /// Data sets on disk.
+    pub recorded: BTreeMap<String, CatalogueEntry>,
+    /// Drives through simulated streets.
+    pub simulated: BTreeMap<String, StreetDrive>,
+    /// Names for several data sets that are run one after the other.
+    pub groups: BTreeMap<String, Vec<String>>,
 }
 
-/// One data set of the catalogue.
+impl Catalogue {
+    /// The ids of all data sets, simulated ones first.
+    pub fn ids(&self) -> impl Iterator<Item = &String> {
+        self.simulated.keys().chain(self.recorded.keys())
+    }
+
+    /// The data sets that `name` stands for: those of a group, else itself.
+    pub fn members<'a>(&'a self, name: &'a String) -> &'a [String] {
+        self.groups.get(name).map_or(std::slice::from_ref(name), Vec::as_slice)
+    }
+}
+
+/// One data set on disk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CatalogueEntry {
     /// Its format, and which part of it is meant.
@@ -94,16 +111,63 @@ pub fn read_catalogue(path: &Path) -> Result<Catalogue, DatasetError> {
 /// [`DatasetError::Catalogue`] with the line of the first mistake.
 pub fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
     let source = CatalogueText { name, text };
-    let written: BTreeMap<Spanned<String>, WrittenEntry> = toml::from_str(text)
+    let written: WrittenCatalogue = toml::from_str(text)
         .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message().to_owned()))?;
-    let entries = written.into_iter().map(|(id, entry)| {
-        if !id.get_ref().chars().all(|it| it.is_ascii_alphanumeric() || it == '-' || it == '_') {
-            let problem = format!("{:?} is no id: only letters, digits, - and _ may be in it", id.get_ref());
+    let mut catalogue =
+        Catalogue { recorded: BTreeMap::new(), simulated: BTreeMap::new(), groups: BTreeMap::new() };
+    for (id, drive) in written.simulated {
+        check_drive(drive.get_ref()).map_err(|problem| source.error(drive.span().start, problem))?;
+        let drive = drive.into_inner();
+        catalogue.simulated.insert(checked_id(&id, &source)?, drive);
+    }
+    for (id, entry) in written.recorded {
+        let checked = checked_id(&id, &source)?;
+        if catalogue.simulated.contains_key(&checked) {
+            return Err(source.error(id.span().start, format!("{checked:?} is a simulated data set already")));
+        }
+        catalogue.recorded.insert(checked, entry_from_written(entry, &source)?);
+    }
+    for (id, members) in written.groups {
+        let checked = checked_id(&id, &source)?;
+        if let Some(unknown) =
+            members.get_ref().iter().find(|member| !catalogue.ids().any(|it| it == *member))
+        {
+            return Err(source.error(members.span().start, format!("there is no data set {unknown:?}")));
+        }
+        if members.get_ref().is_empty() || catalogue.ids().any(|it| *it == checked) {
+            let problem = format!("{checked:?} is empty, or a data set already");
             return Err(source.error(id.span().start, problem));
         }
-        Ok((id.into_inner(), entry_from_written(entry, &source)?))
-    });
-    Ok(Catalogue { entries: entries.collect::<Result<_, DatasetError>>()? })
+        catalogue.groups.insert(checked, members.into_inner());
+    }
+    Ok(catalogue)
+}
+
+fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String, DatasetError> {
+    if id.get_ref().chars().all(|it| it.is_ascii_alphanumeric() || it == '-' || it == '_') {
+        return Ok(id.get_ref().clone());
+    }
+    let problem = format!("{:?} is no id: only letters, digits, - and _ may be in it", id.get_ref());
+    Err(source.error(id.span().start, problem))
+}
+
+fn check_drive(drive: &StreetDrive) -> Result<(), String> {
+    let StreetDrive { n_scans, turns_per_scan, .. } = *drive;
+    if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
+        return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
+    }
+    Ok(())
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenCatalogue {
+    #[serde(default)]
+    recorded: BTreeMap<Spanned<String>, WrittenEntry>,
+    #[serde(default)]
+    simulated: BTreeMap<Spanned<String>, Spanned<StreetDrive>>,
+    #[serde(default)]
+    groups: BTreeMap<Spanned<String>, Spanned<Vec<String>>>,
 }
 
 /// An entry as it is written, with the positions of what can be wrong.
@@ -231,7 +295,7 @@ mod tests {
     use proptest::prelude::*;
 
     const ENTRY: &str = r#"
-[my-drive]
+[recorded.my-drive]
 format = "kitti-tracking"
 root = "/data"
 sequences = ["0003", "0001"]
@@ -268,22 +332,22 @@ url = "https://example.org"
             url: "https://example.org".to_owned(),
             checksum: None,
         };
-        assert_eq!(catalogue.entries, BTreeMap::from([("my-drive".to_owned(), expected)]));
+        assert_eq!(catalogue.recorded, BTreeMap::from([("my-drive".to_owned(), expected)]));
     }
 
     #[test]
     fn a_data_set_may_annotate_every_object() {
         let text = ENTRY.replace(r#"["van", "car"]"#, r#""every-object""#);
         let catalogue = parse_catalogue("my.toml", &text).unwrap();
-        assert_eq!(catalogue.entries["my-drive"].annotated, AnnotatedClasses::EveryObject);
+        assert_eq!(catalogue.recorded["my-drive"].annotated, AnnotatedClasses::EveryObject);
     }
 
     #[test]
     fn the_built_in_catalogue_knows_what_kitti_annotates() {
         let catalogue = built_in_catalogue().unwrap();
-        let ids: Vec<&String> = catalogue.entries.keys().collect();
+        let ids: Vec<&String> = catalogue.recorded.keys().collect();
         assert_eq!(ids, ["kitti-object", "kitti-tracking"]);
-        for entry in catalogue.entries.values() {
+        for entry in catalogue.recorded.values() {
             assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
         }
     }
@@ -303,6 +367,22 @@ url = "https://example.org"
         check_refused("url", "checksum = \"12ab\"\nurl", 9, "checksum \"12ab\"");
         check_refused("my-drive", "\"../drive\"", 2, "\"../drive\" is no id");
         check_refused("licence = \"mine\"", "licence = \"mine", 8, "");
+    }
+
+    #[test]
+    fn a_group_stands_for_its_members() {
+        let text = format!("{ENTRY}\n[groups]\nmine = [\"my-drive\"]");
+        let catalogue = parse_catalogue("my.toml", &text).unwrap();
+        assert_eq!(catalogue.members(&"mine".to_owned()), ["my-drive"]);
+        assert_eq!(catalogue.members(&"other".to_owned()), ["other"]);
+        let refused = |group: &str, problem: &str| {
+            let text = format!("{ENTRY}\n[groups]\n{group}");
+            let message = parse_catalogue("my.toml", &text).expect_err("a mistake").to_string();
+            assert!(message.starts_with("my.toml, line 12: ") && message.contains(problem), "{message}");
+        };
+        refused("mine = [\"your-drive\"]", "no data set \"your-drive\"");
+        refused("mine = []", "\"mine\" is empty");
+        refused("my-drive = [\"my-drive\"]", "a data set already");
     }
 
     #[test]

@@ -41,8 +41,8 @@ impl DatasetChecksum {
     }
 }
 
-/// In lower-case hexadecimal.
-fn sha256(content: &str) -> String {
+/// SHA-256 of `content` in lower-case hexadecimal.
+pub fn sha256(content: &str) -> String {
     let digest = Sha256::digest(content);
     let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
     digits.map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)])).collect()

@@ -17,6 +17,7 @@ pub mod source;
 
 // The formats, a folder each.
 pub mod kitti;
+pub mod simulated_street;
 
 // From what the user names to an open data set, and to the scans of it that are run.
 pub mod detect_format;

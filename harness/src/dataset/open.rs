@@ -11,14 +11,15 @@ use super::kitti::object::open_kitti_object;
 use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use super::kitti::tracking::open_kitti_tracking;
 use super::root_template::UnsetVariable;
+use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::DatasetSource;
 use super::{AnnotatedClasses, Dataset, DatasetError};
 
-/// The data set of the catalogue that is run when none is asked for.
-pub const DEFAULT_DATASET: &str = "kitti-tracking";
+/// The group of the built-in catalogue that is run when no data set is asked for.
+pub const DEFAULT_DATASETS: &str = "streets";
 
 /// How a data set is opened other than the catalogue says.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct OpenOptions {
     /// The format of a data set at a path; the files tell otherwise.
     pub format: Option<DatasetFormat>,
@@ -40,7 +41,11 @@ pub fn open_dataset(
     options: &OpenOptions,
     catalogue: &Catalogue,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
-    match catalogue.entries.get(id_or_path) {
+    if let Some(drive) = catalogue.simulated.get(id_or_path) {
+        let seed = options.seed.unwrap_or(drive.seed);
+        return Ok(open_simulated_street(id_or_path, &StreetDrive { seed, ..drive.clone() }));
+    }
+    match catalogue.recorded.get(id_or_path) {
         Some(entry) => open_catalogued(id_or_path, entry, options.format),
         None => open_path(id_or_path, options.format, catalogue),
     }
@@ -96,7 +101,7 @@ fn open_path(
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let is_a_word = !path.contains(std::path::is_separator);
     if is_a_word && !Path::new(path).exists() {
-        let known = catalogue.entries.keys().cloned().collect();
+        let known = catalogue.groups.keys().chain(catalogue.ids()).cloned().collect();
         return Err(DatasetError::UnknownDataset { name: path.to_owned(), known });
     }
     let formats = format.map_or_else(|| DatasetFormat::ALL.to_vec(), |format| vec![format]);

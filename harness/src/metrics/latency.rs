@@ -9,11 +9,6 @@ pub struct Latencies {
     sorted: Vec<Duration>,
 }
 
-/// Fewest scans for which the 95th percentile is more than the largest value with another name.
-pub const MIN_SCANS_FOR_P95: usize = 59;
-/// The same for the 99th percentile.
-pub const MIN_SCANS_FOR_P99: usize = 299;
-
 impl Latencies {
     /// Latencies in any order.
     pub fn new(mut durations: Vec<Duration>) -> Self {

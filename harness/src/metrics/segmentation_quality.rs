@@ -62,3 +62,107 @@ impl std::ops::AddAssign for SegmentationQuality {
         self.n_joining += other.n_joining;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::annotation::{Annotation, AnnotationClass, PointRegion, ScanId};
+    use crate::dataset::AnnotatedClasses;
+    use crate::matching::assign::{MatchingParams, assign};
+    use crate::matching::criterion::Criterion;
+    use crate::matching::eligibility::EligibilityParams;
+    use crate::task::Task;
+    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+
+    const UNIT: OrientedBox =
+        OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+
+    /// Twenty points a letter: each letter of `annotations` and `detections` is one object, a dot is no object.
+    fn quality(annotations: &str, detections: &str) -> SegmentationQuality {
+        const N_POINTS_PER_LETTER: usize = 20;
+        assert_eq!(annotations.len(), detections.len());
+        let points_of = |drawing: &str, letter: char| -> Vec<u32> {
+            let letters = drawing.chars().flat_map(|it| std::iter::repeat_n(it, N_POINTS_PER_LETTER));
+            letters.zip(0..).filter(|&(it, _)| it == letter).map(|(_, point_idx)| point_idx).collect()
+        };
+        let letters_of = |drawing: &str| -> Vec<char> {
+            let letters: std::collections::BTreeSet<char> = drawing.chars().filter(|&it| it != '.').collect();
+            letters.into_iter().collect()
+        };
+        let annotation = |letter: char| Annotation {
+            class: AnnotationClass::Car,
+            bounding_box: None,
+            point_indices: points_of(annotations, letter),
+            track: None,
+            occlusion: None,
+            truncation: None,
+        };
+        let n_points = annotations.len() * N_POINTS_PER_LETTER;
+        let scan = LabeledScan {
+            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
+            cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
+            annotations: letters_of(annotations).into_iter().map(annotation).collect(),
+            point_regions: vec![PointRegion::Labeled; n_points],
+        };
+        let mut found = Detections::default();
+        for letter in letters_of(detections) {
+            let point_indices = points_of(detections, letter);
+            let class = DetectedClass::Vehicle;
+            found.push(Detection { point_indices: &point_indices, bounding_box: UNIT, class, score: None });
+        }
+        let params =
+            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        let assignment = assign(&scan, &found, Task::Vehicles, &AnnotatedClasses::EveryObject, &params);
+        SegmentationQuality::of(&scan, &found, &assignment)
+    }
+
+    /// Compares the number of annotations, of those split, of detections that hold one, and of those that hold several.
+    #[track_caller]
+    fn check(annotations: &str, detections: &str, expected: [u64; 4]) {
+        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining } =
+            quality(annotations, detections);
+        assert_eq!([n_annotations, n_split, n_holding, n_joining], expected, "{annotations}\n{detections}");
+    }
+
+    #[test]
+    fn one_detection_for_each_annotation_is_neither_split_nor_joined() {
+        check("aaaa.bbbb", "xxxx.yyyy", [2, 0, 2, 0]);
+    }
+
+    #[test]
+    fn an_annotation_in_two_pieces_is_split() {
+        check("aaaaaaaaaa", "xxxxxyyyyy", [1, 1, 0, 0]);
+        // The second piece holds exactly a tenth.
+        check("aaaaaaaaaa", "xxxxxxxxxy", [1, 1, 1, 0]);
+    }
+
+    #[test]
+    fn less_than_a_tenth_is_no_piece() {
+        check("aaaaaaaaaaa", "xxxxxxxxxxy", [1, 0, 1, 0]);
+    }
+
+    #[test]
+    fn a_detection_that_holds_two_annotations_joins_them() {
+        check("aaaa.bbbb", "xxxxxxxxx", [2, 0, 1, 1]);
+    }
+
+    #[test]
+    fn half_of_an_annotation_is_not_held() {
+        check("aaaa.bbbb", "xxxxxxx..", [2, 0, 1, 0]);
+    }
+
+    #[test]
+    fn what_nobody_found_and_what_is_on_nothing_say_nothing() {
+        check("aaaa....", "....xxxx", [1, 0, 0, 0]);
+        assert_eq!(quality("aaaa", "....").over_segmentation(), Some(0.0));
+        assert_eq!(quality("aaaa", "....").under_segmentation(), None);
+        assert_eq!(quality("....", "xxxx").over_segmentation(), None);
+    }
+
+    #[test]
+    fn shares_are_of_sums_over_scans() {
+        let mut all = quality("aaaa.bbbb", "xxxxxxxxx");
+        all += quality("aaaaaaaaaa", "xxxxxxxxxy");
+        assert_eq!((all.over_segmentation(), all.under_segmentation()), (Some(1.0 / 3.0), Some(0.5)));
+    }
+}

@@ -62,13 +62,23 @@ pub enum ConfigError {
         /// What it said.
         source: std::io::Error,
     },
+    /// The file is not text.
+    #[error("{path:?} is not text: invalid UTF-8 at byte {byte_offset}")]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first bad byte, counted from 0.
+        byte_offset: usize,
+    },
     /// The file is not TOML.
-    #[error("{path:?} is not a configuration: {source}")]
+    #[error("{path:?}, line {line}: {problem}")]
     Syntax {
         /// The file.
         path: PathBuf,
-        /// Where and why.
-        source: toml::de::Error,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: String,
     },
     /// A parameter that nothing reads.
     #[error("{path:?}, line {line}: unknown parameter {key}; there are {known}")]
@@ -97,12 +107,16 @@ pub enum ConfigError {
         expected: &'static str,
     },
     /// A value that cannot be worked with.
-    #[error("{path:?}: {source}")]
-    Params {
+    #[error("{path:?}, line {line}: {key}{problem}")]
+    Value {
         /// The file.
         path: PathBuf,
-        /// Which value, and why.
-        source: ParamsError,
+        /// The line, from 1.
+        line: usize,
+        /// The parameter with the tables it is in.
+        key: String,
+        /// What is wrong with it, as a continuation.
+        problem: String,
     },
 }
 
@@ -123,8 +137,12 @@ impl RunConfig {
     /// [`ConfigError`] if the file cannot be read, or holds what no detector knows or can work with.
     pub fn load(overrides: Option<&Path>) -> Result<Self, ConfigError> {
         let Some(path) = overrides else { return Self::resolve("", Path::new("built-in configuration")) };
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ConfigError::Io { path: path.to_owned(), source })?;
+        let bytes =
+            std::fs::read(path).map_err(|source| ConfigError::Io { path: path.to_owned(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| ConfigError::NotText {
+            path: path.to_owned(),
+            byte_offset: error.utf8_error().valid_up_to(),
+        })?;
         Self::resolve(&text, path)
     }
 
@@ -145,20 +163,23 @@ impl RunConfig {
     }
 
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {
-        let syntax = |source| ConfigError::Syntax { path: path.to_owned(), source };
-        let values = overrides.parse::<Table>().map_err(syntax)?;
-        let mut resolved = shipped();
         let source = OverrideSource { path, text: overrides };
+        let values = source.parse()?;
+        let mut resolved = shipped();
         source.apply(&mut resolved, values, &mut Vec::new())?;
-        let params = |source| ConfigError::Params { path: path.to_owned(), source };
-        let document = |name: &str| resolved[name].as_table().map(Table::to_string).unwrap_or_default();
+        let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
+        let (hierarchical, matching) = (table("hierarchical").to_string(), table("matching").to_string());
         let of_baselines =
             resolved.iter().filter(|(name, _)| !["matching", "hierarchical"].contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
+        let baselines = baselines.to_string();
         Ok(Self {
-            hierarchical: HierarchicalParams::from_toml(&document("hierarchical")).map_err(params)?,
-            baselines: BaselineParams::from_toml(&baselines.to_string()).map_err(params)?,
-            matching: matching_from(&document("matching")).map_err(params)?,
+            hierarchical: HierarchicalParams::from_toml(&hierarchical)
+                .map_err(|error| source.value_error(&error, Some("hierarchical"), &hierarchical))?,
+            baselines: BaselineParams::from_toml(&baselines)
+                .map_err(|error| source.value_error(&error, None, &baselines))?,
+            matching: matching_from(&matching)
+                .map_err(|error| source.value_error(&error, Some("matching"), &matching))?,
             resolved,
         })
     }
@@ -176,6 +197,35 @@ struct OverrideSource<'a> {
 }
 
 impl OverrideSource<'_> {
+    fn parse(&self) -> Result<Table, ConfigError> {
+        self.text.parse().map_err(|error: toml::de::Error| ConfigError::Syntax {
+            path: self.path.to_owned(),
+            line: self.line_at(error.span().map_or(0, |span| span.start)),
+            problem: error.message().to_owned(),
+        })
+    }
+
+    /// Says where in this document the value stands that `error` complains about in the resolved `document`, whose
+    /// parameters are those of the table `parent`, or of several tables.
+    fn value_error(&self, error: &ParamsError, parent: Option<&str>, document: &str) -> ConfigError {
+        let (names, problem) = match error {
+            ParamsError::OutOfRange { name, value, allowed } => {
+                let names = name.split('.').map(str::to_owned).collect();
+                (names, format!(" = {value} is outside of {allowed}"))
+            }
+            ParamsError::Syntax(error) => {
+                let offset = error.span().map_or(0, |span| span.start);
+                let parsed = DeTable::parse(document).expect("the document was written from values");
+                let names = key_at(parsed.get_ref(), offset).unwrap_or_default();
+                (names, format!(": {}", error.message()))
+            }
+        };
+        let mut keys: Vec<String> = parent.map(str::to_owned).into_iter().collect();
+        keys.extend(names);
+        let (line, key) = (self.line_of(&keys), keys.join("."));
+        ConfigError::Value { path: self.path.to_owned(), line, key, problem }
+    }
+
     /// Puts the values of `overrides` into `table`, which is found under `parents`.
     fn apply(
         &self,
@@ -218,8 +268,26 @@ impl OverrideSource<'_> {
             let Some(inner) = value.get_ref().as_table() else { break };
             table = inner;
         }
-        1 + self.text[..offset].matches('\n').count()
+        self.line_at(offset)
     }
+
+    fn line_at(&self, byte_offset: usize) -> usize {
+        let before = self.text.as_bytes().iter().take(byte_offset);
+        1 + before.filter(|&&byte| byte == b'\n').count()
+    }
+}
+
+/// The names of the value at this place of the document of `table`, from the outermost in.
+fn key_at(table: &DeTable<'_>, byte_offset: usize) -> Option<Vec<String>> {
+    table.iter().find_map(|(key, value)| {
+        let mut keys = vec![key.get_ref().to_string()];
+        match value.get_ref().as_table() {
+            Some(inner) => keys.extend(key_at(inner, byte_offset)?),
+            None if value.span().contains(&byte_offset) => {}
+            None => return None,
+        }
+        Some(keys)
+    })
 }
 
 fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
@@ -232,9 +300,9 @@ fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
         }
     };
     // Above one half an annotation can agree with one detection only, and this is what makes a match mean something.
-    within("matching.min_iou", table.min_iou, 0.01, 1.0, "0.01 to 1")?;
-    within("matching.max_centre_distance_m", table.max_centre_distance_m, 0.01, 100.0, "0.01 to 100 m")?;
-    within("matching.max_range_m", table.max_range_m, 1.0, 1000.0, "1 to 1000 m")?;
+    within("min_iou", table.min_iou, 0.01, 1.0, "0.01 to 1")?;
+    within("max_centre_distance_m", table.max_centre_distance_m, 0.01, 100.0, "0.01 to 100 m")?;
+    within("max_range_m", table.max_range_m, 1.0, 1000.0, "1 to 1000 m")?;
     let criterion = match table.criterion {
         CriterionTable::Points => Criterion::Points { min_iou: table.min_iou },
         CriterionTable::Centre => Criterion::Centre { max_distance_m: table.max_centre_distance_m },
@@ -290,8 +358,45 @@ mod tests {
             "[kd_tree]\ntolerance_m = \"far\"",
             "line 2: kd_tree.tolerance_m is of type string, expected float",
         );
-        check_refused("[matching]\nmin_iou = 0.0", "matching.min_iou = 0 is outside of 0.01 to 1");
-        check_refused("[matching]\nmin_points = -1", "\"mine.toml\": ");
-        check_refused("[kd_tree", "\"mine.toml\" is not a configuration");
+    }
+
+    #[test]
+    fn what_cannot_be_worked_with_is_refused_with_its_line() {
+        check_refused(
+            "# mine\n[matching]\nmin_iou = 0.0",
+            "\"mine.toml\", line 3: matching.min_iou = 0 is outside of 0.01 to 1",
+        );
+        check_refused(
+            "[matching]\nmin_points = -1",
+            "line 2: matching.min_points: invalid value: integer `-1`",
+        );
+        check_refused(
+            "\n[hierarchical.grid]\ncell_size_m = 1.0\nxi = 9",
+            "line 4: hierarchical.grid.xi = 9 is outside of 1 to 8",
+        );
+        check_refused(
+            "hierarchical.grid.xi = -3",
+            "line 1: hierarchical.grid.xi: invalid value: integer `-3`, expected u32",
+        );
+        check_refused("kd_tree.foreground = \"blue\"", "line 1: kd_tree.foreground: unknown variant `blue`");
+        check_refused("[pca.grid]\ncell_size_m = 0", "line 2: pca.grid.cell_size_m = 0 is outside of");
+    }
+
+    #[test]
+    fn what_is_not_toml_is_refused_with_its_line() {
+        check_refused("# mine\n[kd_tree", "\"mine.toml\", line 2: unclosed table");
+    }
+
+    #[test]
+    fn the_chosen_criterion_keeps_the_gate_of_the_file() {
+        let mut config =
+            resolve("[matching]\ncriterion = \"centre\"\nmin_iou = 0.7\nmax_centre_distance_m = 1").unwrap();
+        assert_eq!(config.matching.criterion, Criterion::Centre { max_distance_m: 1.0 });
+        config.choose_criterion(Criterion::POINTS);
+        assert_eq!(config.matching.criterion, Criterion::Points { min_iou: 0.7 });
+        assert_eq!(config.resolved["matching"]["criterion"].as_str(), Some("points"));
+        config.choose_criterion(Criterion::CENTRE);
+        assert_eq!(config.matching.criterion, Criterion::Centre { max_distance_m: 1.0 });
+        assert_eq!(config.resolved["matching"]["criterion"].as_str(), Some("centre"));
     }
 }

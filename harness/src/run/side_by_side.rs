@@ -87,19 +87,32 @@ impl SideBySide<'_> {
             let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
             for (scan, in_batch_idx) in scans.into_iter().zip(0..) {
                 let run_idx = batch_idx * self.n_jobs.max(1) + in_batch_idx;
-                if self.interrupted.load(Ordering::Relaxed) {
-                    let n_scans = self.scan_indices.len();
-                    return Err(RunError::Interrupted { n_done: run_idx, n_scans }.into());
-                }
                 let scan = scan.map_err(RunError::from)?;
                 if run_idx == 0 {
-                    warm_up(detectors, &scan, self.n_warmup);
+                    self.warm_up(detectors, &scan);
+                }
+                if self.is_interrupted() {
+                    let n_scans = self.scan_indices.len();
+                    return Err(RunError::Interrupted { n_done: run_idx, n_scans }.into());
                 }
                 let results = self.detect_all(run_idx, &scan, detectors, &mut outputs);
                 on_scan(ScanResults { run_idx, scan: &scan, results: &results, detectors })?;
             }
         }
         Ok(())
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+
+    fn warm_up(&self, detectors: &mut [Box<dyn Detector>], scan: &LabeledScan) {
+        let mut thrown_away = DetectorOutput::default();
+        for detector in detectors {
+            for _ in (0..self.n_warmup).take_while(|_| !self.is_interrupted()) {
+                detector.detect(&scan.cloud, &mut thrown_away);
+            }
+        }
     }
 
     fn detect_all(
@@ -133,14 +146,5 @@ impl SideBySide<'_> {
                 assignments: judge(output),
             })
             .collect()
-    }
-}
-
-fn warm_up(detectors: &mut [Box<dyn Detector>], scan: &LabeledScan, n_warmup: usize) {
-    let mut thrown_away = DetectorOutput::default();
-    for detector in detectors {
-        for _ in 0..n_warmup {
-            detector.detect(&scan.cloud, &mut thrown_away);
-        }
     }
 }

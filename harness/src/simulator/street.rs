@@ -24,13 +24,16 @@ use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
 pub const SIMULATOR_VERSION: u32 = 1;
 
 /// The kinds of streets there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Deserialize)]
 pub enum StreetKind {
     /// Traffic both ways, parked rows, pavements with trees, houses on both sides.
+    #[serde(rename = "street-main-road")]
     MainRoad,
     /// One way between close houses, parked rows, slim pavements.
+    #[serde(rename = "street-narrow")]
     NarrowStreet,
     /// Two roads that cross; vehicles wait on one of them.
+    #[serde(rename = "street-intersection")]
     Intersection,
 }
 

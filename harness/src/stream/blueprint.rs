@@ -193,8 +193,7 @@ fn messages(
     properties: &[Property],
 ) -> Result<(Vec<LogMsg>, BlueprintActivationCommand), String> {
     let text = |error: rerun::RecordingStreamError| error.to_string();
-    let (layout, storage) =
-        RecordingStreamBuilder::new(application_id).enabled(true).memory().map_err(text)?;
+    let (layout, storage) = RecordingStreamBuilder::new(application_id).memory().map_err(text)?;
     blueprint.send(&layout, BlueprintActivation::default()).map_err(text)?;
     let mut messages = storage.take();
     messages
@@ -203,7 +202,7 @@ fn messages(
         messages.first().map(|it| it.store_id().clone()).ok_or("Rerun made an empty blueprint".to_owned())?;
 
     let (rest, storage) =
-        RecordingStreamBuilder::from_store_id(&store_id).enabled(true).blueprint().memory().map_err(text)?;
+        RecordingStreamBuilder::from_store_id(&store_id).blueprint().memory().map_err(text)?;
     rest.set_time_sequence("blueprint", 0);
     for Property { path, value } in properties {
         rest.log(path.clone(), value.as_ref()).map_err(text)?;

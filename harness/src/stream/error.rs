@@ -13,6 +13,9 @@ pub enum StreamError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The user's environment forbids recordings.
+    #[error("the environment variable RERUN switches recordings off; unset it")]
+    SwitchedOff,
     /// A viewer is to be started, but there is none.
     #[error(
         "no program `rerun` in PATH; install the viewer with `pip install rerun-sdk=={version}` or `cargo binstall rerun-cli@{version}`"

@@ -14,7 +14,7 @@ use super::palette::{self, Rgb};
 use super::{archetypes, entity_paths, legend, recording};
 
 /// Half the width of a line, in pixels of a screen of normal density.
-const LINE_RADIUS_PX: f32 = 1.0;
+const LINE_RADIUS_PX: f32 = 0.8;
 
 /// Logs `products` of `detector` at the current time and returns the entities they became.
 ///
@@ -67,7 +67,7 @@ fn log_entity(
             (path.clone(), recording::log(stream, path, &drawn))
         }
         Shape::Boxes(boxes) => {
-            let drawn = colored_boxes(archetypes::boxes(boxes.iter().copied()), palette::REDDISH_PURPLE);
+            let drawn = colored_boxes(archetypes::boxes(boxes.iter().copied()), palette::GREY);
             let path = path(ProductKind::Boxes);
             (path.clone(), recording::log(stream, path, &drawn))
         }

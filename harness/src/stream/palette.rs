@@ -40,9 +40,10 @@ pub const BACKGROUND: Rgb = [16, 17, 21];
 /// Hues for things that have no meaning of their own, such as clusters; neighbours in the list differ most.
 pub const CYCLE: [Rgb; 7] = [SKY_BLUE, ORANGE, BLUISH_GREEN, REDDISH_PURPLE, YELLOW, BLUE, VERMILION];
 
-/// The hue of the detector at `detector_idx` in the order of the run.
+/// The hue of the detector at `detector_idx` in the order of the run; the first ones are not those of right and wrong.
 pub fn detector_color(detector_idx: usize) -> Rgb {
-    [SKY_BLUE, ORANGE, REDDISH_PURPLE, YELLOW, BLUISH_GREEN, BLUE, VERMILION][detector_idx % 7]
+    const HUES: [Rgb; 7] = [SKY_BLUE, ORANGE, REDDISH_PURPLE, BLUE, YELLOW, BLUISH_GREEN, VERMILION];
+    HUES[detector_idx % HUES.len()]
 }
 
 /// The colour of points and cells of `class`: the foreground is bright, the ground is dim.

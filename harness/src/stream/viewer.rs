@@ -16,10 +16,12 @@ use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink, SinkFlushError};
 
 use super::error::StreamError;
 
-/// So long a viewer may be silent, at the start, in between and at the end, before it is given up.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// So long a viewer may take nothing before it is given up.
+const PATIENCE: Duration = Duration::from_secs(3);
 /// So long a viewer that was just started may take until it listens.
-const STARTUP_PATIENCE: Duration = Duration::from_secs(20);
+const STARTUP_PATIENCE: Duration = Duration::from_secs(10);
+/// So long a viewer may take for what is still on its way at the end.
+const ENDING_PATIENCE: Duration = Duration::from_secs(5);
 const POLL_INTERVAL: Duration = Duration::from_millis(5);
 /// Messages that wait for the viewer before logging waits for it.
 const QUEUE_LENGTH: usize = 64;
@@ -122,7 +124,7 @@ impl ViewerLink {
         let (reply, answer) = mpsc::sync_channel(1);
         self.deliver(&queue, Parcel::Flush { reply });
         drop(queue);
-        match answer.recv_timeout(2 * PATIENCE) {
+        match answer.recv_timeout(ENDING_PATIENCE) {
             Ok(Ok(())) => {
                 let sender = self.with(|shared| {
                     shared.queue = None;
@@ -217,7 +219,7 @@ fn send_parcels(connection: &GrpcSink, parcels: &Receiver<Parcel>) {
         match parcel {
             Parcel::Message(message) => connection.send(*message),
             Parcel::Flush { reply } => {
-                let flushed = connection.flush_blocking(PATIENCE).map_err(|error| error.to_string());
+                let flushed = connection.flush_blocking(ENDING_PATIENCE).map_err(|error| error.to_string());
                 // Whoever asked may have lost patience.
                 let _ = reply.try_send(flushed);
             }
@@ -266,4 +268,31 @@ fn reach(uri: &ProxyUri) -> Result<(), String> {
         }
     }
     Err(reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check_refused(url: &str) {
+        let refused = url.parse::<ViewerUrl>().unwrap_err();
+        assert!(matches!(refused, StreamError::BadUrl { .. }), "{refused}");
+        assert!(refused.to_string().contains(&format!("{url:?}")), "{refused}");
+    }
+
+    #[test]
+    fn what_is_not_the_address_of_a_viewer_is_refused() {
+        check_refused("");
+        check_refused("viewer");
+        check_refused("rerun+http://127.0.0.1:port/proxy");
+        check_refused("rerun+http://127.0.0.1:9876/catalog");
+        check_refused("ftp://127.0.0.1:9876/proxy");
+    }
+
+    #[test]
+    fn the_address_of_a_viewer_is_understood() {
+        let ViewerUrl(uri) = "rerun+http://127.0.0.1:9877/proxy".parse().unwrap();
+        assert_eq!(uri.origin.port, 9877);
+    }
 }

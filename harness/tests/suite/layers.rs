@@ -13,7 +13,7 @@ fn modules_of(crate_name: &str) -> Modules {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(crate_name).join("src");
     let mut modules = Modules { place_of: BTreeMap::new(), files: Vec::new() };
     modules.declare(Vec::new(), &src.join("lib.rs"), &src);
-    assert!(modules.files.len() > 3, "no modules found in {src:?}");
+    assert!(modules.files.len() > 3, "no modules found in {}", src.display());
     modules
 }
 
@@ -41,7 +41,7 @@ impl Modules {
 
 /// The code of a file without comments and without its tests.
 fn code_of(file: &Path) -> String {
-    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{file:?}: {error}"));
+    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     code.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }

@@ -1,3 +1,12 @@
 //! Tests of the whole: the structure of the code, and the program from outside.
 
+// What the tests of the program share.
+mod drawn_dataset;
+mod program;
+
+mod bad_input;
+mod command_line;
+mod damaged_datasets;
+mod kitti_real_scans;
 mod layers;
+mod run_directory;

@@ -10,7 +10,7 @@ use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion,
 use harness::dataset::Dataset;
 use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::kitti::calibration::{KittiCalibration, parse_calibration};
-use harness::dataset::open::open_dataset;
+use harness::dataset::open::{OpenOptions, open_dataset};
 use nalgebra::Vector4;
 
 /// The scans of `kitti_object` by their numbers, with the scans of `kitti_tracking` they are.
@@ -28,7 +28,7 @@ fn real_data(name: &str, test: &str) -> Option<PathBuf> {
 }
 
 fn open(folder: &Path) -> Box<dyn Dataset> {
-    open_dataset(folder.to_str().unwrap(), None, &built_in_catalogue().unwrap()).unwrap()
+    open_dataset(folder.to_str().unwrap(), &OpenOptions::default(), &built_in_catalogue().unwrap()).unwrap()
 }
 
 fn scans(dataset: &dyn Dataset) -> impl Iterator<Item = LabeledScan> + '_ {

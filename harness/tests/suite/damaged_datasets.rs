@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use harness::annotation::PointRegion;
 use harness::dataset::catalogue::{Catalogue, parse_catalogue};
-use harness::dataset::open::open_dataset;
+use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::{AnnotatedClasses, Dataset, DatasetError};
 use tempfile::TempDir;
 
@@ -71,21 +71,21 @@ impl Disk {
     }
 
     fn open(&self) -> Result<Box<dyn Dataset>, DatasetError> {
-        open_dataset(self.folder.path().to_str().unwrap(), None, &no_catalogue())
+        open_dataset(self.folder.path().to_str().unwrap(), &OpenOptions::default(), &no_catalogue())
     }
 
     /// A catalogue with the data set `street` on this disk, and `lines` in its entry.
     fn catalogue(&self, format: &str, lines: &str) -> Catalogue {
         let root = self.folder.path().display();
         let text = format!(
-            "[street]\nformat = \"{format}\"\nroot = '{root}'\nannotated_classes = \"every-object\"\n\
+            "[recorded.street]\nformat = \"{format}\"\nroot = '{root}'\nannotated_classes = \"every-object\"\n\
              sensor_height_m = 2.1\nlicence = \"ours\"\nurl = \"https://example.org/street\"\n{lines}\n"
         );
         parse_catalogue("datasets.toml", &text).unwrap()
     }
 
     fn open_catalogued(&self, format: &str, lines: &str) -> Result<Box<dyn Dataset>, DatasetError> {
-        open_dataset("street", None, &self.catalogue(format, lines))
+        open_dataset("street", &OpenOptions::default(), &self.catalogue(format, lines))
     }
 }
 
@@ -277,7 +277,13 @@ fn an_unknown_format_is_a_usage_error() {
 fn a_format_asked_for_must_be_there() {
     let disk = Disk::with_objects();
     let path = disk.folder.path().to_str().unwrap();
-    let open = |format: &str| open_dataset(path, Some(format.parse().unwrap()), &no_catalogue());
+    let open = |format: &str| {
+        open_dataset(
+            path,
+            &OpenOptions { format: Some(format.parse().unwrap()), seed: None },
+            &no_catalogue(),
+        )
+    };
     assert!(open("kitti-object").is_ok());
     check_usage(open("kitti-tracking"), &["no data set in a known format (kitti-tracking)"]);
 }
@@ -286,8 +292,8 @@ fn a_format_asked_for_must_be_there() {
 fn an_unknown_id_is_a_usage_error_that_lists_the_known_ones() {
     let disk = Disk::with_objects();
     let catalogue = disk.catalogue("kitti-object", "");
-    check_usage(open_dataset("strete", None, &catalogue), &["\"strete\"", "(street)"]);
-    let missing = open_dataset("./strete", None, &catalogue).err().expect("no such path");
+    check_usage(open_dataset("strete", &OpenOptions::default(), &catalogue), &["\"strete\"", "(street)"]);
+    let missing = open_dataset("./strete", &OpenOptions::default(), &catalogue).err().expect("no such path");
     check_message(&missing, &["cannot read \"./strete\""]);
     assert!(!missing.is_usage_error());
 }
@@ -330,7 +336,10 @@ fn a_catalogued_format_is_not_overridden() {
     let disk = Disk::with_objects();
     let catalogue = disk.catalogue("kitti-object", "");
     let format = Some("kitti-tracking".parse().unwrap());
-    check_usage(open_dataset("street", format, &catalogue), &["street", "kitti-object", "kitti-tracking"]);
+    check_usage(
+        open_dataset("street", &OpenOptions { format, seed: None }, &catalogue),
+        &["street", "kitti-object", "kitti-tracking"],
+    );
 }
 
 #[test]
@@ -338,7 +347,7 @@ fn a_missing_root_says_what_to_set_and_where_the_data_are() {
     let disk = Disk::with_objects();
     let text = |root: &str| {
         format!(
-            "[street]\nformat = \"kitti-object\"\nroot = {root:?}\nannotated_classes = [\"car\"]\n\
+            "[recorded.street]\nformat = \"kitti-object\"\nroot = {root:?}\nannotated_classes = [\"car\"]\n\
              sensor_height_m = 1.7\nlicence = \"ours\"\nurl = \"https://example.org/street\"\n"
         )
     };
@@ -349,7 +358,7 @@ fn a_missing_root_says_what_to_set_and_where_the_data_are() {
         (nowhere.clone(), [nowhere.as_str(), "correct its root"]),
     ] {
         let catalogue = parse_catalogue("datasets.toml", &text(&root)).unwrap();
-        let error = open_dataset("street", None, &catalogue).err().expect("missing");
+        let error = open_dataset("street", &OpenOptions::default(), &catalogue).err().expect("missing");
         check_message(&error, &parts);
         check_message(&error, &["https://example.org/street"]);
         assert!(!error.is_usage_error());
@@ -382,7 +391,7 @@ fn a_data_set_is_called_after_its_folder() {
     disk.write("readme.txt", "");
     let name = disk.folder.path().file_name().unwrap().to_str().unwrap();
     for path in [disk.folder.path().to_path_buf(), disk.path("training"), disk.path("training/velodyne/..")] {
-        let dataset = open_dataset(path.to_str().unwrap(), None, &no_catalogue()).unwrap();
+        let dataset = open_dataset(path.to_str().unwrap(), &OpenOptions::default(), &no_catalogue()).unwrap();
         assert_eq!(dataset.description().id, name, "{}", Path::new(&path).display());
     }
 }

@@ -1,0 +1,5 @@
+//! Tests of the hierarchical detector as a whole, on a drawn street.
+
+mod drawn_street;
+mod stage_products;
+mod steady_state;

@@ -1,0 +1,32 @@
+//! Once the first scan has sized the buffers, detecting allocates nothing.
+
+use detector::params::HierarchicalParams;
+use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::{Detector, DetectorOutput, PointCloud};
+
+use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
+
+/// Checks that a detector that has seen `first` allocates nothing on `second`.
+#[track_caller]
+fn check(first: &PointCloud, second: &PointCloud) {
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut output = DetectorOutput::default();
+    let sizing = allocation_counter::measure(|| detector.detect(first, &mut output));
+    assert!(sizing.count_total > 0, "the counter sees nothing");
+    assert!(!output.detections.is_empty());
+    let steady = allocation_counter::measure(|| detector.detect(second, &mut output));
+    assert_eq!((steady.count_total, steady.bytes_total), (0, 0), "allocations and their bytes");
+}
+
+#[test]
+fn the_same_scan_again_allocates_nothing() {
+    check(&main_road(), &main_road());
+}
+
+#[test]
+fn a_smaller_scan_allocates_nothing() {
+    let one_car = DrawnStreet::road().block([4.1, 8.3], [2.1, 3.9], 1.5).cloud();
+    assert!(one_car.len() < main_road().len());
+    check(&main_road(), &one_car);
+    check(&main_road(), &PointCloud::default());
+}

@@ -1,0 +1,26 @@
+//! What the program says: results on stdout, everything else on stderr.
+//!
+//! The macros of the standard library panic when a stream is closed, which is what `| head` does.
+
+use std::fmt::Display;
+use std::io::{ErrorKind, Write as _};
+
+use anyhow::Context as _;
+
+/// Prints a result, which is never coloured. A reader that has seen enough and closed the stream is no error.
+///
+/// # Errors
+///
+/// If stdout takes nothing for another reason, such as a full disk.
+pub fn print_result(result: impl Display) -> anyhow::Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    match writeln!(stdout, "{result}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write to stdout"),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line that is no result. Where nobody listens, it is lost.
+pub fn print_diagnostic(line: impl Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}

@@ -1,0 +1,270 @@
+//! What the command line says, and on which stream.
+
+use std::process::Command;
+
+use crate::drawn_dataset::DrawnDataset;
+use crate::program::{Ended, Workplace, real_data};
+
+/// Runs the program with `arguments`, separated by spaces; they ask for help.
+#[track_caller]
+fn help(arguments: &str) -> String {
+    let ended = Workplace::new().succeed(&arguments.split(' ').collect::<Vec<_>>());
+    assert_eq!(ended.stderr, "", "{arguments}");
+    ended.stdout
+}
+
+#[test]
+fn every_verb_has_help_with_an_example() {
+    for verb in ["run", "selftest", "completions", "data list"] {
+        let help = help(&format!("{verb} --help"));
+        assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
+        assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
+    }
+}
+
+#[test]
+fn help_lists_every_verb_and_exit_code() {
+    let help = help("--help");
+    for line in ["run ", "data ", "selftest ", "completions "] {
+        assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
+    }
+    for line in
+        ["0    good", "1    internal", "2    wrong usage", "3    data", "4    nothing", "130  interrupted"]
+    {
+        assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
+    }
+}
+
+#[test]
+fn help_fits_into_80_columns() {
+    for verb in ["--help", "-h", "run --help", "run -h", "selftest --help", "data list --help"] {
+        let workplace = Workplace::new();
+        let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
+        let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));
+        assert_eq!(ended.exit_code, Some(0));
+        for line in ended.stdout.lines() {
+            assert!(line.chars().count() <= 80, "{line:?} of {verb}");
+        }
+    }
+}
+
+#[test]
+fn examples_of_the_help_can_be_copied() {
+    let help = help("run --help");
+    let examples: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("  scanbench ")).collect();
+    assert!(examples.len() >= 3, "{help}");
+    for example in examples {
+        // With an unknown detector the program ends before it does anything, but after it has read all of it.
+        let workplace = Workplace::new();
+        let example = example.replace("hierarchical,pca", "nobody");
+        let mut arguments: Vec<&str> = example.split(' ').collect();
+        if !example.contains("nobody") {
+            arguments.extend(["-d", "nobody"]);
+        }
+        let ended = workplace.run(&arguments);
+        assert!(ended.stderr.contains("there is no detector \"nobody\""), "{example}: {ended:#?}");
+    }
+}
+
+#[test]
+fn nothing_asked_for_is_answered_with_help_and_wrong_usage() {
+    let ended = Workplace::new().run(&[]);
+    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""));
+    assert!(ended.stderr.contains("Usage: scanbench <COMMAND>"), "{ended:#?}");
+}
+
+#[test]
+fn wrong_usage_is_named_on_stderr() {
+    for (arguments, part) in [
+        ("fly", "unrecognized subcommand 'fly'"),
+        ("run --jobs 0", "0 is not in 1..=1024"),
+        ("run --warmup x", "invalid digit"),
+        ("run --criterion near", "possible values: points, centre"),
+        ("run --no-such-flag", "unexpected argument '--no-such-flag'"),
+        ("completions ksh", "possible values: bash"),
+    ] {
+        let ended = Workplace::new().run(&arguments.split(' ').collect::<Vec<_>>());
+        assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""), "{arguments}");
+        assert!(ended.stderr.contains(part), "{arguments}: {ended:#?}");
+    }
+}
+
+#[test]
+fn flags_of_rerun_exist_only_where_the_program_was_built_with_it() {
+    for flag in ["--save-rrd", "--no-rrd", "--connect", "--spawn"] {
+        let is_there = help("run --help").contains(flag);
+        assert_eq!(is_there, cfg!(feature = "rerun"), "{flag}");
+    }
+}
+
+#[test]
+fn the_version_is_that_of_the_crate() {
+    assert_eq!(help("--version"), format!("scanbench {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn completions_know_the_verbs_of_every_shell() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = help(&format!("completions {shell}"));
+        assert!(script.contains("selftest") && script.contains("detectors"), "{shell}: {script}");
+    }
+}
+
+#[test]
+fn bash_completes_a_verb() {
+    let script = help("completions bash");
+    let complete = "COMP_WORDS=(scanbench self); COMP_CWORD=1; _scanbench scanbench self scanbench; echo \"${COMPREPLY[@]}\"";
+    let Ok(output) = Command::new("bash").args(["-c", &format!("{script}\n{complete}")]).output() else {
+        eprintln!("skipped bash_completes_a_verb: no bash");
+        return;
+    };
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "selftest", "{output:?}");
+}
+
+#[test]
+fn results_are_on_stdout_and_the_rest_is_on_stderr() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let ended = workplace.succeed(&["run", "street", "-o", "out"]);
+    assert!(ended.stdout.starts_with("Task objects."), "{ended:#?}");
+    assert!(ended.stdout.contains("\nTask vehicles."), "{ended:#?}");
+    assert_eq!(ended.stderr, "Run directory: out\n");
+}
+
+#[test]
+fn the_drawn_cars_are_found() {
+    let workplace = Workplace::new();
+    DrawnDataset::objects(workplace.folder(), 2);
+    let report = workplace.succeed(&["run", "street", "-d", "hierarchical", "-o", "out"]);
+    let row = report.stdout.lines().find(|line| line.contains("street") && line.contains(" hierarchical "));
+    let words: Vec<&str> = row.expect("a row").split_whitespace().collect();
+    // Data set, detector, scans, NO, TP, MO.
+    assert_eq!(words[..6], ["street", "hierarchical", "2", "4", "4", "0"], "{}", report.stdout);
+}
+
+#[test]
+fn a_selftest_is_exact() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let ended = workplace.succeed(&["selftest", "street"]);
+    assert_eq!(ended.stdout.lines().count(), 4, "{ended:#?}");
+    for line in ended.stdout.lines() {
+        assert!(line.starts_with("ok ") && line.contains("recall 1, "), "{line}");
+        assert!(line.ends_with("over 4 annotations, largest cost 0"), "{line}");
+    }
+    assert_eq!(ended.stderr, "");
+}
+
+#[test]
+fn a_list_says_what_is_there_and_what_is_not() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let mut command = workplace.command(&["data", "list"]);
+    command.env("KITTI_TRACKING_ROOT", "street").env("KITTI_OBJECT_ROOT", "gone");
+    let ended = Ended::from(command.output().expect("it starts"));
+    assert_eq!((ended.exit_code, ended.stderr.as_str()), (Some(0), ""));
+    let line_of =
+        |id: &str| ended.stdout.lines().find(|line| line.starts_with(id)).expect("a line").to_owned();
+    assert!(line_of("kitti-tracking ").contains(" 2 scans  kitti-tracking"), "{ended:#?}");
+    assert!(
+        line_of("kitti-object ").contains("not available: \"kitti-object\" is not at \"gone\""),
+        "{ended:#?}"
+    );
+}
+
+#[test]
+fn a_catalogue_may_be_named_by_the_environment() {
+    let workplace = Workplace::new();
+    workplace.write("mine.toml", "");
+    let mut command = workplace.command(&["data", "list"]);
+    let ended = Ended::from(command.env("SCANBENCH_DATASETS", "mine.toml").output().expect("it starts"));
+    assert_eq!((ended.exit_code, ended.stdout.as_str(), ended.stderr.as_str()), (Some(0), "", ""));
+}
+
+#[test]
+fn colours_are_asked_for_and_refused_by_the_environment() {
+    let is_coloured = |variables: &[(&str, &str)]| {
+        let workplace = Workplace::new();
+        let mut command = workplace.command(&["run", "--help"]);
+        let ended = Ended::from(command.envs(variables.iter().copied()).output().expect("it starts"));
+        ended.stdout.contains('\u{1b}')
+    };
+    assert!(!is_coloured(&[]));
+    assert!(is_coloured(&[("CLICOLOR_FORCE", "1")]));
+    assert!(!is_coloured(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]));
+}
+
+/// Runs the program with both streams into a pipe whose reader is gone, and expects `exit_code`.
+#[track_caller]
+fn check_closed_pipe(workplace: &Workplace, arguments: &[&str], exit_code: i32) {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let mut command = workplace.command(arguments);
+    command.stdout(writer.try_clone().expect("a second end")).stderr(writer);
+    let status = command.status().expect("it starts");
+    assert_eq!(status.code(), Some(exit_code), "{arguments:?}");
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 1);
+    check_closed_pipe(&workplace, &["data", "list"], 0);
+    check_closed_pipe(&workplace, &["completions", "bash"], 0);
+    check_closed_pipe(&workplace, &["selftest", "street"], 0);
+    check_closed_pipe(&workplace, &["run", "street", "-d", "pca", "-o", "out"], 0);
+    assert!(workplace.path("out/report.json").is_file());
+    check_closed_pipe(&workplace, &["run", "nowhere"], 2);
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_hears_no_complaint() {
+    let workplace = Workplace::new();
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let mut command = workplace.command(&["data", "list"]);
+    let ended = Ended::from(command.stdout(writer).output().expect("it starts"));
+    assert_eq!(ended.stderr, "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_stdout_is_an_error_and_the_run_is_there_all_the_same() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 1);
+    let mut command = workplace.command(&["run", "street", "-d", "pca", "-o", "out"]);
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("a device");
+    let ended = Ended::from(command.stdout(full).output().expect("it starts"));
+    assert_eq!(ended.exit_code, Some(1), "{ended:#?}");
+    assert!(ended.stderr.contains("Run directory: out\n"), "{ended:#?}");
+    assert!(ended.stderr.contains("error: cannot write to stdout: No space left"), "{ended:#?}");
+    assert!(workplace.path("out/report.json").is_file());
+}
+
+#[cfg(feature = "rerun")]
+#[test]
+fn a_viewer_that_is_not_there_is_warned_about_once() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    // Nothing listens on the port of a listener that is gone.
+    let port =
+        std::net::TcpListener::bind("127.0.0.1:0").and_then(|it| it.local_addr()).expect("a port").port();
+    let url = format!("rerun+http://127.0.0.1:{port}/proxy");
+    let ended = workplace.succeed(&["run", "street", "-d", "pca", "-o", "out", "--connect", &url]);
+    assert_eq!(ended.stderr.matches("warning: the viewer was lost (no viewer at ").count(), 1, "{ended:#?}");
+    assert!(workplace.path("out/run.rrd").is_file());
+}
+
+#[test]
+fn real_scans_are_run() {
+    for name in ["kitti_tracking", "kitti_object"] {
+        let Some(root) = real_data(name, "real_scans_are_run") else { continue };
+        let root = root.to_str().expect("a readable path");
+        let workplace = Workplace::new();
+        let ended =
+            workplace.succeed(&["run", root, "-d", "hierarchical,pca", "--scans", "0..2", "-o", "out"]);
+        assert!(ended.stdout.contains(name), "{ended:#?}");
+        let selftest = workplace.succeed(&["selftest", root, "--scans", "0..2"]);
+        assert!(selftest.stdout.lines().all(|line| line.starts_with("ok ")), "{selftest:#?}");
+    }
+}
