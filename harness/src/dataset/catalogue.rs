@@ -156,6 +156,11 @@ fn check_drive(drive: &StreetDrive) -> Result<(), String> {
     if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
         return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
     }
+    if let Some(limit_deg) = drive.labeled_to_either_side_deg
+        && !(0.0..=180.0).contains(&limit_deg)
+    {
+        return Err(format!("labeled_to_either_side_deg is {limit_deg}, but a turn has 180 to either side"));
+    }
     Ok(())
 }
 
