@@ -136,7 +136,7 @@ pub struct RunArgs {
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
-    /// Run directory to write [default: runs/<time>-<data sets>]
+    /// Run directory to write [default: `runs/TIME-DATASETS`, with `runs/latest` pointing at it]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Replace the run directory if there is one
