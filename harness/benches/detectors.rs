@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use detector::detector::StageTime;
 use detector::{DetectorOutput, PointCloud};
 use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{DEFAULT_DATASET, OpenOptions, open_dataset};
+use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::scan_selection::ScanSelection;
 use harness::metrics::latency::Latencies;
 use harness::run::config::RunConfig;
@@ -23,7 +23,7 @@ const N_WARMUP_ROUNDS: usize = 2;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cargo appends `--bench`.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|it| !it.starts_with("--")).collect();
-    let name = arguments.first().map_or(DEFAULT_DATASET, String::as_str);
+    let name = arguments.first().map_or("street-main-road", String::as_str);
     let selection: ScanSelection = arguments.get(1).map_or("0..8", String::as_str).parse()?;
     let dataset = open_dataset(name, &OpenOptions::default(), &built_in_catalogue()?)?;
     let positions = selection.positions(dataset.scan_ids().len())?;

@@ -15,14 +15,14 @@ pub struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  scanbench run                              simulated street, all detectors
+  scanbench run                              simulated streets, all detectors
   scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
   scanbench data list                        what is in the catalogue";
 
 const EXIT_CODES: &str = "\
 Examples:
-  scanbench run                              simulated street, all detectors
+  scanbench run                              simulated streets, all detectors
   scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
   scanbench data list                        what is in the catalogue
@@ -77,7 +77,7 @@ pub struct CatalogueArgs {
 #[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {
     /// Ids of the catalogue, or paths of data sets
-    #[arg(value_name = "DATASET", default_value = "street-main-road")]
+    #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASETS)]
     pub datasets: Vec<String>,
     /// Format of the data sets given as paths, instead of recognising it
     #[arg(long, value_name = "FORMAT")]

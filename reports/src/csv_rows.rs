@@ -34,9 +34,7 @@ impl<Row: CsvRow> CsvRowWriter<Row> {
         let path = file.path().to_path_buf();
         // The names are written here, so that a file without rows has them too.
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(file);
-        writer
-            .write_record(Row::COLUMNS)
-            .map_err(|source| ArchiveError::Csv { path: path.clone(), source })?;
+        writer.write_record(Row::COLUMNS).map_err(|error| not_written(&path, error))?;
         Ok(Self { writer, path, rows: PhantomData })
     }
 
@@ -46,7 +44,7 @@ impl<Row: CsvRow> CsvRowWriter<Row> {
     ///
     /// [`ArchiveError`] if the file cannot be written, or if a number of the row is not finite.
     pub fn write(&mut self, row: &Row) -> Result<(), ArchiveError> {
-        self.writer.serialize(row).map_err(|source| ArchiveError::Csv { path: self.path.clone(), source })
+        self.writer.serialize(row).map_err(|error| not_written(&self.path, error))
     }
 
     /// Completes the file.
@@ -58,6 +56,18 @@ impl<Row: CsvRow> CsvRowWriter<Row> {
         let Self { writer, path, .. } = self;
         let file = writer.into_inner().map_err(|it| ArchiveError::Write { path, source: it.into_error() })?;
         file.finish()
+    }
+}
+
+/// A full disk is not the fault of the row.
+fn not_written(path: &Path, error: csv::Error) -> ArchiveError {
+    let path = path.to_path_buf();
+    if !error.is_io_error() {
+        return ArchiveError::Csv { path, source: error };
+    }
+    match error.into_kind() {
+        csv::ErrorKind::Io(source) => ArchiveError::Write { path, source },
+        kind => unreachable!("{kind:?} is what the check above excludes"),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Files that are written whole or not at all.
 
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -50,8 +50,8 @@ impl WholeFile {
     /// [`ArchiveError::Write`] if the disk does not take it; what was there before is untouched then.
     pub fn finish(self) -> Result<(), ArchiveError> {
         let Self { writer, path } = self;
-        let persist = || -> std::io::Result<()> {
-            let file = writer.into_inner().map_err(std::io::IntoInnerError::into_error)?;
+        let persist = || -> io::Result<()> {
+            let file = writer.into_inner().map_err(|error| without_path(error.into_error()))?;
             file.as_file().sync_all()?;
             file.persist(&path).map_err(|it| it.error)?;
             Ok(())
@@ -61,13 +61,18 @@ impl WholeFile {
 }
 
 impl Write for WholeFile {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.writer.write(bytes)
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes).map_err(without_path)
     }
 
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.writer.flush()
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush().map_err(without_path)
     }
+}
+
+/// What went wrong, without the passing name of the file that `tempfile` adds: ours is in the error around it.
+fn without_path(error: io::Error) -> io::Error {
+    if error.raw_os_error().is_some() { error } else { error.kind().into() }
 }
 
 /// Writes `content` to the file `path`, whole or not at all.

@@ -1,5 +1,7 @@
 //! Once the first scan has sized the buffers, detecting allocates nothing.
 
+use std::path::Path;
+
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
@@ -29,4 +31,41 @@ fn a_smaller_scan_allocates_nothing() {
     assert!(one_car.len() < main_road().len());
     check(&main_road(), &one_car);
     check(&main_road(), &PointCloud::default());
+}
+
+/// The points of a KITTI scan.
+fn read_velodyne_bin(path: &Path) -> PointCloud {
+    let bytes = std::fs::read(path).expect("a scan");
+    let mut cloud = PointCloud::default();
+    for point in bytes.as_chunks::<16>().0 {
+        let (values, _) = point.as_chunks::<4>();
+        let [x_m, y_m, z_m, intensity] = std::array::from_fn(|column| f32::from_le_bytes(values[column]));
+        cloud.push([x_m, y_m, z_m], intensity);
+    }
+    cloud
+}
+
+#[test]
+fn a_drive_seen_before_allocates_nothing() {
+    let drive = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../shared/data/kitti_tracking/training/velodyne/0000"
+    ));
+    let Ok(entries) = std::fs::read_dir(drive) else {
+        eprintln!("skipped a_drive_seen_before_allocates_nothing: no kitti_tracking");
+        return;
+    };
+    let mut paths: Vec<_> = entries.map(|it| it.expect("an entry").path()).collect();
+    paths.sort();
+    let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
+    assert!(scans.len() > 1, "too few scans");
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut output = DetectorOutput::default();
+    for scan in &scans {
+        detector.detect(scan, &mut output);
+    }
+    for scan in scans.iter().rev() {
+        let steady = allocation_counter::measure(|| detector.detect(scan, &mut output));
+        assert_eq!(steady.count_total, 0, "allocations on a scan of {} points", scan.len());
+    }
 }

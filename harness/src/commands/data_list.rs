@@ -12,6 +12,9 @@ use crate::dataset::open::{OpenOptions, open_dataset};
 /// If the catalogue cannot be read, or stdout takes nothing.
 pub fn data_list(arguments: &CatalogueArgs) -> anyhow::Result<()> {
     let catalogue = open_catalogue(arguments.catalogue.as_deref())?;
+    for (group, members) in &catalogue.groups {
+        print_result(format_args!("{group:<22} all of {}", members.join(", ")))?;
+    }
     for id in catalogue.ids() {
         match open_dataset(id, &OpenOptions::default(), &catalogue) {
             Ok(dataset) => {

@@ -45,7 +45,7 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
     let options = OpenOptions { format, seed: arguments.seed };
     let mut opened: Vec<OpenedDataset> = Vec::new();
-    for name in &arguments.datasets {
+    for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
         let dataset = open_dataset(name, &options, &catalogue)?;
         let id = &dataset.description().id;
         anyhow::ensure!(

@@ -26,12 +26,19 @@ pub struct Catalogue {
     pub recorded: BTreeMap<String, CatalogueEntry>,
     /// Drives through simulated streets.
     pub simulated: BTreeMap<String, StreetDrive>,
+    /// Names for several data sets that are run one after the other.
+    pub groups: BTreeMap<String, Vec<String>>,
 }
 
 impl Catalogue {
     /// The ids of all data sets, simulated ones first.
     pub fn ids(&self) -> impl Iterator<Item = &String> {
         self.simulated.keys().chain(self.recorded.keys())
+    }
+
+    /// The data sets that `name` stands for: those of a group, else itself.
+    pub fn members<'a>(&'a self, name: &'a String) -> &'a [String] {
+        self.groups.get(name).map_or(std::slice::from_ref(name), Vec::as_slice)
     }
 }
 
@@ -106,7 +113,8 @@ pub fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError
     let source = CatalogueText { name, text };
     let written: WrittenCatalogue = toml::from_str(text)
         .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message().to_owned()))?;
-    let mut catalogue = Catalogue { recorded: BTreeMap::new(), simulated: BTreeMap::new() };
+    let mut catalogue =
+        Catalogue { recorded: BTreeMap::new(), simulated: BTreeMap::new(), groups: BTreeMap::new() };
     for (id, drive) in written.simulated {
         check_drive(drive.get_ref()).map_err(|problem| source.error(drive.span().start, problem))?;
         let drive = drive.into_inner();
@@ -118,6 +126,19 @@ pub fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError
             return Err(source.error(id.span().start, format!("{checked:?} is a simulated data set already")));
         }
         catalogue.recorded.insert(checked, entry_from_written(entry, &source)?);
+    }
+    for (id, members) in written.groups {
+        let checked = checked_id(&id, &source)?;
+        if let Some(unknown) =
+            members.get_ref().iter().find(|member| !catalogue.ids().any(|it| it == *member))
+        {
+            return Err(source.error(members.span().start, format!("there is no data set {unknown:?}")));
+        }
+        if members.get_ref().is_empty() || catalogue.ids().any(|it| *it == checked) {
+            let problem = format!("{checked:?} is empty, or a data set already");
+            return Err(source.error(id.span().start, problem));
+        }
+        catalogue.groups.insert(checked, members.into_inner());
     }
     Ok(catalogue)
 }
@@ -135,6 +156,11 @@ fn check_drive(drive: &StreetDrive) -> Result<(), String> {
     if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
         return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
     }
+    if let Some(limit_deg) = drive.labeled_to_either_side_deg
+        && !(0.0..=180.0).contains(&limit_deg)
+    {
+        return Err(format!("labeled_to_either_side_deg is {limit_deg}, but a turn has 180 to either side"));
+    }
     Ok(())
 }
 
@@ -145,6 +171,8 @@ struct WrittenCatalogue {
     recorded: BTreeMap<Spanned<String>, WrittenEntry>,
     #[serde(default)]
     simulated: BTreeMap<Spanned<String>, Spanned<StreetDrive>>,
+    #[serde(default)]
+    groups: BTreeMap<Spanned<String>, Spanned<Vec<String>>>,
 }
 
 /// An entry as it is written, with the positions of what can be wrong.
@@ -344,6 +372,22 @@ url = "https://example.org"
         check_refused("url", "checksum = \"12ab\"\nurl", 9, "checksum \"12ab\"");
         check_refused("my-drive", "\"../drive\"", 2, "\"../drive\" is no id");
         check_refused("licence = \"mine\"", "licence = \"mine", 8, "");
+    }
+
+    #[test]
+    fn a_group_stands_for_its_members() {
+        let text = format!("{ENTRY}\n[groups]\nmine = [\"my-drive\"]");
+        let catalogue = parse_catalogue("my.toml", &text).unwrap();
+        assert_eq!(catalogue.members(&"mine".to_owned()), ["my-drive"]);
+        assert_eq!(catalogue.members(&"other".to_owned()), ["other"]);
+        let refused = |group: &str, problem: &str| {
+            let text = format!("{ENTRY}\n[groups]\n{group}");
+            let message = parse_catalogue("my.toml", &text).expect_err("a mistake").to_string();
+            assert!(message.starts_with("my.toml, line 12: ") && message.contains(problem), "{message}");
+        };
+        refused("mine = [\"your-drive\"]", "no data set \"your-drive\"");
+        refused("mine = []", "\"mine\" is empty");
+        refused("my-drive = [\"my-drive\"]", "a data set already");
     }
 
     #[test]

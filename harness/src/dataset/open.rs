@@ -15,8 +15,8 @@ use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::DatasetSource;
 use super::{AnnotatedClasses, Dataset, DatasetError};
 
-/// The data set of the catalogue that is run when none is asked for.
-pub const DEFAULT_DATASET: &str = "street-main-road";
+/// The group of the built-in catalogue that is run when no data set is asked for.
+pub const DEFAULT_DATASETS: &str = "streets";
 
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Copy, Default)]
@@ -101,7 +101,7 @@ fn open_path(
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let is_a_word = !path.contains(std::path::is_separator);
     if is_a_word && !Path::new(path).exists() {
-        let known = catalogue.ids().cloned().collect();
+        let known = catalogue.groups.keys().chain(catalogue.ids()).cloned().collect();
         return Err(DatasetError::UnknownDataset { name: path.to_owned(), known });
     }
     let formats = format.map_or_else(|| DatasetFormat::ALL.to_vec(), |format| vec![format]);

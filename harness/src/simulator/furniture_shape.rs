@@ -72,10 +72,10 @@ pub fn bench(rng: &mut ChaCha8Rng) -> ObjectShape {
 /// A round pillar for posters.
 pub fn advertising_column(rng: &mut ChaCha8Rng) -> ObjectShape {
     let height_m = rng.random_range(2.8_f32..3.6);
-    let radius_m = rng.random_range(0.55_f32..0.75);
+    let radius_m = rng.random_range(0.45_f32..0.6);
     let rod =
         |to_z, radius| (Solid::cylinder([0.0, 0.0, 0.0], [0.0, 0.0, to_z], radius), Material::solid(0.4));
-    ObjectShape::new(AnnotationClass::StreetFurniture, [rod(height_m, radius_m), rod(0.3, radius_m + 0.1)])
+    ObjectShape::new(AnnotationClass::StreetFurniture, [rod(height_m, radius_m), rod(0.3, radius_m + 0.05)])
 }
 
 /// A fence along x, `length_m` long.

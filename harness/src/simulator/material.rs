@@ -54,7 +54,12 @@ pub enum PaneFate {
     Returned,
     /// It went elsewhere.
     Lost,
+    /// It was mirrored, and what it meets then is bright enough to be seen in the mirror.
+    Mirrored,
 }
+
+/// Share of spots on panes that show mirror images.
+const MIRROR_CHANCE: f32 = 0.04;
 
 /// Decides by `chance` (0 to 1) what a pane does with a pulse that meets it at `cos_incidence`.
 ///
@@ -66,6 +71,8 @@ pub fn pane_fate(chance: f32, cos_incidence: f32) -> PaneFate {
         PaneFate::Returned
     } else if chance < returned + passed * (1.0 - returned) {
         PaneFate::Passed
+    } else if chance > 1.0 - MIRROR_CHANCE {
+        PaneFate::Mirrored
     } else {
         PaneFate::Lost
     }

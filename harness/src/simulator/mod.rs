@@ -5,7 +5,8 @@
 //! x86-64 machine: every beam of every scan has a random stream of its own, and nothing calls the platform's
 //! mathematics library ([`portable_math`]).
 //!
-//! Simulated is not real. What the simulator leaves out: wet roads, rain, mirror images, echoes that mix two surfaces.
+//! Simulated is not real. What the simulator leaves out: rain, wet roads, second echoes, and the vibration of
+//! the car.
 
 pub mod portable_math;
 pub mod sensor;
@@ -32,6 +33,7 @@ pub mod house_row;
 pub mod main_road;
 pub mod narrow_street;
 pub mod intersection;
+pub mod pulse_path;
 pub mod scan;
 pub mod labeling;
 pub mod street;

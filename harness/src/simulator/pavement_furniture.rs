@@ -37,14 +37,14 @@ pub fn pavement_furniture(
         let shape = if rng.random_bool(params.tree_share) {
             vegetation_shape::tree(rng)
         } else {
-            street_furniture(rng)
+            street_furniture(params, rng)
         };
         let from_axis_m = roadside.kerb_m + params.from_kerb_m;
         world.stand(shape, &roadside.facing_road(along_m, from_axis_m));
     }
 }
 
-fn street_furniture(rng: &mut ChaCha8Rng) -> ObjectShape {
+fn street_furniture(params: &PavementFurnitureParams, rng: &mut ChaCha8Rng) -> ObjectShape {
     match rng.random_range(0..100_u32) {
         0..28 => furniture_shape::lamp_post(rng),
         28..50 => furniture_shape::sign(rng),
@@ -52,6 +52,8 @@ fn street_furniture(rng: &mut ChaCha8Rng) -> ObjectShape {
         62..80 => furniture_shape::bin(rng),
         80..88 => furniture_shape::bench(rng),
         88..97 => person_shape::parked_bicycle(),
-        _ => furniture_shape::advertising_column(rng),
+        // A column needs room on both sides.
+        _ if params.from_kerb_m >= 0.65 => furniture_shape::advertising_column(rng),
+        _ => furniture_shape::bollard(rng),
     }
 }

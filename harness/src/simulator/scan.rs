@@ -1,28 +1,15 @@
 //! One turn of the sensor in the street.
 
-use parry3d::math::{Pose, Vector};
+use parry3d::math::Vector;
 use parry3d::query::Ray;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 
-use super::ground::Ground;
 use super::portable_math;
-use super::scene::{Hit, Pulse, Scene};
-use super::sensor::{CarrierRoof, SensorModel};
+use super::pulse_path::{Surroundings, first_hit};
+use super::scene::Hit;
+use super::sensor::{Beam, SensorModel};
 use detector::PointCloud;
-
-/// What surrounds the sensor during a turn.
-#[derive(Debug, Clone, Copy)]
-pub struct Surroundings<'a> {
-    /// Roads and pavement.
-    pub ground: &'a Ground,
-    /// What never moves.
-    pub standing: &'a Scene,
-    /// What moves, where it is now.
-    pub moving: &'a Scene,
-    /// Where the sensor is.
-    pub world_from_sensor: Pose,
-}
 
 /// What a turn of the sensor yields.
 #[derive(Debug, Clone)]
@@ -31,6 +18,8 @@ pub struct Turn {
     pub cloud: PointCloud,
     /// For every point, the object it lies on.
     pub objects: Vec<Option<u32>>,
+    /// For every point, in which of the surroundings it was seen.
+    pub moments: Vec<usize>,
     /// For every pulse, beam by beam, where it ended, whether or not it came back.
     pub ends: Vec<PulseEnd>,
 }
@@ -64,73 +53,101 @@ pub fn beam_errors(sensor: &SensorModel, rng: &mut ChaCha8Rng) -> Vec<BeamError>
     (0..sensor.n_beams()).map(draw).collect()
 }
 
-/// Sends all pulses of one turn. `beam_rng` gives every beam its own dice, so that beams do not depend on each other.
+/// Sends all pulses of one turn, an equal part of it from each of `surroundings` in turn: one if nothing moves
+/// meanwhile. `beam_rng` gives every beam its own dice, so that beams do not depend on each other.
 pub fn turn(
     sensor: &SensorModel,
     errors: &[BeamError],
-    surroundings: &Surroundings<'_>,
+    surroundings: &[Surroundings<'_>],
     beam_rng: impl Fn(u32) -> ChaCha8Rng,
 ) -> Turn {
     let n_pulses = (sensor.n_beams() * sensor.n_firings_per_turn) as usize;
     let mut turn = Turn {
         cloud: PointCloud::with_capacity(n_pulses),
         objects: Vec::with_capacity(n_pulses),
+        moments: Vec::with_capacity(n_pulses),
         ends: Vec::with_capacity(n_pulses),
     };
     for ((beam, error), beam_idx) in sensor.beams().zip(errors).zip(0..) {
         let mut rng = beam_rng(beam_idx);
-        let elevation_rad = f64::from(beam.elevation_deg + error.elevation_deg).to_radians();
-        let (rise, level) = portable_math::sin_cos(elevation_rad);
-        let origin = Vector::Z * beam.origin_height_m;
-        for firing in 0..sensor.n_firings_per_turn {
-            let turned = (f64::from(firing) + 0.5) / f64::from(sensor.n_firings_per_turn);
-            let azimuth_rad = std::f64::consts::PI - turned * std::f64::consts::TAU
-                + f64::from(error.azimuth_deg).to_radians();
-            let (sine, cosine) = portable_math::sin_cos(azimuth_rad);
-            let direction = Vector::new((level * cosine) as f32, (level * sine) as f32, rise as f32);
-            let ray = Ray::new(origin, direction);
-            let hit = first_hit(sensor, surroundings, &ray, rng.next_u32());
-            turn.ends.push(PulseEnd {
+        let mut previous = None;
+        for (ray, firing) in rays(sensor, beam, error).zip(0..) {
+            let moment = firing * surroundings.len() / sensor.n_firings_per_turn as usize;
+            let hit = first_hit(sensor, &surroundings[moment], &ray, rng.next_u32());
+            let end = PulseEnd {
                 ray,
                 range_m: hit.map_or(f32::INFINITY, |it| it.range_m),
                 object_idx: hit.and_then(|it| it.object_idx),
-            });
-            let Some(hit) = hit else { continue };
-            let measured_m = hit.range_m + error.range_m + gaussian(&mut rng) * sensor.range_noise_sigma_m;
-            if is_detected(sensor, &hit, rng.random()) && measured_m >= sensor.min_range_m {
-                turn.cloud.push(ray.point_at(measured_m).into(), intensity(&hit, gaussian(&mut rng)));
-                turn.objects.push(hit.object_idx);
+            };
+            let echo = hit.and_then(|hit| echo(sensor, previous.as_ref(), &hit, &mut rng));
+            if let Some(echo) = echo {
+                let measured_m = (echo.range_m + error.range_m).max(0.0);
+                turn.cloud.push(ray.point_at(measured_m).into(), echo.intensity);
+                turn.objects.push(echo.object_idx);
+                turn.moments.push(moment);
             }
+            turn.ends.push(end);
+            previous = Some(end);
         }
     }
     turn
 }
 
-fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, dice: u32) -> Option<Hit> {
-    if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, ray)) {
-        return None;
-    }
-    let pose = &surroundings.world_from_sensor;
-    let pulse = Pulse { ray: Ray::new(*pose * ray.origin, pose.rotation * ray.dir), dice };
-    let ground = surroundings.ground.cast(&pulse.ray, sensor.max_range_m).map(|hit| Hit {
-        range_m: hit.range_m,
-        cos_incidence: (-pulse.ray.dir.dot(hit.normal)).clamp(0.0, 1.0),
-        reflectivity: hit.reflectivity,
-        object_idx: None,
-    });
-    [surroundings.standing, surroundings.moving].into_iter().fold(ground, |nearest, scene| {
-        let within_m = nearest.map_or(sensor.max_range_m, |hit| hit.range_m);
-        scene.cast(&pulse, within_m).or(nearest)
+/// The ways of a beam's pulses in the sensor frame, from behind clockwise.
+fn rays(sensor: &SensorModel, beam: Beam, error: &BeamError) -> impl Iterator<Item = Ray> + use<> {
+    let elevation_rad = f64::from(beam.elevation_deg + error.elevation_deg).to_radians();
+    let (rise, level) = portable_math::sin_cos(elevation_rad);
+    let origin = Vector::Z * beam.origin_height_m;
+    let first_rad = std::f64::consts::PI + f64::from(error.azimuth_deg).to_radians();
+    let n_firings = sensor.n_firings_per_turn;
+    (0..n_firings).map(move |firing| {
+        let turned = (f64::from(firing) + 0.5) / f64::from(n_firings);
+        let (sine, cosine) = portable_math::sin_cos(first_rad - turned * std::f64::consts::TAU);
+        Ray::new(origin, Vector::new((level * cosine) as f32, (level * sine) as f32, rise as f32))
     })
 }
 
-/// Whether a pulse (sensor frame) meets the roof of the car that carries the sensor.
-fn is_shaded(roof: &CarrierRoof, ray: &Ray) -> bool {
-    if ray.dir.z >= 0.0 {
-        return false;
+/// What the sensor makes of the light that comes back from a pulse.
+#[derive(Debug, Clone, Copy)]
+struct Echo {
+    range_m: f32,
+    intensity: f32,
+    object_idx: Option<u32>,
+}
+
+/// The echo of `hit`, if it is noticed; `previous` is where the pulse before it ended.
+fn echo(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, rng: &mut ChaCha8Rng) -> Option<Echo> {
+    if !is_detected(sensor, hit, rng.random()) {
+        return None;
     }
-    let at_roof = ray.point_at((roof.depth_below_sensor_m + ray.origin.z) / -ray.dir.z);
-    (-roof.rear_m..roof.front_m).contains(&at_roof.x) && at_roof.y.abs() < roof.half_width_m
+    let noise_m = gaussian(rng) * sensor.range_noise_sigma_m;
+    let intensity = intensity(hit, gaussian(rng));
+    let mixed_m = mixed_range_m(sensor, previous, hit, rng.random());
+    // A point in the air between two things lies on neither.
+    let in_the_air = mixed_m.is_some_and(|mixed_m| (mixed_m - hit.range_m).abs() > LABEL_TOLERANCE_M);
+    let object_idx = if in_the_air { None } else { hit.object_idx };
+    let range_m = mixed_m.unwrap_or(hit.range_m) + noise_m;
+    (range_m >= sensor.min_range_m).then_some(Echo { range_m, intensity, object_idx })
+}
+
+/// How far from the surface of an object a mixed echo still counts as one of its points, in metres.
+const LABEL_TOLERANCE_M: f32 = 0.03;
+
+/// Surfaces whose ranges differ by this much, in metres, give one echo in between if a beam straddles their edge:
+/// nearer ones cannot be told apart anyway, those farther apart give two echoes, of which one is reported.
+const MIXING_M: std::ops::Range<f32> = 0.2..1.5;
+
+/// The range between this hit and the one before, if the beam straddles the edge between them.
+///
+/// `chance` is in 0 to 1. Of the step from one firing to the next the beam covers the share its width makes.
+fn mixed_range_m(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, chance: f32) -> Option<f32> {
+    // The parts of one object are not told apart: its leaves and pales are finer than any beam.
+    let previous = previous.filter(|it| it.object_idx.is_none() || it.object_idx != hit.object_idx)?;
+    let previous_m = previous.range_m;
+    let step_deg = 360.0 / sensor.n_firings_per_turn as f32;
+    let straddling = sensor.beam_divergence_deg / step_deg;
+    let is_edge = MIXING_M.contains(&(previous_m - hit.range_m).abs());
+    (is_edge && chance < straddling).then(|| previous_m + chance / straddling * (hit.range_m - previous_m))
 }
 
 /// Whether a hit is strong enough to be noticed; `chance` is in 0 to 1.
@@ -144,7 +161,7 @@ fn is_detected(sensor: &SensorModel, hit: &Hit, chance: f32) -> bool {
 
 /// What the sensor reports as intensity, in hundredths of 0 to 1.
 fn intensity(hit: &Hit, noise: f32) -> f32 {
-    let exact = hit.reflectivity * (0.4 + 0.6 * hit.cos_incidence) * (1.0 + 0.1 * noise);
+    let exact = hit.reflectivity * (0.7 + 0.3 * hit.cos_incidence) * (1.0 + 0.1 * noise);
     (exact.clamp(0.0, 0.99) * 100.0).round() / 100.0
 }
 
@@ -172,7 +189,7 @@ mod tests {
 
     #[track_caller]
     fn check_share_detected(range_m: f32, reflectivity: f32, expected: std::ops::Range<f32>) {
-        let hit = Hit { range_m, cos_incidence: 0.8, reflectivity, object_idx: None };
+        let hit = Hit { range_m, cos_incidence: 0.8, reflectivity, object_idx: None, mirror: None };
         let sensor = SensorModel::hdl_64e_s2();
         let n = (0..1000).filter(|chance| is_detected(&sensor, &hit, *chance as f32 / 1000.0)).count();
         assert!(expected.contains(&(n as f32 / 1000.0)), "{n}");
@@ -185,7 +202,7 @@ mod tests {
 
     #[test]
     fn dark_things_far_away_are_often_lost() {
-        check_share_detected(100.0, 0.03, 0.2..0.6);
+        check_share_detected(100.0, 0.015, 0.2..0.6);
     }
 
     #[test]
@@ -193,12 +210,40 @@ mod tests {
         check_share_detected(10.0, 0.0, 0.0..0.0001);
     }
 
+    #[track_caller]
+    fn check_mixed(ranges_m: [f32; 2], chance: f32, expected_m: Option<f32>) {
+        let end = |range_m| PulseEnd { ray: Ray::new(Vector::ZERO, Vector::X), range_m, object_idx: None };
+        let hit = Hit {
+            range_m: ranges_m[1],
+            cos_incidence: 1.0,
+            reflectivity: 0.3,
+            object_idx: None,
+            mirror: None,
+        };
+        let found = mixed_range_m(&SensorModel::hdl_64e_s2(), Some(&end(ranges_m[0])), &hit, chance);
+        assert_eq!(found, expected_m);
+    }
+
     #[test]
-    fn steep_beams_ahead_meet_the_own_roof() {
-        let roof = SensorModel::hdl_64e_s2().carrier_roof.unwrap();
-        let is_shaded = |toward| is_shaded(&roof, &Ray::new(Vector::ZERO, toward));
-        assert!(is_shaded(Vector::new(0.9, 0.0, -0.43)));
-        assert!(!is_shaded(Vector::new(0.0, 0.9, -0.43)));
-        assert!(!is_shaded(Vector::new(1.0, 0.0, 0.1)));
+    fn a_beam_that_straddles_an_edge_reports_a_range_in_between() {
+        check_mixed([10.0, 11.0], 0.0, Some(10.0));
+        let found = mixed_range_m(
+            &SensorModel::hdl_64e_s2(),
+            Some(&PulseEnd { ray: Ray::new(Vector::ZERO, Vector::X), range_m: 10.0, object_idx: None }),
+            &Hit { range_m: 11.0, cos_incidence: 1.0, reflectivity: 0.3, object_idx: None, mirror: None },
+            0.2,
+        );
+        assert!(found.is_some_and(|range_m| (10.1..10.9).contains(&range_m)), "{found:?}");
+    }
+
+    #[test]
+    fn echoes_of_far_apart_surfaces_do_not_mix() {
+        check_mixed([10.0, 15.0], 0.0, None);
+        check_mixed([10.0, 10.1], 0.0, None);
+    }
+
+    #[test]
+    fn most_beams_do_not_straddle_an_edge() {
+        check_mixed([10.0, 11.0], 0.9, None);
     }
 }

@@ -50,6 +50,8 @@ pub struct Hit {
     pub reflectivity: f32,
     /// The object that was hit; `None` for walls and ground.
     pub object_idx: Option<u32>,
+    /// The unit normal of the surface if it mirrors the pulse.
+    pub mirror: Option<Vector>,
 }
 
 /// A pulse and the dice for what it meets by chance.
@@ -120,6 +122,7 @@ impl Scene {
             PaneFate::Passed => None,
             PaneFate::Returned => Some(hit),
             PaneFate::Lost => Some(Hit { reflectivity: 0.0, ..hit }),
+            PaneFate::Mirrored => Some(Hit { reflectivity: 0.0, mirror: Some(normal), ..hit }),
         }
     }
 }
@@ -129,7 +132,7 @@ fn cos_incidence(ray: &Ray, normal: Vector) -> f32 {
 }
 
 fn hit_on(range_m: f32, cos_incidence: f32, material: Material, object_idx: Option<u32>) -> Option<Hit> {
-    let hit = Hit { range_m, cos_incidence, reflectivity: material.reflectivity, object_idx };
+    let hit = Hit { range_m, cos_incidence, reflectivity: material.reflectivity, object_idx, mirror: None };
     (range_m > 0.0).then_some(hit)
 }
 

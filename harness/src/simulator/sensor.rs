@@ -31,6 +31,8 @@ pub struct SensorModel {
     pub beam_elevation_error_sigma_deg: f32,
     /// Standard deviation over the beams of the unknown part of a beam's azimuth, in degrees.
     pub beam_azimuth_error_sigma_deg: f32,
+    /// Width of a beam, in degrees: what straddles an edge may give an echo between both surfaces.
+    pub beam_divergence_deg: f32,
     /// Reflectivity times cosine of incidence over squared range at which half of the hits return.
     pub half_detected_signal_per_m2: f32,
     /// Share of hits that are lost whatever they hit, 0 to 1.
@@ -40,6 +42,14 @@ pub struct SensorModel {
     /// The roof of the car that carries the sensor, if it shades beams.
     pub carrier_roof: Option<CarrierRoof>,
 }
+
+/// Ids and texts of the descriptions that come with the program.
+pub const EMBEDDED_SENSORS: [(&str, &str); 4] = [
+    ("hdl-64e-s2", include_str!("sensors/hdl-64e-s2.toml")),
+    ("hdl-32e", include_str!("sensors/hdl-32e.toml")),
+    ("vlp-16", include_str!("sensors/vlp-16.toml")),
+    ("os1-128", include_str!("sensors/os1-128.toml")),
+];
 
 /// Beams at equal steps of elevation.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -101,8 +111,13 @@ pub enum SensorModelError {
 impl SensorModel {
     /// The HDL-64E S2 of the KITTI recordings.
     pub fn hdl_64e_s2() -> Self {
-        Self::from_toml(include_str!("sensors/hdl-64e-s2.toml"))
-            .expect("a test reads the embedded description")
+        Self::embedded("hdl-64e-s2").expect("it is embedded")
+    }
+
+    /// The embedded description of this id, one of [`EMBEDDED_SENSORS`].
+    pub fn embedded(id: &str) -> Option<Self> {
+        let (_, text) = EMBEDDED_SENSORS.iter().find(|(known_id, _)| *known_id == id)?;
+        Some(Self::from_toml(text).expect("a test reads every embedded description"))
     }
 
     /// Reads a description.
@@ -145,7 +160,8 @@ impl SensorModel {
         within("beam_range_error_sigma_m", self.beam_range_error_sigma_m.into(), 0.0, 1.0)?;
         within("beam_elevation_error_sigma_deg", self.beam_elevation_error_sigma_deg.into(), 0.0, 5.0)?;
         within("beam_azimuth_error_sigma_deg", self.beam_azimuth_error_sigma_deg.into(), 0.0, 5.0)?;
-        within("half_detected_signal_per_m2", self.half_detected_signal_per_m2.into(), 0.0, 1.0)?;
+        within("beam_divergence_deg", self.beam_divergence_deg.into(), 0.0, 5.0)?;
+        within("half_detected_signal_per_m2", self.half_detected_signal_per_m2.into(), 1e-12, 1.0)?;
         within("random_loss", self.random_loss.into(), 0.0, 1.0)?;
         let n_beams = self.blocks.iter().map(|block| f64::from(block.n_beams)).sum();
         within("number of beams", n_beams, 1.0, 1024.0)?;
@@ -178,6 +194,26 @@ mod tests {
         let error = SensorModel::from_toml(text).unwrap_err();
         let source = std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
         assert!(format!("{error} {source}").contains(expected_message), "{error}: {source}");
+    }
+
+    #[track_caller]
+    fn check_embedded(id: &str, expected_n_beams: u32, [top_deg, bottom_deg]: [f32; 2]) {
+        let sensor = SensorModel::embedded(id).unwrap();
+        assert_eq!(sensor.n_beams(), expected_n_beams);
+        let elevations_deg: Vec<f32> = sensor.beams().map(|beam| beam.elevation_deg).collect();
+        assert!((elevations_deg[0] - top_deg).abs() < 0.01, "{}", elevations_deg[0]);
+        let last_deg = elevations_deg[elevations_deg.len() - 1];
+        assert!((last_deg - bottom_deg).abs() < 0.01, "{last_deg}");
+    }
+
+    #[test]
+    fn embedded_sensors_have_the_beams_of_their_data_sheets() {
+        check_embedded("hdl-64e-s2", 64, [2.0, -24.8]);
+        check_embedded("hdl-32e", 32, [10.67, -30.67]);
+        check_embedded("vlp-16", 16, [15.0, -15.0]);
+        check_embedded("os1-128", 128, [22.5, -22.5]);
+        assert_eq!(EMBEDDED_SENSORS.len(), 4);
+        assert_eq!(SensorModel::embedded("hdl-65"), None);
     }
 
     #[test]

@@ -1,0 +1,42 @@
+//! Time to simulate a scan of each kind of street with the HDL-64E, one thread.
+//!
+//! `cargo bench --bench simulator`
+#![expect(clippy::print_stdout, reason = "a benchmark prints")]
+
+use std::time::{Duration, Instant};
+
+use harness::metrics::latency::Latencies;
+use harness::simulator::sensor::SensorModel;
+use harness::simulator::{Street, StreetKind};
+
+const N_SCANS: u32 = 20;
+const TURNS_PER_SCAN: u32 = 10;
+
+fn main() {
+    let sensor = SensorModel::hdl_64e_s2();
+    println!(
+        "{:<24} {:>12} {:>10} {:>10} {:>8}",
+        "street (simulated)", "points", "p50 ms", "p90 ms", "scans/s"
+    );
+    for kind in StreetKind::ALL {
+        let street = Street::new(kind, 1);
+        let mut n_points = 0;
+        let durations: Vec<Duration> = (0..N_SCANS)
+            .map(|scan| {
+                let started = Instant::now();
+                n_points += street.scan(&sensor, scan * TURNS_PER_SCAN).cloud.len();
+                started.elapsed()
+            })
+            .collect();
+        let latencies = Latencies::new(durations);
+        let ms = |percent| latencies.percentile(percent).map_or(f64::NAN, |it| it.as_secs_f64() * 1e3);
+        let fps = latencies.fps_mean().unwrap_or(f64::NAN);
+        println!(
+            "{:<24} {:>12} {:>10.1} {:>10.1} {fps:>8.2}",
+            kind.name(),
+            n_points / N_SCANS as usize,
+            ms(50),
+            ms(90)
+        );
+    }
+}

@@ -1,0 +1,123 @@
+//! The way of a single pulse: roof of the own car, street, mirrors.
+
+use parry3d::math::{Pose, Vector};
+use parry3d::query::Ray;
+
+use super::ground::Ground;
+use super::scene::{Hit, Pulse, Scene};
+use super::sensor::{CarrierRoof, SensorModel};
+
+/// What surrounds the sensor during a turn.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// Roads and pavement.
+    pub ground: &'a Ground,
+    /// What never moves.
+    pub standing: &'a Scene,
+    /// What moves, where it is now.
+    pub moving: &'a Scene,
+    /// Where the sensor is.
+    pub world_from_sensor: Pose,
+}
+
+/// Where a pulse sent along `ray` (sensor frame, unit direction) ends within the sensor's range.
+///
+/// `dice` decides what happens by chance on the way. A pulse that a pane mirrors ends on what it meets then, and
+/// appears to come from behind the pane: such a ghost belongs to no object.
+pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, dice: u32) -> Option<Hit> {
+    if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, ray)) {
+        return None;
+    }
+    let pose = &surroundings.world_from_sensor;
+    let pulse = Pulse { ray: Ray::new(*pose * ray.origin, pose.rotation * ray.dir), dice };
+    let hit = street_hit(surroundings, &pulse, sensor.max_range_m)?;
+    let Some(normal) = hit.mirror else { return Some(hit) };
+    Some(ghost(surroundings, &pulse, &hit, normal, sensor.max_range_m).unwrap_or(hit))
+}
+
+/// The first of ground and things that `pulse` meets.
+fn street_hit(surroundings: &Surroundings<'_>, pulse: &Pulse, max_range_m: f32) -> Option<Hit> {
+    let ground = surroundings.ground.cast(&pulse.ray, max_range_m).map(|hit| Hit {
+        range_m: hit.range_m,
+        cos_incidence: (-pulse.ray.dir.dot(hit.normal)).clamp(0.0, 1.0),
+        reflectivity: hit.reflectivity,
+        object_idx: None,
+        mirror: None,
+    });
+    [surroundings.standing, surroundings.moving].into_iter().fold(ground, |nearest, scene| {
+        let within_m = nearest.map_or(max_range_m, |hit| hit.range_m);
+        scene.cast(pulse, within_m).or(nearest)
+    })
+}
+
+/// Share of light that a pane mirrors, there and back.
+const MIRRORED_SHARE: f32 = 0.1;
+
+fn ghost(
+    surroundings: &Surroundings<'_>,
+    pulse: &Pulse,
+    mirror: &Hit,
+    normal: Vector,
+    max_range_m: f32,
+) -> Option<Hit> {
+    let direction = pulse.ray.dir - normal * (2.0 * pulse.ray.dir.dot(normal));
+    // A little off the pane, so that it is not met again.
+    let origin = pulse.ray.point_at(mirror.range_m) + direction * 0.01;
+    let reflected = Pulse { ray: Ray::new(origin, direction), dice: pulse.dice };
+    let seen = street_hit(surroundings, &reflected, max_range_m - mirror.range_m)?;
+    Some(Hit {
+        range_m: mirror.range_m + seen.range_m,
+        reflectivity: seen.reflectivity * MIRRORED_SHARE,
+        object_idx: None,
+        mirror: None,
+        ..seen
+    })
+}
+
+/// Whether a pulse (sensor frame) meets the roof of the car that carries the sensor.
+fn is_shaded(roof: &CarrierRoof, ray: &Ray) -> bool {
+    if ray.dir.z >= 0.0 {
+        return false;
+    }
+    let at_roof = ray.point_at((roof.depth_below_sensor_m + ray.origin.z) / -ray.dir.z);
+    (-roof.rear_m..roof.front_m).contains(&at_roof.x) && at_roof.y.abs() < roof.half_width_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::material::Material;
+    use super::super::scene::{Leaf, LeafForm};
+    use super::super::solid::Solid;
+    use super::*;
+
+    #[test]
+    fn steep_beams_ahead_meet_the_own_roof() {
+        let roof = SensorModel::hdl_64e_s2().carrier_roof.unwrap();
+        let is_shaded = |toward| is_shaded(&roof, &Ray::new(Vector::ZERO, toward));
+        assert!(is_shaded(Vector::new(0.9, 0.0, -0.43)));
+        assert!(!is_shaded(Vector::new(0.0, 0.9, -0.43)));
+        assert!(!is_shaded(Vector::new(1.0, 0.0, 0.1)));
+    }
+
+    #[test]
+    fn a_mirrored_pulse_appears_to_come_from_behind_the_pane() {
+        let wall = Solid::cuboid([-9.0, 19.0, -50.0], [30.0, 20.0, 50.0]).placed(&Pose::IDENTITY);
+        let leaf = Leaf { form: LeafForm::Solid(wall), material: Material::MASONRY, object_idx: Some(3) };
+        let (standing, moving) = (Scene::new(vec![leaf]), Scene::new(Vec::new()));
+        let ground = Ground { roads: Vec::new(), pavement_width_m: 0.0, corner_radius_m: 0.0 };
+        let surroundings = Surroundings {
+            ground: &ground,
+            standing: &standing,
+            moving: &moving,
+            world_from_sensor: Pose::IDENTITY,
+        };
+        let direction = Vector::new(1.0, 0.0, 0.0);
+        let pulse = Pulse { ray: Ray::new(Vector::Z * 5.0, direction), dice: 0 };
+        let mirror =
+            Hit { range_m: 10.0, cos_incidence: 0.7, reflectivity: 0.0, object_idx: None, mirror: None };
+        let diagonal = Vector::new(-1.0, 1.0, 0.0).normalize();
+        let seen = ghost(&surroundings, &pulse, &mirror, diagonal, 120.0).unwrap();
+        assert!((seen.range_m - 29.0).abs() < 0.02, "{seen:?}");
+        assert_eq!(seen.object_idx, None);
+    }
+}
