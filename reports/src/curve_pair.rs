@@ -33,6 +33,8 @@ pub struct CurvePair {
     pub title: &'static str,
     /// What the bins divide, such as `range`; `None` where they are kinds of something and not stretches in metres.
     pub bins_of: Option<&'static str>,
+    /// A stretch whose agreement is also told on its own, in metres; it begins and ends where bins do.
+    pub focus_m: Option<[f64; 2]>,
     /// Unit of the values.
     pub unit: &'static str,
     /// What the counts `n` of the bins are of, such as `scans`.
@@ -66,6 +68,8 @@ pub struct Measured {
 /// How well the two curves of a pair agree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agreement {
+    /// Number of bins, with or without a ratio.
+    pub n_bins: usize,
     /// Number of bins whose ratio is defined.
     pub n_compared: usize,
     /// Of these, those whose ratio is within [`ALIKE_FACTOR`].
@@ -87,8 +91,19 @@ impl CurvePair {
 
     /// How well the curves agree; `None` if no bin has a ratio.
     pub fn agreement(&self) -> Option<Agreement> {
+        self.agreement_of(|_| true)
+    }
+
+    /// How well the curves agree in the bins of [`Self::focus_m`]; `None` if there are none, or none has a ratio.
+    pub fn agreement_in_focus(&self) -> Option<Agreement> {
+        let [from_m, to_m] = self.focus_m?;
+        self.agreement_of(|bin| bin.ends_m.is_some_and(|ends_m| ends_m[0] >= from_m && ends_m[1] <= to_m))
+    }
+
+    fn agreement_of(&self, takes: impl Fn(&CurveBin) -> bool) -> Option<Agreement> {
+        let taken: Vec<usize> = (0..self.bins.len()).filter(|&bin_idx| takes(&self.bins[bin_idx])).collect();
         let mut ratios: Vec<(f64, usize)> =
-            (0..self.bins.len()).filter_map(|bin_idx| Some((self.ratio(bin_idx)?, bin_idx))).collect();
+            taken.iter().filter_map(|&bin_idx| Some((self.ratio(bin_idx)?, bin_idx))).collect();
         // The first of several bins that are equally far off.
         let farther = |a: &&(f64, usize), b: &&(f64, usize)| {
             distance_from_one(a.0).total_cmp(&distance_from_one(b.0)).then(b.1.cmp(&a.1))
@@ -96,6 +111,7 @@ impl CurvePair {
         let &(_, worst_bin_idx) = ratios.iter().max_by(farther)?;
         ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
         Some(Agreement {
+            n_bins: taken.len(),
             n_compared: ratios.len(),
             n_alike: ratios.iter().filter(|(ratio, _)| is_alike(*ratio)).count(),
             median_ratio: ratios[(ratios.len() - 1) / 2].0,
@@ -130,6 +146,7 @@ pub(crate) mod tests {
             statistic: "ring_density",
             title: "points per square metre",
             bins_of: Some("range"),
+            focus_m: None,
             unit: "points/m²",
             counted: "points",
             least_n: Sides { left: 0, right: 5 },
@@ -140,14 +157,16 @@ pub(crate) mod tests {
     #[test]
     fn equal_curves_agree_in_every_bin() {
         let agreement = pair(&[(2.0, 2.0), (7.0, 7.0)]).agreement();
-        let expected = Agreement { n_compared: 2, n_alike: 2, median_ratio: 1.0, worst_bin_idx: 0 };
+        let expected =
+            Agreement { n_bins: 2, n_compared: 2, n_alike: 2, median_ratio: 1.0, worst_bin_idx: 0 };
         assert_eq!(agreement, Some(expected));
     }
 
     #[test]
     fn twice_as_much_is_as_bad_as_half_and_the_first_of_them_is_the_worst() {
         let agreement = pair(&[(1.4, 1.0), (1.0, 2.0), (2.0, 1.0)]).agreement();
-        let expected = Agreement { n_compared: 3, n_alike: 1, median_ratio: 1.4, worst_bin_idx: 1 };
+        let expected =
+            Agreement { n_bins: 3, n_compared: 3, n_alike: 1, median_ratio: 1.4, worst_bin_idx: 1 };
         assert_eq!(agreement, Some(expected));
     }
 
@@ -165,6 +184,16 @@ pub(crate) mod tests {
         assert_eq!(curves.agreement().unwrap().n_compared, 1);
         curves.bins[2].measured.left.value = None;
         assert_eq!(curves.agreement(), None);
+    }
+
+    #[test]
+    fn in_focus_are_the_bins_between_its_ends() {
+        let mut curves = pair(&[(9.0, 1.0), (1.0, 1.0), (2.0, 1.0), (9.0, 1.0)]);
+        assert_eq!(curves.agreement_in_focus(), None);
+        curves.focus_m = Some([2.0, 4.0]);
+        let expected =
+            Agreement { n_bins: 2, n_compared: 2, n_alike: 1, median_ratio: 1.0, worst_bin_idx: 2 };
+        assert_eq!(curves.agreement_in_focus(), Some(expected));
     }
 
     #[test]

@@ -40,6 +40,7 @@ pub fn cell_classes(counts: &Sides<Vec<CellCounts>>) -> CurvePair {
         statistic: "cell_classes",
         title: "share of the occupied cells",
         bins_of: None,
+        focus_m: None,
         unit: "%",
         counted: "cells",
         least_n: Sides { left: 0, right: LEAST_CELLS },

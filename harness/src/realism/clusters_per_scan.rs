@@ -32,6 +32,7 @@ pub fn clusters_per_scan(n_clusters: &Sides<Vec<u64>>) -> CurvePair {
         statistic: "clusters_per_scan",
         title: "clusters of the foreground per scan",
         bins_of: None,
+        focus_m: None,
         unit: "clusters",
         counted: "scans",
         least_n: Sides { left: 1, right: 1 },

@@ -33,9 +33,9 @@ mod tests {
     #[test]
     fn least_median_and_greatest_are_values_that_occurred() {
         let bins = distribution(Sides { left: vec![9.0, 1.0, 5.0, 2.0], right: vec![7.0] });
-        let values = |side: fn(&CurveBin) -> Measured| bins.iter().map(|it| side(it).value.unwrap());
-        assert!(values(|it| it.measured.left).eq([1.0, 2.0, 9.0]));
-        assert!(values(|it| it.measured.right).eq([7.0, 7.0, 7.0]));
+        let values: Vec<_> = bins.iter().map(|it| it.measured.map(|it| it.value.unwrap())).collect();
+        let expected = [(1.0, 7.0), (2.0, 7.0), (9.0, 7.0)].map(|(left, right)| Sides { left, right });
+        assert_eq!(values, expected);
         assert_eq!(bins[0].measured.map(|it| it.n), Sides { left: 4, right: 1 });
     }
 

@@ -33,6 +33,7 @@ pub fn ground_share(counts: &Sides<Vec<GroundCount>>) -> CurvePair {
         statistic: "ground_share",
         title: "share of ground points",
         bins_of: None,
+        focus_m: None,
         unit: "%",
         counted: "scans",
         least_n: Sides { left: 1, right: 1 },

@@ -49,7 +49,7 @@ pub fn height_histogram(counts: &Sides<Vec<HeightCounts>>) -> CurvePair {
         let from_m = f64::from(LOWEST_M + BIN_M * bin_idx as f32);
         let to_m = from_m + f64::from(BIN_M);
         CurveBin {
-            name: format!("{from_m:.2} to {to_m:.2} m"),
+            name: format!("{from_m}..{to_m} m"),
             ends_m: Some([from_m, to_m]),
             measured: counts.as_ref().map(|scans| {
                 let n: u64 = scans.iter().map(|it| it.n_in_bin[bin_idx]).sum();
@@ -62,6 +62,7 @@ pub fn height_histogram(counts: &Sides<Vec<HeightCounts>>) -> CurvePair {
         statistic: "height_histogram",
         title: "share of the points",
         bins_of: Some("height above the ground"),
+        focus_m: None,
         unit: "%",
         counted: "points",
         least_n: Sides { left: 0, right: LEAST_POINTS },
@@ -93,7 +94,7 @@ mod tests {
         };
         let curves =
             height_histogram(&Sides { left: vec![scan(1, 10), scan(2, 10)], right: vec![scan(300, 1000)] });
-        assert_eq!(curves.bins[0].name, "-1.00 to -0.75 m");
+        assert_eq!(curves.bins[0].name, "-1..-0.75 m");
         assert_eq!((curves.bins[0].measured.left.value, curves.ratio(0)), (Some(15.0), Some(0.5)));
         assert_eq!(curves.bins[23].ends_m, Some([4.75, 5.0]));
     }

@@ -90,6 +90,7 @@ pub fn points_per_car(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
         statistic: "points_per_car",
         title: "median number of points of a car",
         bins_of: Some("range"),
+        focus_m: None,
         unit: "points",
         counted: "cars",
         least_n: Sides { left: LEAST_CARS, right: LEAST_CARS },

@@ -16,6 +16,7 @@ pub fn returns_per_scan(n_returns: &Sides<Vec<u64>>) -> CurvePair {
         statistic: "returns_per_scan",
         title: "returns per scan",
         bins_of: None,
+        focus_m: None,
         unit: "points",
         counted: "scans",
         least_n: Sides { left: 1, right: 1 },

@@ -9,6 +9,8 @@ use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 const FIRST_RING_M: usize = 1;
 /// The last ring ends here, in metres.
 const END_M: usize = 80;
+/// Nearer the car's own roof matters, farther single walls: the agreement in between is told on its own.
+const FOCUS_M: [f64; 2] = [5.0, 50.0];
 /// Fewest points of a ring on the right: its density is then known to a tenth.
 const LEAST_POINTS: u64 = 100;
 
@@ -50,6 +52,7 @@ pub fn ring_density(counts: &Sides<Vec<RingCounts>>) -> CurvePair {
         statistic: "ring_density",
         title: "point density per scan",
         bins_of: Some("range"),
+        focus_m: Some(FOCUS_M),
         unit: "points/m²",
         counted: "points",
         least_n: Sides { left: 0, right: LEAST_POINTS },

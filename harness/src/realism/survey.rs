@@ -106,7 +106,13 @@ mod tests {
     use crate::simulator::StreetKind;
 
     fn street() -> Box<dyn Dataset> {
-        let drive = StreetDrive { street: StreetKind::MainRoad, seed: 5, n_scans: 3, turns_per_scan: 20 };
+        let drive = StreetDrive {
+            street: StreetKind::MainRoad,
+            seed: 5,
+            n_scans: 3,
+            turns_per_scan: 20,
+            labeled_to_either_side_deg: None,
+        };
         open_simulated_street("street", &drive)
     }
 

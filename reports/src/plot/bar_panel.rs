@@ -4,10 +4,10 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::style::{
-    Area, Drawn, LEFT_COLOR, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_COLOR, RIGHT_ROOM_PX, TEXT_PX,
-    text,
+    Area, Drawn, LEFT_COLOR, LEFT_MARGIN_PX, LEFT_ROOM_PX, QUIET_COLOR, RIGHT_COLOR, RIGHT_ROOM_PX, TEXT_PX,
+    axis_text, outline, text,
 };
-use crate::curve_pair::{CurvePair, Measured};
+use crate::curve_pair::{CurvePair, Measured, Sides};
 use crate::fixed_decimals::{fixed_decimals, three_digits};
 
 /// Where the bar of the left side begins and ends, as a share of the room of its bin.
@@ -21,6 +21,7 @@ pub(crate) fn draw_bars(area: &Area<'_>, curves: &CurvePair) -> Drawn {
     let greatest = values.flatten().fold(0.0, f64::max);
     let top = if greatest > 0.0 { 1.12 * greatest } else { 1.0 };
     let mut chart = ChartBuilder::on(area)
+        .margin_left(LEFT_MARGIN_PX)
         .margin_right(RIGHT_ROOM_PX)
         .margin_top(6)
         .set_label_area_size(LabelAreaPosition::Left, LEFT_ROOM_PX)
@@ -33,7 +34,7 @@ pub(crate) fn draw_bars(area: &Area<'_>, curves: &CurvePair) -> Drawn {
         .light_line_style(TRANSPARENT)
         .bold_line_style(QUIET_COLOR)
         .y_labels(8)
-        .y_label_formatter(&|value| format!("{value}"))
+        .y_label_formatter(&|value| axis_text(*value))
         .y_desc(format!("{} ({})", curves.title, curves.unit))
         .label_style(text(TEXT_PX, HPos::Center))
         .axis_desc_style(text(TEXT_PX, HPos::Center))
@@ -42,14 +43,14 @@ pub(crate) fn draw_bars(area: &Area<'_>, curves: &CurvePair) -> Drawn {
     let above = label.clone().pos(Pos::new(HPos::Center, VPos::Bottom));
     for (bin_idx, bin) in curves.bins.iter().enumerate() {
         let start = bin_idx as f64;
-        let bars = [
-            (bin.measured.left, LEFT_BAR, LEFT_COLOR.filled()),
-            (bin.measured.right, RIGHT_BAR, RIGHT_COLOR.stroke_width(LINE_WIDTH_PX)),
-        ];
-        for (measured, [from, to], style) in bars {
-            let height = measured.value.unwrap_or(0.0);
-            chart.draw_series([Rectangle::new([(start + from, 0.0), (start + to, height)], style)])?;
-            let place = EmptyElement::at((start + f64::midpoint(from, to), height));
+        let corners = |[from, to]: [f64; 2], measured: Measured| {
+            [(start + from, 0.0), (start + to, measured.value.unwrap_or(0.0))]
+        };
+        let Sides { left, right } = bin.measured;
+        chart.draw_series([Rectangle::new(corners(LEFT_BAR, left), LEFT_COLOR.filled())])?;
+        chart.draw_series([outline(corners(RIGHT_BAR, right), RIGHT_COLOR)])?;
+        for ([from, to], measured) in [(LEFT_BAR, left), (RIGHT_BAR, right)] {
+            let place = EmptyElement::at((start + f64::midpoint(from, to), measured.value.unwrap_or(0.0)));
             chart.draw_series([place + Text::new(value_text(measured), (0, -4), above.clone())])?;
         }
         let ratio = curves.ratio(bin_idx);

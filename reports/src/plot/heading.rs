@@ -4,8 +4,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use super::style::{
-    Area, Drawn, LEFT_COLOR, LEFT_ROOM_PX, LINE_WIDTH_PX, RIGHT_COLOR, TEXT_PX, left_marker, right_marker,
-    text,
+    Area, Drawn, LEFT_COLOR, LEFT_MARGIN_PX, LEFT_ROOM_PX, LINE_WIDTH_PX, RIGHT_COLOR, TEXT_PX, left_marker,
+    outline, right_marker, text,
 };
 use crate::curve_pair::Sides;
 
@@ -23,12 +23,12 @@ pub(crate) enum KeyForm {
 
 /// Draws the title and, on a line each, the key and the name of both sides.
 pub(crate) fn draw_heading(area: &Area<'_>, title: &str, names: Sides<&str>, form: KeyForm) -> Drawn {
-    let left_px = LEFT_ROOM_PX as i32;
+    let left_px = (LEFT_MARGIN_PX + LEFT_ROOM_PX) as i32;
     area.draw_text(title, &text(20, HPos::Left), (left_px, 20))?;
     let style = text(TEXT_PX, HPos::Left);
     let ([left_y_px, right_y_px], end_px) = ([48, 70], left_px + 44);
-    area.draw_text(names.left, &style, (end_px + 12, left_y_px))?;
-    area.draw_text(names.right, &style, (end_px + 12, right_y_px))?;
+    area.draw_text(&format!("left: {}", names.left), &style, (end_px + 12, left_y_px))?;
+    area.draw_text(&format!("right: {}", names.right), &style, (end_px + 12, right_y_px))?;
     match form {
         KeyForm::Lines => {
             let middle_px = i32::midpoint(left_px, end_px);
@@ -46,7 +46,7 @@ pub(crate) fn draw_heading(area: &Area<'_>, title: &str, names: Sides<&str>, for
         KeyForm::Bars => {
             let corners = |y_px: i32| [(left_px, y_px - 7), (end_px, y_px + 7)];
             area.draw(&Rectangle::new(corners(left_y_px), LEFT_COLOR.filled()))?;
-            area.draw(&Rectangle::new(corners(right_y_px), RIGHT_COLOR.stroke_width(LINE_WIDTH_PX)))
+            area.draw(&outline(corners(right_y_px), RIGHT_COLOR))
         }
     }
 }

@@ -4,8 +4,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use super::style::{
-    Area, Drawn, LEFT_COLOR, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_COLOR, RIGHT_ROOM_PX, TEXT_PX,
-    left_marker, right_marker, text,
+    Area, Drawn, LEFT_COLOR, LEFT_MARGIN_PX, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_COLOR,
+    RIGHT_ROOM_PX, TEXT_PX, axis_text, left_marker, right_marker, text,
 };
 use crate::curve_pair::{CurveBin, CurvePair, Measured};
 
@@ -16,6 +16,7 @@ const HEADROOM: f64 = 1.4;
 pub(crate) fn draw_lines(area: &Area<'_>, curves: &CurvePair, ends_m: [f64; 2]) -> Drawn {
     let (low, high) = value_range(curves);
     let mut chart = ChartBuilder::on(area)
+        .margin_left(LEFT_MARGIN_PX)
         .margin_right(RIGHT_ROOM_PX)
         .margin_top(6)
         .set_label_area_size(LabelAreaPosition::Left, LEFT_ROOM_PX)
@@ -27,7 +28,7 @@ pub(crate) fn draw_lines(area: &Area<'_>, curves: &CurvePair, ends_m: [f64; 2]) 
         .bold_line_style(QUIET_COLOR)
         .x_labels(16)
         .x_label_formatter(&|_| String::new())
-        .y_label_formatter(&|value| format!("{value}"))
+        .y_label_formatter(&|value| axis_text(*value))
         .y_desc(format!("{} ({})", curves.title, curves.unit))
         .label_style(text(TEXT_PX, HPos::Center))
         .axis_desc_style(text(TEXT_PX, HPos::Center))

@@ -5,7 +5,8 @@ use plotters::style::text_anchor::HPos;
 
 use super::line_panel::middle_m;
 use super::style::{
-    Area, BAND_COLOR, Drawn, LEFT_ROOM_PX, MARKER_PX, QUIET_COLOR, RIGHT_ROOM_PX, TEXT_PX, text,
+    Area, BAND_COLOR, Drawn, LEFT_MARGIN_PX, LEFT_ROOM_PX, MARKER_PX, QUIET_COLOR, RIGHT_ROOM_PX, TEXT_PX,
+    axis_text, text,
 };
 use crate::curve_pair::{ALIKE_FACTOR, CurvePair};
 
@@ -22,6 +23,7 @@ pub(crate) fn draw_ratios(area: &Area<'_>, curves: &CurvePair, ends_m: [f64; 2])
     let farthest = ratios.iter().map(|(_, doublings)| doublings.abs()).fold(0.0, f64::max);
     let reach = (farthest + 0.2).clamp(LEAST_REACH, GREATEST_REACH);
     let mut chart = ChartBuilder::on(area)
+        .margin_left(LEFT_MARGIN_PX)
         .margin_right(RIGHT_ROOM_PX)
         .set_label_area_size(LabelAreaPosition::Left, LEFT_ROOM_PX)
         .x_label_area_size(46)
@@ -33,6 +35,7 @@ pub(crate) fn draw_ratios(area: &Area<'_>, curves: &CurvePair, ends_m: [f64; 2])
         .light_line_style(TRANSPARENT)
         .bold_line_style(QUIET_COLOR)
         .x_labels(16)
+        .x_label_formatter(&|value| axis_text(*value))
         .y_labels(7)
         .y_label_formatter(&|doublings| ratio_text(*doublings))
         .x_desc(format!("{} (m)", curves.bins_of.unwrap_or_default()))
@@ -43,8 +46,15 @@ pub(crate) fn draw_ratios(area: &Area<'_>, curves: &CurvePair, ends_m: [f64; 2])
     chart.draw_series(LineSeries::new([(ends_m[0], 0.0), (ends_m[1], 0.0)], BLACK.stroke_width(1)))?;
     let edge = reach - 0.1;
     chart.draw_series(ratios.iter().map(|&(middle_m, doublings)| {
-        Circle::new((middle_m, doublings.clamp(-edge, edge)), MARKER_PX - 1, BLACK.filled())
+        let is_on_scale = doublings.abs() <= edge;
+        let style = if is_on_scale { BLACK.filled() } else { BLACK.stroke_width(1) };
+        Circle::new((middle_m, doublings.clamp(-edge, edge)), MARKER_PX - 1, style)
     }))?;
+    if farthest > edge {
+        let place = EmptyElement::at((f64::midpoint(ends_m[0], ends_m[1]), reach));
+        let key = Text::new("hollow: off the scale", (0, 4), text(TEXT_PX, HPos::Center));
+        chart.draw_series([place + key])?;
+    }
     Ok(())
 }
 

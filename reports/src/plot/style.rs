@@ -5,6 +5,7 @@ use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use crate::fixed_decimals::fixed_decimals;
 use crate::palette::{BLUE, Rgb, VERMILION};
 
 /// A part of the picture, in pixels from its upper left corner.
@@ -28,6 +29,8 @@ pub(crate) const LINE_WIDTH_PX: u32 = 2;
 pub(crate) const MARKER_PX: i32 = 4;
 /// Room left of the vertical axes, the same in all panels so that these are flush, in pixels.
 pub(crate) const LEFT_ROOM_PX: u32 = 80;
+/// Room left of the description of the vertical axes, in pixels.
+pub(crate) const LEFT_MARGIN_PX: u32 = 14;
 /// Room right of the panels, in pixels.
 pub(crate) const RIGHT_ROOM_PX: u32 = 20;
 /// Height of the text on axes and beside data, in pixels.
@@ -44,6 +47,24 @@ pub(crate) fn text(height_px: i32, horizontal: HPos) -> TextStyle<'static> {
     style.pos(Pos::new(horizontal, vertical))
 }
 
+/// A number on an axis: as short as it can be written.
+pub(crate) fn axis_text(value: f64) -> String {
+    let text = fixed_decimals(value, 5);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// An upright rectangle in pixels, drawn as an outline: rectangles of the library have hair lines only.
+pub(crate) fn outline<C: Clone>([from, to]: [(C, C); 2], color: RGBColor) -> PathElement<(C, C)> {
+    let corners = [
+        (from.0.clone(), from.1.clone()),
+        (to.0.clone(), from.1.clone()),
+        (to.0.clone(), to.1.clone()),
+        (from.0.clone(), to.1.clone()),
+        (from.0, from.1),
+    ];
+    PathElement::new(corners, color.stroke_width(LINE_WIDTH_PX))
+}
+
 /// The marker of the left side at a place of any coordinate system.
 pub(crate) fn left_marker<C>(place: C) -> Circle<C, i32> {
     Circle::new(place, MARKER_PX, LEFT_COLOR.filled())
@@ -52,4 +73,17 @@ pub(crate) fn left_marker<C>(place: C) -> Circle<C, i32> {
 /// The marker of the right side.
 pub(crate) fn right_marker<C>(place: C) -> TriangleMarker<C, i32> {
     TriangleMarker::new(place, MARKER_PX + 1, RIGHT_COLOR.stroke_width(LINE_WIDTH_PX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_on_axes_are_short() {
+        assert_eq!(
+            [0.0, 5.0, -0.25, 0.1 + 0.2, 100.0, 120_000.0].map(axis_text),
+            ["0", "5", "-0.25", "0.3", "100", "120000"]
+        );
+    }
 }

@@ -1,7 +1,5 @@
 //! The table of how well the statistics of two collections of scans agree.
 
-use std::fmt::Write as _;
-
 use crate::curve_pair::{ALIKE_FACTOR, Agreement, CurvePair, Sides};
 use crate::fixed_decimals::{fixed_decimals, three_digits};
 use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
@@ -13,14 +11,15 @@ use crate::table::terminal::{wrapped, write_grid};
 /// `names` says what was measured on each side, whether it is simulated, and of how many scans.
 pub fn agreement_table(names: Sides<&str>, curves: &[CurvePair]) -> String {
     let mut text = format!("Left:  {}\nRight: {}\n\n", names.left, names.right);
-    let grid = Grid { columns: columns(), lines: curves.iter().map(line).collect() };
+    let grid = Grid { columns: columns(), lines: curves.iter().flat_map(lines).collect() };
     write_grid(&mut text, &grid, &Notes::none());
     text.push('\n');
     text.push_str(&wrapped(&format!(
-        "ratio: left over right. alike: share of the bins compared, in %, whose ratio is within a factor of \
-         {ALIKE_FACTOR} of 1, either way. worst bin: the one whose ratio is farthest from 1."
+        "ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one, in %, \
+         whose ratio is within a factor of {ALIKE_FACTOR} of 1, either way. median: of the ratios. worst bin: the \
+         one whose ratio is farthest from 1."
     )));
-    text.push_str(&wrapped(&format!("compared: bins made of at least {}.", thresholds(curves))));
+    text.push_str(&wrapped(&format!("A bin has a ratio if it is made of at least {}.", thresholds(curves))));
     text
 }
 
@@ -31,9 +30,9 @@ fn columns() -> Vec<Column> {
     vec![
         column(None, "statistic", Alignment::Left),
         column(None, "unit", Alignment::Left),
-        column(None, "compared", Alignment::Left),
+        column(None, "bins", Alignment::Left),
         column(None, "alike", Alignment::Decimal),
-        column(None, "median ratio", Alignment::Decimal),
+        column(None, "median", Alignment::Decimal),
         column(worst, "bin", Alignment::Left),
         column(worst, "left", Alignment::Decimal),
         column(worst, "right", Alignment::Decimal),
@@ -41,25 +40,30 @@ fn columns() -> Vec<Column> {
     ]
 }
 
-fn line(curves: &CurvePair) -> Line {
-    let agreement = curves.agreement();
-    let n_compared = agreement.map_or(0, |it| it.n_compared);
-    let mut texts = vec![
-        curves.statistic.to_owned(),
-        curves.unit.to_owned(),
-        format!("{n_compared} of {}", curves.bins.len()),
-    ];
-    match agreement {
-        Some(agreement) => texts.extend(numbers(curves, &agreement)),
-        None => texts.extend(["–", "–", "–", "–", "–", "–"].map(str::to_owned)),
-    }
-    Line { kind: LineKind::Dataset, cells: texts.into_iter().map(Cell::new).collect() }
+/// The row of a statistic and, if it has a focus, that of the bins there.
+fn lines(curves: &CurvePair) -> Vec<Line> {
+    let whole = line(LineKind::Dataset, curves.statistic.to_owned(), curves, curves.agreement());
+    let in_focus = curves.focus_m.map(|[from_m, to_m]| {
+        let name = format!("{from_m} to {to_m} m");
+        line(LineKind::Detail, name, curves, curves.agreement_in_focus())
+    });
+    [whole].into_iter().chain(in_focus).collect()
 }
 
-fn numbers(curves: &CurvePair, agreement: &Agreement) -> [String; 6] {
+fn line(kind: LineKind, name: String, curves: &CurvePair, agreement: Option<Agreement>) -> Line {
+    let mut texts = vec![name, curves.unit.to_owned()];
+    match agreement {
+        Some(agreement) => texts.extend(numbers(curves, &agreement)),
+        None => texts.extend(["none", "–", "–", "–", "–", "–", "–"].map(str::to_owned)),
+    }
+    Line { kind, cells: texts.into_iter().map(Cell::new).collect() }
+}
+
+fn numbers(curves: &CurvePair, agreement: &Agreement) -> [String; 7] {
     let worst = &curves.bins[agreement.worst_bin_idx];
     let text = |number: Option<f64>| number.map_or_else(|| "–".to_owned(), three_digits);
     [
+        format!("{}/{}", agreement.n_compared, agreement.n_bins),
         fixed_decimals(100.0 * agreement.n_alike as f64 / agreement.n_compared as f64, 1),
         fixed_decimals(agreement.median_ratio, 2),
         worst.name.clone(),
@@ -69,18 +73,20 @@ fn numbers(curves: &CurvePair, agreement: &Agreement) -> [String; 6] {
     ]
 }
 
-/// From where on the bins of each statistic are compared, in words.
+/// From where on the bins of each statistic have a ratio, in words; those of the same threshold together.
 fn thresholds(curves: &[CurvePair]) -> String {
-    let mut text = String::new();
-    for (curves_idx, curves) in curves.iter().enumerate() {
-        let Sides { left, right } = curves.least_n;
-        let separator = if curves_idx == 0 { "" } else { "; " };
-        let on_the_left = if left == 0 { String::new() } else { format!(", {left} on the left") };
-        let sides = format!("{right} {} on the right{on_the_left}", curves.counted);
-        write!(text, "{separator}{sides} ({})", curves.statistic)
-            .expect("a string takes all that is written");
+    let mut thresholds: Vec<(String, Vec<&str>)> = Vec::new();
+    for pair in curves {
+        let Sides { left, right } = pair.least_n;
+        let on_the_left = if left == 0 { String::new() } else { format!(", and {left} on the left") };
+        let threshold = format!("{right} {} on the right{on_the_left}", pair.counted);
+        match thresholds.iter_mut().find(|(it, _)| *it == threshold) {
+            Some((_, statistics)) => statistics.push(pair.statistic),
+            None => thresholds.push((threshold, vec![pair.statistic])),
+        }
     }
-    text
+    let in_words = thresholds.iter().map(|(it, statistics)| format!("{it} ({})", statistics.join(", ")));
+    in_words.collect::<Vec<_>>().join("; ")
 }
 
 #[cfg(test)]
@@ -90,7 +96,8 @@ mod tests {
 
     #[test]
     fn every_statistic_has_a_row_with_its_worst_bin() {
-        let density = pair(&[(120.0, 100.0), (3.0, 1.0), (0.5, 0.0)]);
+        let mut density = pair(&[(120.0, 100.0), (3.0, 1.0), (0.5, 0.0)]);
+        density.focus_m = Some([1.0, 2.0]);
         let mut nothing = pair(&[(1.0, 0.0)]);
         nothing.statistic = "points_per_car";
         nothing.least_n.left = 5;
@@ -100,17 +107,19 @@ mod tests {
         Left:  street (simulated), 2 scans
         Right: kitti, 40 scans
 
-                                                                          worst bin
-                                                                   ───────────────────────
-        statistic       unit       compared  alike  median ratio   bin  left  right  ratio
-        ──────────────────────────────────────────────────────────────────────────────────
-        ring_density    points/m²  2 of 3     50.0          1.20   2-3  3.00   1.00   3.00
-        points_per_car  points/m²  0 of 1      –            –      –    –      –      –
+                                                                 worst bin
+                                                         ──────────────────────────
+        statistic       unit       bins  alike  median   bin    left   right  ratio
+        ───────────────────────────────────────────────────────────────────────────
+        ring_density    points/m²  2/3    50.0    1.20   2-3    3.00    1.00   3.00
+          1 to 2 m      points/m²  1/1   100.0    1.20   1-2  120     100      1.20
+        points_per_car  points/m²  none    –      –      –      –       –      –
 
-        ratio: left over right. alike: share of the bins compared, in %, whose ratio is within a factor of
-          1.5 of 1, either way. worst bin: the one whose ratio is farthest from 1.
-        compared: bins made of at least 5 points on the right (ring_density); 5 cars on the right, 5 on the
-          left (points_per_car).
+        ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one,
+          in %, whose ratio is within a factor of 1.5 of 1, either way. median: of the ratios. worst bin:
+          the one whose ratio is farthest from 1.
+        A bin has a ratio if it is made of at least 5 points on the right (ring_density); 5 cars on the
+          right, and 5 on the left (points_per_car).
         ");
     }
 }
