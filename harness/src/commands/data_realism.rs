@@ -65,6 +65,8 @@ fn against(arguments: &RealismArgs) -> DatasetArgs {
         format: arguments.against_format.clone(),
         scans: arguments.against_scans.clone(),
         seed: None,
+        simulated_scans: None,
+        sensor: None,
         catalogue: CatalogueArgs { catalogue: arguments.data.catalogue.catalogue.clone() },
     }
 }
