@@ -96,7 +96,7 @@ pub struct DatasetArgs {
 /// Where a verb leaves its files.
 #[derive(Debug, Args)]
 pub struct OutputArgs {
-    /// Directory to write [default: runs/<time>-<data sets>]
+    /// Directory to write [default: one in `runs/`, named after time and data sets]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Replace the directory if there is an earlier one
@@ -166,7 +166,7 @@ Examples:
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
-Leaves in the run directory: manifest.json, report.json, scans.csv, matches.csv,
+Leaves in the run directory, which is runs/latest unless named: manifest.json, report.json, scans.csv, matches.csv,
 table_<task>.{csv,md,tex} and, unless --no-rrd, run.rrd for the Rerun viewer.";
 
 #[cfg(not(feature = "rerun"))]
@@ -176,7 +176,7 @@ Examples:
   scanbench run --seed 7 --scans 0..40 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
 
-Leaves in the run directory: manifest.json, report.json, scans.csv, matches.csv
+Leaves in the run directory, which is runs/latest unless named: manifest.json, report.json, scans.csv, matches.csv
 and table_<task>.{csv,md,tex}. This program was built without Rerun.";
 
 /// What is streamed to Rerun.
