@@ -62,7 +62,7 @@ pub enum DataCommand {
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
     /// Measure how like the scans of one data set are to those of another
-    Realism(RealismArgs),
+    Realism(Box<RealismArgs>),
 }
 
 /// Where data sets are looked up.
@@ -88,6 +88,12 @@ pub struct DatasetArgs {
     /// Seed of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// Number of scans of simulated data sets, instead of the catalogue's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub simulated_scans: Option<u32>,
+    /// Sensor of simulated data sets: `hdl-64e-s2`, `hdl-32e`, `vlp-16`, `os1-128`, or a file that describes one
+    #[arg(long, value_name = "SENSOR")]
+    pub sensor: Option<String>,
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,
@@ -162,21 +168,23 @@ pub struct RunArgs {
 const RUN_EXAMPLES: &str = "\
 Examples:
   scanbench run
-  scanbench run --seed 7 --scans 0..40 -o runs/seed-7
+  scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
-Leaves in the run directory, which is runs/latest unless named: manifest.json, report.json, scans.csv, matches.csv,
+Leaves in the run directory, which runs/latest points at unless -o names it:
+manifest.json, report.json, scans.csv, matches.csv,
 table_<task>.{csv,md,tex} and, unless --no-rrd, run.rrd for the Rerun viewer.";
 
 #[cfg(not(feature = "rerun"))]
 const RUN_EXAMPLES: &str = "\
 Examples:
   scanbench run
-  scanbench run --seed 7 --scans 0..40 -o runs/seed-7
+  scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
 
-Leaves in the run directory, which is runs/latest unless named: manifest.json, report.json, scans.csv, matches.csv
+Leaves in the run directory, which runs/latest points at unless -o names it:
+manifest.json, report.json, scans.csv, matches.csv
 and table_<task>.{csv,md,tex}. This program was built without Rerun.";
 
 /// What is streamed to Rerun.

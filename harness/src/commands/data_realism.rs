@@ -59,13 +59,15 @@ pub fn data_realism(arguments: &RealismArgs) -> anyhow::Result<()> {
     printed
 }
 
-/// How the other side is opened. A seed is for the side that is judged.
+/// How the other side is opened. What is said of the simulator is for the side that is judged.
 fn against(arguments: &RealismArgs) -> DatasetArgs {
     DatasetArgs {
         datasets: vec![arguments.against.clone()],
         format: arguments.against_format.clone(),
         scans: arguments.against_scans.clone(),
         seed: None,
+        simulated_scans: None,
+        sensor: None,
         catalogue: CatalogueArgs { catalogue: arguments.data.catalogue.catalogue.clone() },
     }
 }

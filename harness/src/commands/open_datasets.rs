@@ -43,7 +43,12 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
     let catalogue = open_catalogue(arguments.catalogue.catalogue.as_deref())?;
     let format = arguments.format.as_deref().map(DatasetFormat::from_str).transpose()?;
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
-    let options = OpenOptions { format, seed: arguments.seed };
+    let options = OpenOptions {
+        format,
+        seed: arguments.seed,
+        n_simulated_scans: arguments.simulated_scans,
+        sensor: arguments.sensor.clone(),
+    };
     let mut opened: Vec<OpenedDataset> = Vec::new();
     for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
         let dataset = open_dataset(name, &options, &catalogue)?;
@@ -64,10 +69,17 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
         }
         opened.push(OpenedDataset { dataset, scan_indices });
     }
-    anyhow::ensure!(
-        arguments.seed.is_none() || opened.iter().any(|it| it.dataset.description().simulated),
-        Usage("--seed is for simulated data sets, and none is asked for".to_owned())
-    );
+    let for_simulated = [
+        ("--seed", arguments.seed.is_some()),
+        ("--simulated-scans", arguments.simulated_scans.is_some()),
+        ("--sensor", arguments.sensor.is_some()),
+    ];
+    if let Some((option, _)) = for_simulated.iter().find(|(_, is_given)| *is_given) {
+        anyhow::ensure!(
+            opened.iter().any(|it| it.dataset.description().simulated),
+            Usage(format!("{option} is for simulated data sets, and none is asked for"))
+        );
+    }
     Ok(opened)
 }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
+use crate::simulator::sensor::SensorModelError;
 use crate::task::Task;
 
 // What several formats have in common.
@@ -106,6 +107,22 @@ pub enum DatasetError {
         name: String,
         /// The formats there are.
         known: Vec<String>,
+    },
+    /// No sensor is called so, and no file describes it.
+    #[error("{name:?} is neither a sensor ({}) nor a file that describes one", known.join(", "))]
+    UnknownSensor {
+        /// What was asked for.
+        name: String,
+        /// The sensors there are.
+        known: Vec<String>,
+    },
+    /// A file that should describe a sensor does not.
+    #[error("{path:?} is no sensor: {source}")]
+    Sensor {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: SensorModelError,
     },
     /// The format asked for is not the catalogue's.
     #[error("the catalogue says that {id:?} is {catalogued}, so it cannot be read as {asked_for}")]
@@ -331,6 +348,8 @@ impl DatasetError {
             self,
             Self::UnknownDataset { .. }
                 | Self::UnknownFormat { .. }
+                | Self::UnknownSensor { .. }
+                | Self::Sensor { .. }
                 | Self::FormatContradictsCatalogue { .. }
                 | Self::UnrecognizedFormat { .. }
                 | Self::SeveralDatasets { .. }

@@ -19,12 +19,16 @@ use super::{AnnotatedClasses, Dataset, DatasetError};
 pub const DEFAULT_DATASETS: &str = "streets";
 
 /// How a data set is opened other than the catalogue says.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct OpenOptions {
     /// The format of a data set at a path; the files tell otherwise.
     pub format: Option<DatasetFormat>,
     /// The seed of a simulation.
     pub seed: Option<u64>,
+    /// The number of scans of a simulation.
+    pub n_simulated_scans: Option<u32>,
+    /// The sensor of a simulation: an id, or the path of a description.
+    pub sensor: Option<String>,
 }
 
 /// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path.
@@ -42,8 +46,13 @@ pub fn open_dataset(
     catalogue: &Catalogue,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     if let Some(drive) = catalogue.simulated.get(id_or_path) {
-        let seed = options.seed.unwrap_or(drive.seed);
-        return Ok(open_simulated_street(id_or_path, &StreetDrive { seed, ..drive.clone() }));
+        let drive = StreetDrive {
+            seed: options.seed.unwrap_or(drive.seed),
+            n_scans: options.n_simulated_scans.unwrap_or(drive.n_scans),
+            sensor: options.sensor.clone().unwrap_or_else(|| drive.sensor.clone()),
+            ..drive.clone()
+        };
+        return open_simulated_street(id_or_path, &drive);
     }
     match catalogue.recorded.get(id_or_path) {
         Some(entry) => open_catalogued(id_or_path, entry, options.format),

@@ -1,11 +1,14 @@
 //! Streets of the simulator as a data set.
 
+use std::path::Path;
+
 use serde::Deserialize;
 
 use super::checksum::sha256;
+use super::text_file::read_text_file;
 use super::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
 use crate::annotation::{LabeledScan, PointRegion, ScanId};
-use crate::simulator::sensor::SensorModel;
+use crate::simulator::sensor::{EMBEDDED_SENSORS, SensorModel};
 use crate::simulator::{Street, StreetKind};
 
 /// Which street is driven through, and which scans are taken.
@@ -20,9 +23,25 @@ pub struct StreetDrive {
     pub n_scans: u32,
     /// Turns of the sensor from one scan to the next; 1 takes every turn.
     pub turns_per_scan: u32,
+    /// The sensor: the id of an embedded description, or the path of a file with one.
+    pub sensor: String,
+    /// Whether the street moves on while the sensor turns.
+    #[serde(default)]
+    pub shutter: Shutter,
     /// Only this far to either side of forward counts as labelled, in degrees, as where a camera decides what people
     /// label. Everything is, if it is left out.
     pub labeled_to_either_side_deg: Option<f32>,
+}
+
+/// How a scan is taken.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shutter {
+    /// All at once, as in recordings whose motion was compensated.
+    #[default]
+    Instant,
+    /// Beam by beam, while car and street move on.
+    Rolling,
 }
 
 /// A drive through a simulated street. Scans are made when they are read.
@@ -31,6 +50,7 @@ struct SimulatedStreet {
     street: Street,
     sensor: SensorModel,
     scan_ids: Vec<ScanId>,
+    shutter: Shutter,
     labeled_to_either_side_deg: Option<f32>,
 }
 
@@ -38,16 +58,21 @@ struct SimulatedStreet {
 const FORMAT: &str = "simulated-street";
 
 /// Opens the drive as the data set called `id`.
-pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Box<dyn Dataset> {
+///
+/// # Errors
+///
+/// [`DatasetError`] if there is no such sensor, or its description makes no sense.
+pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Dataset>, DatasetError> {
     let street = Street::new(drive.street, drive.seed);
-    let sensor = SensorModel::hdl_64e_s2();
+    let sensor = sensor_named(&drive.sensor)?;
     let turns = (0..drive.n_scans).map(|scan| scan * drive.turns_per_scan);
     let scan_ids: Vec<ScanId> = turns.map(|index| ScanId { sequence: street.sequence(), index }).collect();
     let made_of = format!(
-        "{}scans {}\nturns per scan {}\nlabelled to either side {:?}\n",
+        "{}scans {}\nturns per scan {}\nshutter {:?}\nlabelled to either side {:?}\n",
         street.provenance(&sensor),
         drive.n_scans,
         drive.turns_per_scan,
+        drive.shutter,
         drive.labeled_to_either_side_deg
     );
     let description = DatasetDescription {
@@ -62,7 +87,15 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Box<dyn Dataset> 
         seed: Some(drive.seed),
     };
     let labeled_to_either_side_deg = drive.labeled_to_either_side_deg;
-    Box::new(SimulatedStreet { description, street, sensor, scan_ids, labeled_to_either_side_deg })
+    let shutter = drive.shutter;
+    Ok(Box::new(SimulatedStreet {
+        description,
+        street,
+        sensor,
+        scan_ids,
+        shutter,
+        labeled_to_either_side_deg,
+    }))
 }
 
 impl Dataset for SimulatedStreet {
@@ -75,12 +108,30 @@ impl Dataset for SimulatedStreet {
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let mut scan = self.street.scan(&self.sensor, self.scan_ids[scan_idx].index);
+        let turn = self.scan_ids[scan_idx].index;
+        let mut scan = match self.shutter {
+            Shutter::Instant => self.street.scan(&self.sensor, turn),
+            Shutter::Rolling => self.street.rolling_scan(&self.sensor, turn),
+        };
         if let Some(limit_deg) = self.labeled_to_either_side_deg {
             mark_outside(&mut scan, limit_deg);
         }
         Ok(scan)
     }
+}
+
+/// The embedded sensor with this id, or the one described in the file at this path.
+fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
+    if let Some(sensor) = SensorModel::embedded(id_or_path) {
+        return Ok(sensor);
+    }
+    let path = Path::new(id_or_path);
+    if !path.exists() {
+        let known = EMBEDDED_SENSORS.map(|(id, _)| id.to_owned()).to_vec();
+        return Err(DatasetError::UnknownSensor { name: id_or_path.to_owned(), known });
+    }
+    let described = SensorModel::from_toml(&read_text_file(path)?);
+    described.map_err(|source| DatasetError::Sensor { path: path.to_owned(), source })
 }
 
 /// Marks all points farther than `limit_deg` to either side of forward as outside of what is labelled.
@@ -97,19 +148,60 @@ fn mark_outside(scan: &mut LabeledScan, limit_deg: f32) {
 mod tests {
     use super::*;
 
-    const DRIVE: StreetDrive = StreetDrive {
-        street: StreetKind::MainRoad,
-        seed: 3,
-        n_scans: 4,
-        turns_per_scan: 5,
-        labeled_to_either_side_deg: None,
-    };
+    fn drive() -> StreetDrive {
+        StreetDrive {
+            street: StreetKind::MainRoad,
+            seed: 3,
+            n_scans: 4,
+            turns_per_scan: 5,
+            sensor: "hdl-64e-s2".to_owned(),
+            shutter: Shutter::Instant,
+            labeled_to_either_side_deg: None,
+        }
+    }
+
+    fn open(drive: &StreetDrive) -> Box<dyn Dataset> {
+        open_simulated_street("street", drive).unwrap()
+    }
+
+    #[test]
+    fn sensors_are_embedded_or_described_in_a_file() {
+        let n_points = |sensor: &str| {
+            let drive = StreetDrive { sensor: sensor.to_owned(), ..drive() };
+            open(&drive).read_scan(0).unwrap().cloud.len()
+        };
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let (_, description) = EMBEDDED_SENSORS.iter().find(|(id, _)| *id == "vlp-16").unwrap();
+        std::fs::write(file.path(), description).unwrap();
+        assert_eq!(n_points(file.path().to_str().unwrap()), n_points("vlp-16"));
+        assert!(n_points("vlp-16") < n_points("hdl-64e-s2") / 2);
+    }
+
+    #[test]
+    fn unknown_and_damaged_sensors_are_refused() {
+        let refused = |sensor: &str| {
+            let drive = StreetDrive { sensor: sensor.to_owned(), ..drive() };
+            open_simulated_street("street", &drive).err().expect("no sensor")
+        };
+        let unknown = refused("hdl-65e");
+        assert!(unknown.is_usage_error() && unknown.to_string().contains("hdl-64e-s2"), "{unknown}");
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "name = 3").unwrap();
+        let damaged = refused(file.path().to_str().unwrap());
+        assert!(damaged.is_usage_error() && damaged.to_string().contains("is no sensor"), "{damaged}");
+    }
+
+    #[test]
+    fn a_rolling_scan_differs_from_an_instant_one() {
+        let rolling = StreetDrive { shutter: Shutter::Rolling, ..drive() };
+        assert_ne!(open(&rolling).read_scan(1).unwrap().cloud, open(&drive()).read_scan(1).unwrap().cloud);
+    }
 
     #[test]
     fn what_is_beside_a_limited_view_is_not_labelled() {
-        let limited = StreetDrive { labeled_to_either_side_deg: Some(40.0), ..DRIVE };
-        let scan = open_simulated_street("street", &limited).read_scan(0).unwrap();
-        let everything = open_simulated_street("street", &DRIVE).read_scan(0).unwrap();
+        let limited = StreetDrive { labeled_to_either_side_deg: Some(40.0), ..drive() };
+        let scan = open(&limited).read_scan(0).unwrap();
+        let everything = open(&drive()).read_scan(0).unwrap();
         assert!(everything.point_regions.iter().all(|&it| it == PointRegion::Labeled));
         assert_eq!(scan.cloud, everything.cloud);
         for (position_m, region) in scan.cloud.positions_m().zip(&scan.point_regions) {
@@ -121,7 +213,7 @@ mod tests {
 
     #[test]
     fn scans_are_the_turns_that_were_asked_for() {
-        let dataset = open_simulated_street("street", &DRIVE);
+        let dataset = open(&drive());
         let turns: Vec<u32> = dataset.scan_ids().iter().map(|it| it.index).collect();
         assert_eq!(turns, [0, 5, 10, 15]);
         let scan = dataset.read_scan(2).unwrap();
@@ -131,9 +223,8 @@ mod tests {
 
     #[test]
     fn the_checksum_changes_with_the_seed() {
-        let checksum =
-            |drive: &StreetDrive| open_simulated_street("street", drive).description().checksum.clone();
-        assert_ne!(checksum(&DRIVE), checksum(&StreetDrive { seed: 4, ..DRIVE }));
-        assert_eq!(checksum(&DRIVE), checksum(&DRIVE));
+        let checksum = |drive: &StreetDrive| open(drive).description().checksum.clone();
+        assert_ne!(checksum(&drive()), checksum(&StreetDrive { seed: 4, ..drive() }));
+        assert_eq!(checksum(&drive()), checksum(&drive()));
     }
 }

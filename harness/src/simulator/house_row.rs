@@ -107,6 +107,28 @@ fn house(world: &mut World, roadside: &Roadside, reach_m: [f32; 2], set_back_m: 
     for solid in relief(length_m, &pattern, rng) {
         wall(solid, masonry);
     }
+    // Only where nobody walks.
+    if set_back_m > 2.0 && rng.random_bool(0.08) {
+        for solid in scaffold(length_m) {
+            wall(solid, Material::METAL);
+        }
+    }
+}
+
+/// A scaffold before a façade: standards and ledgers every few metres, boards at every lift.
+fn scaffold(length_m: f32) -> Vec<Solid> {
+    let n_gaps = (length_m / 2.5).ceil() as u32;
+    let x = |standard: u32| length_m * standard as f32 / n_gaps as f32;
+    let mut solids = Vec::new();
+    for y in [-0.3, -1.2] {
+        solids.extend((0..=n_gaps).map(|it| Solid::cylinder([x(it), y, 0.0], [x(it), y, 8.0], 0.025)));
+    }
+    for lift in 1..4_u32 {
+        let z = 2.0 * lift as f32;
+        solids.push(Solid::cuboid([0.0, -1.15, z], [length_m, -0.35, z + 0.05]));
+        solids.push(Solid::cylinder([0.0, -1.2, z + 1.0], [length_m, -1.2, z + 1.0], 0.025));
+    }
+    solids
 }
 
 /// What stands out from a façade: plinth, downpipe, steps, bay windows, balconies.

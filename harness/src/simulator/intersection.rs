@@ -10,7 +10,7 @@ use super::parked_row::{ParkedRowParams, parked_row};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
-use super::road_plan::{MARGIN_M, RoadPlan, parking_width_m};
+use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
 use super::traffic::{Lane, lane_traffic};
 use super::waiting_queue::{WaitingQueueParams, waiting_queue};
@@ -45,14 +45,11 @@ pub fn intersection(rng: &mut ChaCha8Rng) -> World {
     };
     let mut world = World::new(ground(&plans, rng), ego, DRIVE_DURATION_S);
     for side in [Side::Left, Side::Right] {
-        let along_main = plans.main.roadside(side);
-        let crossing_kerb_m = plans.crossing.roadside(Side::Left).kerb_m;
-        let crossing_line_m = plans.crossing.roadside(Side::Left).building_line_m;
-        furnish(&mut world, &along_main, [plans.crossed_at_m, crossing_kerb_m, crossing_line_m], rng);
-        let along_crossing = plans.crossing.roadside(side);
-        let main_kerb_m = plans.main.roadside(Side::Left).kerb_m;
-        let main_line_m = plans.main.roadside(Side::Left).building_line_m;
-        furnish(&mut world, &along_crossing, [0.0, main_kerb_m, main_line_m + CORNER_HOUSE_M], rng);
+        let [main, crossing] = [&plans.main, &plans.crossing].map(|plan| plan.roadside(side));
+        let along_main = [plans.crossed_at_m, crossing.kerb_m, crossing.building_line_m];
+        furnish(&mut world, &plans.main, side, along_main, rng);
+        let along_crossing = [0.0, main.kerb_m, main.building_line_m + CORNER_HOUSE_M];
+        furnish(&mut world, &plans.crossing, side, along_crossing, rng);
     }
     corner_posts(&mut world, &plans, rng);
     traffic(&mut world, &plans, rng);
@@ -62,11 +59,11 @@ pub fn intersection(rng: &mut ChaCha8Rng) -> World {
 fn plans(ego_speed_m_per_s: f32, rng: &mut ChaCha8Rng) -> Plans {
     let mut plan = |road_idx, reach_m| {
         // The same on both sides, so that the corners are alike.
-        let parking_width_m = parking_width_m(0.4, rng);
+        let parking = Parking::any(0.4, 0.0, rng);
         RoadPlan {
             road_idx,
             lanes_m: rng.random_range(3.2..4.2),
-            parking_width_m: [parking_width_m; 2],
+            parking: [parking; 2],
             pavement_width_m: rng.random_range(2.4..4.5),
             reach_m,
         }
@@ -110,16 +107,21 @@ fn ground(plans: &Plans, rng: &mut ChaCha8Rng) -> Ground {
 /// `kerb_m` and its first houses `houses_m` from there.
 fn furnish(
     world: &mut World,
-    whole: &Roadside,
+    plan: &RoadPlan,
+    side: Side,
     [middle_m, kerb_m, houses_m]: [f32; 3],
     rng: &mut ChaCha8Rng,
 ) {
-    let has_parking = world.ground.roads[whole.road_idx].section.left_kerb_m > 4.5;
+    let whole = plan.roadside(side);
     let before =
-        |from_middle_m: f32| Roadside { reach_m: [whole.reach_m[0], middle_m - from_middle_m], ..*whole };
+        |from_middle_m: f32| Roadside { reach_m: [whole.reach_m[0], middle_m - from_middle_m], ..whole };
     let after =
-        |from_middle_m: f32| Roadside { reach_m: [middle_m + from_middle_m, whole.reach_m[1]], ..*whole };
-    let parked = ParkedRowParams { occupied_share: rng.random_range(0.35..0.85), person_beside: 0.1 };
+        |from_middle_m: f32| Roadside { reach_m: [middle_m + from_middle_m, whole.reach_m[1]], ..whole };
+    let parked = ParkedRowParams {
+        parking: plan.parking(side),
+        occupied_share: rng.random_range(0.35..0.85),
+        person_beside: 0.1,
+    };
     let furniture = PavementFurnitureParams {
         spacing_m: rng.random_range(4.0..9.0),
         from_kerb_m: 0.6,
@@ -128,15 +130,13 @@ fn furnish(
     let houses = HouseRowParams { gap: rng.random_range(0.1..0.5), set_back: rng.random_range(0.0..0.4) };
     let corner_m = kerb_m + CORNER_CLEARANCE_M;
     for (clear, built) in [(before(corner_m), before(houses_m)), (after(corner_m), after(houses_m))] {
-        if has_parking {
-            parked_row(world, &clear, &parked, rng);
-        }
+        parked_row(world, &clear, &parked, rng);
         pavement_furniture(world, &clear, &furniture, rng);
         house_row(world, &built, &houses, rng);
     }
     // People walk on across the other road.
     let people = PavementPeopleParams { spacing_m: rng.random_range(8.0..20.0), from_kerb_m: 1.2 };
-    pavement_people(world, whole, &people, rng);
+    pavement_people(world, &whole, &people, rng);
 }
 
 /// Traffic lights and signs at the four corners.

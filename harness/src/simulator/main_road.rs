@@ -9,7 +9,7 @@ use super::parked_row::{ParkedRowParams, parked_row};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
-use super::road_plan::{MARGIN_M, RoadPlan, parking_width_m};
+use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
 use super::traffic::{Lane, bicycle_traffic, lane_traffic};
 use super::world::{Course, Stance, World};
@@ -24,7 +24,7 @@ pub fn main_road(rng: &mut ChaCha8Rng) -> World {
     let plan = RoadPlan {
         road_idx: 0,
         lanes_m: n_lanes_each_way as f32 * lane_width_m,
-        parking_width_m: [parking_width_m(0.3, rng), parking_width_m(0.3, rng)],
+        parking: [Parking::any(0.3, 0.15, rng), Parking::any(0.3, 0.15, rng)],
         pavement_width_m: rng.random_range(2.8..5.5),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
@@ -39,11 +39,12 @@ pub fn main_road(rng: &mut ChaCha8Rng) -> World {
     let mut world = World::new(ground(&plan, rng), ego, DRIVE_DURATION_S);
     for side in [Side::Left, Side::Right] {
         let roadside = plan.roadside(side);
-        if plan.has_parking(side) {
-            let parked =
-                ParkedRowParams { occupied_share: rng.random_range(0.35..0.85), person_beside: 0.12 };
-            parked_row(&mut world, &roadside, &parked, rng);
-        }
+        let parked = ParkedRowParams {
+            parking: plan.parking(side),
+            occupied_share: rng.random_range(0.35..0.85),
+            person_beside: 0.12,
+        };
+        parked_row(&mut world, &roadside, &parked, rng);
         furnish(&mut world, &roadside, rng);
     }
     traffic(&mut world, &lanes, rng);

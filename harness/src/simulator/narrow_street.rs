@@ -9,7 +9,7 @@ use super::parked_row::{ParkedRowParams, parked_row};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
-use super::road_plan::{MARGIN_M, RoadPlan, parking_width_m};
+use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::Side;
 use super::traffic::{Lane, bicycle_traffic, lane_traffic};
 use super::world::{Course, Stance, World};
@@ -22,7 +22,7 @@ pub fn narrow_street(rng: &mut ChaCha8Rng) -> World {
     let plan = RoadPlan {
         road_idx: 0,
         lanes_m: rng.random_range(1.8..2.3),
-        parking_width_m: parking(rng),
+        parking: parking(rng),
         pavement_width_m: rng.random_range(1.2..2.6),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
@@ -42,12 +42,12 @@ pub fn narrow_street(rng: &mut ChaCha8Rng) -> World {
 }
 
 /// Vehicles park on both sides of every third street, else on one.
-fn parking(rng: &mut ChaCha8Rng) -> [f32; 2] {
-    let width_m = parking_width_m(0.0, rng);
+fn parking(rng: &mut ChaCha8Rng) -> [Parking; 2] {
+    let lane = Parking::along_kerb(rng);
     match rng.random_range(0..3_u32) {
-        0 => [width_m, 0.0],
-        1 => [0.0, width_m],
-        _ => [width_m; 2],
+        0 => [lane, Parking::Nowhere],
+        1 => [Parking::Nowhere, lane],
+        _ => [lane; 2],
     }
 }
 
@@ -66,10 +66,12 @@ fn ground(plan: &RoadPlan, rng: &mut ChaCha8Rng) -> Ground {
 
 fn furnish(world: &mut World, plan: &RoadPlan, side: Side, rng: &mut ChaCha8Rng) {
     let roadside = plan.roadside(side);
-    if plan.has_parking(side) {
-        let parked = ParkedRowParams { occupied_share: rng.random_range(0.5..0.9), person_beside: 0.08 };
-        parked_row(world, &roadside, &parked, rng);
-    }
+    let parked = ParkedRowParams {
+        parking: plan.parking(side),
+        occupied_share: rng.random_range(0.5..0.9),
+        person_beside: 0.08,
+    };
+    parked_row(world, &roadside, &parked, rng);
     let furniture = PavementFurnitureParams {
         spacing_m: rng.random_range(7.0..14.0),
         from_kerb_m: 0.42,

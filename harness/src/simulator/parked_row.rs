@@ -4,6 +4,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::person_shape;
+use super::portable_math;
+use super::road_plan::Parking;
 use super::roadside::Roadside;
 use super::vehicle_shape;
 use super::world::{Placement, Stance, World};
@@ -11,14 +13,53 @@ use super::world::{Placement, Stance, World};
 /// How full the kerb is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParkedRowParams {
+    /// How the vehicles stand.
+    pub parking: Parking,
     /// Share of the spaces that are taken, 0 to 1.
     pub occupied_share: f64,
-    /// Chance that a person stands beside a vehicle, on the side of the road or of the pavement.
+    /// Chance that a person stands beside a vehicle that is parked along the kerb, on the side of the road or of the
+    /// pavement.
     pub person_beside: f64,
 }
 
-/// Parks vehicles 0.3 to 1.0 m apart along the kerb of `roadside`.
+/// Parks vehicles 0.3 to 1.0 m apart at the kerb of `roadside`.
 pub fn parked_row(world: &mut World, roadside: &Roadside, params: &ParkedRowParams, rng: &mut ChaCha8Rng) {
+    match params.parking {
+        Parking::Nowhere => {}
+        Parking::AlongKerb { .. } => row_along_kerb(world, roadside, params, rng),
+        Parking::Askew { turned_rad } => row_askew(world, roadside, params.occupied_share, turned_rad, rng),
+    }
+}
+
+/// Side by side with the nose to the kerb, turned by `turned_rad` toward it.
+fn row_askew(
+    world: &mut World,
+    roadside: &Roadside,
+    occupied_share: f64,
+    turned_rad: f32,
+    rng: &mut ChaCha8Rng,
+) {
+    let (sine, cosine) = portable_math::sin_cos(f64::from(turned_rad));
+    let (sine, cosine) = (sine as f32, cosine as f32);
+    let [mut along_m, end_m] = roadside.reach_m;
+    while along_m < end_m - 5.0 {
+        // Vans would stand in the way of the traffic.
+        let shape = vehicle_shape::car(rng);
+        let size = shape.bounds().extents();
+        let width_along_m = size.y / sine;
+        let middle_m = along_m + f32::midpoint(width_along_m, size.x * cosine);
+        along_m += width_along_m + rng.random_range(0.45..1.0) / sine;
+        if rng.random_bool(occupied_share) {
+            let from_kerb_m = 0.15 + f32::midpoint(size.x * sine, size.y * cosine);
+            let mut placement =
+                roadside.along_traffic(middle_m, roadside.kerb_m - from_kerb_m, Stance::OnSlope);
+            placement.turned_rad -= turned_rad + rng.random_range(-0.03..0.03);
+            world.stand(shape, &placement);
+        }
+    }
+}
+
+fn row_along_kerb(world: &mut World, roadside: &Roadside, params: &ParkedRowParams, rng: &mut ChaCha8Rng) {
     let [mut along_m, end_m] = roadside.reach_m;
     while along_m < end_m {
         if !rng.random_bool(params.occupied_share) {

@@ -16,23 +16,43 @@ pub struct RoadPlan {
     pub road_idx: usize,
     /// Distance of the outer edge of the lanes from the axis, in metres.
     pub lanes_m: f32,
-    /// Width of the parking lane on the left and on the right in metres; 0 where none is.
-    pub parking_width_m: [f32; 2],
+    /// How vehicles park on the left and on the right.
+    pub parking: [Parking; 2],
     /// Width of both pavements in metres.
     pub pavement_width_m: f32,
     /// Where the road begins and ends, in metres along it.
     pub reach_m: [f32; 2],
 }
 
+/// How vehicles park on one side of a road.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Parking {
+    /// Not at all.
+    Nowhere,
+    /// Along the kerb, in a lane of this width in metres.
+    AlongKerb {
+        /// Width of the lane.
+        width_m: f32,
+    },
+    /// With the nose to the kerb, side by side.
+    Askew {
+        /// Angle between the vehicles and the road, in radians.
+        turned_rad: f32,
+    },
+}
+
 impl RoadPlan {
-    /// Whether vehicles park on `side`.
-    pub fn has_parking(&self, side: Side) -> bool {
-        self.parking_width_m(side) > 0.0
+    /// How vehicles park on `side`.
+    pub fn parking(&self, side: Side) -> Parking {
+        match side {
+            Side::Left => self.parking[0],
+            Side::Right => self.parking[1],
+        }
     }
 
     /// One side of the road over its whole length.
     pub fn roadside(&self, side: Side) -> Roadside {
-        let kerb_m = self.lanes_m + self.parking_width_m(side);
+        let kerb_m = self.lanes_m + self.parking(side).width_m();
         let building_line_m = kerb_m + self.pavement_width_m;
         Roadside { road_idx: self.road_idx, side, reach_m: self.reach_m, kerb_m, building_line_m }
     }
@@ -46,16 +66,31 @@ impl RoadPlan {
             kerb_height_m: rng.random_range(0.06..0.15),
         }
     }
-
-    fn parking_width_m(&self, side: Side) -> f32 {
-        match side {
-            Side::Left => self.parking_width_m[0],
-            Side::Right => self.parking_width_m[1],
-        }
-    }
 }
 
-/// Draws the width of a parking lane; 0 if there is none, which has the chance `absent`.
-pub fn parking_width_m(absent: f64, rng: &mut ChaCha8Rng) -> f32 {
-    if rng.random_bool(absent) { 0.0 } else { rng.random_range(2.2..2.6) }
+impl Parking {
+    /// Draws a lane for parking along the kerb.
+    pub fn along_kerb(rng: &mut ChaCha8Rng) -> Self {
+        Self::AlongKerb { width_m: rng.random_range(2.2..2.6) }
+    }
+
+    /// Draws how vehicles park, if at all: not with the chance `absent`, else askew with the chance `askew`.
+    pub fn any(absent: f64, askew: f64, rng: &mut ChaCha8Rng) -> Self {
+        if rng.random_bool(absent) {
+            Self::Nowhere
+        } else if rng.random_bool(askew) {
+            Self::Askew { turned_rad: rng.random_range(0.75..1.2) }
+        } else {
+            Self::along_kerb(rng)
+        }
+    }
+
+    /// Width of the lane that is needed, in metres.
+    pub fn width_m(self) -> f32 {
+        match self {
+            Self::Nowhere => 0.0,
+            Self::AlongKerb { width_m } => width_m,
+            Self::Askew { .. } => 5.5,
+        }
+    }
 }

@@ -50,6 +50,18 @@ pub struct Spheroid {
     pub vertical_radius_m: f32,
 }
 
+impl Prism {
+    /// Whether every corner of the profile turns left, as it must: of a hollow profile only the part that all edges
+    /// can see would be solid.
+    pub fn is_convex(&self) -> bool {
+        let n = self.profile_m.len();
+        (0..n).all(|corner| {
+            let [a, b, c] = [0, 1, 2].map(|step| self.profile_m[(corner + step) % n]);
+            (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) > 0.0
+        })
+    }
+}
+
 impl Solid {
     /// A box from `least` to `greatest` (x, y, z in metres).
     pub fn cuboid(least_m: [f32; 3], greatest_m: [f32; 3]) -> Self {
@@ -155,7 +167,6 @@ impl PlacedSolid {
 }
 
 fn placed_prism(prism: &Prism, world_from_object: &Pose) -> PlacedSolid {
-    debug_assert!(is_convex(&prism.profile_m), "{:?} is not convex", prism.profile_m);
     let heights = || prism.profile_m.iter().map(|corner| corner[1]);
     let bottom = heights().fold(f32::INFINITY, f32::min);
     let top = heights().fold(f32::NEG_INFINITY, f32::max);
@@ -187,15 +198,6 @@ fn placed_prism(prism: &Prism, world_from_object: &Pose) -> PlacedSolid {
         planes.push(placed(on_side, Vector::new(0.0, side, -widening)));
     }
     PlacedSolid { form: Form::Planes(planes.into()), bounds }
-}
-
-/// Whether every corner turns left.
-fn is_convex(profile_m: &[[f32; 2]]) -> bool {
-    let n = profile_m.len();
-    (0..n).all(|corner| {
-        let [a, b, c] = [0, 1, 2].map(|step| profile_m[(corner + step) % n]);
-        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) > 0.0
-    })
 }
 
 fn placed_cylinder(from: Vector, to: Vector, radius: f32) -> PlacedSolid {

@@ -94,7 +94,8 @@ fn paint(rng: &mut ChaCha8Rng) -> Material {
     Material::solid(REFLECTIVITIES[rng.random_range(0..REFLECTIVITIES.len())] * rng.random_range(0.8..1.2))
 }
 
-fn car(rng: &mut ChaCha8Rng) -> ObjectShape {
+/// A passenger car.
+pub fn car(rng: &mut ChaCha8Rng) -> ObjectShape {
     let style = &BODY_STYLES[rng.random_range(0..BODY_STYLES.len())];
     let length_m = rng.random_range(style.length_m.clone());
     let height_m = rng.random_range(style.height_m.clone());
@@ -303,7 +304,13 @@ mod tests {
     fn check(make: fn(&mut ChaCha8Rng) -> ObjectShape, lengths_m: [f32; 2], heights_m: [f32; 2]) {
         let mut rng = ChaCha8Rng::from_seed([7; 32]);
         for _ in 0..200 {
-            let bounds = make(&mut rng).bounds();
+            let shape = make(&mut rng);
+            let prisms = shape.parts.iter().filter_map(|part| match &part.solid {
+                Solid::Prism(prism) => Some(prism),
+                _ => None,
+            });
+            assert!(prisms.clone().all(Prism::is_convex));
+            let bounds = shape.bounds();
             let size = bounds.extents();
             assert!((lengths_m[0]..lengths_m[1]).contains(&size.x), "length {}", size.x);
             assert!((1.6..2.6).contains(&size.y), "width {}", size.y);

@@ -280,7 +280,7 @@ fn a_format_asked_for_must_be_there() {
     let open = |format: &str| {
         open_dataset(
             path,
-            &OpenOptions { format: Some(format.parse().unwrap()), seed: None },
+            &OpenOptions { format: Some(format.parse().unwrap()), ..OpenOptions::default() },
             &no_catalogue(),
         )
     };
@@ -337,7 +337,7 @@ fn a_catalogued_format_is_not_overridden() {
     let catalogue = disk.catalogue("kitti-object", "");
     let format = Some("kitti-tracking".parse().unwrap());
     check_usage(
-        open_dataset("street", &OpenOptions { format, seed: None }, &catalogue),
+        open_dataset("street", &OpenOptions { format, ..OpenOptions::default() }, &catalogue),
         &["street", "kitti-object", "kitti-tracking"],
     );
 }
