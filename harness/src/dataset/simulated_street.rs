@@ -47,8 +47,10 @@ pub enum Shutter {
 /// A drive through a simulated street. Scans are made when they are read.
 struct SimulatedStreet {
     description: DatasetDescription,
-    street: Street,
+    kind: StreetKind,
     sensor: SensorModel,
+    // The seed of the street of each scan.
+    seeds: Vec<u64>,
     scan_ids: Vec<ScanId>,
     shutter: Shutter,
     labeled_to_either_side_deg: Option<f32>,
@@ -57,19 +59,17 @@ struct SimulatedStreet {
 /// The format's name in tables and files.
 const FORMAT: &str = "simulated-street";
 
-/// Opens the drive as the data set called `id`.
+/// Opens the drive as the data set called `id`. Where a street ends, the drive goes on in the street of the next seed.
 ///
 /// # Errors
 ///
 /// [`DatasetError`] if there is no such sensor, or its description makes no sense.
 pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Dataset>, DatasetError> {
-    let street = Street::new(drive.street, drive.seed);
     let sensor = sensor_named(&drive.sensor)?;
-    let turns = (0..drive.n_scans).map(|scan| scan * drive.turns_per_scan);
-    let scan_ids: Vec<ScanId> = turns.map(|index| ScanId { sequence: street.sequence(), index }).collect();
+    let (seeds, scan_ids) = scans_of(drive, &sensor);
     let made_of = format!(
         "{}scans {}\nturns per scan {}\nshutter {:?}\nlabelled to either side {:?}\n",
-        street.provenance(&sensor),
+        Street::new(drive.street, drive.seed).provenance(&sensor),
         drive.n_scans,
         drive.turns_per_scan,
         drive.shutter,
@@ -90,8 +90,9 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
     let shutter = drive.shutter;
     Ok(Box::new(SimulatedStreet {
         description,
-        street,
+        kind: drive.street,
         sensor,
+        seeds,
         scan_ids,
         shutter,
         labeled_to_either_side_deg,
@@ -108,16 +109,35 @@ impl Dataset for SimulatedStreet {
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        // Drawing a street takes a fiftieth of the time of a scan of it.
+        let street = Street::new(self.kind, self.seeds[scan_idx]);
         let turn = self.scan_ids[scan_idx].index;
         let mut scan = match self.shutter {
-            Shutter::Instant => self.street.scan(&self.sensor, turn),
-            Shutter::Rolling => self.street.rolling_scan(&self.sensor, turn),
+            Shutter::Instant => street.scan(&self.sensor, turn),
+            Shutter::Rolling => street.rolling_scan(&self.sensor, turn),
         };
         if let Some(limit_deg) = self.labeled_to_either_side_deg {
             mark_outside(&mut scan, limit_deg);
         }
         Ok(scan)
     }
+}
+
+/// The seed of the street and the id of each scan.
+fn scans_of(drive: &StreetDrive, sensor: &SensorModel) -> (Vec<u64>, Vec<ScanId>) {
+    let (mut seeds, mut scan_ids) = (Vec::new(), Vec::new());
+    let mut seed = drive.seed;
+    while scan_ids.len() < drive.n_scans as usize {
+        let street = Street::new(drive.street, seed);
+        // A drive shorter than the step still has its first turn.
+        let turns = (0..street.n_scans(sensor).max(1)).step_by(drive.turns_per_scan as usize);
+        for index in turns.take(drive.n_scans as usize - scan_ids.len()) {
+            seeds.push(seed);
+            scan_ids.push(ScanId { sequence: street.sequence(), index });
+        }
+        seed = seed.wrapping_add(1);
+    }
+    (seeds, scan_ids)
 }
 
 /// The embedded sensor with this id, or the one described in the file at this path.
@@ -219,6 +239,17 @@ mod tests {
         let scan = dataset.read_scan(2).unwrap();
         assert_eq!(scan.id, dataset.scan_ids()[2]);
         assert_eq!(scan, Street::new(StreetKind::MainRoad, 3).scan(&SensorModel::hdl_64e_s2(), 10));
+    }
+
+    #[test]
+    fn a_long_drive_goes_on_in_the_next_street() {
+        let long = StreetDrive { n_scans: 6, turns_per_scan: 150, ..drive() };
+        let dataset = open(&long);
+        let ids: Vec<String> = dataset.scan_ids().iter().map(ToString::to_string).collect();
+        let of_street = |seed: u64| (0..3).map(move |scan| format!("main-road-{seed}/{:06}", 150 * scan));
+        assert_eq!(ids, of_street(3).chain(of_street(4)).collect::<Vec<_>>());
+        let next = Street::new(StreetKind::MainRoad, 4).scan(&SensorModel::hdl_64e_s2(), 150);
+        assert_eq!(dataset.read_scan(4).unwrap(), next);
     }
 
     #[test]
