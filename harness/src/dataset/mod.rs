@@ -117,7 +117,7 @@ pub enum DatasetError {
         known: Vec<String>,
     },
     /// A file that should describe a sensor does not.
-    #[error("{path:?} is no sensor: {source}")]
+    #[error("{path:?} does not describe a sensor")]
     Sensor {
         /// The file.
         path: PathBuf,

@@ -188,7 +188,10 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), "name = 3").unwrap();
         let damaged = refused(file.path().to_str().unwrap());
-        assert!(damaged.is_usage_error() && damaged.to_string().contains("is no sensor"), "{damaged}");
+        assert!(
+            damaged.is_usage_error() && damaged.to_string().contains("does not describe a sensor"),
+            "{damaged}"
+        );
     }
 
     #[test]
