@@ -76,7 +76,7 @@ pub struct DatasetEntry {
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
-    pub sensor_height_m: f64,
+    pub sensor_height_m: f32,
     /// Its licence, where known.
     pub licence: Option<String>,
 }

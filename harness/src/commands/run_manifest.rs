@@ -80,7 +80,7 @@ fn dataset_entry(opened: &OpenedDataset, arguments: &RunArgs) -> DatasetEntry {
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,
         selection: arguments.data.scans.clone(),
-        sensor_height_m: f64::from(description.sensor_height_m),
+        sensor_height_m: description.sensor_height_m,
         licence: description.licence.clone(),
     }
 }
