@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use self::simulated_street::StreetDrive;
 use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
 use crate::simulator::sensor::SensorModelError;
 use crate::task::Task;
@@ -63,8 +64,8 @@ pub struct DatasetDescription {
     /// SHA-256 that changes when the data set does: of the files as [`checksum`] describes, or of the parameters and
     /// seed of a simulation.
     pub checksum: Option<String>,
-    /// Seed of a simulation.
-    pub seed: Option<u64>,
+    /// What a simulation was asked for; `None` for what was recorded.
+    pub simulation: Option<StreetDrive>,
 }
 
 /// Which objects of the street a data set labels.

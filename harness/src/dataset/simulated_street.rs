@@ -44,6 +44,16 @@ pub enum Shutter {
     Rolling,
 }
 
+impl Shutter {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Instant => "instant",
+            Self::Rolling => "rolling",
+        }
+    }
+}
+
 /// A drive through a simulated street. Scans are made when they are read.
 struct SimulatedStreet {
     description: DatasetDescription,
@@ -84,7 +94,7 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         sensor_height_m: sensor.height_above_road_m,
         licence: None,
         checksum: Some(sha256(&made_of)),
-        seed: Some(drive.seed),
+        simulation: Some(drive.clone()),
     };
     let labeled_to_either_side_deg = drive.labeled_to_either_side_deg;
     let shutter = drive.shutter;

@@ -32,7 +32,7 @@ impl DatasetSource {
             sensor_height_m: self.sensor_height_m,
             licence: self.licence,
             checksum: Some(checksum),
-            seed: None,
+            simulation: None,
         }
     }
 }
