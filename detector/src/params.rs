@@ -92,7 +92,11 @@ impl HierarchicalParams {
         within("grid.xi", grid.xi.into(), 1.0, 8.0, "1 to 8")?;
         within("grid.extent_m", grid.extent_m.into(), 1.0, 300.0, "1 to 300 m")?;
         within("terrain.block_cells", self.terrain.block_cells.into(), 1.0, 100.0, "1 to 100")?;
-        within("terrain.low_quantile", self.terrain.low_quantile.into(), 0.0, 1.0, "0 to 1")
+        within("terrain.low_quantile", self.terrain.low_quantile.into(), 0.0, 1.0, "0 to 1")?;
+        let separation = &self.separation;
+        within("separation.low_density_share", separation.low_density_share.into(), 0.0, 1.0, "0 to 1")?;
+        let gap_range_m = separation.single_gap_range_m.into();
+        within("separation.single_gap_range_m", gap_range_m, 0.1, 10_000.0, "0.1 to 10000 m")
     }
 }
 

@@ -64,10 +64,12 @@ pub enum DataCommand {
     /// List the data sets of the catalogue and whether they are there
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
+    /// Measure how like the scans of one data set are to those of another
+    Realism(RealismArgs),
 }
 
 /// Where data sets are looked up.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct CatalogueArgs {
     /// Catalogue to look ids up in, instead of the built-in one
     #[arg(long, value_name = "FILE", env = "SCANBENCH_DATASETS")]
@@ -75,7 +77,7 @@ pub struct CatalogueArgs {
 }
 
 /// Which scans are taken.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {
     /// Ids of the catalogue, or paths of data sets
     #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASETS)]
@@ -115,6 +117,17 @@ fn detector_names() -> impl Iterator<Item = &'static str> {
     DETECTORS.iter().map(|it| it.name)
 }
 
+/// Where a verb leaves its files.
+#[derive(Debug, Args)]
+pub struct OutputArgs {
+    /// Directory to write [default: `runs/TIME-DATASETS`, with `runs/latest` pointing at it]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Replace the directory if there is an earlier one
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
 /// How detections are judged.
 #[derive(Debug, Args)]
 pub struct MatchingArgs {
@@ -149,12 +162,9 @@ pub struct RunArgs {
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
-    /// Run directory to write [default: runs/<time>-<data sets>]
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Replace the run directory if there is one
-    #[arg(long)]
-    pub overwrite: bool,
+    /// Where the run directory is written.
+    #[command(flatten)]
+    pub output: OutputArgs,
     /// Scans read or simulated at once; detectors always run alone [default: number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: Option<u16>,
@@ -214,3 +224,34 @@ pub struct SelftestArgs {
     #[command(flatten)]
     pub data: DatasetArgs,
 }
+
+/// Arguments of `scanbench data realism`.
+#[derive(Debug, Args)]
+#[command(after_help = REALISM_EXAMPLES)]
+pub struct RealismArgs {
+    /// The scans that are judged.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Data set to judge by: an id of the catalogue, or a path
+    #[arg(long, value_name = "DATASET")]
+    pub against: String,
+    /// Format of the data set to judge by, if it is given as a path
+    #[arg(long, value_name = "FORMAT")]
+    pub against_format: Option<String>,
+    /// Which of its scans, as `--scans`
+    #[arg(long, value_name = "RANGE")]
+    pub against_scans: Option<String>,
+    /// Where curves and plots are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const REALISM_EXAMPLES: &str = "\
+Examples:
+  scanbench data realism --against ~/data/kitti_tracking
+  scanbench data realism street-main-road --seed 7 --against kitti-tracking -o look
+  scanbench data realism kitti-object --against kitti-tracking --against-scans 0..40
+
+Compares returns, share of ground, density, points per car, clusters, heights and
+cells of the scans, bin by bin. Leaves in the directory realism.csv, with every
+bin, a plot of each statistic as SVG, and manifest.json.";

@@ -8,6 +8,7 @@ pub mod simulator;
 pub mod dataset;
 pub mod matching;
 pub mod metrics;
+pub mod realism;
 pub mod run;
 #[cfg(feature = "rerun")]
 pub mod stream;

@@ -11,6 +11,13 @@ pub(crate) fn fixed_decimals(value: f64, decimals: usize) -> String {
     }
 }
 
+/// `value` with three digits that count, but never without those before the decimal point.
+pub(crate) fn three_digits(value: f64) -> String {
+    let magnitude = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    // Rounding up to the next power of ten brings a digit too many, which says nothing wrong.
+    fixed_decimals(value, (2 - magnitude).max(0) as usize)
+}
+
 /// A number that is written with `DECIMALS` decimals, and refused if it is not finite.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(transparent)]
@@ -45,5 +52,11 @@ mod tests {
         check(-0.004, 2, "0.00");
         check(-0.006, 2, "-0.01");
         check(-0.4, 0, "0");
+    }
+
+    #[test]
+    fn three_digits_count() {
+        let values = [0.0, 0.001_234, 0.38, 7.0, 29.04, 121.3, 115_231.0];
+        assert_eq!(values.map(three_digits), ["0.00", "0.00123", "0.380", "7.00", "29.0", "121", "115231"]);
     }
 }

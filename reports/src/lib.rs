@@ -7,6 +7,7 @@
 // Numbers.
 pub mod counts;
 pub mod metric;
+pub mod curve_pair;
 mod fixed_decimals;
 
 // Files.
@@ -15,11 +16,17 @@ pub mod whole_file;
 pub mod csv_rows;
 pub mod run_report;
 pub mod manifest;
+pub mod comparison_manifest;
 pub mod scan_row;
 pub mod match_outcome;
 pub mod match_row;
+pub mod curve_row;
 pub mod run_directory;
 
 // Tables.
 pub mod paper_figures;
 pub mod table;
+
+// Pictures.
+pub mod palette;
+pub mod plot;

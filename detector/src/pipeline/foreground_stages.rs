@@ -50,6 +50,16 @@ impl ForegroundStages {
         &self.grid
     }
 
+    /// The ground under the latest scan.
+    pub fn terrain(&self) -> &Terrain {
+        &self.terrain
+    }
+
+    /// The class of every cell of [`Self::grid`]; empty cells are unseen.
+    pub fn cell_classes(&self) -> &[SurfaceClass] {
+        &self.classes
+    }
+
     /// Indices of the latest scan's foreground points, ascending.
     pub fn point_indices(&self) -> &[u32] {
         self.foreground.point_indices()
@@ -76,8 +86,9 @@ impl ForegroundStages {
         ]
     }
 
-    /// Points of short cells that lie below the foreground are ground.
-    fn point_classes(&self) -> Vec<SurfaceClass> {
+    /// The class of every point of the latest scan: that of its cell, except that points of short cells that lie below
+    /// the foreground are ground.
+    pub fn point_classes(&self) -> Vec<SurfaceClass> {
         let class_of = |&cell_idx: &u32| match cell_idx {
             NO_CELL => SurfaceClass::Unseen,
             _ => match self.classes[cell_idx as usize] {

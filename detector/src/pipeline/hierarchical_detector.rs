@@ -44,11 +44,12 @@ struct FittedObject {
 impl HierarchicalDetector {
     /// A detector for a sensor `sensor_height_m` above the road.
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
+        let separation = DenseSeparation::new(params.separation.clone(), params.grid.xi);
         Self {
             foreground: ForegroundStages::new(params, sensor_height_m),
             dense: DenseLevel::default(),
             links: Vec::new(),
-            separation: DenseSeparation::default(),
+            separation,
             clusters: Clusters::default(),
             is_outline: Vec::new(),
             box_fit: ConvexHullBox::default(),
@@ -74,7 +75,7 @@ impl Detector for HierarchicalDetector {
         clock.lap("dense_level", &mut output.stage_times);
         connected_components(grid, &self.dense, &params.merge, &mut self.links);
         clock.lap("merge", &mut output.stage_times);
-        self.separation.separate(grid, &self.dense, &self.links, &params.separation);
+        self.separation.separate(grid, &self.dense, &self.links);
         let object_of_dense = self.separation.object_of_dense();
         let labels = self.dense.dense_of_point().iter().map(|&dense_idx| object_of_dense[dense_idx as usize]);
         self.clusters.group(labels, self.separation.n_parts());

@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use crate::grid::dense_level::DenseLevel;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::dense_reach::DenseReach;
 use crate::segment::disjoint_sets::DisjointSets;
 
 /// Tuning of [`DenseSeparation::separate`].
@@ -25,8 +26,10 @@ pub struct DenseSeparationParams {
 /// keep them apart. What touches depends on the range, see [`DenseSeparationParams::single_gap_range_m`].
 ///
 /// Paper: HG section 3.2, third step, and Fig. 4.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct DenseSeparation {
+    params: DenseSeparationParams,
+    reach: DenseReach,
     // The part, and after all links the object, of every dense cell.
     object_of_dense: Vec<u32>,
     first_part_of_block: Vec<u32>,
@@ -40,21 +43,27 @@ pub struct DenseSeparation {
 pub const NO_OBJECT: u32 = u32::MAX;
 
 impl DenseSeparation {
+    /// Nothing separated yet; `xi` are the dense cells along the side of a block.
+    pub fn new(params: DenseSeparationParams, xi: u32) -> Self {
+        Self {
+            params,
+            reach: DenseReach::new(xi),
+            object_of_dense: Vec::new(),
+            first_part_of_block: Vec::new(),
+            cells_of_part: Vec::new(),
+            parts: DisjointSets::default(),
+            cut_links: Vec::new(),
+        }
+    }
+
     /// Replaces the content by the objects of the blobs that `links` makes of the blocks of `dense`.
-    pub fn separate(
-        &mut self,
-        grid: &HierarchicalGrid,
-        dense: &DenseLevel,
-        links: &[[u32; 2]],
-        params: &DenseSeparationParams,
-    ) {
-        self.find_parts(grid, dense, params);
+    pub fn separate(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, links: &[[u32; 2]]) {
+        self.find_parts(grid, dense);
         self.parts.reset(self.cells_of_part.len());
         self.cut_links.clear();
         for &blocks in links {
-            let cell = dense.cell_of_block()[blocks[0] as usize];
-            let touch = Touch { xi: grid.params().xi, max_steps: max_steps(grid, cell, params) };
-            if !self.join_touching(&touch, blocks, steps_between(grid, dense, blocks)) {
+            let cells = blocks.map(|block_idx| dense.cell_of_block()[block_idx as usize]);
+            if !self.join_touching(grid, blocks, cells) {
                 self.cut_links.push(blocks);
             }
         }
@@ -78,22 +87,23 @@ impl DenseSeparation {
         &self.cut_links
     }
 
-    fn find_parts(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, params: &DenseSeparationParams) {
+    fn find_parts(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel) {
         self.object_of_dense.clear();
         self.object_of_dense.resize(dense.n_points().len(), NO_OBJECT);
         self.first_part_of_block.clear();
         self.cells_of_part.clear();
         for (block_idx, &cell_idx) in dense.cell_of_block().iter().enumerate() {
             let n_points = dense.n_points_of_block(block_idx as u32);
-            let touch = Touch { xi: grid.params().xi, max_steps: max_steps(grid, cell_idx, params) };
             let first_part = self.cells_of_part.len();
             self.first_part_of_block.push(first_part as u32);
-            touch.push_groups(occupied(n_points, params.low_density_share), &mut self.cells_of_part);
+            let occupied = occupied(n_points, self.params.low_density_share);
+            self.reach.push_groups(occupied, self.max_steps(grid, cell_idx), &mut self.cells_of_part);
             let parts = &self.cells_of_part[first_part..];
             for (bit, &n_in_cell) in n_points.iter().enumerate() {
                 if n_in_cell > 0 {
                     let dense_idx = block_idx * n_points.len() + bit;
-                    self.object_of_dense[dense_idx] = (first_part + touch.nearest(parts, bit as u32)) as u32;
+                    let part = first_part + self.reach.nearest(parts, bit as u32);
+                    self.object_of_dense[dense_idx] = part as u32;
                 }
             }
         }
@@ -105,13 +115,16 @@ impl DenseSeparation {
         self.first_part_of_block[block_idx]..self.first_part_of_block[block_idx + 1]
     }
 
-    /// Joins the parts of two blocks, `steps` apart, that touch; `false` if none do.
-    fn join_touching(&mut self, touch: &Touch, blocks: [u32; 2], steps: [i32; 2]) -> bool {
+    /// Joins the parts of two neighbouring blocks that touch; `false` if none do.
+    fn join_touching(&mut self, grid: &HierarchicalGrid, blocks: [u32; 2], cells: [u32; 2]) -> bool {
+        let [from, to] = cells.map(|cell_idx| grid.column_and_row(cell_idx));
+        let steps = [to[0] as i32 - from[0] as i32, to[1] as i32 - from[1] as i32];
+        let max_steps = self.max_steps(grid, cells[0]);
         let mut any = false;
         for part in self.parts_of_block(blocks[0]) {
             for neighbor in self.parts_of_block(blocks[1]) {
                 let cells = [part, neighbor].map(|idx| self.cells_of_part[idx as usize]);
-                if touch.distance(cells, steps) <= touch.max_steps {
+                if self.reach.touches(cells, steps, max_steps) {
                     self.parts.join(part, neighbor);
                     any = true;
                 }
@@ -119,12 +132,12 @@ impl DenseSeparation {
         }
         any
     }
-}
 
-/// From how many steps between occupied dense cells on there is a gap between them.
-fn max_steps(grid: &HierarchicalGrid, cell_idx: u32, params: &DenseSeparationParams) -> u32 {
-    let [x_m, y_m] = grid.center_m(cell_idx);
-    1 + (x_m.hypot(y_m) / params.single_gap_range_m) as u32
+    /// Up to how many steps between occupied dense cells there is no gap between them.
+    fn max_steps(&self, grid: &HierarchicalGrid, cell_idx: u32) -> u32 {
+        let [x_m, y_m] = grid.center_m(cell_idx);
+        1 + ((x_m * x_m + y_m * y_m).sqrt() / self.params.single_gap_range_m) as u32
+    }
 }
 
 /// The dense cells of a block that are not near-empty, as bits.
@@ -134,66 +147,6 @@ fn occupied(n_points: &[u32], low_density_share: f32) -> u64 {
     let least = (low_density_share * mean).max(1.0);
     let is_occupied = n_points.iter().enumerate().filter(|&(_, &n)| n as f32 >= least);
     is_occupied.fold(0, |bits, (bit, _)| bits | 1 << bit)
-}
-
-/// Columns and rows from the first block to the second, each -1, 0 or 1.
-fn steps_between(grid: &HierarchicalGrid, dense: &DenseLevel, blocks: [u32; 2]) -> [i32; 2] {
-    let [from, to] = blocks.map(|block_idx| grid.column_and_row(dense.cell_of_block()[block_idx as usize]));
-    [to[0] as i32 - from[0] as i32, to[1] as i32 - from[1] as i32]
-}
-
-/// Which dense cells touch.
-struct Touch {
-    xi: u32,
-    max_steps: u32,
-}
-
-impl Touch {
-    /// Splits `cells` of one block into groups that touch, in the order of their first cell.
-    fn push_groups(&self, cells: u64, groups: &mut Vec<u64>) {
-        let mut left = cells;
-        while left != 0 {
-            let mut group = 1 << left.trailing_zeros();
-            loop {
-                let touched = (0..self.xi * self.xi).filter(|&bit| {
-                    left >> bit & 1 == 1 && self.distance([group, 1 << bit], [0, 0]) <= self.max_steps
-                });
-                let grown = touched.fold(group, |bits, bit| bits | 1 << bit);
-                if grown == group {
-                    break;
-                }
-                group = grown;
-            }
-            groups.push(group);
-            left &= !group;
-        }
-    }
-
-    /// Which of `parts` is nearest to dense cell `bit` of the same block; the first of equally near ones.
-    fn nearest(&self, parts: &[u64], bit: u32) -> usize {
-        let distances = parts.iter().map(|&cells| self.distance([cells, 1 << bit], [0, 0]));
-        let nearest = distances.enumerate().min_by_key(|&(_, distance)| distance);
-        nearest.map_or(0, |(part, _)| part)
-    }
-
-    /// Fewest steps, sideways or diagonal, from a dense cell of the first set to one of the second, whose block is
-    /// `steps` columns and rows away.
-    fn distance(&self, cells: [u64; 2], steps: [i32; 2]) -> u32 {
-        let xi = self.xi as i32;
-        let positions = |bits: u64| {
-            let set = (0..xi * xi).filter(move |bit| bits >> bit & 1 == 1);
-            set.map(move |bit| [bit % xi, bit / xi])
-        };
-        let mut least = u32::MAX;
-        for [column, row] in positions(cells[0]) {
-            for [to_column, to_row] in positions(cells[1]) {
-                let across = (to_column + steps[0] * xi - column).unsigned_abs();
-                let along = (to_row + steps[1] * xi - row).unsigned_abs();
-                least = least.min(across.max(along));
-            }
-        }
-        least
-    }
 }
 
 #[cfg(test)]
@@ -238,8 +191,8 @@ mod tests {
             &ConnectedComponentsParams { max_height_difference_m: 1.0 },
             &mut links,
         );
-        let mut separation = DenseSeparation::default();
-        separation.separate(&grid, &dense, &links, &PARAMS);
+        let mut separation = DenseSeparation::new(PARAMS, xi);
+        separation.separate(&grid, &dense, &links);
         let mut lines: Vec<Vec<char>> = drawing.lines().map(|line| vec!['.'; line.len()]).collect();
         let mut seen = Vec::new();
         for (&dense_idx, (row, column)) in dense.dense_of_point().iter().zip(place_of_point) {

@@ -6,5 +6,6 @@ pub mod ground_segmentation;
 pub mod foreground;
 pub mod connected_components;
 pub mod disjoint_sets;
+pub mod dense_reach;
 pub mod dense_separation;
 pub mod clusters;

@@ -8,6 +8,7 @@ use reports::run_directory::RunDirectoryError;
 
 use crate::commands::standard_streams::print_diagnostic;
 use crate::dataset::DatasetError;
+use crate::realism::survey::SurveyError;
 use crate::run::config::ConfigError;
 use crate::run::detector_list::DetectorListError;
 use crate::run::side_by_side::RunError;
@@ -69,6 +70,11 @@ impl Failure {
         match error.downcast_ref::<RunError>() {
             Some(RunError::Dataset(error)) => return of_dataset(error),
             Some(RunError::Interrupted { .. }) => return Self::Interrupted,
+            None => {}
+        }
+        match error.downcast_ref::<SurveyError>() {
+            Some(SurveyError::Dataset(error)) => return of_dataset(error),
+            Some(SurveyError::Interrupted { .. }) => return Self::Interrupted,
             None => {}
         }
         if error.is::<NothingEvaluated>() {
@@ -172,12 +178,14 @@ mod tests {
         check(RunError::from(missing()), Failure::Data);
         check(unknown(), Failure::Usage);
         check(RunError::from(unknown()), Failure::Usage);
+        check(SurveyError::from(missing()), Failure::Data);
         check(anyhow::Error::from(missing()).context(Usage("bad catalogue".to_owned())), Failure::Usage);
     }
 
     #[test]
     fn interrupted_and_empty_runs_have_codes_of_their_own() {
         check(RunError::Interrupted { n_done: 1, n_scans: 2 }, Failure::Interrupted);
+        check(SurveyError::Interrupted { dataset: "street".to_owned(), n_scans: 2 }, Failure::Interrupted);
         check(NothingEvaluated { reason: "no cars".to_owned() }, Failure::NothingEvaluated);
     }
 

@@ -6,6 +6,7 @@ pub mod progress;
 pub mod interruption;
 pub mod open_datasets;
 pub mod provenance;
+pub mod run_directory;
 pub mod run_rows;
 pub mod run_manifest;
 #[cfg(feature = "rerun")]
@@ -13,4 +14,5 @@ pub mod recording;
 pub mod run;
 pub mod selftest;
 pub mod data_list;
+pub mod data_realism;
 pub mod dispatch;

@@ -82,3 +82,8 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
     }
     Ok(opened)
 }
+
+/// The ids of `datasets`, joined by `+`.
+pub fn ids_of(datasets: &[OpenedDataset]) -> String {
+    datasets.iter().map(|it| it.dataset.description().id.as_str()).collect::<Vec<_>>().join("+")
+}

@@ -3,6 +3,11 @@
 use jiff::Timestamp;
 use reports::manifest::{GitState, Machine};
 
+/// The command line, the program's name first.
+pub fn command_line() -> Vec<String> {
+    std::env::args_os().map(|it| it.to_string_lossy().into_owned()).collect()
+}
+
 /// The commit the program was built from; `None` if it was built outside of a checkout.
 pub fn git_state() -> Option<GitState> {
     let commit = env!("SCANBENCH_GIT_COMMIT");

@@ -1,7 +1,7 @@
 //! `scanbench run`.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use indicatif::ProgressBar;
@@ -10,8 +10,7 @@ use reports::csv_rows::CsvRowWriter;
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
-    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, RunDirectoryError,
-    SCANS_CSV,
+    LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
@@ -19,11 +18,12 @@ use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 
 use crate::cli::{CriterionName, RunArgs};
-use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
+use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::run_manifest;
 use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
@@ -87,18 +87,8 @@ fn run_config(arguments: &RunArgs) -> anyhow::Result<RunConfig> {
 }
 
 fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
-    let existing = if plan.arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
-    let created = if let Some(target) = &plan.arguments.output {
-        RunDirectory::create(target, existing, LatestPointer::Leave)
-    } else {
-        let ids: Vec<&str> = plan.datasets.iter().map(|it| it.dataset.description().id.as_str()).collect();
-        let target = PathBuf::from("runs").join(format!("{}-{}", compact_utc(plan.started), ids.join("+")));
-        RunDirectory::create(&target, existing, LatestPointer::Update)
-    };
-    created.map_err(|error| match error {
-        RunDirectoryError::Occupied { .. } => Usage(format!("{error} with --overwrite")).into(),
-        error => error.into(),
-    })
+    let unnamed = format!("{}-{}", compact_utc(plan.started), ids_of(&plan.datasets));
+    begin_run_directory(&plan.arguments.output, &unnamed, LatestPointer::Update)
 }
 
 /// The files that grow scan by scan.

@@ -6,9 +6,9 @@ use jiff::Timestamp;
 use reports::archive::SCHEMA;
 use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation};
 
-use crate::cli::RunArgs;
+use crate::cli::{DatasetArgs, RunArgs};
 use crate::commands::open_datasets::OpenedDataset;
-use crate::commands::provenance::{git_state, machine, rfc3339_utc, rustc_version};
+use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::dataset;
 use crate::dataset::simulated_street::StreetDrive;
 use crate::matching::criterion::Criterion;
@@ -36,7 +36,7 @@ pub fn run_manifest(
         scoring_version: SCORING_VERSION,
         scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
         created: rfc3339_utc(started),
-        argv: std::env::args_os().map(|it| it.to_string_lossy().into_owned()).collect(),
+        argv: command_line(),
         seeds: seeds(datasets),
         n_warmup_detections: arguments.warmup.into(),
         matching_criterion: in_words(matching.criterion),
@@ -44,7 +44,7 @@ pub fn run_manifest(
             min_points: matching.eligibility.min_points as u32,
             max_range_m: matching.eligibility.max_range_m,
         },
-        datasets: datasets.iter().map(|it| dataset_entry(it, arguments)).collect(),
+        datasets: datasets.iter().map(|it| dataset_entry(it, &arguments.data)).collect(),
         detectors: detectors.iter().map(of_detector).collect(),
         config: resolved,
         git: git_state(),
@@ -61,12 +61,14 @@ fn in_words(criterion: Criterion) -> String {
     }
 }
 
-fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
+/// The seeds of the simulated ones among `datasets`, by their ids.
+pub fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
     let descriptions = datasets.iter().map(|it| it.dataset.description());
     descriptions.filter_map(|it| Some((it.id.clone(), it.simulation.as_ref()?.seed))).collect()
 }
 
-fn dataset_entry(opened: &OpenedDataset, arguments: &RunArgs) -> DatasetEntry {
+/// What a manifest says of a data set that was opened as `arguments` say.
+pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> DatasetEntry {
     let description = opened.dataset.description();
     DatasetEntry {
         id: description.id.clone(),
@@ -81,7 +83,7 @@ fn dataset_entry(opened: &OpenedDataset, arguments: &RunArgs) -> DatasetEntry {
         },
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,
-        selection: arguments.data.scans.clone(),
+        selection: arguments.scans.clone(),
         sensor_height_m: description.sensor_height_m,
         licence: description.licence.clone(),
         simulation: description.simulation.as_ref().map(simulation),

@@ -63,6 +63,11 @@ fn abbreviations(cpu_model: &str) -> String {
 }
 
 impl Notes {
+    /// Nothing to be said.
+    pub(crate) fn none() -> Self {
+        Self { marks: BTreeSet::new(), sentences: Vec::new() }
+    }
+
     /// The sign of a cell's mark, empty without one. For simulated data it is a word, see [`Self::tag`].
     pub(crate) fn sign(&self, cell: &Cell) -> String {
         match cell.mark {

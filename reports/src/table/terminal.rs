@@ -39,7 +39,8 @@ struct Width {
     fraction: usize,
 }
 
-fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+/// The grid with its heads.
+pub(crate) fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
     let widths = widths(grid, notes);
     let total = grid_width(grid, &widths);
     write_group_heads(text, grid, &widths);
@@ -144,7 +145,7 @@ fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
 }
 
 /// `sentence` in lines of at most [`LINE_WIDTH`] characters, all but the first indented.
-fn wrapped(sentence: &str) -> String {
+pub(crate) fn wrapped(sentence: &str) -> String {
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
         let last = lines.last_mut().expect("there is a first line");

@@ -1,0 +1,30 @@
+//! All statistics of two collections of scans.
+
+use reports::curve_pair::{CurvePair, Sides};
+
+use super::cell_classes::cell_classes;
+use super::clusters_per_scan::clusters_per_scan;
+use super::ground_share::ground_share;
+use super::height_histogram::height_histogram;
+use super::points_per_car::points_per_car;
+use super::returns_per_scan::returns_per_scan;
+use super::ring_density::ring_density;
+use super::survey::SurveyedScan;
+
+/// The curves of every statistic, in the order of the table.
+pub fn compare(scans: &Sides<Vec<SurveyedScan>>) -> Vec<CurvePair> {
+    vec![
+        returns_per_scan(&of_scans(scans, |it| it.n_returns)),
+        ground_share(&of_scans(scans, |it| it.ground)),
+        ring_density(&of_scans(scans, |it| it.rings.clone())),
+        points_per_car(&of_scans(scans, |it| it.cars.clone())),
+        clusters_per_scan(&of_scans(scans, |it| it.n_clusters)),
+        height_histogram(&of_scans(scans, |it| it.heights.clone())),
+        cell_classes(&of_scans(scans, |it| it.cells)),
+    ]
+}
+
+/// One finding of every scan of both sides.
+fn of_scans<T>(scans: &Sides<Vec<SurveyedScan>>, finding: impl Fn(&SurveyedScan) -> T) -> Sides<Vec<T>> {
+    scans.as_ref().map(|scans| scans.iter().map(&finding).collect())
+}
