@@ -65,7 +65,7 @@ pub enum DataCommand {
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
     /// Measure how like the scans of one data set are to those of another
-    Realism(RealismArgs),
+    Realism(Box<RealismArgs>),
 }
 
 /// Where data sets are looked up.
@@ -120,7 +120,7 @@ fn detector_names() -> impl Iterator<Item = &'static str> {
 /// Where a verb leaves its files.
 #[derive(Debug, Args)]
 pub struct OutputArgs {
-    /// Directory to write [default: `runs/TIME-DATASETS`, with `runs/latest` pointing at it]
+    /// Directory to write [default: one in `runs/`, named after time and data sets]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Replace the directory if there is an earlier one
@@ -185,7 +185,8 @@ Examples:
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
-Leaves in the run directory: manifest.json, report.json, scans.csv, matches.csv,
+Leaves in the run directory, which runs/latest points at unless -o names it:
+manifest.json, report.json, scans.csv, matches.csv,
 table_<task>.{csv,md,tex} and, unless --no-rrd, run.rrd for the Rerun viewer.";
 
 #[cfg(not(feature = "rerun"))]
@@ -195,7 +196,8 @@ Examples:
   scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
 
-Leaves in the run directory: manifest.json, report.json, scans.csv, matches.csv
+Leaves in the run directory, which runs/latest points at unless -o names it:
+manifest.json, report.json, scans.csv, matches.csv
 and table_<task>.{csv,md,tex}. This program was built without Rerun.";
 
 /// What is streamed to Rerun.

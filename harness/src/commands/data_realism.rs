@@ -1,5 +1,6 @@
 //! `scanbench data realism`.
 
+use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
@@ -58,7 +59,7 @@ pub fn data_realism(arguments: &RealismArgs) -> anyhow::Result<()> {
     printed
 }
 
-/// How the other side is opened. A seed is for the side that is judged.
+/// How the other side is opened. What is said of the simulator is for the side that is judged.
 fn against(arguments: &RealismArgs) -> DatasetArgs {
     DatasetArgs {
         datasets: vec![arguments.against.clone()],
@@ -93,15 +94,18 @@ fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> anyhow::Resul
 
 /// What is measured, whether it is simulated, and of how many scans.
 fn name_of(side: &[OpenedDataset]) -> String {
-    let name = |it: &OpenedDataset| {
-        let description = it.dataset.description();
-        let simulated = match &description.simulation {
-            None => String::new(),
-            Some(drive) => format!(" (simulated, seed {})", drive.seed),
-        };
-        format!("{}{simulated}, {} scans", description.id, it.scan_indices.len())
+    let descriptions = || side.iter().map(|it| it.dataset.description());
+    let ids: Vec<&str> = descriptions().map(|it| it.id.as_str()).collect();
+    let seeds: BTreeSet<Option<u64>> = descriptions().map(|it| Some(it.simulation.as_ref()?.seed)).collect();
+    let n_simulated = descriptions().filter(|it| it.simulated).count();
+    let simulated = match (n_simulated, seeds.first()) {
+        (0, _) => String::new(),
+        (n, Some(Some(seed))) if n == side.len() && seeds.len() == 1 => format!(" (simulated, seed {seed})"),
+        (n, _) if n == side.len() => " (simulated)".to_owned(),
+        _ => " (partly simulated)".to_owned(),
     };
-    side.iter().map(name).collect::<Vec<_>>().join(" + ")
+    let n_scans: usize = side.iter().map(|it| it.scan_indices.len()).sum();
+    format!("{}{simulated}, {n_scans} scans", ids.join(" + "))
 }
 
 fn manifest(

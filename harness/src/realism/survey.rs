@@ -102,18 +102,11 @@ impl SurveyedScan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::simulated_street::{StreetDrive, open_simulated_street};
-    use crate::simulator::StreetKind;
+    use crate::dataset::catalogue::built_in_catalogue;
+    use crate::dataset::open::{OpenOptions, open_dataset};
 
     fn street() -> Box<dyn Dataset> {
-        let drive = StreetDrive {
-            street: StreetKind::MainRoad,
-            seed: 5,
-            n_scans: 3,
-            turns_per_scan: 20,
-            labeled_to_either_side_deg: None,
-        };
-        open_simulated_street("street", &drive)
+        open_dataset("street-main-road", &OpenOptions::default(), &built_in_catalogue().unwrap()).unwrap()
     }
 
     #[test]

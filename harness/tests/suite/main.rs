@@ -10,3 +10,4 @@ mod damaged_datasets;
 mod kitti_real_scans;
 mod layers;
 mod run_directory;
+mod realism;

@@ -31,7 +31,8 @@ fn draw(root: &Area<'_>, curves: &CurvePair, names: Sides<&str>) -> Drawn {
         Some([from_m, to_m])
     });
     let form = if ends_m.is_some() { KeyForm::Lines } else { KeyForm::Bars };
-    draw_heading(&heading, curves.title, names, form)?;
+    let by = curves.bins_of.map_or_else(String::new, |it| format!(" by {it}"));
+    draw_heading(&heading, &format!("{}{by}", curves.title), names, form)?;
     if let Some(ends_m) = ends_m {
         let (upper, lower) = panels.split_vertically(CURVES_PX);
         draw_lines(&upper, curves, ends_m)?;
