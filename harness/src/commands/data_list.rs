@@ -22,7 +22,7 @@ pub fn data_list(arguments: &CatalogueArgs) -> anyhow::Result<()> {
             Ok(dataset) => {
                 let description = dataset.description();
                 let n_scans = dataset.scan_ids().len();
-                let simulated = if description.simulated { ", simulated" } else { "" };
+                let simulated = if description.is_simulated() { ", simulated" } else { "" };
                 print_result(format_args!(
                     "{id:<width$}  {n_scans} scans  {}{simulated}",
                     description.format

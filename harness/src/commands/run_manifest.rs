@@ -74,7 +74,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         id: description.id.clone(),
         format: description.format.clone(),
         root: description.root.as_ref().map(|it| it.display().to_string()),
-        simulated: description.simulated,
+        simulated: description.is_simulated(),
         annotated: match &description.annotated {
             dataset::AnnotatedClasses::EveryObject => AnnotatedClasses::EveryObject,
             dataset::AnnotatedClasses::Only(classes) => {

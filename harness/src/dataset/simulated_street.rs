@@ -89,7 +89,6 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         id: id.to_owned(),
         format: FORMAT.to_owned(),
         root: None,
-        simulated: true,
         annotated: AnnotatedClasses::EveryObject,
         sensor_height_m: sensor.height_above_road_m,
         licence: None,

@@ -27,7 +27,6 @@ impl DatasetSource {
             id: self.id,
             format: format.name().to_owned(),
             root: Some(self.folder),
-            simulated: false,
             annotated: self.annotated,
             sensor_height_m: self.sensor_height_m,
             licence: self.licence,
