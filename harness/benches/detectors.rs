@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|&it| Ok(dataset.read_scan(it)?.cloud))
         .collect::<Result<_, Box<dyn std::error::Error>>>()?;
     let n_points: usize = clouds.iter().map(PointCloud::len).sum();
-    let simulated = if dataset.description().simulated { ", simulated" } else { "" };
+    let simulated = if dataset.description().is_simulated() { ", simulated" } else { "" };
     println!(
         "{name}{simulated}: {} scans, {} points a scan, {N_ROUNDS} rounds",
         clouds.len(),

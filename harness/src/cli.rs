@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::run::detector_list::DETECTORS;
+use crate::simulator::sensor::EMBEDDED_SENSORS;
+
 /// Evaluates and benchmarks LiDAR object detectors side by side.
 #[derive(Debug, Parser)]
 #[command(name = "scanbench", version, max_term_width = 100, after_help = EXAMPLES, after_long_help = EXIT_CODES)]
@@ -41,7 +44,7 @@ pub enum Command {
     /// Run detectors on labelled scans, score them, and leave a run directory
     Run(RunArgs),
     /// Look at the catalogue of data sets
-    #[command(subcommand)]
+    #[command(subcommand, after_help = "Example:\n  scanbench data list")]
     Data(DataCommand),
     /// Score annotations fed back as detections: everything must come out at exactly 1
     Selftest(SelftestArgs),
@@ -79,10 +82,11 @@ pub struct DatasetArgs {
     /// Ids of the catalogue, or paths of data sets
     #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASETS)]
     pub datasets: Vec<String>,
-    /// Format of the data sets given as paths, instead of recognising it
+    /// Format of the data sets given as paths, instead of recognising it: `kitti-tracking` or `kitti-object`
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<String>,
-    /// Which scans, by place in the data set: `0..500:5` is every fifth of the first 500
+    /// Which scans, by place in each data set, from 0: `7`, `0..500` (without 500), `0..500:5` (every fifth), or several
+    /// of these by comma
     #[arg(long, value_name = "RANGE")]
     pub scans: Option<String>,
     /// Seed of simulated data sets, instead of the catalogue's
@@ -91,12 +95,26 @@ pub struct DatasetArgs {
     /// Number of scans of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub simulated_scans: Option<u32>,
-    /// Sensor of simulated data sets: `hdl-64e-s2`, `hdl-32e`, `vlp-16`, `os1-128`, or a file that describes one
-    #[arg(long, value_name = "SENSOR")]
+    /// Sensor of simulated data sets.
+    #[arg(long, value_name = "SENSOR", help = sensor_help())]
     pub sensor: Option<String>,
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,
+}
+
+fn sensor_help() -> String {
+    let ids = EMBEDDED_SENSORS.map(|(id, _)| format!("`{id}`")).join(", ");
+    format!("Sensor of simulated data sets: {ids}, or a TOML file that describes one")
+}
+
+fn detectors_help() -> String {
+    let names: Vec<&str> = detector_names().collect();
+    format!("Detectors, by comma [default: {}]", names.join(","))
+}
+
+fn detector_names() -> impl Iterator<Item = &'static str> {
+    DETECTORS.iter().map(|it| it.name)
 }
 
 /// Where a verb leaves its files.
@@ -134,16 +152,11 @@ pub struct RunArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
-    /// Detectors, by comma: `hierarchical`, `kd-tree`, `pca`
-    #[arg(
-        short,
-        long,
-        value_name = "NAMES",
-        value_delimiter = ',',
-        default_value = "hierarchical,kd-tree,pca"
-    )]
+    /// The detectors, in the order of the tables.
+    #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
+    #[arg(default_values = detector_names())]
     pub detectors: Vec<String>,
-    /// Configuration that overrides parameters of detectors and matching
+    /// TOML file that overrides parameters of detectors and matching, by the names under `config` in manifest.json
     #[arg(short, long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     /// How detections are judged.

@@ -76,9 +76,31 @@ pub struct DatasetEntry {
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
-    pub sensor_height_m: f64,
+    pub sensor_height_m: f32,
     /// Its licence, where known.
     pub licence: Option<String>,
+    /// What a simulation was asked for besides its seed; `None` for what was recorded.
+    pub simulation: Option<Simulation>,
+}
+
+/// A drive through a simulated street.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Simulation {
+    /// Bumped whenever the same street gives other scans.
+    pub simulator_version: u32,
+    /// The kind of street.
+    pub street: String,
+    /// Length of the drive in scans, of which a selection may have taken some.
+    pub n_drive_scans: u32,
+    /// Turns of the sensor from one scan to the next.
+    pub turns_per_scan: u32,
+    /// The sensor: its id, or the file that describes it.
+    pub sensor: String,
+    /// `instant` or `rolling`.
+    pub shutter: String,
+    /// How far to either side of forward the labels reach, in degrees; `None` for all around.
+    pub labeled_to_either_side_deg: Option<f32>,
 }
 
 /// Which objects of the street a data set annotates.
@@ -170,6 +192,7 @@ mod tests {
                 selection: Some("0..80:2".to_owned()),
                 sensor_height_m: 1.73,
                 licence: None,
+                simulation: None,
             }],
             detectors: vec![DetectorEntry {
                 name: "kd-tree".to_owned(),
@@ -232,7 +255,8 @@ mod tests {
               "n_scans": 40,
               "selection": "0..80:2",
               "sensor_height_m": 1.73,
-              "licence": null
+              "licence": null,
+              "simulation": null
             }
           ],
           "detectors": [

@@ -23,6 +23,8 @@ pub enum Metric {
     IgnoredAnnotations,
     /// Detections that are neither right nor false.
     IgnoredDetections,
+    /// Detections of which it cannot be known whether they are false.
+    UnknowableDetections,
     /// Share of the annotations that are torn apart.
     OverSegmentation,
     /// Share of the detections holding an annotation that run several together.
@@ -67,7 +69,7 @@ const STAGE_PREFIX: &str = "stage_p50_ms/";
 
 impl Metric {
     /// The metrics without a name in their id, in the order of a report.
-    const UNNAMED: [Self; 18] = [
+    const UNNAMED: [Self; 19] = [
         Self::No,
         Self::Tp,
         Self::Mo,
@@ -77,6 +79,7 @@ impl Metric {
         Self::FRate,
         Self::IgnoredAnnotations,
         Self::IgnoredDetections,
+        Self::UnknowableDetections,
         Self::OverSegmentation,
         Self::UnderSegmentation,
         Self::FpsMean,
@@ -100,6 +103,7 @@ impl Metric {
             Self::FRate => "f_rate",
             Self::IgnoredAnnotations => "ignored_annotations",
             Self::IgnoredDetections => "ignored_detections",
+            Self::UnknowableDetections => "unknowable_detections",
             Self::OverSegmentation => "over_segmentation",
             Self::UnderSegmentation => "under_segmentation",
             Self::FpsMean => "fps_mean",
@@ -131,7 +135,8 @@ impl Metric {
             | Self::Mo
             | Self::Fo
             | Self::IgnoredAnnotations
-            | Self::IgnoredDetections => "count",
+            | Self::IgnoredDetections
+            | Self::UnknowableDetections => "count",
             Self::Precision
             | Self::Recall
             | Self::FRate
@@ -145,7 +150,9 @@ impl Metric {
     /// Which way is better.
     pub fn direction(&self) -> Direction {
         match self {
-            Self::No | Self::IgnoredAnnotations | Self::IgnoredDetections => Direction::Neither,
+            Self::No | Self::IgnoredAnnotations | Self::IgnoredDetections | Self::UnknowableDetections => {
+                Direction::Neither
+            }
             Self::Tp | Self::Precision | Self::Recall | Self::FRate | Self::FpsMean => {
                 Direction::HigherIsBetter
             }

@@ -96,8 +96,8 @@ fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> anyhow::Resul
 fn name_of(side: &[OpenedDataset]) -> String {
     let descriptions = || side.iter().map(|it| it.dataset.description());
     let ids: Vec<&str> = descriptions().map(|it| it.id.as_str()).collect();
-    let seeds: BTreeSet<Option<u64>> = descriptions().map(|it| it.seed).collect();
-    let n_simulated = descriptions().filter(|it| it.simulated).count();
+    let seeds: BTreeSet<Option<u64>> = descriptions().map(|it| Some(it.simulation.as_ref()?.seed)).collect();
+    let n_simulated = descriptions().filter(|it| it.is_simulated()).count();
     let simulated = match (n_simulated, seeds.first()) {
         (0, _) => String::new(),
         (n, Some(Some(seed))) if n == side.len() && seeds.len() == 1 => format!(" (simulated, seed {seed})"),

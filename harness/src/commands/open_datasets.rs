@@ -76,7 +76,7 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
     ];
     if let Some((option, _)) = for_simulated.iter().find(|(_, is_given)| *is_given) {
         anyhow::ensure!(
-            opened.iter().any(|it| it.dataset.description().simulated),
+            opened.iter().any(|it| it.dataset.description().is_simulated()),
             Usage(format!("{option} is for simulated data sets, and none is asked for"))
         );
     }

@@ -4,16 +4,18 @@ use std::collections::BTreeMap;
 
 use jiff::Timestamp;
 use reports::archive::SCHEMA;
-use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest};
+use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation};
 
 use crate::cli::{DatasetArgs, RunArgs};
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::dataset;
+use crate::dataset::simulated_street::StreetDrive;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
+use crate::simulator::SIMULATOR_VERSION;
 
 /// Everything that decides the numbers of a run that began at `started`.
 pub fn run_manifest(
@@ -62,7 +64,7 @@ fn in_words(criterion: Criterion) -> String {
 /// The seeds of the simulated ones among `datasets`, by their ids.
 pub fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
     let descriptions = datasets.iter().map(|it| it.dataset.description());
-    descriptions.filter_map(|it| Some((it.id.clone(), it.seed?))).collect()
+    descriptions.filter_map(|it| Some((it.id.clone(), it.simulation.as_ref()?.seed))).collect()
 }
 
 /// What a manifest says of a data set that was opened as `arguments` say.
@@ -72,7 +74,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         id: description.id.clone(),
         format: description.format.clone(),
         root: description.root.as_ref().map(|it| it.display().to_string()),
-        simulated: description.simulated,
+        simulated: description.is_simulated(),
         annotated: match &description.annotated {
             dataset::AnnotatedClasses::EveryObject => AnnotatedClasses::EveryObject,
             dataset::AnnotatedClasses::Only(classes) => {
@@ -82,8 +84,21 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,
         selection: arguments.scans.clone(),
-        sensor_height_m: f64::from(description.sensor_height_m),
+        sensor_height_m: description.sensor_height_m,
         licence: description.licence.clone(),
+        simulation: description.simulation.as_ref().map(simulation),
+    }
+}
+
+fn simulation(drive: &StreetDrive) -> Simulation {
+    Simulation {
+        simulator_version: SIMULATOR_VERSION,
+        street: drive.street.name().to_owned(),
+        n_drive_scans: drive.n_scans,
+        turns_per_scan: drive.turns_per_scan,
+        sensor: drive.sensor.clone(),
+        shutter: drive.shutter.name().to_owned(),
+        labeled_to_either_side_deg: drive.labeled_to_either_side_deg,
     }
 }
 

@@ -46,6 +46,13 @@ pub fn open_dataset(
     catalogue: &Catalogue,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     if let Some(drive) = catalogue.simulated.get(id_or_path) {
+        if let Some(asked_for) = options.format {
+            return Err(DatasetError::FormatContradictsCatalogue {
+                id: id_or_path.to_owned(),
+                catalogued: "simulated".to_owned(),
+                asked_for: asked_for.to_string(),
+            });
+        }
         let drive = StreetDrive {
             seed: options.seed.unwrap_or(drive.seed),
             n_scans: options.n_simulated_scans.unwrap_or(drive.n_scans),

@@ -44,6 +44,16 @@ pub enum Shutter {
     Rolling,
 }
 
+impl Shutter {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Instant => "instant",
+            Self::Rolling => "rolling",
+        }
+    }
+}
+
 /// A drive through a simulated street. Scans are made when they are read.
 struct SimulatedStreet {
     description: DatasetDescription,
@@ -79,12 +89,11 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         id: id.to_owned(),
         format: FORMAT.to_owned(),
         root: None,
-        simulated: true,
         annotated: AnnotatedClasses::EveryObject,
         sensor_height_m: sensor.height_above_road_m,
         licence: None,
         checksum: Some(sha256(&made_of)),
-        seed: Some(drive.seed),
+        simulation: Some(drive.clone()),
     };
     let labeled_to_either_side_deg = drive.labeled_to_either_side_deg;
     let shutter = drive.shutter;
@@ -208,7 +217,10 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), "name = 3").unwrap();
         let damaged = refused(file.path().to_str().unwrap());
-        assert!(damaged.is_usage_error() && damaged.to_string().contains("is no sensor"), "{damaged}");
+        assert!(
+            damaged.is_usage_error() && damaged.to_string().contains("does not describe a sensor"),
+            "{damaged}"
+        );
     }
 
     #[test]

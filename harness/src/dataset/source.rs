@@ -27,12 +27,11 @@ impl DatasetSource {
             id: self.id,
             format: format.name().to_owned(),
             root: Some(self.folder),
-            simulated: false,
             annotated: self.annotated,
             sensor_height_m: self.sensor_height_m,
             licence: self.licence,
             checksum: Some(checksum),
-            seed: None,
+            simulation: None,
         }
     }
 }

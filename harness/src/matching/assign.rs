@@ -2,10 +2,12 @@
 
 use detector::Detections;
 
-use crate::annotation::LabeledScan;
+use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::AnnotatedClasses;
 use crate::matching::criterion::Criterion;
-use crate::matching::eligibility::{EligibilityParams, asks_for, exclusion, is_mostly_ignored};
+use crate::matching::eligibility::{
+    EligibilityParams, asks_for, exclusion, is_beyond_range, is_mostly_ignored,
+};
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 use crate::matching::outcome::{
     AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, IgnoredDetection, MissReason,
@@ -114,7 +116,7 @@ impl Scene<'_> {
                 return DetectionOutcome::Matched { annotation_idx: pair.annotation_idx, cost: pair.cost };
             }
             if is_mostly_ignored(self.scan, &detection, &is_on_ignored, params) {
-                return DetectionOutcome::Ignored(self.ignore_reason(detection_idx));
+                return DetectionOutcome::Ignored(self.ignore_reason(detection_idx, params));
             }
             if annotated.covers(self.task) {
                 DetectionOutcome::False(self.false_reason(detection_idx))
@@ -125,13 +127,21 @@ impl Scene<'_> {
         (0..self.detections.len()).map(outcome).collect()
     }
 
-    fn ignore_reason(&self, detection_idx: usize) -> IgnoredDetection {
-        let n_points = self.detections.get(detection_idx).point_indices.len();
+    fn ignore_reason(&self, detection_idx: usize, params: &EligibilityParams) -> IgnoredDetection {
+        let point_indices = self.detections.get(detection_idx).point_indices;
+        let is_half = |n_points: usize| 2 * n_points >= point_indices.len();
         let on_ignored = self.overlap.of_detection(detection_idx).filter(|&(annotation_idx, _)| {
             matches!(self.exclusions[annotation_idx], Some(AnnotationOutcome::Ignored(_)))
         });
-        if 2 * on_ignored.map(|(_, n_shared)| n_shared).sum::<usize>() >= n_points {
+        let is_outside =
+            |&&point_idx: &&u32| self.scan.point_regions[point_idx as usize] == PointRegion::Outside;
+        let is_far = |&&point_idx: &&u32| is_beyond_range(self.scan, point_idx, params);
+        if is_half(on_ignored.map(|(_, n_shared)| n_shared).sum()) {
             IgnoredDetection::OnIgnoredAnnotation
+        } else if is_half(point_indices.iter().filter(is_outside).count()) {
+            IgnoredDetection::OutsideLabeledRegion
+        } else if is_half(point_indices.iter().filter(is_far).count()) {
+            IgnoredDetection::BeyondRange
         } else {
             IgnoredDetection::OnIgnoredPoints
         }
@@ -170,7 +180,7 @@ impl Scene<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, PointRegion, ScanId};
+    use crate::annotation::{Annotation, AnnotationClass, ScanId};
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
     use std::ops::Range;
 
@@ -178,6 +188,8 @@ mod tests {
     use DetectedClass::{Object, Vehicle};
 
     const EVERYTHING: AnnotatedClasses = AnnotatedClasses::EveryObject;
+    const STANDARD: MatchingParams =
+        MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
     const UNIT: OrientedBox =
         OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
 
@@ -222,9 +234,21 @@ mod tests {
             self
         }
 
+        fn unscorable_from(mut self, first_idx: usize) -> Self {
+            self.scan.point_regions[first_idx..].fill(PointRegion::Unscorable);
+            self
+        }
+
         fn judge(&self, task: Task, annotated: &AnnotatedClasses) -> (Vec<String>, Vec<String>) {
-            let params =
-                MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+            self.judge_by(task, annotated, STANDARD)
+        }
+
+        fn judge_by(
+            &self,
+            task: Task,
+            annotated: &AnnotatedClasses,
+            params: MatchingParams,
+        ) -> (Vec<String>, Vec<String>) {
             let it = assign(&self.scan, &self.detections, task, annotated, &params);
             let annotations = it.annotations.iter().map(|outcome| match outcome {
                 AnnotationOutcome::NotAsked => "not asked".to_owned(),
@@ -298,8 +322,30 @@ mod tests {
             &outside,
             Task::Vehicles,
             &["ignored: outside labelled region"],
-            &["ignored: on ignored annotation", "ignored: on ignored points"],
+            &["ignored: on ignored annotation", "ignored: outside labelled region"],
         );
+    }
+
+    #[test]
+    fn unscorable_and_far_points_say_so() {
+        let unscorable = street(&[], &[(Vehicle, 80..110)]).unscorable_from(95);
+        check(&unscorable, Task::Vehicles, &[], &["ignored: on ignored points"]);
+        let far = street(&[], &[(Vehicle, 90..120), (Vehicle, 80..110)]);
+        let within_10_m = EligibilityParams { max_range_m: 10.0, ..EligibilityParams::STANDARD };
+        let params = MatchingParams { eligibility: within_10_m, ..STANDARD };
+        let (_, detections) = far.judge_by(Task::Vehicles, &EVERYTHING, params);
+        assert_eq!(detections, ["ignored: beyond range", "false: nothing there"]);
+    }
+
+    #[test]
+    fn an_overlap_of_exactly_the_least_is_enough() {
+        for (min_iou, n_points) in [(0.1, 4), (0.3, 12), (0.7, 28), (1.0, 40)] {
+            let criterion = Criterion::Points { min_iou };
+            let part = street(&[(Car, 0..40)], &[(Vehicle, 0..n_points)]);
+            let (annotations, _) =
+                part.judge_by(Task::Objects, &EVERYTHING, MatchingParams { criterion, ..STANDARD });
+            assert_eq!(annotations, [format!("0 at {:.2}", 1.0 - min_iou)], "IoU {min_iou}");
+        }
     }
 
     #[test]

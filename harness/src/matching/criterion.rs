@@ -58,14 +58,15 @@ fn pairs_by_points(
     let annotations = scan.annotations.iter().enumerate();
     let pairs = annotations.flat_map(|(annotation_idx, annotation)| {
         let shared = overlap.of_annotation(annotation_idx).iter();
-        shared.map(move |&(detection_idx, n_shared)| {
+        shared.filter_map(move |&(detection_idx, n_shared)| {
             let n_detection = detections.get(detection_idx).point_indices.len();
             let n_union = annotation.point_indices.len() + n_detection - n_shared;
             let iou = n_shared as f64 / n_union as f64;
-            AdmissiblePair { annotation_idx, detection_idx, cost: 1.0 - iou }
+            // Not by the cost, which is rounded: 1 − (1 − 0.1) is less than 0.1.
+            (iou >= min_iou).then_some(AdmissiblePair { annotation_idx, detection_idx, cost: 1.0 - iou })
         })
     });
-    pairs.filter(|pair| 1.0 - pair.cost >= min_iou).collect()
+    pairs.collect()
 }
 
 fn pairs_by_centre(scan: &LabeledScan, detections: &Detections, max_distance_m: f64) -> Vec<AdmissiblePair> {

@@ -94,11 +94,15 @@ pub fn is_mostly_ignored(
     params: &EligibilityParams,
 ) -> bool {
     let is_ignored = |&&point_idx: &&u32| {
-        let point_idx = point_idx as usize;
-        let [x_m, y_m, _] = scan.cloud.position_m(point_idx).map(f64::from);
-        is_on_ignored[point_idx]
-            || scan.point_regions[point_idx] != PointRegion::Labeled
-            || x_m.hypot(y_m) > params.max_range_m
+        is_on_ignored[point_idx as usize]
+            || scan.point_regions[point_idx as usize] != PointRegion::Labeled
+            || is_beyond_range(scan, point_idx, params)
     };
     2 * detection.point_indices.iter().filter(is_ignored).count() >= detection.point_indices.len()
+}
+
+/// Whether point `point_idx` is too far away to be judged.
+pub fn is_beyond_range(scan: &LabeledScan, point_idx: u32, params: &EligibilityParams) -> bool {
+    let [x_m, y_m, _] = scan.cloud.position_m(point_idx as usize).map(f64::from);
+    x_m.hypot(y_m) > params.max_range_m
 }

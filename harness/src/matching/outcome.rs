@@ -86,7 +86,11 @@ pub enum DetectionOutcome {
 pub enum IgnoredDetection {
     /// At least half of its points lie on ignored annotations.
     OnIgnoredAnnotation,
-    /// At least half of its points are unscorable, outside the labelled region, beyond the range, or on ignored annotations.
+    /// At least half of its points lie outside the labelled region.
+    OutsideLabeledRegion,
+    /// At least half of its points are farther away than the maximum.
+    BeyondRange,
+    /// At least half of its points are unscorable, or not to be judged for different ones of these reasons.
     OnIgnoredPoints,
 }
 
@@ -133,6 +137,8 @@ reason_names! {
     }
     IgnoredDetection {
         OnIgnoredAnnotation => "on ignored annotation",
+        OutsideLabeledRegion => "outside labelled region",
+        BeyondRange => "beyond range",
         OnIgnoredPoints => "on ignored points",
     }
     FalseReason {

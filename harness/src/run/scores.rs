@@ -125,6 +125,7 @@ impl DatasetScores {
         push(Metric::FRate, counts.f_rate(), counts.nd().map_or(0, |nd| counts.no() + nd));
         push(Metric::IgnoredAnnotations, as_value(scores.counts.n_ignored_annotations), self.n_scans);
         push(Metric::IgnoredDetections, as_value(scores.counts.n_ignored_detections), self.n_scans);
+        push(Metric::UnknowableDetections, as_value(scores.counts.n_unknowable), self.n_scans);
         push(Metric::OverSegmentation, segmentation.over_segmentation(), segmentation.n_annotations);
         push(Metric::UnderSegmentation, segmentation.under_segmentation(), segmentation.n_holding);
     }

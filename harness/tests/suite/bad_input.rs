@@ -186,6 +186,13 @@ fn an_unknown_format() {
 }
 
 #[test]
+fn a_format_for_what_is_simulated() {
+    let it = Spoilt::drive();
+    let parts = ["\"street-narrow\" is simulated, so it cannot be read as kitti-object"];
+    it.check("run street-narrow --format kitti-object -o out", 2, &parts);
+}
+
+#[test]
 fn a_folder_that_is_no_data_set() {
     let it = Spoilt::drive();
     std::fs::create_dir(it.workplace.path("empty")).expect("a fresh folder");

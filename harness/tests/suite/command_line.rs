@@ -1,5 +1,6 @@
 //! What the command line says, and on which stream.
 
+use std::collections::BTreeSet;
 use std::process::Command;
 
 use crate::drawn_dataset::DrawnDataset;
@@ -15,7 +16,7 @@ fn help(arguments: &str) -> String {
 
 #[test]
 fn every_verb_has_help_with_an_example() {
-    for verb in ["run", "selftest", "completions", "data list", "data realism"] {
+    for verb in ["run", "selftest", "completions", "data", "data list", "data realism"] {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
         assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
@@ -167,6 +168,10 @@ fn a_list_says_what_is_there_and_what_is_not() {
     assert_eq!((ended.exit_code, ended.stderr.as_str()), (Some(0), ""));
     let line_of =
         |id: &str| ended.stdout.lines().find(|line| line.starts_with(id)).expect("a line").to_owned();
+    let second_column =
+        |line: &str| line.len() - line.split_once(' ').map_or("", |it| it.1).trim_start().len();
+    let columns: BTreeSet<usize> = ended.stdout.lines().map(second_column).collect();
+    assert_eq!(columns.len(), 1, "not below each other: {ended:#?}");
     assert!(line_of("kitti-tracking ").contains(" 2 scans  kitti-tracking"), "{ended:#?}");
     assert!(
         line_of("kitti-object ").contains("not available: \"kitti-object\" is not at \"gone\""),

@@ -162,8 +162,29 @@ fn the_manifest_says_what_was_done() {
     assert_eq!(manifest["config"]["matching"]["min_iou"], 0.7);
     assert_eq!(manifest["datasets"][0]["n_scans"], 1);
     assert_eq!(manifest["datasets"][0]["selection"], "1");
+    assert!(manifest["datasets"][0]["simulation"].is_null());
     assert_eq!(manifest["detectors"][0]["name"], "pca");
     assert_eq!(manifest["rerun_version"].is_null(), !cfg!(feature = "rerun"));
+}
+
+#[test]
+fn the_manifest_says_what_was_simulated() {
+    let workplace = Workplace::new();
+    let options = "--seed 7 --simulated-scans 2 --sensor vlp-16 --scans 1 -d pca -o out";
+    let arguments: Vec<&str> = ["run", "street-narrow-ahead"].into_iter().chain(options.split(' ')).collect();
+    workplace.succeed(&arguments);
+    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).expect("JSON");
+    assert_eq!(manifest["seeds"]["street-narrow-ahead"], 7);
+    let simulation = serde_json::json!({
+        "simulator_version": harness::simulator::SIMULATOR_VERSION,
+        "street": "street-narrow",
+        "n_drive_scans": 2,
+        "turns_per_scan": 10,
+        "sensor": "vlp-16",
+        "shutter": "instant",
+        "labeled_to_either_side_deg": 40.0,
+    });
+    assert_eq!(manifest["datasets"][0]["simulation"], simulation);
 }
 
 #[test]

@@ -52,6 +52,7 @@ fn dataset(id: &str) -> DatasetEntry {
         selection: None,
         sensor_height_m: 1.73,
         licence: None,
+        simulation: None,
     }
 }
 

@@ -1,0 +1,275 @@
+//! What can be wrong with labelled scans, and with the way they are asked for.
+
+use std::path::PathBuf;
+
+use crate::simulator::sensor::SensorModelError;
+
+/// Why labelled scans cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum DatasetError {
+    /// The name is neither in the catalogue nor on disk.
+    #[error("{name:?} is neither a data set of the catalogue ({}) nor an existing path", known.join(", "))]
+    UnknownDataset {
+        /// What was asked for.
+        name: String,
+        /// The catalogue's data sets.
+        known: Vec<String>,
+    },
+    /// No format is called so.
+    #[error("unknown format {name:?}, known are {}", known.join(", "))]
+    UnknownFormat {
+        /// What was asked for.
+        name: String,
+        /// The formats there are.
+        known: Vec<String>,
+    },
+    /// No sensor is called so, and no file describes it.
+    #[error("{name:?} is neither a sensor ({}) nor a file that describes one", known.join(", "))]
+    UnknownSensor {
+        /// What was asked for.
+        name: String,
+        /// The sensors there are.
+        known: Vec<String>,
+    },
+    /// A file that should describe a sensor does not.
+    #[error("{path:?} does not describe a sensor")]
+    Sensor {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: SensorModelError,
+    },
+    /// The format asked for is not the catalogue's.
+    #[error("the catalogue says that {id:?} is {catalogued}, so it cannot be read as {asked_for}")]
+    FormatContradictsCatalogue {
+        /// The data set.
+        id: String,
+        /// Its format according to the catalogue.
+        catalogued: String,
+        /// The format asked for.
+        asked_for: String,
+    },
+    /// Nothing at the path looks like a data set.
+    #[error("{path:?} holds no data set in a known format ({})", formats.join(", "))]
+    UnrecognizedFormat {
+        /// The path.
+        path: PathBuf,
+        /// The formats looked for.
+        formats: Vec<String>,
+    },
+    /// Several data sets lie at the path.
+    #[error("{path:?} holds several data sets, name one: {}", found.join(", "))]
+    SeveralDatasets {
+        /// The path.
+        path: PathBuf,
+        /// Format and folder of each.
+        found: Vec<String>,
+    },
+    /// The selection of scans cannot be understood, or selects nothing.
+    #[error("scan selection {selection:?}: {problem}")]
+    ScanSelection {
+        /// The selection as written.
+        selection: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The catalogue of data sets has a mistake.
+    #[error("{catalogue}, line {line}: {problem}")]
+    Catalogue {
+        /// Its file, or what it is called if it is built in.
+        catalogue: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// The root of a catalogued data set depends on a variable without a value.
+    #[error("where {id:?} lies is not known: set {variable} to its folder (the data are at {url})")]
+    UnsetVariable {
+        /// The data set.
+        id: String,
+        /// The environment variable.
+        variable: String,
+        /// Where to get the data.
+        url: String,
+    },
+    /// A catalogued data set is not where the catalogue says.
+    #[error("{id:?} is not at {root:?}: {remedy} (the data are at {url})")]
+    MissingRoot {
+        /// The data set.
+        id: String,
+        /// Where it should be.
+        root: PathBuf,
+        /// What to change.
+        remedy: String,
+        /// Where to get the data.
+        url: String,
+    },
+    /// The data are not those of the catalogue.
+    #[error("{id:?} has checksum {found}, the catalogue says {expected}")]
+    Checksum {
+        /// The data set.
+        id: String,
+        /// The catalogue's.
+        expected: String,
+        /// That of the files.
+        found: String,
+    },
+    /// The operating system refused.
+    #[error("cannot read {path:?}")]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// There is nothing to evaluate.
+    #[error("{path:?} holds no scans")]
+    NoScans {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The catalogue names a part of the data set that does not exist.
+    #[error("the catalogue names {path:?}, which does not exist")]
+    MissingSelected {
+        /// The scan or the folder of the sequence.
+        path: PathBuf,
+    },
+    /// The data set cannot be scored.
+    #[error("{scans:?} has no labels ({labels:?} does not exist): a test split cannot be scored")]
+    Unlabeled {
+        /// The folder of the scans.
+        scans: PathBuf,
+        /// The folder in which the labels should be.
+        labels: PathBuf,
+    },
+    /// A scan without its labels.
+    #[error("the labels {labels:?} of {scan:?} do not exist")]
+    ScanWithoutLabels {
+        /// The scan, or the folder of the sequence.
+        scan: PathBuf,
+        /// The missing file.
+        labels: PathBuf,
+    },
+    /// Labels without their scan.
+    #[error("the scan {scan:?} of the labels {labels:?} does not exist")]
+    LabelsWithoutScan {
+        /// The labels.
+        labels: PathBuf,
+        /// The missing file.
+        scan: PathBuf,
+    },
+    /// A scan without its calibration.
+    #[error("the calibration {calibration:?} of {scan:?} does not exist")]
+    ScanWithoutCalibration {
+        /// The scan, or the folder of the sequence.
+        scan: PathBuf,
+        /// The missing file.
+        calibration: PathBuf,
+    },
+    /// A file whose name does not follow the format.
+    #[error("{path:?} is not named as the format asks: {expected}")]
+    FileName {
+        /// The file.
+        path: PathBuf,
+        /// How such files are named.
+        expected: &'static str,
+    },
+    /// A scan without points.
+    #[error("{path:?} holds no points")]
+    NoPoints {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A scan that ends within a point.
+    #[error(
+        "{path:?} is damaged or cut off: its {n_bytes} bytes are not a multiple of the {n_bytes_per_point} of a point"
+    )]
+    PartialPoint {
+        /// The file.
+        path: PathBuf,
+        /// Its size.
+        n_bytes: usize,
+        /// The size of a point.
+        n_bytes_per_point: usize,
+    },
+    /// A value that is NaN or infinite.
+    #[error("{path:?}, point {point_idx} (byte {byte_offset}): {column} is {value}")]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// The point, counted from 0.
+        point_idx: usize,
+        /// Where the point begins, counted from 0.
+        byte_offset: usize,
+        /// Which of its values.
+        column: &'static str,
+        /// The value.
+        value: f32,
+    },
+    /// Bytes that are no text.
+    #[error("{path:?} is not text: invalid UTF-8 at byte {byte_offset}")]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first bad byte, counted from 0.
+        byte_offset: usize,
+    },
+    /// A line that does not follow the format.
+    #[error("{path:?}, line {line}: {problem}")]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Line, counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// A calibration that lacks a matrix.
+    #[error("{path:?} has no line {expected}")]
+    CalibrationEntry {
+        /// The file.
+        path: PathBuf,
+        /// The name or names of the missing line.
+        expected: &'static str,
+    },
+    /// A calibration whose rotation is none.
+    #[error(
+        "{path:?}: {entry} is not a rotation, its columns are off right angles and unit length by {deviation}, allowed are {allowed}"
+    )]
+    NotARotation {
+        /// The file.
+        path: PathBuf,
+        /// The name or names of the line.
+        entry: &'static str,
+        /// Largest difference between the matrix times its transpose and the identity; infinite for a reflection.
+        deviation: f64,
+        /// The largest difference that rounding explains.
+        allowed: f64,
+    },
+    /// An image whose size cannot be read.
+    #[error("{path:?} does not begin like a PNG image")]
+    NotAPng {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl DatasetError {
+    /// Whether the user asked for something that does not exist (exit code 2), rather than the data being missing or
+    /// damaged (exit code 3).
+    pub fn is_usage_error(&self) -> bool {
+        matches!(
+            self,
+            Self::UnknownDataset { .. }
+                | Self::UnknownFormat { .. }
+                | Self::UnknownSensor { .. }
+                | Self::Sensor { .. }
+                | Self::FormatContradictsCatalogue { .. }
+                | Self::UnrecognizedFormat { .. }
+                | Self::SeveralDatasets { .. }
+                | Self::ScanSelection { .. }
+                | Self::Catalogue { .. }
+        )
+    }
+}
