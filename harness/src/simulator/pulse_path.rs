@@ -4,7 +4,7 @@ use parry3d::math::{Pose, Vector};
 use parry3d::query::Ray;
 
 use super::ground::Ground;
-use super::scene::{Hit, Pulse, Scene};
+use super::scene::{GROUND_LEAF, Hit, Pulse, Scene, chance};
 use super::sensor::{CarrierRoof, SensorModel};
 
 /// What surrounds the sensor during a turn.
@@ -38,7 +38,7 @@ pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ra
 /// The first of ground and things that `pulse` meets.
 fn street_hit(surroundings: &Surroundings<'_>, pulse: &Pulse, max_range_m: f32) -> Option<Hit> {
     let ground = surroundings.ground.cast(&pulse.ray, max_range_m).map(|hit| Hit {
-        range_m: hit.range_m,
+        range_m: hit.range_m - before_blades_m(pulse, hit.grass_height_m),
         cos_incidence: (-pulse.ray.dir.dot(hit.normal)).clamp(0.0, 1.0),
         reflectivity: hit.reflectivity,
         object_idx: None,
@@ -48,6 +48,13 @@ fn street_hit(surroundings: &Surroundings<'_>, pulse: &Pulse, max_range_m: f32) 
         let within_m = nearest.map_or(max_range_m, |hit| hit.range_m);
         scene.cast(pulse, within_m).or(nearest)
     })
+}
+
+/// How far before the ground a pulse ends on a blade of grass: any height up to that of the grass is as likely, and
+/// a flat pulse passes it long before it would reach the ground.
+fn before_blades_m(pulse: &Pulse, grass_height_m: f32) -> f32 {
+    let least_fall = 0.03;
+    grass_height_m * chance(pulse.dice, GROUND_LEAF) / (-pulse.ray.dir.z).max(least_fall)
 }
 
 /// Share of light that a pane mirrors, there and back.
@@ -97,6 +104,16 @@ mod tests {
         assert!(is_shaded(Vector::new(0.9, 0.0, -0.43)));
         assert!(!is_shaded(Vector::new(0.0, 0.9, -0.43)));
         assert!(!is_shaded(Vector::new(1.0, 0.0, 0.1)));
+    }
+
+    #[test]
+    fn pulses_end_on_blades_of_grass_at_any_height() {
+        let down = Vector::new(0.8, 0.0, -0.6);
+        let before_m = |dice| before_blades_m(&Pulse { ray: Ray::new(Vector::Z, down), dice }, 0.06);
+        let heights_m: Vec<f32> = (0..200).map(|dice| before_m(dice) * 0.6).collect();
+        let mean_m = heights_m.iter().sum::<f32>() / 200.0;
+        assert!(heights_m.iter().all(|it| (0.0..0.0601).contains(it)), "{heights_m:?}");
+        assert!((mean_m - 0.03).abs() < 0.004, "{mean_m}");
     }
 
     #[test]

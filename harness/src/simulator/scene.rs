@@ -151,8 +151,11 @@ fn spot_number(position: Vector) -> u32 {
     x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f)
 }
 
+/// Stands for the ground where [`chance`] asks for the number of a leaf.
+pub const GROUND_LEAF: u32 = u32::MAX;
+
 /// A number in (0, 1) that depends on both arguments and nothing else.
-fn chance(dice: u32, leaf_idx: u32) -> f32 {
+pub fn chance(dice: u32, leaf_idx: u32) -> f32 {
     let mut mixed = dice ^ leaf_idx.wrapping_mul(0x9e37_79b9);
     mixed = (mixed ^ (mixed >> 16)).wrapping_mul(0x7feb_352d);
     mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x846c_a68b);

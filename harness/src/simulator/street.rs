@@ -311,17 +311,17 @@ mod tests {
 
     #[test]
     fn a_main_road_gives_the_same_bytes_on_every_machine() {
-        check_golden(StreetKind::MainRoad, "0339507a5922d89d");
+        check_golden(StreetKind::MainRoad, "540bbcad348e80c4");
     }
 
     #[test]
     fn a_narrow_street_gives_the_same_bytes_on_every_machine() {
-        check_golden(StreetKind::NarrowStreet, "fa7db058dd44c628");
+        check_golden(StreetKind::NarrowStreet, "f7ee4afec39a7a41");
     }
 
     #[test]
     fn an_intersection_gives_the_same_bytes_on_every_machine() {
-        check_golden(StreetKind::Intersection, "7e307fed71a71960");
+        check_golden(StreetKind::Intersection, "c23dd972e6ee1ce9");
     }
 
     #[test]
@@ -475,9 +475,11 @@ mod tests {
     #[test]
     fn a_turn_takes_time_only_if_asked_for() {
         // What is to the left was seen a quarter of a turn before the middle, when it was farther ahead.
-        let excess_m: Vec<f32> = (0..10).flat_map(excess_shifts_m).collect();
-        let mean_m = excess_m.iter().sum::<f32>() / excess_m.len() as f32;
-        assert!(excess_m.len() > 5 && mean_m.abs() < 0.1, "{excess_m:?}");
+        let mut excess_m: Vec<f32> = (0..20).flat_map(excess_shifts_m).collect();
+        excess_m.sort_by(f32::total_cmp);
+        // Of a few that stand behind others either scan sees another part.
+        let median_m = excess_m[excess_m.len() / 2];
+        assert!(excess_m.len() > 10 && median_m.abs() < 0.1, "{excess_m:?}");
     }
 
     #[test]
