@@ -8,6 +8,7 @@ use super::checksum::sha256;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
 use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::simulator::rain::Rain;
 use crate::simulator::sensor::{EMBEDDED_SENSORS, SensorModel};
 use crate::simulator::{Street, StreetKind};
 
@@ -28,6 +29,8 @@ pub struct StreetDrive {
     /// Whether the street moves on while the sensor turns.
     #[serde(default)]
     pub shutter: Shutter,
+    /// How hard it rains, in millimetres per hour; it is dry if this is left out.
+    pub rain_mm_per_h: Option<f32>,
     /// Only this far to either side of forward counts as labelled, in degrees, as where a camera decides what people
     /// label. Everything is, if it is left out.
     pub labeled_to_either_side_deg: Option<f32>,
@@ -63,7 +66,11 @@ const FORMAT: &str = "simulated-street";
 ///
 /// [`DatasetError`] if there is no such sensor, or its description makes no sense.
 pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Dataset>, DatasetError> {
-    let street = Street::new(drive.street, drive.seed);
+    let dry = Street::new(drive.street, drive.seed);
+    let street = match drive.rain_mm_per_h {
+        Some(mm_per_h) => dry.in_rain(Rain::new(mm_per_h)),
+        None => dry,
+    };
     let sensor = sensor_named(&drive.sensor)?;
     let turns = (0..drive.n_scans).map(|scan| scan * drive.turns_per_scan);
     let scan_ids: Vec<ScanId> = turns.map(|index| ScanId { sequence: street.sequence(), index }).collect();
@@ -156,6 +163,7 @@ mod tests {
             turns_per_scan: 5,
             sensor: "hdl-64e-s2".to_owned(),
             shutter: Shutter::Instant,
+            rain_mm_per_h: None,
             labeled_to_either_side_deg: None,
         }
     }
@@ -222,9 +230,10 @@ mod tests {
     }
 
     #[test]
-    fn the_checksum_changes_with_the_seed() {
+    fn the_checksum_changes_with_the_seed_and_the_rain() {
         let checksum = |drive: &StreetDrive| open(drive).description().checksum.clone();
         assert_ne!(checksum(&drive()), checksum(&StreetDrive { seed: 4, ..drive() }));
+        assert_ne!(checksum(&drive()), checksum(&StreetDrive { rain_mm_per_h: Some(10.0), ..drive() }));
         assert_eq!(checksum(&drive()), checksum(&drive()));
     }
 }
