@@ -1,6 +1,6 @@
 //! The way of a single pulse: roof of the own car, street, mirrors.
 
-use parry3d::math::{Pose, Vector};
+use parry3d::math::Pose;
 use parry3d::query::Ray;
 
 use super::ground::Ground;
@@ -102,6 +102,7 @@ mod tests {
     use super::super::scene::{Leaf, LeafForm};
     use super::super::solid::Solid;
     use super::*;
+    use parry3d::math::Vector;
 
     #[test]
     fn steep_beams_ahead_meet_the_own_roof() {
