@@ -99,6 +99,8 @@ pub struct Simulation {
     pub sensor: String,
     /// `instant` or `rolling`.
     pub shutter: String,
+    /// How hard it rains, in millimetres per hour; `None` if it is dry.
+    pub rain_mm_per_h: Option<f32>,
     /// How far to either side of forward the labels reach, in degrees; `None` for all around.
     pub labeled_to_either_side_deg: Option<f32>,
 }

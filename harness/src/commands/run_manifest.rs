@@ -98,6 +98,7 @@ fn simulation(drive: &StreetDrive) -> Simulation {
         turns_per_scan: drive.turns_per_scan,
         sensor: drive.sensor.clone(),
         shutter: drive.shutter.name().to_owned(),
+        rain_mm_per_h: drive.rain_mm_per_h,
         labeled_to_either_side_deg: drive.labeled_to_either_side_deg,
     }
 }

@@ -15,6 +15,7 @@ use super::simulated_street::StreetDrive;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
 use crate::annotation::AnnotationClass;
+use crate::simulator::rain::RAIN_RATES_MM_PER_H;
 
 /// The catalogue that is part of the program.
 const BUILT_IN: &str = include_str!("../../../datasets.toml");
@@ -155,6 +156,12 @@ fn check_drive(drive: &StreetDrive) -> Result<(), String> {
     let &StreetDrive { n_scans, turns_per_scan, .. } = drive;
     if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
         return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
+    }
+    if let Some(mm_per_h) = drive.rain_mm_per_h
+        && !RAIN_RATES_MM_PER_H.contains(&mm_per_h)
+    {
+        let (least, most) = (RAIN_RATES_MM_PER_H.start(), RAIN_RATES_MM_PER_H.end());
+        return Err(format!("rain_mm_per_h is {mm_per_h}, which is not within {least} to {most}"));
     }
     if let Some(limit_deg) = drive.labeled_to_either_side_deg
         && !(0.0..=180.0).contains(&limit_deg)
@@ -388,6 +395,23 @@ url = "https://example.org"
         refused("mine = [\"your-drive\"]", "no data set \"your-drive\"");
         refused("mine = []", "\"mine\" is empty");
         refused("my-drive = [\"my-drive\"]", "a data set already");
+    }
+
+    #[test]
+    fn it_rains_as_hard_as_it_can() {
+        let parse = |rain: &str| {
+            let text = format!(
+                "[simulated.wet]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
+                 sensor = \"vlp-16\"\n{rain}"
+            );
+            parse_catalogue("my.toml", &text).map(|it| it.simulated["wet"].rain_mm_per_h)
+        };
+        assert_eq!(parse("rain_mm_per_h = 10.0").unwrap(), Some(10.0));
+        assert_eq!(parse("").unwrap(), None);
+        for refused in ["0.0", "-1.0", "nan", "1000.0"] {
+            let message = parse(&format!("rain_mm_per_h = {refused}")).expect_err("no rain").to_string();
+            assert!(message.contains("0.1 to 150"), "{message}");
+        }
     }
 
     #[test]

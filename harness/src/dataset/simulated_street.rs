@@ -8,6 +8,7 @@ use super::checksum::sha256;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
 use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::simulator::rain::Rain;
 use crate::simulator::sensor::{EMBEDDED_SENSORS, SensorModel};
 use crate::simulator::{Street, StreetKind};
 
@@ -28,6 +29,8 @@ pub struct StreetDrive {
     /// Whether the street moves on while the sensor turns.
     #[serde(default)]
     pub shutter: Shutter,
+    /// How hard it rains, in millimetres per hour; it is dry if this is left out.
+    pub rain_mm_per_h: Option<f32>,
     /// Only this far to either side of forward counts as labelled, in degrees, as where a camera decides what people
     /// label. Everything is, if it is left out.
     pub labeled_to_either_side_deg: Option<f32>,
@@ -57,13 +60,11 @@ impl Shutter {
 /// A drive through a simulated street. Scans are made when they are read.
 struct SimulatedStreet {
     description: DatasetDescription,
-    kind: StreetKind,
+    drive: StreetDrive,
     sensor: SensorModel,
     // The seed of the street of each scan.
     seeds: Vec<u64>,
     scan_ids: Vec<ScanId>,
-    shutter: Shutter,
-    labeled_to_either_side_deg: Option<f32>,
 }
 
 /// The format's name in tables and files.
@@ -79,7 +80,7 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
     let (seeds, scan_ids) = scans_of(drive, &sensor);
     let made_of = format!(
         "{}scans {}\nturns per scan {}\nshutter {:?}\nlabelled to either side {:?}\n",
-        Street::new(drive.street, drive.seed).provenance(&sensor),
+        drive.draw(drive.seed).provenance(&sensor),
         drive.n_scans,
         drive.turns_per_scan,
         drive.shutter,
@@ -95,17 +96,18 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         checksum: Some(sha256(&made_of)),
         simulation: Some(drive.clone()),
     };
-    let labeled_to_either_side_deg = drive.labeled_to_either_side_deg;
-    let shutter = drive.shutter;
-    Ok(Box::new(SimulatedStreet {
-        description,
-        kind: drive.street,
-        sensor,
-        seeds,
-        scan_ids,
-        shutter,
-        labeled_to_either_side_deg,
-    }))
+    Ok(Box::new(SimulatedStreet { description, drive: drive.clone(), sensor, seeds, scan_ids }))
+}
+
+impl StreetDrive {
+    /// The street of this seed, in the weather of the drive.
+    fn draw(&self, seed: u64) -> Street {
+        let dry = Street::new(self.street, seed);
+        match self.rain_mm_per_h {
+            Some(mm_per_h) => dry.in_rain(Rain::new(mm_per_h)),
+            None => dry,
+        }
+    }
 }
 
 impl Dataset for SimulatedStreet {
@@ -119,13 +121,13 @@ impl Dataset for SimulatedStreet {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         // Drawing a street takes a fiftieth of the time of a scan of it.
-        let street = Street::new(self.kind, self.seeds[scan_idx]);
+        let street = self.drive.draw(self.seeds[scan_idx]);
         let turn = self.scan_ids[scan_idx].index;
-        let mut scan = match self.shutter {
+        let mut scan = match self.drive.shutter {
             Shutter::Instant => street.scan(&self.sensor, turn),
             Shutter::Rolling => street.rolling_scan(&self.sensor, turn),
         };
-        if let Some(limit_deg) = self.labeled_to_either_side_deg {
+        if let Some(limit_deg) = self.drive.labeled_to_either_side_deg {
             mark_outside(&mut scan, limit_deg);
         }
         Ok(scan)
@@ -137,7 +139,7 @@ fn scans_of(drive: &StreetDrive, sensor: &SensorModel) -> (Vec<u64>, Vec<ScanId>
     let (mut seeds, mut scan_ids) = (Vec::new(), Vec::new());
     let mut seed = drive.seed;
     while scan_ids.len() < drive.n_scans as usize {
-        let street = Street::new(drive.street, seed);
+        let street = drive.draw(seed);
         // A drive shorter than the step still has its first turn.
         let turns = (0..street.n_scans(sensor).max(1)).step_by(drive.turns_per_scan as usize);
         for index in turns.take(drive.n_scans as usize - scan_ids.len()) {
@@ -185,6 +187,7 @@ mod tests {
             turns_per_scan: 5,
             sensor: "hdl-64e-s2".to_owned(),
             shutter: Shutter::Instant,
+            rain_mm_per_h: None,
             labeled_to_either_side_deg: None,
         }
     }
@@ -265,9 +268,10 @@ mod tests {
     }
 
     #[test]
-    fn the_checksum_changes_with_the_seed() {
+    fn the_checksum_changes_with_the_seed_and_the_rain() {
         let checksum = |drive: &StreetDrive| open(drive).description().checksum.clone();
         assert_ne!(checksum(&drive()), checksum(&StreetDrive { seed: 4, ..drive() }));
+        assert_ne!(checksum(&drive()), checksum(&StreetDrive { rain_mm_per_h: Some(10.0), ..drive() }));
         assert_eq!(checksum(&drive()), checksum(&drive()));
     }
 }

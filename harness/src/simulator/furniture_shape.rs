@@ -44,7 +44,7 @@ pub fn bollard(rng: &mut ChaCha8Rng) -> ObjectShape {
     ObjectShape::new(AnnotationClass::Pole, [upright(height_m, 0.06)])
 }
 
-/// A bin on wheels, a litter bin or a mail box.
+/// A bin on wheels or a litter bin.
 pub fn bin(rng: &mut ChaCha8Rng) -> ObjectShape {
     let half_m = rng.random_range(0.22_f32..0.4);
     let height_m = rng.random_range(0.9_f32..1.35);
@@ -52,6 +52,22 @@ pub fn bin(rng: &mut ChaCha8Rng) -> ObjectShape {
     let feet = Solid::cuboid([-half_m + 0.08, -half_m + 0.08, 0.0], [half_m - 0.08, half_m - 0.08, 0.06]);
     let coat = Material::solid(rng.random_range(0.1..0.5));
     ObjectShape::new(AnnotationClass::StreetFurniture, [(body, coat), (feet, Material::RUBBER)])
+}
+
+/// A mail box on a post, its slot toward +y.
+pub fn mail_box(rng: &mut ChaCha8Rng) -> ObjectShape {
+    let height_m = rng.random_range(1.2_f32..1.5);
+    let half_width_m = rng.random_range(0.18_f32..0.28);
+    let half_depth_m = 0.75 * half_width_m;
+    let coat = Material::solid(rng.random_range(0.3..0.55));
+    let bottom_m = height_m - 0.6;
+    let body = Solid::cuboid(
+        [-half_width_m, -half_depth_m, bottom_m],
+        [half_width_m, half_depth_m, height_m - half_depth_m],
+    );
+    let roof_m = height_m - half_depth_m;
+    let roof = Solid::cylinder([-half_width_m, 0.0, roof_m], [half_width_m, 0.0, roof_m], half_depth_m);
+    ObjectShape::new(AnnotationClass::StreetFurniture, [upright(bottom_m, 0.05), (body, coat), (roof, coat)])
 }
 
 /// A bench along x that looks to +y.
@@ -119,6 +135,7 @@ mod tests {
         check(traffic_light, [2.9, 3.7]);
         check(bollard, [0.7, 1.2]);
         check(bin, [0.8, 1.4]);
+        check(mail_box, [1.1, 1.6]);
         check(bench, [0.8, 0.9]);
         check(advertising_column, [2.7, 3.7]);
         check(|rng| fence(7.0, rng), [0.8, 1.6]);

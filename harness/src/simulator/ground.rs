@@ -3,7 +3,8 @@
 use parry3d::math::Vector;
 use parry3d::query::Ray;
 
-use super::road_axis::RoadAxis;
+use super::road_axis::{RoadAxis, RoadPosition};
+use super::scene::{GROUND_LEAF, chance};
 
 /// The cross-section of a road.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,14 +48,25 @@ pub struct GroundHit {
     pub normal: Vector,
     /// Share of light that comes back.
     pub reflectivity: f32,
+    /// How high blades of grass stand above the surface, in metres; 0 where none grow.
+    pub grass_height_m: f32,
 }
 
 /// What a place on the plan belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Surface {
     Road { from_axis_m: f32 },
-    Raised { from_kerb_m: f32 },
+    Raised { from_kerb_m: f32, along_m: f32 },
 }
+
+/// How high grass stands, in metres.
+const GRASS_HEIGHT_M: f32 = 0.06;
+/// Length of the patches of grass on pavements along the road, in metres, and what share of patches is grown over.
+const PATCH_LENGTH_M: f32 = 5.0;
+const GROWN_SHARE: f32 = 0.25;
+/// Where the patches begin and end, as metres beyond the kerb, and how wide a pavement must be to have any.
+const PATCH_FROM_KERB_M: std::ops::Range<f32> = 0.25..1.05;
+const LEAST_PAVEMENT_WITH_GRASS_M: f32 = 2.8;
 
 const MARKING_REFLECTIVITY: f32 = 0.6;
 const ASPHALT_REFLECTIVITY: f32 = 0.25;
@@ -89,10 +101,14 @@ impl Ground {
         // and a ray that comes down crosses the raised one first.
         let raised_m = self.descent(ray, 0.0, max_range_m, Level::Raised)?;
         let at_raised = plan_at(ray, raised_m);
-        if let Surface::Raised { from_kerb_m } = self.surface(at_raised) {
-            let reflectivity =
-                if from_kerb_m < self.pavement_width_m { PAVING_REFLECTIVITY } else { GRASS_REFLECTIVITY };
-            return Some(GroundHit { range_m: raised_m, normal: self.normal(at_raised), reflectivity });
+        if let Surface::Raised { from_kerb_m, along_m } = self.surface(at_raised) {
+            let (reflectivity, grass_height_m) = if self.is_grown_over(from_kerb_m, along_m) {
+                (GRASS_REFLECTIVITY, GRASS_HEIGHT_M)
+            } else {
+                (PAVING_REFLECTIVITY, 0.0)
+            };
+            let normal = self.normal(at_raised);
+            return Some(GroundHit { range_m: raised_m, normal, reflectivity, grass_height_m });
         }
         let road_m = self.descent(ray, raised_m, f32::INFINITY, Level::Road)?;
         match self.surface(plan_at(ray, road_m)) {
@@ -100,10 +116,22 @@ impl Ground {
                 range_m: road_m,
                 normal: self.normal(plan_at(ray, road_m)),
                 reflectivity: road_reflectivity(from_axis_m),
+                grass_height_m: 0.0,
             }),
             Surface::Road { .. } => None,
             Surface::Raised { .. } => self.kerb_hit(ray, raised_m, road_m, max_range_m),
         }
+    }
+
+    /// Whether grass grows there: in gardens everywhere, on wide pavements in patches along the kerb.
+    fn is_grown_over(&self, from_kerb_m: f32, along_m: f32) -> bool {
+        if from_kerb_m >= self.pavement_width_m {
+            return true;
+        }
+        let patch = (along_m / PATCH_LENGTH_M).floor() as i32 as u32;
+        self.pavement_width_m > LEAST_PAVEMENT_WITH_GRASS_M
+            && PATCH_FROM_KERB_M.contains(&from_kerb_m)
+            && chance(patch, GROUND_LEAF) < GROWN_SHARE
     }
 
     fn slope_height_m(&self, plan: [f32; 2]) -> f32 {
@@ -131,9 +159,9 @@ impl Ground {
     }
 
     fn surface(&self, plan: [f32; 2]) -> Surface {
-        let mut from_kerb_m = f32::INFINITY;
+        let (mut from_kerb_m, mut nearest_along_m) = (f32::INFINITY, 0.0);
         for road in &self.roads {
-            let left_m = road.axis.road_position(plan).left_m;
+            let RoadPosition { along_m, left_m } = road.axis.road_position(plan);
             let beyond_m = if left_m > 0.0 {
                 left_m - road.section.left_kerb_m
             } else {
@@ -150,9 +178,11 @@ impl Ground {
                     return Surface::Road { from_axis_m: f32::INFINITY };
                 }
             }
-            from_kerb_m = from_kerb_m.min(beyond_m);
+            if beyond_m < from_kerb_m {
+                (from_kerb_m, nearest_along_m) = (beyond_m, along_m);
+            }
         }
-        Surface::Raised { from_kerb_m }
+        Surface::Raised { from_kerb_m, along_m: nearest_along_m }
     }
 
     /// Where the ray, above `level` at `from_m`, comes down to it.
@@ -212,7 +242,7 @@ impl Ground {
         }
         // Kerbstones are worn round: some of each faces any ray.
         let normal = Vector::new(-ray.dir.x, -ray.dir.y, 0.0).normalize_or_zero();
-        let hit = GroundHit { range_m: near_m, normal, reflectivity: KERB_REFLECTIVITY };
+        let hit = GroundHit { range_m: near_m, normal, reflectivity: KERB_REFLECTIVITY, grass_height_m: 0.0 };
         (near_m <= max_range_m).then_some(hit)
     }
 }
@@ -282,6 +312,25 @@ mod tests {
         assert!((left_of_axis(5.1) - left_of_axis(4.9) - 0.12).abs() < 0.01);
         assert!((left_of_axis(0.0) - left_of_axis(4.0) - 0.08).abs() < 0.01);
         assert!((left_of_axis(-7.1) - left_of_axis(-6.9) - 0.12).abs() < 0.01);
+    }
+
+    #[test]
+    fn grass_grows_in_gardens_and_in_patches_on_pavements() {
+        let ground = ground(0.0);
+        let n_grown = |left_m: f32| {
+            let grown = (-90..90).filter(|&along_m| {
+                let position = RoadPosition { along_m: along_m as f32, left_m };
+                let (plan, _) = ground.roads[0].axis.world_plan(position);
+                let above = Vector::new(plan[0], plan[1], ground.height_m(plan) + 2.0);
+                let hit = ground.cast(&Ray::new(above, -Vector::Z), 5.0).expect("the ray falls");
+                hit.grass_height_m > 0.0
+            });
+            grown.count()
+        };
+        assert_eq!(n_grown(3.0), 0, "not on the road");
+        assert_eq!(n_grown(7.0), 0, "not where people walk");
+        assert_eq!(n_grown(9.0), 180, "all over gardens");
+        assert!((15..90).contains(&n_grown(5.6)), "{} of 180 along the kerb", n_grown(5.6));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::ground::{Ground, Road};
 use super::house_row::{HouseRowParams, house_row};
-use super::parked_row::{ParkedRowParams, parked_row};
+use super::parked_row::{ParkedRowParams, parked_row, second_row_dice};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
@@ -24,7 +24,7 @@ pub fn main_road(rng: &mut ChaCha8Rng) -> World {
     let plan = RoadPlan {
         road_idx: 0,
         lanes_m: n_lanes_each_way as f32 * lane_width_m,
-        parking: [Parking::any(0.3, 0.15, rng), Parking::any(0.3, 0.15, rng)],
+        parking: [parking(rng), parking(rng)],
         pavement_width_m: rng.random_range(2.8..5.5),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
@@ -49,6 +49,15 @@ pub fn main_road(rng: &mut ChaCha8Rng) -> World {
     }
     traffic(&mut world, &lanes, rng);
     world
+}
+
+/// Along every fifth kerb with parked vehicles some stand in a second row.
+fn parking(rng: &mut ChaCha8Rng) -> Parking {
+    let mut apart = second_row_dice(rng);
+    match Parking::any(0.3, 0.15, rng) {
+        Parking::AlongKerb { .. } if apart.random_bool(0.2) => Parking::in_two_rows(&mut apart),
+        parking => parking,
+    }
 }
 
 fn ground(plan: &RoadPlan, rng: &mut ChaCha8Rng) -> Ground {

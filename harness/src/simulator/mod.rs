@@ -5,8 +5,8 @@
 //! x86-64 machine: every beam of every scan has a random stream of its own, and nothing calls the platform's
 //! mathematics library ([`portable_math`]).
 //!
-//! Simulated is not real. What the simulator leaves out: rain, wet roads, second echoes, and the vibration of
-//! the car.
+//! Simulated is not real. What the simulator leaves out: snow, fog, spray behind wheels, second echoes, and the
+//! vibration of the car. It is dry unless a street is put [in the rain](rain).
 
 pub mod portable_math;
 pub mod sensor;
@@ -33,6 +33,7 @@ pub mod house_row;
 pub mod main_road;
 pub mod narrow_street;
 pub mod intersection;
+pub mod rain;
 pub mod pulse_path;
 pub mod scan;
 pub mod labeling;

@@ -49,7 +49,8 @@ fn street_furniture(params: &PavementFurnitureParams, rng: &mut ChaCha8Rng) -> O
         0..28 => furniture_shape::lamp_post(rng),
         28..50 => furniture_shape::sign(rng),
         50..62 => furniture_shape::bollard(rng),
-        62..80 => furniture_shape::bin(rng),
+        62..75 => furniture_shape::bin(rng),
+        75..80 => furniture_shape::mail_box(rng),
         80..88 => furniture_shape::bench(rng),
         88..97 => person_shape::parked_bicycle(),
         // A column needs room on both sides.

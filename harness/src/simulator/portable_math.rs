@@ -1,4 +1,4 @@
-//! Sine, cosine, arc tangent and logarithm from IEEE additions, multiplications, divisions and square roots alone.
+//! Sine, cosine, arc tangent, logarithm and exponential from IEEE additions, multiplications, divisions and square roots alone.
 //!
 //! The functions of the standard library call the platform's mathematics library, which may round differently on
 //! another machine. Whatever reaches a simulated scan goes through these instead, so that a seed gives the same bytes
@@ -63,6 +63,15 @@ pub fn ln(x: f64) -> f64 {
     f64::from(exponent) * LN_2 + 2.0 * ratio * series
 }
 
+/// The exponential function of `x` between −700 and 700.
+pub fn exp(x: f64) -> f64 {
+    let doublings = (x / LN_2).round();
+    let rest = x - doublings * LN_2;
+    let series = (1..16_u32).rev().fold(1.0, |sum, term| 1.0 + rest / f64::from(term) * sum);
+    // The exponent of a double is offset by 1023.
+    series * f64::from_bits(((doublings as i64 + 1023) as u64) << 52)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,6 +93,11 @@ mod tests {
         #[test]
         fn the_logarithm_agrees_with_the_standard_library(x in 1e-9_f64..1e9) {
             prop_assert!((ln(x) - x.ln()).abs() < 1e-12);
+        }
+
+        #[test]
+        fn the_exponential_agrees_with_the_standard_library(x in -50.0_f64..50.0) {
+            prop_assert!((exp(x) / x.exp() - 1.0).abs() < 1e-12);
         }
     }
 }

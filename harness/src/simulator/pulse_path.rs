@@ -1,10 +1,11 @@
 //! The way of a single pulse: roof of the own car, street, mirrors.
 
-use parry3d::math::{Pose, Vector};
+use parry3d::math::Pose;
 use parry3d::query::Ray;
 
 use super::ground::Ground;
-use super::scene::{Hit, Pulse, Scene};
+use super::rain::Rain;
+use super::scene::{GROUND_LEAF, Hit, Mirror, Pulse, Scene, chance};
 use super::sensor::{CarrierRoof, SensorModel};
 
 /// What surrounds the sensor during a turn.
@@ -18,12 +19,14 @@ pub struct Surroundings<'a> {
     pub moving: &'a Scene,
     /// Where the sensor is.
     pub world_from_sensor: Pose,
+    /// The rain, if any.
+    pub rain: Option<Rain>,
 }
 
 /// Where a pulse sent along `ray` (sensor frame, unit direction) ends within the sensor's range.
 ///
-/// `dice` decides what happens by chance on the way. A pulse that a pane mirrors ends on what it meets then, and
-/// appears to come from behind the pane: such a ghost belongs to no object.
+/// `dice` decides what happens by chance on the way. A pulse that a pane or wet ground mirrors ends on what it meets then, and
+/// appears to come from behind the mirror: such a ghost belongs to no object.
 pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ray, dice: u32) -> Option<Hit> {
     if sensor.carrier_roof.is_some_and(|roof| is_shaded(&roof, ray)) {
         return None;
@@ -31,18 +34,24 @@ pub fn first_hit(sensor: &SensorModel, surroundings: &Surroundings<'_>, ray: &Ra
     let pose = &surroundings.world_from_sensor;
     let pulse = Pulse { ray: Ray::new(*pose * ray.origin, pose.rotation * ray.dir), dice };
     let hit = street_hit(surroundings, &pulse, sensor.max_range_m)?;
-    let Some(normal) = hit.mirror else { return Some(hit) };
-    Some(ghost(surroundings, &pulse, &hit, normal, sensor.max_range_m).unwrap_or(hit))
+    let ghost = hit.mirror.and_then(|mirror| ghost(surroundings, &pulse, &hit, mirror, sensor.max_range_m));
+    // Of two echoes the stronger is reported. A pane that mirrors gives none of its own.
+    let seen = ghost.filter(|ghost| ghost.signal_per_m2() >= hit.signal_per_m2()).unwrap_or(hit);
+    Some(surroundings.rain.map_or(seen, |rain| rain.dimmed(seen)))
 }
 
 /// The first of ground and things that `pulse` meets.
 fn street_hit(surroundings: &Surroundings<'_>, pulse: &Pulse, max_range_m: f32) -> Option<Hit> {
-    let ground = surroundings.ground.cast(&pulse.ray, max_range_m).map(|hit| Hit {
-        range_m: hit.range_m,
-        cos_incidence: (-pulse.ray.dir.dot(hit.normal)).clamp(0.0, 1.0),
-        reflectivity: hit.reflectivity,
-        object_idx: None,
-        mirror: None,
+    let ground = surroundings.ground.cast(&pulse.ray, max_range_m).map(|it| {
+        let hit = Hit {
+            range_m: it.range_m - before_blades_m(pulse, it.grass_height_m),
+            cos_incidence: (-pulse.ray.dir.dot(it.normal)).clamp(0.0, 1.0),
+            reflectivity: it.reflectivity,
+            object_idx: None,
+            mirror: None,
+        };
+        let wet = |rain: Rain| rain.wet_ground(hit, pulse.ray.point_at(it.range_m), it.normal);
+        surroundings.rain.map_or(hit, wet)
     });
     [surroundings.standing, surroundings.moving].into_iter().fold(ground, |nearest, scene| {
         let within_m = nearest.map_or(max_range_m, |hit| hit.range_m);
@@ -50,24 +59,28 @@ fn street_hit(surroundings: &Surroundings<'_>, pulse: &Pulse, max_range_m: f32) 
     })
 }
 
-/// Share of light that a pane mirrors, there and back.
-const MIRRORED_SHARE: f32 = 0.1;
+/// How far before the ground a pulse ends on a blade of grass: any height up to that of the grass is as likely, and
+/// a flat pulse passes it long before it would reach the ground.
+fn before_blades_m(pulse: &Pulse, grass_height_m: f32) -> f32 {
+    let least_fall = 0.03;
+    grass_height_m * chance(pulse.dice, GROUND_LEAF) / (-pulse.ray.dir.z).max(least_fall)
+}
 
 fn ghost(
     surroundings: &Surroundings<'_>,
     pulse: &Pulse,
-    mirror: &Hit,
-    normal: Vector,
+    mirrored_at: &Hit,
+    mirror: Mirror,
     max_range_m: f32,
 ) -> Option<Hit> {
-    let direction = pulse.ray.dir - normal * (2.0 * pulse.ray.dir.dot(normal));
-    // A little off the pane, so that it is not met again.
-    let origin = pulse.ray.point_at(mirror.range_m) + direction * 0.01;
+    let direction = pulse.ray.dir - mirror.normal * (2.0 * pulse.ray.dir.dot(mirror.normal));
+    // A little off the mirror, so that it is not met again.
+    let origin = pulse.ray.point_at(mirrored_at.range_m) + direction * 0.01;
     let reflected = Pulse { ray: Ray::new(origin, direction), dice: pulse.dice };
-    let seen = street_hit(surroundings, &reflected, max_range_m - mirror.range_m)?;
+    let seen = street_hit(surroundings, &reflected, max_range_m - mirrored_at.range_m)?;
     Some(Hit {
-        range_m: mirror.range_m + seen.range_m,
-        reflectivity: seen.reflectivity * MIRRORED_SHARE,
+        range_m: mirrored_at.range_m + seen.range_m,
+        reflectivity: seen.reflectivity * mirror.share,
         object_idx: None,
         mirror: None,
         ..seen
@@ -89,6 +102,7 @@ mod tests {
     use super::super::scene::{Leaf, LeafForm};
     use super::super::solid::Solid;
     use super::*;
+    use parry3d::math::Vector;
 
     #[test]
     fn steep_beams_ahead_meet_the_own_roof() {
@@ -97,6 +111,16 @@ mod tests {
         assert!(is_shaded(Vector::new(0.9, 0.0, -0.43)));
         assert!(!is_shaded(Vector::new(0.0, 0.9, -0.43)));
         assert!(!is_shaded(Vector::new(1.0, 0.0, 0.1)));
+    }
+
+    #[test]
+    fn pulses_end_on_blades_of_grass_at_any_height() {
+        let down = Vector::new(0.8, 0.0, -0.6);
+        let before_m = |dice| before_blades_m(&Pulse { ray: Ray::new(Vector::Z, down), dice }, 0.06);
+        let heights_m: Vec<f32> = (0..200).map(|dice| before_m(dice) * 0.6).collect();
+        let mean_m = heights_m.iter().sum::<f32>() / 200.0;
+        assert!(heights_m.iter().all(|it| (0.0..0.0601).contains(it)), "{heights_m:?}");
+        assert!((mean_m - 0.03).abs() < 0.004, "{mean_m}");
     }
 
     #[test]
@@ -110,12 +134,13 @@ mod tests {
             standing: &standing,
             moving: &moving,
             world_from_sensor: Pose::IDENTITY,
+            rain: None,
         };
         let direction = Vector::new(1.0, 0.0, 0.0);
         let pulse = Pulse { ray: Ray::new(Vector::Z * 5.0, direction), dice: 0 };
         let mirror =
             Hit { range_m: 10.0, cos_incidence: 0.7, reflectivity: 0.0, object_idx: None, mirror: None };
-        let diagonal = Vector::new(-1.0, 1.0, 0.0).normalize();
+        let diagonal = Mirror { normal: Vector::new(-1.0, 1.0, 0.0).normalize(), share: 0.1 };
         let seen = ghost(&surroundings, &pulse, &mirror, diagonal, 120.0).unwrap();
         assert!((seen.range_m - 29.0).abs() < 0.02, "{seen:?}");
         assert_eq!(seen.object_idx, None);

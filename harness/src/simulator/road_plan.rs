@@ -34,6 +34,13 @@ pub enum Parking {
         /// Width of the lane.
         width_m: f32,
     },
+    /// Along the kerb, in a lane so wide that some stop in a second row beside those at the kerb.
+    InTwoRows {
+        /// Width of the lane.
+        width_m: f32,
+        /// Share of the vehicles at the kerb that are blocked by one in the second row, 0 to 1.
+        blocked_share: f64,
+    },
     /// With the nose to the kerb, side by side.
     Askew {
         /// Angle between the vehicles and the road, in radians.
@@ -74,6 +81,11 @@ impl Parking {
         Self::AlongKerb { width_m: rng.random_range(2.2..2.6) }
     }
 
+    /// Draws a lane for parking in two rows.
+    pub fn in_two_rows(rng: &mut ChaCha8Rng) -> Self {
+        Self::InTwoRows { width_m: rng.random_range(4.4..5.0), blocked_share: rng.random_range(0.1..0.3) }
+    }
+
     /// Draws how vehicles park, if at all: not with the chance `absent`, else askew with the chance `askew`.
     pub fn any(absent: f64, askew: f64, rng: &mut ChaCha8Rng) -> Self {
         if rng.random_bool(absent) {
@@ -89,7 +101,7 @@ impl Parking {
     pub fn width_m(self) -> f32 {
         match self {
             Self::Nowhere => 0.0,
-            Self::AlongKerb { width_m } => width_m,
+            Self::AlongKerb { width_m } | Self::InTwoRows { width_m, .. } => width_m,
             Self::Askew { .. } => 5.5,
         }
     }

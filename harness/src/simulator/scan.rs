@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::portable_math;
 use super::pulse_path::{Surroundings, first_hit};
+use super::rain::{Drop, Rain};
 use super::scene::Hit;
 use super::sensor::{Beam, SensorModel};
 use detector::PointCloud;
@@ -80,6 +81,9 @@ pub fn turn(
                 object_idx: hit.and_then(|it| it.object_idx),
             };
             let echo = hit.and_then(|hit| echo(sensor, previous.as_ref(), &hit, &mut rng));
+            let drop =
+                surroundings[moment].rain.and_then(|rain| drop_echo(sensor, rain, end.range_m, &mut rng));
+            let echo = drop.or(echo);
             if let Some(echo) = echo {
                 let measured_m = (echo.range_m + error.range_m).max(0.0);
                 turn.cloud.push(ray.point_at(measured_m).into(), echo.intensity);
@@ -130,6 +134,12 @@ fn echo(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, rng: &mut 
     (range_m >= sensor.min_range_m).then_some(Echo { range_m, intensity, object_idx })
 }
 
+/// The echo of a drop of rain before `free_m`, where the pulse ends, if one is noticed: it belongs to no object.
+fn drop_echo(sensor: &SensorModel, rain: Rain, free_m: f32, rng: &mut ChaCha8Rng) -> Option<Echo> {
+    let Drop { range_m, intensity } = rain.drop(free_m, [rng.random(), rng.random()])?;
+    (range_m >= sensor.min_range_m).then_some(Echo { range_m, intensity, object_idx: None })
+}
+
 /// How far from the surface of an object a mixed echo still counts as one of its points, in metres.
 const LABEL_TOLERANCE_M: f32 = 0.03;
 
@@ -152,8 +162,7 @@ fn mixed_range_m(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, c
 
 /// Whether a hit is strong enough to be noticed; `chance` is in 0 to 1.
 fn is_detected(sensor: &SensorModel, hit: &Hit, chance: f32) -> bool {
-    let signal_per_m2 = hit.reflectivity * hit.cos_incidence / (hit.range_m * hit.range_m);
-    let ratio = signal_per_m2 / sensor.half_detected_signal_per_m2;
+    let ratio = hit.signal_per_m2() / sensor.half_detected_signal_per_m2;
     // Falls from nearly 1 to nearly 0 within a factor of four about the half.
     let probability = ratio * ratio / (1.0 + ratio * ratio);
     chance < probability * (1.0 - sensor.random_loss)

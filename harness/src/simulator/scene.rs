@@ -50,9 +50,21 @@ pub struct Hit {
     pub reflectivity: f32,
     /// The object that was hit; `None` for walls and ground.
     pub object_idx: Option<u32>,
-    /// The unit normal of the surface if it mirrors the pulse.
-    pub mirror: Option<Vector>,
+    /// How the surface mirrors the pulse, if it does.
+    pub mirror: Option<Mirror>,
 }
+
+/// A surface that mirrors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mirror {
+    /// Its unit normal.
+    pub normal: Vector,
+    /// Share of light that it mirrors, there and back.
+    pub share: f32,
+}
+
+/// Share of light that a pane mirrors, there and back.
+const MIRRORED_BY_PANE: f32 = 0.1;
 
 /// A pulse and the dice for what it meets by chance.
 #[derive(Debug, Clone, Copy)]
@@ -62,6 +74,13 @@ pub struct Pulse {
     /// Decides, together with the number of the leaf, whether panes and leaves are passed. Not drawn while casting,
     /// so that the order in which leaves are visited does not matter.
     pub dice: u32,
+}
+
+impl Hit {
+    /// What comes back to the sensor: reflectivity times cosine of incidence over squared range.
+    pub fn signal_per_m2(&self) -> f32 {
+        self.reflectivity * self.cos_incidence / (self.range_m * self.range_m)
+    }
 }
 
 impl Scene {
@@ -122,7 +141,10 @@ impl Scene {
             PaneFate::Passed => None,
             PaneFate::Returned => Some(hit),
             PaneFate::Lost => Some(Hit { reflectivity: 0.0, ..hit }),
-            PaneFate::Mirrored => Some(Hit { reflectivity: 0.0, mirror: Some(normal), ..hit }),
+            PaneFate::Mirrored => {
+                let mirror = Mirror { normal, share: MIRRORED_BY_PANE };
+                Some(Hit { reflectivity: 0.0, mirror: Some(mirror), ..hit })
+            }
         }
     }
 }
@@ -145,14 +167,17 @@ fn hit_inside(leaf: &Leaf, chance: f32, mean_free_path_m: f32, [enter, exit]: [f
 }
 
 /// The same number for all places within a few decimetres.
-fn spot_number(position: Vector) -> u32 {
+pub fn spot_number(position: Vector) -> u32 {
     let cell = (position * (1.0 / SPOT_M)).floor();
     let [x, y, z] = [cell.x, cell.y, cell.z].map(|it| it as i32 as u32);
     x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f)
 }
 
+/// Stands for the ground where [`chance`] asks for the number of a leaf.
+pub const GROUND_LEAF: u32 = u32::MAX;
+
 /// A number in (0, 1) that depends on both arguments and nothing else.
-fn chance(dice: u32, leaf_idx: u32) -> f32 {
+pub fn chance(dice: u32, leaf_idx: u32) -> f32 {
     let mut mixed = dice ^ leaf_idx.wrapping_mul(0x9e37_79b9);
     mixed = (mixed ^ (mixed >> 16)).wrapping_mul(0x7feb_352d);
     mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x846c_a68b);

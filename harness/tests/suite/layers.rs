@@ -171,10 +171,6 @@ fn rerun_is_known_in_the_stream_alone() {
         .filter(|(module, _)| module.first().is_none_or(|it| it != "stream"));
     for (module, file) in outside {
         let code = code_of(&file);
-        assert!(
-            !code.contains("rerun::"),
-            "{} knows Rerun",
-            module.join("::")
-        );
+        assert!(!code.contains("rerun::"), "{} knows Rerun", module.join("::"));
     }
 }

@@ -182,6 +182,7 @@ fn the_manifest_says_what_was_simulated() {
         "turns_per_scan": 10,
         "sensor": "vlp-16",
         "shutter": "instant",
+        "rain_mm_per_h": null,
         "labeled_to_either_side_deg": 40.0,
     });
     assert_eq!(manifest["datasets"][0]["simulation"], simulation);
