@@ -1,6 +1,6 @@
 //! Time of every detector and of each stage of the hierarchical one, interleaved in one run, one thread.
 //!
-//! `cargo bench --bench detectors [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path. Without it the
+//! `cargo bench --bench detectors [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path, from the root of the repository. Without it the
 //! simulated street is used.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
@@ -21,6 +21,8 @@ const N_ROUNDS: usize = 20;
 const N_WARMUP_ROUNDS: usize = 2;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Cargo starts benchmarks in the folder of their package; paths are meant from the root.
+    std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
     // Cargo appends `--bench`.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|it| !it.starts_with("--")).collect();
     let name = arguments.first().map_or("street-main-road", String::as_str);
