@@ -93,6 +93,8 @@ impl HierarchicalParams {
         within("grid.extent_m", grid.extent_m.into(), 1.0, 300.0, "1 to 300 m")?;
         within("terrain.block_cells", self.terrain.block_cells.into(), 1.0, 100.0, "1 to 100")?;
         within("terrain.low_quantile", self.terrain.low_quantile.into(), 0.0, 1.0, "0 to 1")?;
+        let ground_band_m = self.foreground.ground_band_m.into();
+        within("foreground.ground_band_m", ground_band_m, 0.0, 10.0, "0 to 10 m")?;
         let separation = &self.separation;
         within("separation.low_density_share", separation.low_density_share.into(), 0.0, 1.0, "0 to 1")?;
         let gap_range_m = separation.single_gap_range_m.into();
@@ -121,6 +123,11 @@ mod tests {
         check_refused("xi = 3", "ksi = 3", "unknown field `ksi`");
         check_refused("xi = 3", "", "missing field `xi`");
         check_refused("xi = 3", "xi = 9", "grid.xi = 9 is outside of 1 to 8");
+        check_refused(
+            "ground_band_m = 0.25",
+            "ground_band_m = -1.0",
+            "foreground.ground_band_m = -1 is outside",
+        );
         check_refused("cell_size_m = 0.60", "cell_size_m = nan", "grid.cell_size_m = NaN");
     }
 }
