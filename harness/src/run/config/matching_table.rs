@@ -1,6 +1,6 @@
 //! How detections are judged, as a table of the configuration.
 
-use detector::params::ParamsError;
+use detector::params::{ParamsError, check_range};
 use serde::Deserialize;
 
 use crate::matching::assign::MatchingParams;
@@ -36,17 +36,10 @@ enum CriterionTable {
 /// The parameters in a complete TOML document.
 pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
     let table: MatchingTable = toml::from_str(text)?;
-    let within = |name, value: f64, low: f64, high: f64, allowed| {
-        if (low..=high).contains(&value) {
-            Ok(())
-        } else {
-            Err(ParamsError::OutOfRange { name, value, allowed })
-        }
-    };
     // Above one half an annotation can agree with one detection only, and this is what makes a match mean something.
-    within("min_iou", table.min_iou, 0.01, 1.0, "0.01 to 1")?;
-    within("max_centre_distance_m", table.max_centre_distance_m, 0.01, 100.0, "0.01 to 100 m")?;
-    within("max_range_m", table.max_range_m, 1.0, 1000.0, "1 to 1000 m")?;
+    check_range("min_iou", table.min_iou, [0.01, 1.0], "0.01 to 1")?;
+    check_range("max_centre_distance_m", table.max_centre_distance_m, [0.01, 100.0], "0.01 to 100 m")?;
+    check_range("max_range_m", table.max_range_m, [1.0, 1000.0], "1 to 1000 m")?;
     let criterion = match table.criterion {
         CriterionTable::Points => Criterion::Points { min_iou: table.min_iou },
         CriterionTable::Centre => Criterion::Centre { max_distance_m: table.max_centre_distance_m },

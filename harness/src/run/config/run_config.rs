@@ -8,7 +8,9 @@ use toml::{Table, Value};
 
 use super::error::ConfigError;
 use super::matching_table::{MATCHING_TOML, matching_from};
-use super::override_file::OverrideSource;
+use super::override_file::OverrideFile;
+use super::override_option::{OverrideOption, OverrideOptions};
+use super::value_problem::ValueProblem;
 use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
 
@@ -67,11 +69,27 @@ impl RunConfig {
         }
     }
 
+    /// These parameters with those of `options` given other values. A parameter of the tables `own` may be named by the end
+    /// of its name alone where that is clear.
+    ///
+    /// # Errors
+    ///
+    /// [`ConfigError`] if an option names nothing, or several parameters, or its value cannot be worked with.
+    pub fn overridden(&self, options: &[OverrideOption], own: &[&str]) -> Result<Self, ConfigError> {
+        let options = OverrideOptions::resolve(options, &self.resolved, own)?;
+        let mut resolved = self.resolved.clone();
+        options.apply(&mut resolved)?;
+        Self::from_resolved(resolved).map_err(|problem| options.value_error(problem))
+    }
+
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {
-        let source = OverrideSource { path, text: overrides };
-        let values = source.parse()?;
+        let file = OverrideFile { path, text: overrides };
         let mut resolved = shipped();
-        source.apply(&mut resolved, values, &mut Vec::new())?;
+        file.apply(&mut resolved)?;
+        Self::from_resolved(resolved).map_err(|problem| file.value_error(problem))
+    }
+
+    fn from_resolved(resolved: Table) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         let (hierarchical, matching) = (table("hierarchical").to_string(), table("matching").to_string());
         let of_baselines =
@@ -80,11 +98,11 @@ impl RunConfig {
         let baselines = baselines.to_string();
         Ok(Self {
             hierarchical: HierarchicalParams::from_toml(&hierarchical)
-                .map_err(|error| source.value_error(&error, Some("hierarchical"), &hierarchical))?,
+                .map_err(|error| ValueProblem::new(&error, Some("hierarchical"), &hierarchical))?,
             baselines: BaselineParams::from_toml(&baselines)
-                .map_err(|error| source.value_error(&error, None, &baselines))?,
+                .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
             matching: matching_from(&matching)
-                .map_err(|error| source.value_error(&error, Some("matching"), &matching))?,
+                .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
             resolved,
         })
     }
@@ -121,6 +139,15 @@ mod tests {
         assert_eq!(config.baselines.kd_tree.tolerance_m, 0.7);
         let resolved = config.resolved["hierarchical"]["grid"]["cell_size_m"].as_float();
         assert_eq!(resolved, Some(1.0));
+    }
+
+    #[test]
+    fn the_ends_of_a_range_are_within_it() {
+        assert_eq!(resolve("kd_tree.tolerance_m = 0.01").unwrap().baselines.kd_tree.tolerance_m, 0.01);
+        assert_eq!(
+            resolve("hierarchical.grid.cell_size_m = 0.05").unwrap().hierarchical.grid.cell_size_m,
+            0.05
+        );
     }
 
     #[track_caller]
@@ -162,6 +189,14 @@ mod tests {
         check_refused(
             "hierarchical.grid.xi = -3",
             "line 1: hierarchical.grid.xi: invalid value: integer `-3`, expected u32",
+        );
+        check_refused(
+            "[hierarchical.terrain]\nlow_quantile = 1.1",
+            "line 2: hierarchical.terrain.low_quantile = 1.1 is outside of 0 to 1",
+        );
+        check_refused(
+            "kd_tree.max_points = 9",
+            "line 1: kd_tree.max_points = 9 is less than kd_tree.min_points = 10",
         );
         check_refused("kd_tree.foreground = \"blue\"", "line 1: kd_tree.foreground: unknown variant `blue`");
         check_refused("[pca.grid]\ncell_size_m = 0", "line 2: pca.grid.cell_size_m = 0 is outside of");
