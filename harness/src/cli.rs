@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::run::config::override_option::OverrideOption;
 use crate::run::detector_list::DETECTORS;
 use crate::simulator::sensor::EMBEDDED_SENSORS;
 
@@ -21,6 +22,7 @@ Examples:
   scanbench run                              simulated streets, all detectors
   scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
+  scanbench detect 000000.bin -o clusters.csv   the clusters of one scan
   scanbench data list                        what is in the catalogue";
 
 const EXIT_CODES: &str = "\
@@ -28,6 +30,7 @@ Examples:
   scanbench run                              simulated streets, all detectors
   scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
   scanbench run kitti-object -d hierarchical,pca --criterion centre
+  scanbench detect 000000.bin -o clusters.csv   the clusters of one scan
   scanbench data list                        what is in the catalogue
 
 Exit codes:
@@ -43,6 +46,8 @@ Exit codes:
 pub enum Command {
     /// Run detectors on labelled scans, score them, and leave a run directory
     Run(RunArgs),
+    /// Run one detector on one scan, and write the cluster of every point and the boxes
+    Detect(DetectArgs),
     /// Look at the catalogue of data sets
     #[command(subcommand, after_help = "Example:\n  scanbench data list")]
     Data(DataCommand),
@@ -82,13 +87,21 @@ pub struct DatasetArgs {
     /// Ids of the catalogue, or paths of data sets
     #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASETS)]
     pub datasets: Vec<String>,
-    /// Format of the data sets given as paths, instead of recognising it: `kitti-tracking` or `kitti-object`
-    #[arg(long, value_name = "FORMAT")]
-    pub format: Option<String>,
     /// Which scans, by place in each data set, from 0: `7`, `0..500` (without 500), `0..500:5` (every fifth), or several
     /// of these by comma
     #[arg(long, value_name = "RANGE")]
     pub scans: Option<String>,
+    /// How they are opened.
+    #[command(flatten)]
+    pub source: SourceArgs,
+}
+
+/// How data sets are opened.
+#[derive(Debug, Clone, Args)]
+pub struct SourceArgs {
+    /// Format of data sets given as paths, instead of recognising it: `kitti-tracking` or `kitti-object`
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
     /// Seed of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -145,6 +158,18 @@ pub enum CriterionName {
     Centre,
 }
 
+/// Parameters of detectors and matching.
+#[derive(Debug, Args)]
+pub struct ConfigArgs {
+    /// TOML file that overrides parameters of detectors and matching, by the names under `config` in manifest.json
+    #[arg(short, long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Override one parameter, after the file; may be repeated. The end of a name will do where only one parameter of
+    /// the detectors that run has it
+    #[arg(short = 'P', long = "param", value_name = "NAME=VALUE")]
+    pub parameters: Vec<OverrideOption>,
+}
+
 /// Arguments of `scanbench run`.
 #[derive(Debug, Args)]
 #[command(after_help = RUN_EXAMPLES)]
@@ -156,9 +181,9 @@ pub struct RunArgs {
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
     #[arg(default_values = detector_names())]
     pub detectors: Vec<String>,
-    /// TOML file that overrides parameters of detectors and matching, by the names under `config` in manifest.json
-    #[arg(short, long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
+    /// Parameters.
+    #[command(flatten)]
+    pub config: ConfigArgs,
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
@@ -183,6 +208,7 @@ Examples:
   scanbench run
   scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
+  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
@@ -195,6 +221,7 @@ Examples:
   scanbench run
   scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
+  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv
@@ -216,6 +243,61 @@ pub struct StreamArgs {
     /// Start a Rerun viewer and stream to it as well
     #[arg(long, conflicts_with = "connect")]
     pub spawn: bool,
+}
+
+/// Arguments of `scanbench detect`.
+#[derive(Debug, Args)]
+#[command(after_help = DETECT_EXAMPLES)]
+pub struct DetectArgs {
+    /// Scan: a Velodyne `.bin` file; or, with --scan, a data set: its id in the catalogue or its path
+    #[arg(value_name = "SCAN")]
+    pub input: String,
+    /// Which scan of a data set: `0000/000110`, or `110` if only one drive has a scan of that number
+    #[arg(long, value_name = "ID")]
+    pub scan: Option<String>,
+    /// The detector.
+    #[arg(short, long, value_name = "NAME", help = detector_help(), default_value = DETECTORS[0].name)]
+    pub detector: String,
+    /// File for the cluster of every point, in the order of the scan: `.csv`, or `.u32` (little endian, 4294967295
+    /// for points of no cluster); `-` prints the CSV
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// CSV file for the boxes; `-` prints it
+    #[arg(long, value_name = "FILE")]
+    pub boxes: Option<PathBuf>,
+    /// Height of the sensor above the road in metres [default: the data set's; 1.73 for a file]
+    #[arg(long, value_name = "M", value_parser = sensor_height_m)]
+    pub sensor_height: Option<f32>,
+    /// Parameters.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Detections of the scan; with several, the least and the median of their times are printed
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeat: u32,
+    /// How the data set is opened.
+    #[command(flatten)]
+    pub source: SourceArgs,
+}
+
+const DETECT_EXAMPLES: &str = "\
+Examples:
+  scanbench detect 000000.bin -o clusters.csv --boxes boxes.csv
+  scanbench detect 000000.bin -d kd-tree -P tolerance_m=0.5 -P foreground=all -o clusters.u32
+  scanbench detect street-narrow --scan 10 --sensor vlp-16 --repeat 20
+  scanbench detect ~/data/kitti_tracking --scan 0000/000110 --boxes - | head
+
+Clusters are numbered from 0, as in the column id of the boxes. Points of no
+cluster have an empty one. Files are written whole or not at all.";
+
+fn detector_help() -> String {
+    let names: Vec<&str> = detector_names().collect();
+    format!("Detector: {}", names.join(", "))
+}
+
+/// A height from that of the road itself, for clouds that are given from there, to that of a house.
+fn sensor_height_m(text: &str) -> Result<f32, String> {
+    let height_m: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.0..=100.0).contains(&height_m) { Ok(height_m) } else { Err("outside of 0 to 100 m".to_owned()) }
 }
 
 /// Arguments of `scanbench selftest`.

@@ -21,6 +21,8 @@ pub mod scan_row;
 pub mod match_outcome;
 pub mod match_row;
 pub mod curve_row;
+pub mod box_row;
+pub mod cluster_of_point;
 pub mod run_directory;
 
 // Tables.

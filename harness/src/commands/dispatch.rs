@@ -5,6 +5,7 @@ use clap::CommandFactory as _;
 use crate::cli::{Cli, Command, DataCommand};
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
+use crate::commands::detect::detect;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::standard_streams::print_result;
@@ -17,6 +18,7 @@ use crate::commands::standard_streams::print_result;
 pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
     match &cli.command {
         Command::Run(arguments) => run(arguments),
+        Command::Detect(arguments) => detect(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
         Command::Selftest(arguments) => selftest(arguments),

@@ -4,7 +4,9 @@ pub mod standard_streams;
 pub mod failure;
 pub mod progress;
 pub mod interruption;
+pub mod config;
 pub mod open_datasets;
+pub mod open_scan;
 pub mod provenance;
 pub mod run_directory;
 pub mod run_rows;
@@ -12,6 +14,8 @@ pub mod run_manifest;
 #[cfg(feature = "rerun")]
 pub mod recording;
 pub mod run;
+pub mod result_file;
+pub mod detect;
 pub mod selftest;
 pub mod data_list;
 pub mod data_realism;

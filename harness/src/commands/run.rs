@@ -17,7 +17,8 @@ use reports::scan_row::ScanRow;
 use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 
-use crate::cli::{CriterionName, RunArgs};
+use crate::cli::RunArgs;
+use crate::commands::config::judging_config;
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
@@ -28,7 +29,6 @@ use crate::commands::run_manifest::run_manifest;
 use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::DatasetDescription;
-use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
@@ -54,11 +54,13 @@ struct Plan<'a> {
 pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     // Before anything is written, so that Ctrl-C leaves nothing behind.
     let interrupted = interruption_flag()?;
+    let started = Timestamp::now();
+    let detectors = detectors_named(&arguments.detectors)?;
     let plan = Plan {
         arguments,
-        started: Timestamp::now(),
-        config: run_config(arguments)?,
-        detectors: detectors_named(&arguments.detectors)?,
+        started,
+        config: judging_config(&arguments.config, &arguments.matching, &detectors)?,
+        detectors,
         datasets: open_datasets(&arguments.data)?,
     };
     let directory = begin_directory(&plan)?;
@@ -74,16 +76,6 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let tables = write_report(&directory, &manifest, &report)?;
     let finished = directory.finish()?;
     print(&tables, &finished)
-}
-
-fn run_config(arguments: &RunArgs) -> anyhow::Result<RunConfig> {
-    let mut config = RunConfig::load(arguments.config.as_deref())?;
-    match arguments.matching.criterion {
-        Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
-        Some(CriterionName::Centre) => config.choose_criterion(Criterion::CENTRE),
-        None => {}
-    }
-    Ok(config)
 }
 
 fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {

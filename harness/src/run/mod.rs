@@ -1,6 +1,7 @@
-//! Detectors side by side over the scans of a data set.
+//! Detectors side by side over the scans of a data set, or one on a single scan.
 
 pub mod config;
 pub mod detector_list;
+pub mod single_scan;
 pub mod side_by_side;
 pub mod scores;
