@@ -48,6 +48,8 @@ pub enum Command {
     Run(RunArgs),
     /// Run one detector on one scan, and write the cluster of every point and the boxes
     Detect(DetectArgs),
+    /// Measure what each part of the hierarchical detector is worth, by leaving it out
+    Ablation(AblationArgs),
     /// Look at the catalogue of data sets
     #[command(subcommand, after_help = "Example:\n  scanbench data list")]
     Data(DataCommand),
@@ -170,6 +172,25 @@ pub struct ConfigArgs {
     pub parameters: Vec<OverrideOption>,
 }
 
+/// What runs beside what, so that times mean something.
+#[derive(Debug, Args)]
+pub struct TimingArgs {
+    /// Scans read or simulated at once; detectors always run alone [default: number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Detections of the first scan that are thrown away before anything is timed
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub warmup: u16,
+}
+
+impl TimingArgs {
+    /// Scans that are read at once.
+    pub fn n_jobs(&self) -> usize {
+        let n_cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        self.jobs.map_or_else(n_cores, usize::from)
+    }
+}
+
 /// Arguments of `scanbench run`.
 #[derive(Debug, Args)]
 #[command(after_help = RUN_EXAMPLES)]
@@ -190,12 +211,9 @@ pub struct RunArgs {
     /// Where the run directory is written.
     #[command(flatten)]
     pub output: OutputArgs,
-    /// Scans read or simulated at once; detectors always run alone [default: number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub jobs: Option<u16>,
-    /// Detections of the first scan that are thrown away before anything is timed
-    #[arg(long, value_name = "N", default_value_t = 3)]
-    pub warmup: u16,
+    /// What runs beside what.
+    #[command(flatten)]
+    pub timing: TimingArgs,
     /// What is streamed to Rerun.
     #[cfg(feature = "rerun")]
     #[command(flatten)]
@@ -299,6 +317,36 @@ fn sensor_height_m(text: &str) -> Result<f32, String> {
     let height_m: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
     if (0.0..=100.0).contains(&height_m) { Ok(height_m) } else { Err("outside of 0 to 100 m".to_owned()) }
 }
+
+/// Arguments of `scanbench ablation`.
+#[derive(Debug, Args)]
+#[command(after_help = ABLATION_EXAMPLES)]
+pub struct AblationArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Parameters of the whole method.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// How detections are judged.
+    #[command(flatten)]
+    pub matching: MatchingArgs,
+    /// Where the table is written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// What runs beside what.
+    #[command(flatten)]
+    pub timing: TimingArgs,
+}
+
+const ABLATION_EXAMPLES: &str = "\
+Examples:
+  scanbench ablation
+  scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
+  scanbench ablation street-narrow --seed 7 -P single_gap_range_m=8
+
+All variants look at each scan, one after the other. Leaves in the directory
+ablation.csv, ablation.md and manifest.json.";
 
 /// Arguments of `scanbench selftest`.
 #[derive(Debug, Args)]

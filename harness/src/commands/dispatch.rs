@@ -3,6 +3,7 @@
 use clap::CommandFactory as _;
 
 use crate::cli::{Cli, Command, DataCommand};
+use crate::commands::ablation::ablation;
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
 use crate::commands::detect::detect;
@@ -19,6 +20,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
     match &cli.command {
         Command::Run(arguments) => run(arguments),
         Command::Detect(arguments) => detect(arguments),
+        Command::Ablation(arguments) => ablation(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
         Command::Selftest(arguments) => selftest(arguments),

@@ -14,6 +14,7 @@ pub mod run_manifest;
 #[cfg(feature = "rerun")]
 pub mod recording;
 pub mod run;
+pub mod ablation;
 pub mod result_file;
 pub mod detect;
 pub mod selftest;

@@ -25,7 +25,7 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
-use crate::commands::run_manifest::run_manifest;
+use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::DatasetDescription;
@@ -71,7 +71,14 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     }
     archive.finish()?;
     let Plan { config, detectors, datasets, started, .. } = &plan;
-    let manifest = run_manifest(arguments, config, detectors, datasets, *started);
+    let manifest = run_manifest(RunSettings {
+        data: &arguments.data,
+        n_warmup: arguments.timing.warmup,
+        config,
+        detectors: detector_entries(detectors, config),
+        datasets,
+        started: *started,
+    });
     let report = RunReport::new(SCORING_VERSION, rows)?;
     let tables = write_report(&directory, &manifest, &report)?;
     let finished = directory.finish()?;
@@ -175,8 +182,8 @@ fn evaluate(
         dataset: &*opened.dataset,
         scan_indices: &opened.scan_indices,
         matching: config.matching,
-        n_warmup: arguments.warmup.into(),
-        n_jobs: n_jobs(arguments),
+        n_warmup: arguments.timing.warmup.into(),
+        n_jobs: arguments.timing.n_jobs(),
         interrupted,
     };
     let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
@@ -194,11 +201,6 @@ fn evaluate(
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(scores)
-}
-
-fn n_jobs(arguments: &RunArgs) -> usize {
-    let n_cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    arguments.jobs.map_or_else(n_cores, usize::from)
 }
 
 fn write_report(

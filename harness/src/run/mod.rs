@@ -5,3 +5,4 @@ pub mod detector_list;
 pub mod single_scan;
 pub mod side_by_side;
 pub mod scores;
+pub mod ablation;

@@ -7,6 +7,8 @@ mod program;
 mod bad_input;
 mod command_line;
 mod damaged_datasets;
+mod detect;
+mod ablation;
 mod kitti_real_scans;
 mod layers;
 mod run_directory;
