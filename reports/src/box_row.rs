@@ -72,7 +72,7 @@ mod tests {
         let bounding_box = BoxFacts {
             center_m: [10.0, -0.00001, -0.85],
             length_width_height_m: [4.2, 1.8, 1.5],
-            yaw_rad: 1.570_796,
+            yaw_rad: 1.25,
         };
         let detection = |id, score| {
             BoxRow::new(&DetectionFacts {
@@ -86,8 +86,8 @@ mod tests {
         let bytes = to_csv_bytes(&[detection(0, None), detection(1, Some(0.5))]).unwrap();
         insta::assert_snapshot!(String::from_utf8(bytes).unwrap(), @r"
         id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points
-        0,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.5708,120
-        1,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.5708,120
+        0,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
+        1,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
         ");
     }
 }

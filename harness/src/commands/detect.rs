@@ -124,11 +124,15 @@ fn summary(scan: &OpenedScan, detector: &str, result: &SingleScan) -> String {
 fn write_times(text: &mut String, result: &SingleScan) {
     const STAGE: &str = "stage";
     const WHOLE: &str = "whole";
+    const ENDLESS: &str = "a string takes all that is written";
     let names = result.stages.iter().map(|(stage, _)| *stage).chain([STAGE, WHOLE]);
     let width = names.map(str::len).max().unwrap_or(0);
     let mut write_line = |name: &str, cells: &[String]| {
-        let cells: String = cells.iter().map(|it| format!("  {it:>9}")).collect();
-        writeln!(text, "{name:<width$}{cells}").expect("a string takes all that is written");
+        write!(text, "{name:<width$}").expect(ENDLESS);
+        for cell in cells {
+            write!(text, "  {cell:>9}").expect(ENDLESS);
+        }
+        text.push('\n');
     };
     let is_single = result.whole.n() == 1;
     let heads: &[&str] = if is_single { &["ms"] } else { &["min ms", "p50 ms"] };

@@ -41,12 +41,12 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
     let is_catalogued = catalogue.ids().any(|it| it == input);
     if !is_catalogued && !path.is_dir() {
         if path.extension().is_some_and(|it| it.eq_ignore_ascii_case(SCAN_EXTENSION)) {
-            return open_file(path, id, source);
+            return open_file(input, id, source);
         }
         anyhow::ensure!(
             !path.is_file(),
             Usage(format!(
-                "{path:?} is not read: a scan is a Velodyne file whose name ends in .{SCAN_EXTENSION}"
+                "{input:?} is not read: a scan is a Velodyne file whose name ends in .{SCAN_EXTENSION}"
             ))
         );
     }
@@ -65,15 +65,15 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
     })
 }
 
-fn open_file(path: &Path, id: Option<&str>, source: &SourceArgs) -> anyhow::Result<OpenedScan> {
+fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Result<OpenedScan> {
     let for_datasets = [("--scan", id.is_some()), ("--format", source.format.is_some())];
     if let Some((option, _)) = for_datasets.iter().find(|(_, is_given)| *is_given) {
-        return Err(Usage(format!("{option} is for data sets, and {path:?} is a scan")).into());
+        return Err(Usage(format!("{option} is for data sets, and {input:?} is a scan")).into());
     }
     refuse_simulation(source)?;
     Ok(OpenedScan {
-        name: path.display().to_string(),
-        cloud: read_velodyne_bin(path)?,
+        name: input.to_owned(),
+        cloud: read_velodyne_bin(Path::new(input))?,
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
     })
 }

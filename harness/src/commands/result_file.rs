@@ -33,7 +33,8 @@ impl Destination {
             return Ok(Self::File(written.to_owned()));
         }
         let endings: Vec<String> = extensions.iter().map(|it| format!(".{it}")).collect();
-        Err(Usage(format!("{written:?} ends neither in {}, nor is it -", endings.join(" nor in "))))
+        let name = written.to_string_lossy();
+        Err(Usage(format!("{name:?} does not end in {}, and is not -", endings.join(" or "))))
     }
 
     /// Fails if nothing can be written there: before the work, and not after it.

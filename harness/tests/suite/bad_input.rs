@@ -168,8 +168,8 @@ fn a_detection_whose_results_have_no_place() {
     let it = Spoilt::drive();
     std::fs::create_dir(it.workplace.path("folder.csv")).expect("a fresh folder");
     for (arguments, part) in [
-        ("-o clusters.txt", "\"clusters.txt\" ends neither in .csv nor in .u32, nor is it -"),
-        ("--boxes boxes.u32", "\"boxes.u32\" ends neither in .csv, nor is it -"),
+        ("-o clusters.txt", "\"clusters.txt\" does not end in .csv or .u32, and is not -"),
+        ("--boxes boxes.u32", "\"boxes.u32\" does not end in .csv, and is not -"),
         ("-o a.csv --boxes a.csv", "clusters and boxes go to different places"),
         ("-o - --boxes -", "clusters and boxes go to different places"),
         ("-o gone/a.csv", "cannot write \"gone/a.csv\": No such file"),

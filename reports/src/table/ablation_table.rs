@@ -40,7 +40,9 @@ impl AblationTable {
         let mut text = format!("**{}**\n\n", markdown::escaped(&self.title()));
         markdown::write_grid(&mut text, &grid, &notes);
         text.push('\n');
-        notes.sentences.iter().for_each(|it| text.push_str(&format!("- {}\n", markdown::escaped(it))));
+        for sentence in &notes.sentences {
+            markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
+        }
         text
     }
 

@@ -57,7 +57,7 @@ fn cell_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
     format!("{text}{}{tag}", notes.sign(cell))
 }
 
-fn push_line(text: &mut String, line: &str) {
+pub(crate) fn push_line(text: &mut String, line: &str) {
     writeln!(text, "{line}").expect("a string takes all that is written");
 }
 

@@ -99,7 +99,10 @@ pub enum ConfigPlace {
 impl fmt::Display for ConfigPlace {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Line { path, line } => write!(formatter, "{path:?}, line {line}"),
+            Self::Line { path, line } => {
+                fmt::Debug::fmt(path, formatter)?;
+                write!(formatter, ", line {line}")
+            }
             Self::Options(written) => {
                 let options: Vec<String> = written.iter().map(|it| format!("-P {it}")).collect();
                 formatter.write_str(&options.join(" "))
