@@ -343,7 +343,7 @@ const ABLATION_EXAMPLES: &str = "\
 Examples:
   scanbench ablation
   scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
-  scanbench ablation street-narrow --seed 7 -P single_gap_range_m=8
+  scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
 
 All variants look at each scan, one after the other. Leaves in the directory
 ablation.csv, ablation.md and manifest.json.";
