@@ -9,6 +9,7 @@ use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::foreground::ForegroundParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::terrain::TerrainParams;
+use crate::segment::wall_refinement::WallRefinementParams;
 
 /// Parameters of every stage. `params/paper.toml` explains the values.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -20,6 +21,8 @@ pub struct HierarchicalParams {
     pub terrain: TerrainParams,
     /// Cell classes.
     pub ground: GroundSegmentationParams,
+    /// Refinement of walls.
+    pub walls: WallRefinementParams,
     /// Foreground points.
     pub foreground: ForegroundParams,
     /// Merging of coarse cells.
@@ -121,6 +124,15 @@ impl HierarchicalParams {
         within("grid.extent_m", grid.extent_m.into(), 1.0, 300.0, "1 to 300 m")?;
         within("terrain.block_cells", self.terrain.block_cells.into(), 1.0, 100.0, "1 to 100")?;
         within("terrain.low_quantile", self.terrain.low_quantile.into(), 0.0, 1.0, "0 to 1")?;
+        let walls = &self.walls;
+        within("walls.min_height_m", walls.min_height_m.into(), 0.0, 100.0, "0 to 100 m")?;
+        within("walls.ceiling_margin_deg", walls.ceiling_margin_deg.into(), 0.0, 90.0, "0 to 90 degrees")?;
+        within("walls.min_support", walls.min_support.into(), 0.0, 1.0, "0 to 1")?;
+        let hough = &walls.hough;
+        within("walls.hough.n_directions", hough.n_directions.into(), 4.0, 720.0, "4 to 720")?;
+        within("walls.hough.min_votes", hough.min_votes.into(), 2.0, 1000.0, "2 to 1000")?;
+        within("walls.hough.min_length_cells", hough.min_length_cells.into(), 2.0, 10_000.0, "2 to 10000")?;
+        within("walls.hough.max_gap_cells", hough.max_gap_cells.into(), 0.0, 10_000.0, "0 to 10000")?;
         let ground_band_m = self.foreground.ground_band_m.into();
         within("foreground.ground_band_m", ground_band_m, 0.0, 10.0, "0 to 10 m")?;
         let separation = &self.separation;
