@@ -22,6 +22,7 @@ pub const TASK: Task = Task::Objects;
 /// The parts that can be switched off, in the order of the stages, each with the override that does so.
 const PARTS: &[(&str, &str)] = &[
     ("terrain", "hierarchical.terrain.enabled=false"),
+    ("wall refinement", "hierarchical.walls.enabled=false"),
     ("dense separation", "hierarchical.separation.enabled=false"),
 ];
 
