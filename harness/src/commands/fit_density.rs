@@ -1,23 +1,23 @@
 //! `scanbench fit-density`.
 
 use std::collections::BTreeSet;
+use std::io::Write as _;
 use std::path::Path;
 
 use detector::grid::density_curve::{CurveOrigin, DensityCurve};
 use detector::grid::ring_density::RingCounts;
+use reports::archive::ArchiveError;
 use reports::csv_rows::CsvRowWriter;
 use reports::curve_pair::Sides;
 use reports::curve_row::CurveRow;
 use reports::plot::curve_plot::curve_plot;
-use reports::run_directory::{LatestPointer, RunDirectory};
-use reports::whole_file::write_whole;
+use reports::whole_file::{WholeFile, write_whole};
 
-use crate::cli::{DatasetArgs, FitDensityArgs, OutputArgs};
+use crate::cli::{DatasetArgs, FitDensityArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
-use crate::commands::run_directory::begin_run_directory;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::density_survey::{count_rings, density_curves};
 
@@ -28,20 +28,22 @@ const DENSITY_CSV: &str = "density.csv";
 ///
 /// # Errors
 ///
-/// If anything asked for is not there, data are damaged or too few, or the output cannot be written; nothing is left
-/// behind then.
+/// If anything asked for is not there, data are damaged or too few, or the output cannot be written; there is no file
+/// then, and no figures unless it is the disk that gave up on them.
 pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
     // Before anything is written, so that Ctrl-C leaves nothing behind.
     let interrupted = interruption_flag()?;
-    let file = arguments.output.as_path();
-    anyhow::ensure!(
-        arguments.overwrite || !file.exists(),
-        Usage(format!("{file:?} exists; choose another name or replace it with --overwrite"))
-    );
+    let path = arguments.output.as_path();
+    for target in [Some(path), arguments.figures.as_deref()].into_iter().flatten() {
+        anyhow::ensure!(
+            arguments.overwrite || !target.exists(),
+            Usage(format!("{target:?} exists; choose another name or replace it with --overwrite"))
+        );
+    }
     let opened = open_datasets(&arguments.data)?;
     let origin = origin(&opened, &arguments.data)?;
-    let figures =
-        arguments.figures.as_deref().map(|it| begin_figures(it, arguments.overwrite)).transpose()?;
+    // Now, so that a folder that is not there is not found out after all scans are read.
+    let mut file = WholeFile::create(path)?;
     let mut scans = Vec::new();
     for OpenedDataset { dataset, scan_indices } in &opened {
         let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
@@ -50,19 +52,15 @@ pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
     }
     let curve =
         DensityCurve::fit(&scans, origin).map_err(|error| NothingEvaluated { reason: error.to_string() })?;
-    if let Some(directory) = figures {
-        write_figures(&directory, &curve, &scans, &name_of(&opened, scans.len()))?;
-        directory.finish()?;
+    if let Some(folder) = &arguments.figures {
+        write_figures(folder, &curve, &scans, &name_of(&opened, scans.len()))?;
     }
-    write_whole(file, curve.to_toml().as_bytes())?;
+    let written = file.write_all(curve.to_toml().as_bytes());
+    written.map_err(|source| ArchiveError::Write { path: path.to_owned(), source })?;
+    file.finish()?;
     let printed = print_result(summary(&curve));
-    print_diagnostic(format_args!("Density curve: {}", file.display()));
+    print_diagnostic(format_args!("Density curve: {}", path.display()));
     printed
-}
-
-fn begin_figures(target: &Path, overwrite: bool) -> anyhow::Result<RunDirectory> {
-    let output = OutputArgs { output: Some(target.to_owned()), overwrite };
-    begin_run_directory(&output, "", LatestPointer::Leave)
 }
 
 /// What the curve is learned from. All scans have to be of one sensor.
@@ -113,18 +111,21 @@ fn name_of(opened: &[OpenedDataset], n_scans: usize) -> String {
 }
 
 fn write_figures(
-    directory: &RunDirectory,
+    folder: &Path,
     curve: &DensityCurve,
     scans: &[RingCounts],
     name: &str,
 ) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|source| ArchiveError::Write { path: folder.to_owned(), source })?;
     let names = Sides { left: name, right: "fitted, exponential of a polynomial of the sixth degree" };
-    let mut rows = CsvRowWriter::new(directory.begin_file(DENSITY_CSV)?)?;
+    let mut rows = CsvRowWriter::new(WholeFile::create(&folder.join(DENSITY_CSV))?)?;
     for pair in density_curves(curve, scans) {
         for row in CurveRow::of_curves(&pair, names) {
             rows.write(&row)?;
         }
-        directory.write_file(&format!("{}.svg", pair.statistic), curve_plot(&pair, names).as_bytes())?;
+        let plot = folder.join(format!("{}.svg", pair.statistic));
+        write_whole(&plot, curve_plot(&pair, names).as_bytes())?;
     }
     rows.finish()?;
     Ok(())

@@ -117,7 +117,7 @@ fn what_cannot_be_fitted_leaves_nothing() {
     let (workplace, drawn) = drive();
     check_refused(&workplace, &["nowhere"], 2, "nowhere");
     check_refused(&workplace, &["street", "street-narrow", "--sensor", "vlp-16"], 2, "of hdl-64e-s2, vlp-16");
-    check_refused(&workplace, &["street", "-o", "missing/density.toml"], 1, "missing/density.toml");
+    check_refused(&workplace, &["street", "-o", "missing/density.toml"], 2, "missing/density.toml");
     drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(100));
     check_refused(&workplace, &["street", "--figures", "out"], 3, "000001.bin");
     for scan in 0..3 {
