@@ -10,7 +10,7 @@ use reports::table::ablation_score::AblationRow;
 use reports::table::ablation_table::AblationTable;
 
 use crate::cli::AblationArgs;
-use crate::commands::config::judging_config;
+use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
@@ -81,7 +81,11 @@ fn evaluate(
     interrupted: &AtomicBool,
 ) -> anyhow::Result<AblationScores> {
     let description = opened.dataset.description();
-    let build = |variant: &Variant| method.build(&variant.config, description.sensor_height_m);
+    warn_of_unknown_sensor(&variants[0].config, &description.sensor);
+    let build = |variant: &Variant| {
+        let of_sensor = variant.config.for_sensor(&description.sensor);
+        method.build(of_sensor.as_ref().unwrap_or(&variant.config), description.sensor_height_m)
+    };
     let mut detectors: Vec<_> = variants.iter().map(build).collect();
     let mut scores = AblationScores::new(description, variants);
     let side_by_side = SideBySide {

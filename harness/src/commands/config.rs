@@ -1,6 +1,9 @@
 //! From the command line to parameters.
 
+use detector::params::PAPER_SENSOR;
+
 use crate::cli::{ConfigArgs, CriterionName, MatchingArgs};
+use crate::commands::standard_streams::print_diagnostic;
 use crate::matching::criterion::Criterion;
 use crate::run::config::{ConfigError, RunConfig};
 use crate::run::detector_list::ListedDetector;
@@ -36,4 +39,14 @@ pub fn judging_config(
         None => {}
     }
     Ok(config)
+}
+
+/// Says so if it is not known how densely `sensor` samples the street.
+pub fn warn_of_unknown_sensor(config: &RunConfig, sensor: &str) {
+    if config.for_sensor(sensor).is_none() {
+        print_diagnostic(format_args!(
+            "warning: how densely {sensor:?} samples the street is not known, {PAPER_SENSOR} stands in; \
+             learn it with scanbench fit-density, and give the file to --config"
+        ));
+    }
 }

@@ -10,7 +10,7 @@ use reports::cluster_of_point;
 use reports::csv_rows::to_csv_bytes;
 
 use crate::cli::DetectArgs;
-use crate::commands::config::detector_config;
+use crate::commands::config::{detector_config, warn_of_unknown_sensor};
 use crate::commands::failure::Usage;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_scan::{OpenedScan, open_scan};
@@ -34,6 +34,8 @@ pub fn detect(arguments: &DetectArgs) -> anyhow::Result<()> {
     destinations.check()?;
     let mut scan = open_scan(&arguments.input, arguments.scan.as_deref(), &arguments.source)?;
     scan.sensor_height_m = arguments.sensor_height.unwrap_or(scan.sensor_height_m);
+    warn_of_unknown_sensor(&config, &scan.sensor);
+    let config = config.for_sensor(&scan.sensor).unwrap_or(config);
     let mut detector = detectors[0].build(&config, scan.sensor_height_m);
     let result = detect_repeatedly(&mut *detector, &scan.cloud, arguments.repeat as usize, interrupted)?;
     write_results(&destinations.contents(&scan, &result)?)?;

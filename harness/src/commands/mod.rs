@@ -20,4 +20,5 @@ pub mod detect;
 pub mod selftest;
 pub mod data_list;
 pub mod data_realism;
+pub mod fit_density;
 pub mod dispatch;

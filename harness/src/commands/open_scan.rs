@@ -8,6 +8,7 @@ use crate::annotation::ScanId;
 use crate::cli::SourceArgs;
 use crate::commands::failure::Usage;
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation};
+use crate::dataset::catalogue::KITTI_SENSOR;
 use crate::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use crate::dataset::open::open_dataset;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -23,6 +24,8 @@ pub struct OpenedScan {
     pub cloud: PointCloud,
     /// Height of the sensor above the road, in metres, as far as the files say.
     pub sensor_height_m: f32,
+    /// The sensor: its id, or the file that describes it.
+    pub sensor: String,
 }
 
 /// Opens the scan in the file `input`, or scan `id` of the data set `input`.
@@ -62,6 +65,7 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
         name: format!("{}{simulated}, scan {}", description.id, scan.id),
         cloud: scan.cloud,
         sensor_height_m: description.sensor_height_m,
+        sensor: description.sensor.clone(),
     })
 }
 
@@ -75,6 +79,7 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Resu
         name: input.to_owned(),
         cloud: read_velodyne_bin(Path::new(input))?,
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
+        sensor: KITTI_SENSOR.to_owned(),
     })
 }
 

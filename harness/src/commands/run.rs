@@ -18,7 +18,7 @@ use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 
 use crate::cli::RunArgs;
-use crate::commands::config::judging_config;
+use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
@@ -172,8 +172,10 @@ fn evaluate(
     interrupted: &AtomicBool,
     archive: &mut Archive,
 ) -> anyhow::Result<DatasetScores> {
-    let Plan { arguments, config, detectors: listed, .. } = plan;
+    let Plan { arguments, detectors: listed, .. } = plan;
     let description = opened.dataset.description();
+    warn_of_unknown_sensor(&plan.config, &description.sensor);
+    let config = &plan.config.for_sensor(&description.sensor).unwrap_or_else(|| plan.config.clone());
     let mut detectors: Vec<_> =
         listed.iter().map(|it| it.build(config, description.sensor_height_m)).collect();
     let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();

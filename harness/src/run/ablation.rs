@@ -23,6 +23,7 @@ pub const TASK: Task = Task::Objects;
 const PARTS: &[(&str, &str)] = &[
     ("terrain", "hierarchical.terrain.enabled=false"),
     ("wall refinement", "hierarchical.walls.enabled=false"),
+    ("distance weighting", "hierarchical.density_weighting.enabled=false"),
     ("dense separation", "hierarchical.separation.enabled=false"),
 ];
 

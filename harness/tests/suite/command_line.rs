@@ -16,8 +16,17 @@ fn help(arguments: &str) -> String {
 
 #[test]
 fn every_verb_has_help_with_an_example() {
-    for verb in ["run", "detect", "ablation", "selftest", "completions", "data", "data list", "data realism"]
-    {
+    for verb in [
+        "run",
+        "detect",
+        "ablation",
+        "selftest",
+        "completions",
+        "data",
+        "data list",
+        "data realism",
+        "fit-density",
+    ] {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
         assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
@@ -27,7 +36,7 @@ fn every_verb_has_help_with_an_example() {
 #[test]
 fn help_lists_every_verb_and_exit_code() {
     let help = help("--help");
-    for line in ["run ", "detect ", "ablation ", "data ", "selftest ", "completions "] {
+    for line in ["run ", "detect ", "ablation ", "data ", "fit-density ", "selftest ", "completions "] {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
     }
     for line in
@@ -39,11 +48,18 @@ fn help_lists_every_verb_and_exit_code() {
 
 #[test]
 fn help_fits_into_80_columns() {
-    for verb in
-        ["--help", "-h", "run --help", "run -h", "detect --help", "ablation --help", "selftest --help"]
-            .into_iter()
-            .chain(["data list --help", "data realism --help"])
-    {
+    for verb in [
+        "--help",
+        "-h",
+        "run --help",
+        "run -h",
+        "detect --help",
+        "ablation --help",
+        "selftest --help",
+        "data list --help",
+        "data realism --help",
+        "fit-density --help",
+    ] {
         let workplace = Workplace::new();
         let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
         let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));

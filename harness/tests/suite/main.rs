@@ -13,3 +13,4 @@ mod kitti_real_scans;
 mod layers;
 mod run_directory;
 mod realism;
+mod fit_density;

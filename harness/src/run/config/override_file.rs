@@ -16,9 +16,13 @@ pub(super) struct OverrideFile<'a> {
 }
 
 impl OverrideFile<'_> {
-    /// Puts the values of the document into `table`.
-    pub(super) fn apply(&self, table: &mut Table) -> Result<(), ConfigError> {
-        set(table, self.parse()?, &mut Vec::new(), &|keys| self.place_of(keys))
+    /// Puts the values of the document into `table`, and returns whether there is a density curve among them.
+    pub(super) fn apply(&self, table: &mut Table) -> Result<bool, ConfigError> {
+        let values = self.parse()?;
+        let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
+        let gives_curve = curve.is_some();
+        set(table, values, &mut Vec::new(), &|keys| self.place_of(keys))?;
+        Ok(gives_curve)
     }
 
     /// Says where in the document the value stands that makes a problem.

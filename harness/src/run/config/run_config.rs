@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use baselines::params::{BaselineParams, PARAMS_TOML};
-use detector::params::{HierarchicalParams, PAPER_TOML};
+use detector::grid::density_curve::DensityCurve;
+use detector::params::HierarchicalParams;
 use toml::{Table, Value};
 
 use super::error::ConfigError;
@@ -23,7 +24,7 @@ pub struct RunConfig {
     pub baselines: BaselineParams,
     /// How detections are judged.
     pub matching: MatchingParams,
-    /// All of it as one document, for the manifest.
+    /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
 
@@ -32,7 +33,7 @@ fn shipped() -> Table {
     let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
     let mut all = parse(PARAMS_TOML);
     all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
-    all.insert("hierarchical".to_owned(), Value::Table(parse(PAPER_TOML)));
+    all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::paper_table()));
     all
 }
 
@@ -51,6 +52,16 @@ impl RunConfig {
             byte_offset: error.utf8_error().valid_up_to(),
         })?;
         Self::resolve(&text, path)
+    }
+
+    /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
+    /// detector. A curve that the file gives stays.
+    pub fn for_sensor(&self, sensor: &str) -> Option<Self> {
+        let mut config = self.clone();
+        if !gives_density_curve(&self.resolved) {
+            config.hierarchical.density_weighting.curve = DensityCurve::shipped(sensor)?;
+        }
+        Some(config)
     }
 
     /// Judges by `criterion`, whatever the file says.
@@ -85,13 +96,24 @@ impl RunConfig {
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {
         let file = OverrideFile { path, text: overrides };
         let mut resolved = shipped();
-        file.apply(&mut resolved)?;
+        if !file.apply(&mut resolved)?
+            && let Some(Value::Table(weighting)) = resolved["hierarchical"].get_mut("density_weighting")
+        {
+            weighting.remove("curve");
+        }
         Self::from_resolved(resolved).map_err(|problem| file.value_error(problem))
     }
 
     fn from_resolved(resolved: Table) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
-        let (hierarchical, matching) = (table("hierarchical").to_string(), table("matching").to_string());
+        // A curve that is not given is the sensor's; until that is known, the paper's stands in.
+        let of_paper = HierarchicalParams::paper_table();
+        let hierarchical = if gives_density_curve(&resolved) {
+            table("hierarchical")
+        } else {
+            with_density_curve(table("hierarchical"), &of_paper)
+        };
+        let (hierarchical, matching) = (hierarchical.to_string(), table("matching").to_string());
         let of_baselines =
             resolved.iter().filter(|(name, _)| !["matching", "hierarchical"].contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
@@ -106,6 +128,20 @@ impl RunConfig {
             resolved,
         })
     }
+}
+
+fn gives_density_curve(all: &Table) -> bool {
+    let weighting = all.get("hierarchical").and_then(|it| it.get("density_weighting"));
+    weighting.is_some_and(|it| it.get("curve").is_some())
+}
+
+/// The parameters `hierarchical` with the density curve of `other`.
+fn with_density_curve(mut hierarchical: Table, other: &Table) -> Table {
+    let curve = other.get("density_weighting").and_then(|it| it.get("curve"));
+    if let (Some(Value::Table(weighting)), Some(curve)) = (hierarchical.get_mut("density_weighting"), curve) {
+        weighting.insert("curve".to_owned(), curve.clone());
+    }
+    hierarchical
 }
 
 /// A number of a table that has been checked to hold it.
@@ -148,6 +184,31 @@ mod tests {
             resolve("hierarchical.grid.cell_size_m = 0.05").unwrap().hierarchical.grid.cell_size_m,
             0.05
         );
+    }
+
+    #[test]
+    fn the_density_curve_is_that_of_the_sensor_unless_the_file_gives_one() {
+        let peak = |it: &RunConfig| it.hierarchical.density_weighting.curve.peak_points_per_m2;
+        let of = |sensor: &str| DensityCurve::shipped(sensor).unwrap().peak_points_per_m2;
+        let config = resolve("hierarchical.density_weighting.enabled = false").unwrap();
+        assert_eq!(peak(&config.for_sensor("vlp-16").unwrap()), of("vlp-16"));
+        assert_eq!(config.resolved["hierarchical"]["density_weighting"].get("curve"), None);
+        assert_eq!(config.for_sensor("mine.toml"), None);
+        let given = DensityCurve::shipped("os1-128").unwrap().to_toml();
+        let config = resolve(&given).unwrap();
+        for sensor in ["vlp-16", "mine.toml"] {
+            assert_eq!(peak(&config.for_sensor(sensor).unwrap()), of("os1-128"));
+        }
+        let resolved = &config.resolved["hierarchical"]["density_weighting"]["curve"]["sensor"];
+        assert_eq!(resolved.as_str(), Some("os1-128"));
+    }
+
+    #[test]
+    fn an_option_leaves_the_density_curve_to_the_sensor() {
+        let option = "hierarchical.grid.xi=2".parse().unwrap();
+        let config = resolve("").unwrap().overridden(&[option], &[]).unwrap();
+        let shipped = DensityCurve::shipped("vlp-16").unwrap();
+        assert_eq!(config.for_sensor("vlp-16").unwrap().hierarchical.density_weighting.curve, shipped);
     }
 
     #[track_caller]
