@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::run::detector_list::DETECTORS;
+use crate::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 use crate::simulator::sensor::EMBEDDED_SENSORS;
 
 /// Evaluates and benchmarks LiDAR object detectors side by side.
@@ -109,12 +109,8 @@ fn sensor_help() -> String {
 }
 
 fn detectors_help() -> String {
-    let names: Vec<&str> = detector_names().collect();
-    format!("Detectors, by comma [default: {}]", names.join(","))
-}
-
-fn detector_names() -> impl Iterator<Item = &'static str> {
-    DETECTORS.iter().map(|it| it.name)
+    let names: Vec<&str> = DETECTORS.iter().map(|it| it.name).collect();
+    format!("Detectors, by comma, of {} [default: {}]", names.join(", "), DEFAULT_DETECTORS.join(","))
 }
 
 /// Where a verb leaves its files.
@@ -154,7 +150,7 @@ pub struct RunArgs {
     pub data: DatasetArgs,
     /// The detectors, in the order of the tables.
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
-    #[arg(default_values = detector_names())]
+    #[arg(default_values = DEFAULT_DETECTORS)]
     pub detectors: Vec<String>,
     /// TOML file that overrides parameters of detectors and matching, by the names under `config` in manifest.json
     #[arg(short, long, value_name = "FILE")]
