@@ -5,6 +5,8 @@ use clap::CommandFactory as _;
 use crate::cli::{Cli, Command, DataCommand};
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
+use crate::commands::gaps::gaps;
+use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::standard_streams::print_result;
@@ -19,6 +21,8 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Run(arguments) => run(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
+        Command::Gaps(arguments) => gaps(arguments),
+        Command::Robustness(arguments) => robustness(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Completions { shell } => completions(*shell),
     }

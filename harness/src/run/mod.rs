@@ -3,4 +3,7 @@
 pub mod config;
 pub mod detector_list;
 pub mod side_by_side;
+pub mod gap_experiment;
+pub mod gap_picture;
+pub mod robustness;
 pub mod scores;

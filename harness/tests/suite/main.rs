@@ -7,6 +7,7 @@ mod program;
 mod bad_input;
 mod command_line;
 mod damaged_datasets;
+mod experiments;
 mod kitti_real_scans;
 mod layers;
 mod run_directory;

@@ -22,7 +22,8 @@ pub fn to_markdown(table: &TaskTable) -> String {
     text
 }
 
-fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+/// The grid with its heads.
+pub(crate) fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
     // Pipe tables have no cells across columns: the group's name goes into the head of its first column.
     let mut group_before = None;
     let heads = grid.columns.iter().map(|column| {

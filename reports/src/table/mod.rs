@@ -1,5 +1,5 @@
 //! Tables: the papers', made of the numbers of a run with one row a data set and the papers' figures beside ours, and
-//! that of how well the statistics of two collections of scans agree.
+//! those of comparisons and experiments.
 
 pub mod task_table;
 mod grid;
@@ -10,6 +10,8 @@ pub mod agreement;
 pub mod csv;
 pub mod markdown;
 pub mod latex;
+pub mod gap_table;
+pub mod robustness_table;
 
 #[cfg(test)]
 mod sample;
