@@ -114,7 +114,8 @@ pub(crate) mod tests {
         ];
         let curves = gap_curves(&bins);
         assert_eq!(curves.len(), 2);
-        let shares: Vec<_> = curves[0].points.iter().map(|(gap_m, it)| (*gap_m, it.separated(), it.n_seen)).collect();
+        let shares: Vec<_> =
+            curves[0].points.iter().map(|(gap_m, it)| (*gap_m, it.separated(), it.n_seen)).collect();
         assert_eq!(shares, [(0.2, Some(0.1), 10), (0.4, Some(0.4), 20)]);
         assert_eq!(PairCounts::default().separated(), None);
     }

@@ -83,7 +83,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("gaps.csv");
         let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
-        rows.iter().for_each(|row| writer.write(row).unwrap());
+        for row in &rows {
+            writer.write(row).unwrap();
+        }
         writer.finish().unwrap();
         insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r"
         data,detector,pair,layout,range_from_m,range_to_m,gap_m,n_pairs,n_seen,n_separated,n_joined,separated,separated_low,separated_high

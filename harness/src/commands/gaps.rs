@@ -88,7 +88,9 @@ fn write_picture(
     separating: usize,
 ) -> anyhow::Result<()> {
     let Some(picture) = gap_picture(experiment, joining, separating) else {
-        print_diagnostic("No pair is drawn: simple-grid joins none of the first that hierarchical separates.");
+        print_diagnostic(
+            "No pair is drawn: there is none that simple-grid joins and hierarchical separates without fragments.",
+        );
         return Ok(());
     };
     let title = format!(

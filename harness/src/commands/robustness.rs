@@ -70,7 +70,11 @@ fn notes(arguments: &RobustnessArgs, robustness: &Robustness<'_>) -> Vec<String>
     ]
 }
 
-fn write_tables(directory: &RunDirectory, conditions: &[ConditionScores], notes: &[String]) -> anyhow::Result<()> {
+fn write_tables(
+    directory: &RunDirectory,
+    conditions: &[ConditionScores],
+    notes: &[String],
+) -> anyhow::Result<()> {
     let mut rows = CsvRowWriter::new(directory.begin_file("robustness.csv")?)?;
     for row in conditions.iter().flat_map(ConditionRow::simulated) {
         rows.write(&row)?;

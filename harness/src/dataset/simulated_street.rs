@@ -284,7 +284,10 @@ mod tests {
     #[test]
     fn the_sensor_is_mounted_as_high_as_said() {
         let high = open(&StreetDrive { sensor_height_m: Some(2.5), ..drive() });
-        assert_eq!((high.description().sensor_height_m, open(&drive()).description().sensor_height_m), (2.5, 1.73));
+        assert_eq!(
+            (high.description().sensor_height_m, open(&drive()).description().sensor_height_m),
+            (2.5, 1.73)
+        );
         let lowest_m = |dataset: &dyn Dataset| {
             let mut heights_m = dataset.read_scan(0).unwrap().cloud.z_m().to_vec();
             heights_m.sort_by(f32::total_cmp);

@@ -43,8 +43,9 @@ pub fn judge_pairs(
         let place = |track: u32| scan.annotations.iter().position(|it| it.track == Some(track));
         let [Some(one), Some(other)] = tracks.map(place) else { return PairOutcome::NotSeen };
         let outcomes = [one, other].map(|annotation_idx| assignment.annotations[annotation_idx]);
-        let is_judged =
-            |it: &AnnotationOutcome| matches!(it, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_));
+        let is_judged = |it: &AnnotationOutcome| {
+            matches!(it, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_))
+        };
         if !outcomes.iter().all(is_judged) {
             PairOutcome::NotSeen
         } else if is_joined(scan, &overlap, [one, other]) {
@@ -101,11 +102,18 @@ mod tests {
         };
         let mut found = Detections::default();
         for letter in "xyz".chars() {
-            let bounding_box = OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+            let bounding_box =
+                OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
             let point_indices = points_of(detections, letter);
-            found.push(Detection { point_indices: &point_indices, bounding_box, class: DetectedClass::Object, score: None });
+            found.push(Detection {
+                point_indices: &point_indices,
+                bounding_box,
+                class: DetectedClass::Object,
+                score: None,
+            });
         }
-        let matching = MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        let matching =
+            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
         assert_eq!(judge_pairs(&scan, &found, &[[0, 1]], &matching), [expected], "{objects}\n{detections}");
     }
 

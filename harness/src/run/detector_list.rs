@@ -54,7 +54,7 @@ pub const DETECTORS: &[ListedDetector] = &[
 ];
 
 /// The detectors that run if none are asked for: the method and its rivals. Ablations, as cheap as they may be, would
-/// crowd the papers' tables and make recordings half as large again.
+/// crowd the papers' tables and make recordings a third larger.
 pub const DEFAULT_DETECTORS: [&str; 3] = ["hierarchical", "kd-tree", "pca"];
 
 /// A name that is no detector's.

@@ -60,7 +60,9 @@ impl GapExperiment<'_> {
         let n_pairs = self.n_pairs;
         let of_kind = |kind| PairLayout::ALL.into_iter().map(move |layout| (kind, layout));
         let gaps = |(kind, layout)| {
-            GAPS_DM.flat_map(move |gap_dm| (0..n_pairs).map(move |pair_idx| Staging { kind, layout, gap_dm, pair_idx }))
+            GAPS_DM.flat_map(move |gap_dm| {
+                (0..n_pairs).map(move |pair_idx| Staging { kind, layout, gap_dm, pair_idx })
+            })
         };
         PairKind::ALL.into_iter().flat_map(of_kind).flat_map(gaps).collect()
     }
@@ -164,17 +166,25 @@ mod tests {
     fn every_scan_has_a_pair_at_each_range_whatever_the_gap() {
         let config = RunConfig::load(None).unwrap();
         let sensor = SensorModel::hdl_64e_s2();
-        let experiment = GapExperiment { detectors: &[], config: &config, sensor: &sensor, n_pairs: 2, seed: 3 };
+        let experiment =
+            GapExperiment { detectors: &[], config: &config, sensor: &sensor, n_pairs: 2, seed: 3 };
         assert_eq!(experiment.stagings().len(), 5 * 2 * 11 * 2);
         let staging = Staging { kind: PairKind::Cars, layout: PairLayout::Beside, gap_dm: 2, pair_idx: 1 };
         let scans = [2, 12].map(|gap_dm| experiment.scan(&Staging { gap_dm, ..staging }));
         for scan in &scans {
-            assert_eq!(scan.annotations.iter().map(|it| it.track.unwrap()).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
+            assert_eq!(
+                scan.annotations.iter().map(|it| it.track.unwrap()).collect::<Vec<_>>(),
+                [0, 1, 2, 3, 4, 5]
+            );
         }
         let sizes = scans.each_ref().map(|scan| {
-            scan.annotations.iter().map(|it| it.bounding_box.unwrap().length_width_height_m).collect::<Vec<_>>()
+            scan.annotations
+                .iter()
+                .map(|it| it.bounding_box.unwrap().length_width_height_m)
+                .collect::<Vec<_>>()
         });
-        let alike = sizes[0].iter().flatten().zip(sizes[1].iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-3);
+        let alike =
+            sizes[0].iter().flatten().zip(sizes[1].iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-3);
         assert!(alike, "the same cars: {sizes:?}");
         assert_ne!(experiment.scan(&Staging { pair_idx: 0, ..staging }), scans[0]);
     }
@@ -185,7 +195,8 @@ mod tests {
         let names = ["simple-grid", "hierarchical"].map(str::to_owned);
         let detectors = detectors_named(&names).unwrap();
         let sensor = SensorModel::hdl_64e_s2();
-        let experiment = GapExperiment { detectors: &detectors, config: &config, sensor: &sensor, n_pairs: 1, seed: 1 };
+        let experiment =
+            GapExperiment { detectors: &detectors, config: &config, sensor: &sensor, n_pairs: 1, seed: 1 };
         let mut bins = experiment.run(&AtomicBool::new(false), || ()).unwrap();
         bins.retain(|it| it.layout == "beside" && it.range_m == [5.0, 10.0]);
         let curves = gap_curves(&bins);

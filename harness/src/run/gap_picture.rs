@@ -17,6 +17,8 @@ const SHOWN: (PairKind, PairLayout) = (PairKind::CarAndPedestrian, PairLayout::B
 const SHOWN_GAPS_DM: [u16; 4] = [5, 4, 6, 3];
 /// How far around the pair points are drawn, in metres.
 const ROOM_M: f32 = 0.5;
+/// About as many points of a detection are drawn: more would only be a blot.
+const MOST_PLACES: usize = 250;
 
 /// A pair as two detectors see it.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,14 +31,14 @@ pub struct GapPicture {
     pub plans: [Plan; 2],
 }
 
-/// The first pair that detector `joining` of the experiment joins and `separating` separates; `None` if there is none
-/// among those that are looked through.
+/// The first pair of which detector `joining` of the experiment makes one object and `separating` two; `None` if there is
+/// none among those that are looked through.
 pub fn gap_picture(experiment: &GapExperiment<'_>, joining: usize, separating: usize) -> Option<GapPicture> {
     let mut detectors = experiment.build_detectors();
     let (kind, layout) = SHOWN;
-    let stagings = SHOWN_GAPS_DM
-        .iter()
-        .flat_map(|&gap_dm| (0..experiment.n_pairs).map(move |pair_idx| Staging { kind, layout, gap_dm, pair_idx }));
+    let stagings = SHOWN_GAPS_DM.iter().flat_map(|&gap_dm| {
+        (0..experiment.n_pairs).map(move |pair_idx| Staging { kind, layout, gap_dm, pair_idx })
+    });
     for staging in stagings {
         let scan = experiment.scan(&staging);
         let mut look = |detector_idx: usize| {
@@ -46,10 +48,12 @@ pub fn gap_picture(experiment: &GapExperiment<'_>, joining: usize, separating: u
             let outcomes = judge_pairs(&scan, &output.detections, &[[0, 1]], &experiment.config.matching);
             (outcomes[0], plan(experiment, &scan, detector.name(), &output))
         };
-        if let ((PairOutcome::Joined, joined), (PairOutcome::Separated, separated)) = (look(joining), look(separating))
-        {
+        let ((joined, of_joining), (separated, of_separating)) = (look(joining), look(separating));
+        // One object for both and one for each, without fragments: they would hide the point.
+        let is_plain = of_joining.groups.len() == 1 && of_separating.groups.len() == 2;
+        if (joined, separated) == (PairOutcome::Joined, PairOutcome::Separated) && is_plain {
             let gap_m = f64::from(staging.gap_dm) / 10.0;
-            return Some(GapPicture { pair: kind.name(), gap_m, plans: [joined, separated] });
+            return Some(GapPicture { pair: kind.name(), gap_m, plans: [of_joining, of_separating] });
         }
     }
     None
@@ -58,7 +62,8 @@ pub fn gap_picture(experiment: &GapExperiment<'_>, joining: usize, separating: u
 /// The detections that hold points of the first pair of `scan`.
 fn plan(experiment: &GapExperiment<'_>, scan: &LabeledScan, name: &str, output: &DetectorOutput) -> Plan {
     let of_pair = scan.annotations.iter().filter(|it| matches!(it.track, Some(0 | 1)));
-    let is_of_pair = |point_idx: &u32| of_pair.clone().any(|it| it.point_indices.binary_search(point_idx).is_ok());
+    let is_of_pair =
+        |point_idx: &u32| of_pair.clone().any(|it| it.point_indices.binary_search(point_idx).is_ok());
     let ends_m = of_pair.clone().flat_map(|it| &it.point_indices).fold(
         [[f32::INFINITY, f32::NEG_INFINITY]; 2],
         |ends, &point_idx| {
@@ -71,7 +76,8 @@ fn plan(experiment: &GapExperiment<'_>, scan: &LabeledScan, name: &str, output: 
     };
     let holding = || output.detections.iter().filter(|it| it.point_indices.iter().any(is_of_pair));
     let places = |point_indices: &[u32]| {
-        let positions_m = point_indices.iter().map(|&point_idx| scan.cloud.position_m(point_idx as usize));
+        let thinned = point_indices.iter().step_by(point_indices.len().div_ceil(MOST_PLACES).max(1));
+        let positions_m = thinned.map(|&point_idx| scan.cloud.position_m(point_idx as usize));
         positions_m.filter(is_near).map(|[x_m, y_m, _]| [f64::from(x_m), f64::from(y_m)]).collect()
     };
     let grid = HierarchicalGrid::new(experiment.config.hierarchical.grid.clone());
@@ -80,7 +86,9 @@ fn plan(experiment: &GapExperiment<'_>, scan: &LabeledScan, name: &str, output: 
     Plan {
         title: format!("{name}: {n_found} {}", if n_found == 1 { "object" } else { "objects" }),
         groups: holding().map(|it| places(it.point_indices)).collect(),
-        outlines: holding().map(|it| it.bounding_box.footprint_m().map(|it| it.map(f64::from)).to_vec()).collect(),
+        outlines: holding()
+            .map(|it| it.bounding_box.footprint_m().map(|it| it.map(f64::from)).to_vec())
+            .collect(),
         cell_sizes_m: vec![f64::from(cell_size_m) / f64::from(grid.params().xi), f64::from(cell_size_m)],
         grid_origin_m: grid.center_m(0).map(|it| f64::from(it - cell_size_m / 2.0)),
     }

@@ -44,8 +44,11 @@ pub const CONDITIONS: &[Condition] = &[
     Condition { group: "kerb", name: "3 cm", change: |it| it.conditions.kerb_height_m = Some(0.03) },
     Condition { group: "kerb", name: "15 cm", change: |it| it.conditions.kerb_height_m = Some(0.15) },
     Condition { group: "kerb", name: "25 cm", change: |it| it.conditions.kerb_height_m = Some(0.25) },
-    Condition { group: "truck ahead", name: "3.0 m", change: |it| it.conditions.truck_ahead_height_m = Some(3.0) },
-    Condition { group: "truck ahead", name: "3.5 m", change: |it| it.conditions.truck_ahead_height_m = Some(3.5) },
+    Condition {
+        group: "truck ahead",
+        name: "3.0 m",
+        change: |it| it.conditions.truck_ahead_height_m = Some(3.0),
+    },
     Condition { group: "mounted at", name: "1.0 m", change: |it| it.sensor_height_m = Some(1.0) },
     Condition { group: "mounted at", name: "2.5 m", change: |it| it.sensor_height_m = Some(2.5) },
     Condition { group: "sensor", name: "hdl-32e", change: |it| "hdl-32e".clone_into(&mut it.sensor) },
@@ -120,14 +123,19 @@ impl Robustness<'_> {
         let datasets: Vec<Box<dyn Dataset>> =
             StreetKind::ALL.into_iter().map(open).collect::<Result<_, DatasetError>>()?;
         let scans: Vec<(usize, usize)> = (0..datasets.len())
-            .flat_map(|dataset_idx| (0..datasets[dataset_idx].scan_ids().len()).map(move |it| (dataset_idx, it)))
+            .flat_map(|dataset_idx| {
+                (0..datasets[dataset_idx].scan_ids().len()).map(move |it| (dataset_idx, it))
+            })
             .collect();
         let height_m = datasets[0].description().sensor_height_m;
         let n_done = AtomicUsize::new(0);
         let build = || self.detectors.iter().map(|it| it.build(self.config, height_m)).collect();
         let look = |detectors: &mut Vec<Box<dyn Detector>>, &(dataset_idx, scan_idx): &(usize, usize)| {
             if interrupted.load(Ordering::Relaxed) {
-                return Err(RunError::Interrupted { n_done: n_done.load(Ordering::Relaxed), n_scans: scans.len() });
+                return Err(RunError::Interrupted {
+                    n_done: n_done.load(Ordering::Relaxed),
+                    n_scans: scans.len(),
+                });
             }
             let counts = self.count(&datasets[dataset_idx].read_scan(scan_idx)?, detectors);
             n_done.fetch_add(1, Ordering::Relaxed);
@@ -135,11 +143,14 @@ impl Robustness<'_> {
             Ok(counts)
         };
         // Collected before it is looked through for errors, so that the first in order is reported.
-        let counted: Vec<Result<Vec<[Counts; 2]>, RunError>> = scans.par_iter().map_init(build, look).collect();
+        let counted: Vec<Result<Vec<[Counts; 2]>, RunError>> =
+            scans.par_iter().map_init(build, look).collect();
         let mut sums = vec![[Counts::default(); 2]; self.detectors.len()];
         for counts in counted {
             for (sum, counts) in sums.iter_mut().zip(counts?) {
-                sum.iter_mut().zip(counts).for_each(|(sum, counts)| *sum += counts);
+                for (sum, counts) in sum.iter_mut().zip(counts) {
+                    *sum += counts;
+                }
             }
         }
         let scored = |(listed, [objects, vehicles]): (&ListedDetector, [Counts; 2])| DetectorCounts {

@@ -186,15 +186,19 @@ mod tests {
                     let objects = pair.placed(gap_m, range_m, bearing_rad);
                     // Seen along the line through both, the gap is between the one's end and the other's beginning.
                     let from_world = on_the_road([0.0; 2], unit(bearing_rad + pair.heading_rad)).inverse();
-                    let [one, other] =
-                        objects.each_ref().map(|it| bounds_at(&it.shape, &(from_world * it.world_from_object)));
+                    let [one, other] = objects
+                        .each_ref()
+                        .map(|it| bounds_at(&it.shape, &(from_world * it.world_from_object)));
                     assert!((other.mins.x - one.maxs.x - gap_m).abs() < 1e-3, "{kind:?} {layout:?}");
                     let from_sight = on_the_road([0.0; 2], unit(bearing_rad)).inverse();
-                    let seen = objects.each_ref().map(|it| bounds_at(&it.shape, &(from_sight * it.world_from_object)));
+                    let seen = objects
+                        .each_ref()
+                        .map(|it| bounds_at(&it.shape, &(from_sight * it.world_from_object)));
                     let nearest_m = seen[0].mins.x.min(seen[1].mins.x);
                     assert!((nearest_m - range_m).abs() < 1e-3, "{nearest_m}");
                     let centers_m = seen.map(|it| it.center());
-                    let apart = [(centers_m[0].x - centers_m[1].x).abs(), (centers_m[0].y - centers_m[1].y).abs()];
+                    let apart =
+                        [(centers_m[0].x - centers_m[1].x).abs(), (centers_m[0].y - centers_m[1].y).abs()];
                     assert_eq!(apart[0] > apart[1], layout == PairLayout::Behind, "{kind:?} {apart:?}");
                 }
             }

@@ -97,18 +97,31 @@ mod tests {
     fn a_thing_is_seen_where_it_was_put_and_nothing_else_is_there() {
         let sensor = SensorModel { carrier_roof: None, ..SensorModel::hdl_64e_s2() };
         let shape = bin(&mut ChaCha8Rng::seed_from_u64(1));
-        let at = |plan_m| StagedObject { shape: shape.clone(), world_from_object: on_the_road(plan_m, [0.0, 1.0]) };
+        let at = |plan_m| StagedObject {
+            shape: shape.clone(),
+            world_from_object: on_the_road(plan_m, [0.0, 1.0]),
+        };
         let objects = [at([8.0, 3.0]), at([-5.0, 0.0])];
         let scan = staged_scan(&objects, &sensor, 4);
-        let places_m: Vec<[f32; 2]> =
-            scan.annotations.iter().map(|it| [0, 1].map(|axis| it.bounding_box.unwrap().center_m[axis])).collect();
+        let places_m: Vec<[f32; 2]> = scan
+            .annotations
+            .iter()
+            .map(|it| [0, 1].map(|axis| it.bounding_box.unwrap().center_m[axis]))
+            .collect();
         assert_eq!(scan.annotations.iter().map(|it| it.track).collect::<Vec<_>>(), [Some(0), Some(1)]);
         for (found, expected) in places_m.iter().zip([[8.0, 3.0], [-5.0, 0.0]]) {
-            assert!((found[0] - expected[0]).abs() < 1e-3 && (found[1] - expected[1]).abs() < 1e-3, "{places_m:?}");
+            assert!(
+                (found[0] - expected[0]).abs() < 1e-3 && (found[1] - expected[1]).abs() < 1e-3,
+                "{places_m:?}"
+            );
         }
         let mut is_on_object = vec![false; scan.cloud.len()];
-        scan.annotations.iter().flat_map(|it| &it.point_indices).for_each(|&it| is_on_object[it as usize] = true);
-        for (position_m, _) in scan.cloud.positions_m().zip(is_on_object).filter(|(_, is_on_object)| !is_on_object) {
+        for &point_idx in scan.annotations.iter().flat_map(|it| &it.point_indices) {
+            is_on_object[point_idx as usize] = true;
+        }
+        for (position_m, _) in
+            scan.cloud.positions_m().zip(is_on_object).filter(|(_, is_on_object)| !is_on_object)
+        {
             assert!((position_m[2] + sensor.height_above_road_m).abs() < 0.3, "{position_m:?} is no road");
         }
     }

@@ -16,7 +16,8 @@ fn help(arguments: &str) -> String {
 
 #[test]
 fn every_verb_has_help_with_an_example() {
-    for verb in ["run", "selftest", "gaps", "robustness", "completions", "data", "data list", "data realism"] {
+    for verb in ["run", "selftest", "gaps", "robustness", "completions", "data", "data list", "data realism"]
+    {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
         assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
@@ -38,9 +39,17 @@ fn help_lists_every_verb_and_exit_code() {
 
 #[test]
 fn help_fits_into_80_columns() {
-    for verb in
-        ["--help", "-h", "run --help", "run -h", "selftest --help", "gaps --help", "robustness --help", "data list --help", "data realism --help"]
-    {
+    for verb in [
+        "--help",
+        "-h",
+        "run --help",
+        "run -h",
+        "selftest --help",
+        "gaps --help",
+        "robustness --help",
+        "data list --help",
+        "data realism --help",
+    ] {
         let workplace = Workplace::new();
         let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
         let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));

@@ -34,7 +34,9 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
     // Two detectors, five kinds, two layouts, three ranges, eleven gaps.
     assert_eq!(column(&workplace, "out/gaps.csv", "n_pairs"), vec!["1"; 2 * 5 * 2 * 3 * 11]);
     assert!(column(&workplace, "out/gaps.csv", "data").iter().all(|it| it == "simulated"));
-    assert!(ended.stdout.contains("Pairs at 5 to 10 m (simulated)") && ended.stdout.contains("Separated: each"));
+    assert!(
+        ended.stdout.contains("Pairs at 5 to 10 m (simulated)") && ended.stdout.contains("Separated: each")
+    );
     assert!(ended.stderr.ends_with("Curves and plots: out\n"), "{ended:#?}");
     assert!(workplace.read("out/gaps.svg").contains("(simulated"));
     let manifest: serde_json::Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
@@ -57,7 +59,8 @@ fn the_number_of_threads_changes_no_gap() {
 #[test]
 fn robustness_leaves_its_table_in_three_forms() {
     let workplace = Workplace::new();
-    let ended = workplace.succeed(&["robustness", "--scans", "1", "-d", "hierarchical,simple-grid", "-o", "out"]);
+    let ended =
+        workplace.succeed(&["robustness", "--scans", "1", "-d", "hierarchical,simple-grid", "-o", "out"]);
     assert_eq!(names_in(&workplace, "out"), ["manifest.json", "robustness.csv", "robustness.md"]);
     let conditions = column(&workplace, "out/robustness.csv", "condition");
     let f_rates = column(&workplace, "out/robustness.csv", "f_rate");

@@ -5,7 +5,8 @@ use plotters::style::text_anchor::HPos;
 
 use super::series_marks::SeriesMark;
 use super::style::{
-    Area, Drawn, LEFT_MARGIN_PX, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_ROOM_PX, TEXT_PX, axis_text, text,
+    Area, Drawn, LEFT_MARGIN_PX, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_ROOM_PX, TEXT_PX, axis_text,
+    text,
 };
 use crate::gap_curve::GapCurve;
 use crate::table::gap_table::curves_by_range;
@@ -21,9 +22,10 @@ pub fn gap_plot(curves: &[GapCurve], title: &str) -> String {
     let n_series = ranges.iter().map(Vec::len).max().unwrap_or(0);
     let heading_px = 40 + KEY_LINE_PX as u32 * n_series as u32 + 10;
     let mut svg = String::new();
-    let root =
-        SVGBackend::with_string(&mut svg, (WIDTH_PX, heading_px + PANEL_PX * ranges.len() as u32)).into_drawing_area();
-    draw(&root, &ranges, heading_px, title).expect("the panels have room, and memory takes all that is drawn");
+    let root = SVGBackend::with_string(&mut svg, (WIDTH_PX, heading_px + PANEL_PX * ranges.len() as u32))
+        .into_drawing_area();
+    draw(&root, &ranges, heading_px, title)
+        .expect("the panels have room, and memory takes all that is drawn");
     drop(root);
     svg.push('\n');
     svg
@@ -50,7 +52,10 @@ fn draw_key(area: &Area<'_>, curves: &[&GapCurve], title: &str) -> Drawn {
         let end_px = left_px + 54;
         let [dash_px, gap_px] = mark.dashes_px().unwrap_or([54, 1]);
         for from_px in (left_px..end_px).step_by((dash_px + gap_px) as usize) {
-            area.draw(&PathElement::new(vec![(from_px, y_px), ((from_px + dash_px).min(end_px), y_px)], style))?;
+            area.draw(&PathElement::new(
+                vec![(from_px, y_px), ((from_px + dash_px).min(end_px), y_px)],
+                style,
+            ))?;
         }
         area.draw(&mark.marker((i32::midpoint(left_px, end_px), y_px)))?;
         area.draw_text(&curve.detector, &text(TEXT_PX, HPos::Left), (end_px + 12, y_px))?;
@@ -99,10 +104,13 @@ fn draw_panel(area: &Area<'_>, curves: &[&GapCurve]) -> Drawn {
         let style = mark.color().stroke_width(LINE_WIDTH_PX);
         match mark.dashes_px() {
             None => chart.draw_series(LineSeries::new(line, style))?,
-            Some([dash_px, gap_px]) => chart.draw_series(DashedLineSeries::new(line, dash_px, gap_px, style))?,
+            Some([dash_px, gap_px]) => {
+                chart.draw_series(DashedLineSeries::new(line, dash_px, gap_px, style))?
+            }
         };
         let thin = mark.color().stroke_width(1);
-        let bars = judged.iter().map(|&(x_m, _, [low, high])| PathElement::new(vec![(x_m, low), (x_m, high)], thin));
+        let bars =
+            judged.iter().map(|&(x_m, _, [low, high])| PathElement::new(vec![(x_m, low), (x_m, high)], thin));
         chart.draw_series(bars)?;
         chart.draw_series(judged.iter().map(|&(x_m, share, _)| mark.marker((x_m, share))))?;
     }
@@ -124,7 +132,13 @@ mod tests {
             bin("simple-grid", "cars", true, 0.2, 1),
         ];
         let svg = gap_plot(&gap_curves(&bins), "Pairs of cars (simulated)");
-        for part in ["gap (m), pairs 5 to 10 m", "10 to 20 m", "separated (%)", "Pairs of cars (simulated)", "simple-grid"] {
+        for part in [
+            "gap (m), pairs 5 to 10 m",
+            "10 to 20 m",
+            "separated (%)",
+            "Pairs of cars (simulated)",
+            "simple-grid",
+        ] {
             assert!(svg.contains(part), "no {part} in {svg}");
         }
         assert_eq!(svg, gap_plot(&gap_curves(&bins), "Pairs of cars (simulated)"));

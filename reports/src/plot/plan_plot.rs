@@ -82,10 +82,12 @@ fn draw_plan(area: &Area<'_>, plan: &Plan, [x, y]: [[f64; 2]; 2]) -> Drawn {
         .draw()?;
     for (level, &size_m) in plan.cell_sizes_m.iter().enumerate() {
         let is_widest = level + 1 == plan.cell_sizes_m.len();
-        let style = if is_widest { RGBColor(130, 130, 130).stroke_width(1) } else { QUIET_COLOR.stroke_width(1) };
+        let style =
+            if is_widest { RGBColor(130, 130, 130).stroke_width(1) } else { QUIET_COLOR.stroke_width(1) };
         let steps = |axis: usize, [from, to]: [f64; 2]| {
             let origin_m = plan.grid_origin_m[axis];
-            let (first, last) = (((from - origin_m) / size_m).ceil() as i64, ((to - origin_m) / size_m).floor() as i64);
+            let (first, last) =
+                (((from - origin_m) / size_m).ceil() as i64, ((to - origin_m) / size_m).floor() as i64);
             (first..=last).map(move |step| origin_m + step as f64 * size_m)
         };
         let upright = steps(0, x).map(|at| PathElement::new(vec![(at, y[0]), (at, y[1])], style));
@@ -118,9 +120,14 @@ mod tests {
         };
         let plans = [plan("one", vec![vec![[1.0, 1.0]], vec![[3.0, 2.0]]]), plan("other", vec![])];
         let window = window_m(&plans).unwrap();
-        assert!(window.iter().flatten().zip([0.4, 3.6, -0.1, 3.1]).all(|(a, b)| (a - b).abs() < 1e-9), "{window:?}");
+        assert!(
+            window.iter().flatten().zip([0.4, 3.6, -0.1, 3.1]).all(|(a, b)| (a - b).abs() < 1e-9),
+            "{window:?}"
+        );
         let svg = plan_plot(&plans, "Pair (simulated)");
-        for part in ["one", "other", "Pair (simulated)", "forward of the sensor (m)", "left of the sensor (m)"] {
+        for part in
+            ["one", "other", "Pair (simulated)", "forward of the sensor (m)", "left of the sensor (m)"]
+        {
             assert!(svg.contains(part), "no {part} in {svg}");
         }
         assert!(plan_plot(&[], "Nothing").contains("</svg>"));

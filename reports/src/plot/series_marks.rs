@@ -2,9 +2,9 @@
 
 use std::iter::{Once, once};
 
-use plotters_backend::{BackendCoord, DrawingBackend, DrawingErrorKind};
 use plotters::element::{Drawable, PointCollection};
 use plotters::prelude::*;
+use plotters_backend::{BackendCoord, DrawingBackend, DrawingErrorKind};
 
 use super::style::{LINE_WIDTH_PX, color};
 use crate::palette::{BLUE, BLUISH_GREEN, REDDISH_PURPLE, VERMILION};

@@ -1,5 +1,7 @@
 //! The table of how many pairs are separated, by gap.
 
+use std::fmt::Write as _;
+
 use crate::fixed_decimals::fixed_decimals;
 use crate::gap_curve::{GapCurve, PairCounts};
 use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
@@ -11,7 +13,8 @@ pub fn gap_table(curves: &[GapCurve], definition: &str) -> String {
     let mut text = String::new();
     for of_range in curves_by_range(curves) {
         let [from_m, to_m] = of_range[0].range_m;
-        text.push_str(&format!("Pairs at {from_m} to {to_m} m (simulated). Shares in %.\n\n"));
+        writeln!(text, "Pairs at {from_m} to {to_m} m (simulated). Shares in %.\n")
+            .expect("a string takes all that is written");
         let lines = of_range[0].points.iter().map(|&(gap_m, _)| line(gap_m, &of_range));
         let grid = Grid { columns: columns(&of_range), lines: lines.collect() };
         write_grid(&mut text, &grid, &Notes::none());
@@ -44,7 +47,10 @@ fn columns(curves: &[&GapCurve]) -> Vec<Column> {
         let group = curve.detector.clone();
         ["sep", "low", "high", "joined"].map(move |title| column(Some(&group), title))
     };
-    [column(None, "gap m"), column(None, "seen")].into_iter().chain(curves.iter().flat_map(of_detector)).collect()
+    [column(None, "gap m"), column(None, "seen")]
+        .into_iter()
+        .chain(curves.iter().flat_map(of_detector))
+        .collect()
 }
 
 fn line(gap_m: f64, curves: &[&GapCurve]) -> Line {

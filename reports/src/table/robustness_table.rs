@@ -17,7 +17,9 @@ pub fn robustness_to_terminal(conditions: &[ConditionScores], notes: &[String]) 
     let mut text = format!("{TITLE}\n\n");
     write_grid(&mut text, &grid(conditions), &Notes::none());
     text.push('\n');
-    notes.iter().for_each(|note| text.push_str(&wrapped(note)));
+    for note in notes {
+        text.push_str(&wrapped(note));
+    }
     text
 }
 
@@ -33,7 +35,8 @@ pub fn robustness_to_markdown(conditions: &[ConditionScores], notes: &[String]) 
 }
 
 fn grid(conditions: &[ConditionScores]) -> Grid {
-    let column = |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
+    let column =
+        |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
     let mut columns = vec![
         column(None, "kind", Alignment::Left),
         column(None, "condition", Alignment::Left),
@@ -58,8 +61,7 @@ fn line(group: &str, scores: &ConditionScores) -> Line {
         scores.detectors.first().map_or_else(|| "–".to_owned(), |it| task(it).no().to_string())
     };
     let texts = [group.to_owned(), scores.condition.clone(), no(|it| it.objects), no(|it| it.vehicles)];
-    let percent =
-        |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1));
+    let percent = |rate: Option<f64>| rate.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 1));
     let rates = scores.detectors.iter().flat_map(|it| it.tasks().map(|(_, counts)| percent(counts.f_rate())));
     Line { kind: LineKind::Dataset, cells: texts.into_iter().chain(rates).map(Cell::new).collect() }
 }
@@ -87,7 +89,11 @@ mod tests {
     }
 
     fn conditions() -> [ConditionScores; 3] {
-        [scores("standard", "as drawn", 100), scores("sensor", "vlp-16", 30), scores("sensor", "os1-128", 120)]
+        [
+            scores("standard", "as drawn", 100),
+            scores("sensor", "vlp-16", 30),
+            scores("sensor", "os1-128", 120),
+        ]
     }
 
     #[test]
@@ -124,7 +130,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("robustness.csv");
         let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
-        rows.iter().for_each(|row| writer.write(row).unwrap());
+        for row in &rows {
+            writer.write(row).unwrap();
+        }
         writer.finish().unwrap();
         insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r"
         data,group,condition,task,detector,n_scans,no,tp,mo,fo,precision,recall,f_rate
