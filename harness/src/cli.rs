@@ -301,11 +301,11 @@ Examples:
   scanbench gaps --pairs 100 --seed 7 -o runs/gaps
   scanbench gaps -d hierarchical,pca --sensor os1-128
 
-Puts up two cars, a car and a pedestrian, two pedestrians, a car and a sign, and a
-car and a bin, side by side and one behind the other, 0.2 to 1.2 m apart, 5 to
-30 m away, on a bare road. Leaves in the directory gaps.csv, with every bin and its
-denominator, gaps.svg and one plot for each kind of pair, pair.svg, a pair from
-above as simple-grid and hierarchical see it, and manifest.json.";
+Puts up two cars, a car and a pedestrian, two pedestrians, a car and a sign, and
+a car and a bin, side by side and one behind the other, 0.2 to 1.2 m apart, 5 to
+30 m away, on a bare road. Leaves in the directory gaps.csv, with every bin and
+its denominator, gaps.svg and one plot for each kind of pair, pair.svg (a pair
+from above as simple-grid and hierarchical see it) and manifest.json.";
 
 /// Arguments of `scanbench robustness`.
 #[derive(Debug, Args)]
@@ -329,5 +329,5 @@ Examples:
   scanbench robustness -d hierarchical,simple-grid -c mine.toml
 
 Conditions: slopes and hills, kerbs, a truck ahead, mounting heights, sensors,
-rain, rolling shutter. Leaves in the directory robustness.csv, with what every rate
-is made of, robustness.md and manifest.json.";
+rain, rolling shutter. Leaves in the directory robustness.csv, with what every
+rate is made of, robustness.md and manifest.json.";

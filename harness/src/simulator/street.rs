@@ -307,6 +307,7 @@ fn dice(kind: StreetKind, seed: u64, purpose: Dice) -> ChaCha8Rng {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulator::road_axis::RoadPosition;
     use sha2::{Digest, Sha256};
 
     fn scan(kind: StreetKind, seed: u64, scan_idx: u32) -> LabeledScan {
@@ -600,11 +601,14 @@ mod tests {
         let rise_m = |kerb_height_m: Option<f32>| {
             let conditions = StreetConditions { kerb_height_m, ..StreetConditions::default() };
             let ground = Street::under(StreetKind::MainRoad, 4, &conditions).world.ground;
-            let kerb_m = ground.roads[0].section.left_kerb_m;
-            ground.height_m([0.0, kerb_m + 1.0]) - ground.height_m([0.0, kerb_m - 1.0])
+            let height_m = |beyond_kerb_m: f32| {
+                let left_m = ground.roads[0].section.left_kerb_m + beyond_kerb_m;
+                ground.height_m(ground.roads[0].axis.world_plan(RoadPosition { along_m: 20.0, left_m }).0)
+            };
+            height_m(0.1) - height_m(-0.1)
         };
         assert!((rise_m(Some(0.25)) - rise_m(Some(0.0)) - 0.25).abs() < 1e-4);
-        assert!((0.0..0.25).contains(&(rise_m(None) - rise_m(Some(0.0)))));
+        assert!((0.05..0.16).contains(&(rise_m(None) - rise_m(Some(0.0)))), "kerbs are drawn if not set");
     }
 
     #[test]
