@@ -25,7 +25,8 @@ pub fn leading_truck(world: &mut World, height_m: f32, rng: &mut ChaCha8Rng) {
             course.road_idx == ego.road_idx
                 && course.speed_m_per_s == ego.speed_m_per_s
                 && (course.start.left_m - ego.start.left_m).abs() < HALF_LANE_M
-                && (course.start.along_m - middle_m).abs() < (length_m + other.length_m()) / 2.0 + CLEARANCE_M
+                && (course.start.along_m - middle_m).abs()
+                    < f32::midpoint(length_m, other.length_m()) + CLEARANCE_M
         }
         _ => false,
     };
