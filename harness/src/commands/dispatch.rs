@@ -5,6 +5,7 @@ use clap::CommandFactory as _;
 use crate::cli::{Cli, Command, DataCommand};
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
+use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
@@ -21,6 +22,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Run(arguments) => run(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
+        Command::FitDensity(arguments) => fit_density(arguments),
         Command::Gaps(arguments) => gaps(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Selftest(arguments) => selftest(arguments),

@@ -33,9 +33,11 @@ pub fn gaps(arguments: &GapsArgs) -> anyhow::Result<()> {
     let sensor = sensor_named(&arguments.sensor)?;
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
     let directory = asked.begin_directory(&arguments.output, "gaps")?;
+    // Whose density is not known is taken for the paper's sensor, as in any run.
+    let config = asked.config.for_sensor(&arguments.sensor).unwrap_or_else(|| asked.config.clone());
     let experiment = GapExperiment {
         detectors: &asked.detectors,
-        config: &asked.config,
+        config: &config,
         sensor: &sensor,
         n_pairs: arguments.pairs,
         seed: asked.seed,

@@ -18,4 +18,5 @@ pub mod gaps;
 pub mod robustness;
 pub mod data_list;
 pub mod data_realism;
+pub mod fit_density;
 pub mod dispatch;

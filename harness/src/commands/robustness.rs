@@ -64,8 +64,8 @@ fn notes(arguments: &RobustnessArgs, robustness: &Robustness<'_>) -> Vec<String>
             arguments.scans,
             robustness.seed
         ),
-        "Conditions change one thing of the standard each; roads rise as drawn but for the kind road. Detectors know how \
-         high the sensor is mounted; nothing else is adapted."
+        "Conditions change one thing of the standard each; roads rise as drawn but for the kind road. Detectors know which \
+         sensor it is and how high it is mounted; nothing else is adapted."
             .to_owned(),
     ]
 }

@@ -32,8 +32,8 @@ pub struct Condition {
 /// Turns of the sensor from one scan to the next.
 const TURNS_PER_SCAN: u32 = 30;
 
-/// Every condition, in the order of the table. Nothing is tuned for any of them: detectors learn the sensor's height above
-/// the road, and nothing else.
+/// Every condition, in the order of the table. Nothing is tuned for any of them: detectors learn which sensor it is and how
+/// high it is mounted, and nothing else.
 pub const CONDITIONS: &[Condition] = &[
     Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", change: |_| {} },
     Condition { group: "road", name: "level", change: |it| it.conditions = even(0.0) },
@@ -129,7 +129,10 @@ impl Robustness<'_> {
             .collect();
         let height_m = datasets[0].description().sensor_height_m;
         let n_done = AtomicUsize::new(0);
-        let build = || self.detectors.iter().map(|it| it.build(self.config, height_m)).collect();
+        // Whose density is not known is taken for the paper's sensor, as in any run.
+        let sensor = &datasets[0].description().sensor;
+        let config = self.config.for_sensor(sensor).unwrap_or_else(|| self.config.clone());
+        let build = || self.detectors.iter().map(|it| it.build(&config, height_m)).collect();
         let look = |detectors: &mut Vec<Box<dyn Detector>>, &(dataset_idx, scan_idx): &(usize, usize)| {
             if interrupted.load(Ordering::Relaxed) {
                 return Err(RunError::Interrupted {

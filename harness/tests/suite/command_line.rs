@@ -16,8 +16,17 @@ fn help(arguments: &str) -> String {
 
 #[test]
 fn every_verb_has_help_with_an_example() {
-    for verb in ["run", "selftest", "gaps", "robustness", "completions", "data", "data list", "data realism"]
-    {
+    for verb in [
+        "run",
+        "selftest",
+        "gaps",
+        "robustness",
+        "completions",
+        "data",
+        "data list",
+        "data realism",
+        "fit-density",
+    ] {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
         assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
@@ -27,7 +36,7 @@ fn every_verb_has_help_with_an_example() {
 #[test]
 fn help_lists_every_verb_and_exit_code() {
     let help = help("--help");
-    for line in ["run ", "data ", "selftest ", "gaps ", "robustness ", "completions "] {
+    for line in ["run ", "data ", "fit-density ", "selftest ", "gaps ", "robustness ", "completions "] {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
     }
     for line in
@@ -49,6 +58,7 @@ fn help_fits_into_80_columns() {
         "robustness --help",
         "data list --help",
         "data realism --help",
+        "fit-density --help",
     ] {
         let workplace = Workplace::new();
         let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());

@@ -12,3 +12,4 @@ mod kitti_real_scans;
 mod layers;
 mod run_directory;
 mod realism;
+mod fit_density;
