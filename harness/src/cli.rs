@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::run::config::override_option::OverrideOption;
-use crate::run::detector_list::DETECTORS;
+use crate::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 use crate::simulator::sensor::EMBEDDED_SENSORS;
 
 /// Evaluates and benchmarks LiDAR object detectors side by side.
@@ -57,6 +57,10 @@ pub enum Command {
     FitDensity(Box<FitDensityArgs>),
     /// Score annotations fed back as detections: everything must come out at exactly 1
     Selftest(SelftestArgs),
+    /// Simulate pairs of objects with growing gaps and measure which detectors tell them apart
+    Gaps(GapsArgs),
+    /// Run detectors on the same simulated streets under one condition after another
+    Robustness(RobustnessArgs),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"
@@ -126,12 +130,8 @@ fn sensor_help() -> String {
 }
 
 fn detectors_help() -> String {
-    let names: Vec<&str> = detector_names().collect();
-    format!("Detectors, by comma [default: {}]", names.join(","))
-}
-
-fn detector_names() -> impl Iterator<Item = &'static str> {
-    DETECTORS.iter().map(|it| it.name)
+    let names: Vec<&str> = DETECTORS.iter().map(|it| it.name).collect();
+    format!("Detectors, by comma, of {} [default: {}]", names.join(", "), DEFAULT_DETECTORS.join(","))
 }
 
 /// Where a verb leaves its files.
@@ -202,7 +202,7 @@ pub struct RunArgs {
     pub data: DatasetArgs,
     /// The detectors, in the order of the tables.
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
-    #[arg(default_values = detector_names())]
+    #[arg(default_values = DEFAULT_DETECTORS)]
     pub detectors: Vec<String>,
     /// Parameters.
     #[command(flatten)]
@@ -310,8 +310,7 @@ Clusters are numbered from 0, as in the column id of the boxes. Points of no
 cluster have an empty one. Files are written whole or not at all.";
 
 fn detector_help() -> String {
-    let names: Vec<&str> = detector_names().collect();
-    format!("Detector: {}", names.join(", "))
+    format!("Detector: {}", detector_names().join(", "))
 }
 
 /// A height from that of the road itself, for clouds that are given from there, to that of a house.
@@ -416,3 +415,83 @@ Examples:
 Compares returns, share of ground, density, points per car, clusters, heights and
 cells of the scans, bin by bin. Leaves in the directory realism.csv, with every
 bin, a plot of each statistic as SVG, and manifest.json.";
+
+/// Arguments of `scanbench gaps`.
+#[derive(Debug, Args)]
+#[command(after_help = GAPS_EXAMPLES)]
+pub struct GapsArgs {
+    /// The detectors, in the order of tables and plots.
+    #[command(flatten)]
+    pub detectors: ExperimentArgs,
+    /// Pairs of each kind and layout at each range; each is put up with every gap
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub pairs: u32,
+    /// Sensor.
+    #[arg(long, value_name = "SENSOR", default_value = "hdl-64e-s2", help = sensor_help())]
+    pub sensor: String,
+    /// Where curves and plots are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+/// What experiments on simulated scans have in common.
+#[derive(Debug, Args)]
+pub struct ExperimentArgs {
+    /// The detectors.
+    #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = experiment_detectors_help())]
+    pub detectors: Vec<String>,
+    /// Parameters.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Seed of all that is drawn
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+fn experiment_detectors_help() -> String {
+    format!(
+        "Detectors, by comma, of {} [default: all but pca for gaps, else all]",
+        detector_names().join(", ")
+    )
+}
+
+fn detector_names() -> Vec<&'static str> {
+    DETECTORS.iter().map(|it| it.name).collect()
+}
+
+const GAPS_EXAMPLES: &str = "\
+Examples:
+  scanbench gaps
+  scanbench gaps --pairs 100 --seed 7 -o runs/gaps
+  scanbench gaps -d hierarchical,pca --sensor os1-128
+
+Puts up two cars, a car and a pedestrian, two pedestrians, a car and a sign, and
+a car and a bin, side by side and one behind the other, 0.2 to 1.2 m apart, 5 to
+30 m away, on a bare road. Leaves in the directory gaps.csv, with every bin and
+its denominator, gaps.svg and one plot for each kind of pair, pair.svg (a pair
+from above as simple-grid and hierarchical see it) and manifest.json.";
+
+/// Arguments of `scanbench robustness`.
+#[derive(Debug, Args)]
+#[command(after_help = ROBUSTNESS_EXAMPLES)]
+pub struct RobustnessArgs {
+    /// The detectors, in the order of the table.
+    #[command(flatten)]
+    pub detectors: ExperimentArgs,
+    /// Scans of each of the three kinds of street under each condition
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub scans: u32,
+    /// Where the tables are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const ROBUSTNESS_EXAMPLES: &str = "\
+Examples:
+  scanbench robustness
+  scanbench robustness --scans 20 --seed 7 -o runs/robustness
+  scanbench robustness -d hierarchical -P walls.enabled=false
+
+Conditions: slopes and hills, kerbs, a truck ahead, mounting heights, sensors,
+rain, rolling shutter. Leaves in the directory robustness.csv, with what every
+rate is made of, robustness.md and manifest.json.";

@@ -16,6 +16,7 @@ use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
 use crate::simulator::SIMULATOR_VERSION;
+use crate::simulator::street_conditions::StreetConditions;
 
 /// What was run, and how.
 pub struct RunSettings<'a> {
@@ -120,6 +121,9 @@ fn simulation(drive: &StreetDrive) -> Simulation {
         sensor: drive.sensor.clone(),
         shutter: drive.shutter.name().to_owned(),
         rain_mm_per_h: drive.rain_mm_per_h,
+        sensor_height_m: drive.sensor_height_m,
+        conditions: (drive.conditions != StreetConditions::default())
+            .then(|| serde_json::to_value(drive.conditions).expect("conditions are numbers")),
         labeled_to_either_side_deg: drive.labeled_to_either_side_deg,
     }
 }

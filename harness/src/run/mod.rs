@@ -4,5 +4,8 @@ pub mod config;
 pub mod detector_list;
 pub mod single_scan;
 pub mod side_by_side;
+pub mod gap_experiment;
+pub mod gap_picture;
+pub mod robustness;
 pub mod scores;
 pub mod ablation;

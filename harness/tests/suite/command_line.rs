@@ -21,6 +21,8 @@ fn every_verb_has_help_with_an_example() {
         "detect",
         "ablation",
         "selftest",
+        "gaps",
+        "robustness",
         "completions",
         "data",
         "data list",
@@ -36,7 +38,17 @@ fn every_verb_has_help_with_an_example() {
 #[test]
 fn help_lists_every_verb_and_exit_code() {
     let help = help("--help");
-    for line in ["run ", "detect ", "ablation ", "data ", "fit-density ", "selftest ", "completions "] {
+    for line in [
+        "run ",
+        "detect ",
+        "ablation ",
+        "gaps ",
+        "robustness ",
+        "data ",
+        "fit-density ",
+        "selftest ",
+        "completions ",
+    ] {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
     }
     for line in
@@ -56,6 +68,8 @@ fn help_fits_into_80_columns() {
         "detect --help",
         "ablation --help",
         "selftest --help",
+        "gaps --help",
+        "robustness --help",
         "data list --help",
         "data realism --help",
         "fit-density --help",

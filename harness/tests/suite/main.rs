@@ -9,6 +9,7 @@ mod command_line;
 mod damaged_datasets;
 mod detect;
 mod ablation;
+mod experiments;
 mod kitti_real_scans;
 mod layers;
 mod run_directory;

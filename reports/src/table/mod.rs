@@ -1,5 +1,6 @@
 //! Tables: the papers', made of the numbers of a run with one row a data set and the papers' figures beside ours; that of
-//! what each part of a method is worth; and that of how well the statistics of two collections of scans agree.
+//! what each part of a method is worth; those of experiments; and that of how well the statistics of two collections of
+//! scans agree.
 
 pub mod task_table;
 pub mod ablation_score;
@@ -12,6 +13,8 @@ pub mod csv;
 pub mod markdown;
 pub mod latex;
 pub mod ablation_table;
+pub mod gap_table;
+pub mod robustness_table;
 
 #[cfg(test)]
 mod sample;
