@@ -162,7 +162,9 @@ fn mixed_range_m(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, c
 
 /// Whether a hit is strong enough to be noticed; `chance` is in 0 to 1.
 fn is_detected(sensor: &SensorModel, hit: &Hit, chance: f32) -> bool {
-    let ratio = hit.signal_per_m2() / sensor.half_detected_signal_per_m2;
+    let near_m = sensor.near_field_m;
+    let seen_share = hit.range_m * hit.range_m / (hit.range_m * hit.range_m + near_m * near_m);
+    let ratio = seen_share * hit.signal_per_m2() / sensor.half_detected_signal_per_m2;
     // Falls from nearly 1 to nearly 0 within a factor of four about the half.
     let probability = ratio * ratio / (1.0 + ratio * ratio);
     chance < probability * (1.0 - sensor.random_loss)

@@ -9,6 +9,7 @@ const STATISTICS: [&str; 7] = [
     "ground_share",
     "ring_density",
     "points_per_car",
+    "points_per_track",
     "clusters_per_scan",
     "height_histogram",
     "cell_classes",
