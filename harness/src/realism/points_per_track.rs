@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn a_car_seen_often_counts_once() {
         let waiting: Vec<CarsInScan> = (0..40).map(|_| scan("a", &[(1, 900)])).collect();
-        let passing = [scan("a", &[(2, 100), (3, 110)]), scan("a", &[(2, 300)])];
+        let passing = [scan("a", &[(2, 100), (3, 110)]), scan("a", &[(2, 300)]), scan("a", &[(2, 200)])];
         let all = waiting.into_iter().chain(passing).collect();
         // 900 of the first, 200 of the second, 110 of the third.
         check(all, Measured { value: Some(200.0), n: 3 });
@@ -91,7 +91,10 @@ mod tests {
 
     #[test]
     fn tracks_of_different_drives_are_different_cars() {
-        check(vec![scan("a", &[(1, 10)]), scan("b", &[(1, 20)])], Measured { value: Some(15.0), n: 2 });
+        check(
+            vec![scan("a", &[(1, 10)]), scan("b", &[(1, 20), (2, 15)])],
+            Measured { value: Some(15.0), n: 3 },
+        );
     }
 
     #[test]

@@ -35,8 +35,8 @@ pub struct SensorModel {
     pub beam_divergence_deg: f32,
     /// Reflectivity times cosine of incidence over squared range at which half of the hits return.
     pub half_detected_signal_per_m2: f32,
-    /// Emitter and receiver look side by side: below about this range the receiver sees only a part of the spot, and
-    /// nearer things return no stronger. 0 if they look through the same optics.
+    /// Emitter and receiver look side by side: at this range the receiver sees half of the lit spot, and less the nearer it
+    /// is, so that what is nearer returns weaker. 0 if they look through the same optics.
     pub near_field_m: f32,
     /// Share of hits that are lost whatever they hit, 0 to 1.
     pub random_loss: f32,

@@ -130,7 +130,7 @@ fn any_body_style(rng: &mut ChaCha8Rng) -> &'static BodyStyle {
 /// next to nothing: of a black car a scan shows what faces the sensor, lamps, plates and rims, and little of its
 /// sides and bonnet.
 fn paint(rng: &mut ChaCha8Rng) -> Material {
-    const REFLECTIVITIES: [f32; 10] = [0.003, 0.003, 0.006, 0.012, 0.05, 0.12, 0.2, 0.3, 0.45, 0.65];
+    const REFLECTIVITIES: [f32; 10] = [0.002, 0.002, 0.005, 0.012, 0.05, 0.12, 0.2, 0.3, 0.45, 0.65];
     Material::solid(REFLECTIVITIES[rng.random_range(0..REFLECTIVITIES.len())] * rng.random_range(0.8..1.2))
 }
 
