@@ -53,7 +53,9 @@ fn medians_by_bin(scans: &[CarsInScan], comparable: Comparable) -> BTreeMap<usiz
         n_points.sort_by(f64::total_cmp);
         by_bin.entry(bin_idx).or_default().extend(median_of_sorted(&n_points));
     }
-    by_bin.values_mut().for_each(|medians| medians.sort_by(f64::total_cmp));
+    for medians in by_bin.values_mut() {
+        medians.sort_by(f64::total_cmp);
+    }
     by_bin
 }
 

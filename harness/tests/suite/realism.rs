@@ -4,7 +4,7 @@
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace, real_data};
 
-const STATISTICS: [&str; 7] = [
+const STATISTICS: [&str; 8] = [
     "returns_per_scan",
     "ground_share",
     "ring_density",
