@@ -28,38 +28,85 @@ fn drop_inner_points(points_m: &mut Vec<[f32; 2]>) {
     if points_m.len() < MIN_POINTS_TO_FILTER {
         return;
     }
-    let octagon_m = farthest_in_eight_directions(points_m);
-    // An inner point lies left of every side; repeated corners make sides that nothing is left of, and are skipped.
-    let mut sides = [[[0.0; 2]; 2]; 8];
-    let mut n_sides = 0;
-    for (idx, &from_m) in octagon_m.iter().enumerate() {
-        let to_m = octagon_m[(idx + 1) % 8];
-        if from_m != to_m {
-            sides[n_sides] = [from_m, to_m];
-            n_sides += 1;
-        }
+    let sides = Octagon::around(points_m).sides();
+    let mut n_kept = 0;
+    for idx in 0..points_m.len() {
+        let point_m = points_m[idx];
+        points_m[n_kept] = point_m;
+        // Added, not branched on: which points are kept cannot be foreseen.
+        n_kept += usize::from(!sides.enclose(point_m));
     }
-    if n_sides > 2 {
-        points_m.retain(|&point_m| {
-            sides[..n_sides].iter().any(|&[from_m, to_m]| turn(from_m, to_m, point_m) <= 0.0)
+    points_m.truncate(n_kept);
+}
+
+const N_DIRECTIONS: usize = 8;
+
+/// The points farthest to −y, to +x −y, to +x and so on, counter-clockwise; the first of equally far ones.
+struct Octagon {
+    x_m: [f32; N_DIRECTIONS],
+    y_m: [f32; N_DIRECTIONS],
+}
+
+impl Octagon {
+    fn around(points_m: &[[f32; 2]]) -> Self {
+        let mut reach = [f32::NEG_INFINITY; N_DIRECTIONS];
+        let mut it = Self { x_m: [0.0; N_DIRECTIONS], y_m: [0.0; N_DIRECTIONS] };
+        for &[x, y] in points_m {
+            let reached = [-y, x - y, x, x + y, y, y - x, -x, -x - y];
+            for direction in 0..N_DIRECTIONS {
+                let is_farther = reached[direction] > reach[direction];
+                reach[direction] = if is_farther { reached[direction] } else { reach[direction] };
+                it.x_m[direction] = if is_farther { x } else { it.x_m[direction] };
+                it.y_m[direction] = if is_farther { y } else { it.y_m[direction] };
+            }
+        }
+        it
+    }
+
+    fn sides(&self) -> Sides {
+        let [x_m, y_m] = [self.x_m, self.y_m];
+        let next = |idx: usize| (idx + 1) % N_DIRECTIONS;
+        let along_x_m = std::array::from_fn(|idx| x_m[next(idx)] - x_m[idx]);
+        let along_y_m = std::array::from_fn(|idx| y_m[next(idx)] - y_m[idx]);
+        let size_m = (x_m[2] - x_m[6]).max(y_m[4] - y_m[0]);
+        let least_turn = std::array::from_fn(|idx: usize| {
+            let length_m: f32 = f32::abs(along_x_m[idx]) + f32::abs(along_y_m[idx]);
+            if size_m == 0.0 {
+                // All points are the same; none is inner.
+                f32::INFINITY
+            } else if length_m == 0.0 {
+                // A repeated corner makes a side of no length, which every point passes.
+                -1.0
+            } else {
+                ROUNDING * size_m * length_m
+            }
         });
+        Sides { x_m, y_m, along_x_m, along_y_m, least_turn }
     }
 }
 
-/// The points farthest to −y, to +x −y, to +x and so on, counter-clockwise; the first of equally far ones.
-fn farthest_in_eight_directions(points_m: &[[f32; 2]]) -> [[f32; 2]; 8] {
-    let mut farthest = [points_m[0]; 8];
-    let mut reach = [f32::NEG_INFINITY; 8];
-    for &[x, y] in points_m {
-        let reached = [-y, x - y, x, x + y, y, y - x, -x, -x - y];
-        for direction in 0..8 {
-            if reached[direction] > reach[direction] {
-                reach[direction] = reached[direction];
-                farthest[direction] = [x, y];
-            }
+/// Far above what rounding does to a turn, relative to the lengths it is made of, and far below a millimetre in ten metres.
+const ROUNDING: f32 = 1e-5;
+
+/// The sides of an octagon as starts and directions.
+struct Sides {
+    x_m: [f32; N_DIRECTIONS],
+    y_m: [f32; N_DIRECTIONS],
+    along_x_m: [f32; N_DIRECTIONS],
+    along_y_m: [f32; N_DIRECTIONS],
+    least_turn: [f32; N_DIRECTIONS],
+}
+
+impl Sides {
+    /// Whether a point lies clearly to the left of every side.
+    fn enclose(&self, [x, y]: [f32; 2]) -> bool {
+        let mut is_inner = true;
+        for idx in 0..N_DIRECTIONS {
+            let turn = self.along_x_m[idx] * (y - self.y_m[idx]) - self.along_y_m[idx] * (x - self.x_m[idx]);
+            is_inner &= turn > self.least_turn[idx];
         }
+        is_inner
     }
-    farthest
 }
 
 /// Appends the chain of left turns through `sorted_m`, without its last corner.

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::grid::cell_set::CellSet;
 use crate::point_cloud::PointCloud;
 
 /// Geometry of the grid.
@@ -33,6 +34,13 @@ impl CoarseCell {
     const EMPTY: Self =
         Self { n_points: 0, z_min_m: f32::INFINITY, z_max_m: f32::NEG_INFINITY, z_sum_m: 0.0 };
 
+    /// Adds the elevation of a point, which is finite; counting is left to the caller.
+    fn add(&mut self, z_m: f32) {
+        self.z_min_m = if z_m < self.z_min_m { z_m } else { self.z_min_m };
+        self.z_max_m = if z_m > self.z_max_m { z_m } else { self.z_max_m };
+        self.z_sum_m += z_m;
+    }
+
     /// Mean elevation in metres; NaN for an empty cell.
     pub fn z_mean_m(&self) -> f32 {
         self.z_sum_m / self.n_points as f32
@@ -48,6 +56,9 @@ impl CoarseCell {
 ///
 /// A frame of empty cells surrounds the gridded square, so that every occupied cell has eight neighbours.
 ///
+/// A sensor sweeps, so that points which follow each other lie in the same cell more often than not (seven in a row on
+/// average in a scan of an HDL-64E). Such *runs* are what the stages read: what depends on the cell is looked up once a run.
+///
 /// Paper: HG section 3.
 #[derive(Debug, Clone)]
 pub struct HierarchicalGrid {
@@ -55,9 +66,28 @@ pub struct HierarchicalGrid {
     // Cells along a side, with the frame.
     n_columns: u32,
     cells: Vec<CoarseCell>,
-    // Ascending.
-    occupied: Vec<u32>,
+    occupied: CellSet,
     cell_of_point: Vec<u32>,
+    dense_within_of_point: Vec<u8>,
+    runs: Vec<Run>,
+}
+
+/// Points that follow each other in the scan and lie in the same cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Run {
+    /// The cell; never [`NO_CELL`].
+    pub cell_idx: u32,
+    /// Index of the first point.
+    pub first_point: u32,
+    /// Index after the last point.
+    pub end_point: u32,
+}
+
+impl Run {
+    /// The indices of its points, for slices of something a point.
+    pub fn points(&self) -> std::ops::Range<usize> {
+        self.first_point as usize..self.end_point as usize
+    }
 }
 
 /// The cell of points that are NaN, infinite or outside the gridded square.
@@ -73,41 +103,70 @@ impl HierarchicalGrid {
             params,
             n_columns,
             cells: vec![CoarseCell::EMPTY; n_cells],
-            occupied: Vec::new(),
+            occupied: CellSet::new(n_cells),
             cell_of_point: Vec::new(),
+            dense_within_of_point: Vec::new(),
+            runs: Vec::new(),
         }
     }
 
     /// Replaces the content by the points of `cloud`. Points that are not finite, or outside the square, belong to [`NO_CELL`].
     pub fn fill(&mut self, cloud: &PointCloud) {
-        for &cell_idx in &self.occupied {
+        for &cell_idx in self.occupied.ascending() {
             self.cells[cell_idx as usize] = CoarseCell::EMPTY;
         }
         self.occupied.clear();
-        self.cell_of_point.clear();
-        self.cell_of_point.reserve(cloud.len());
-        let (extent_m, cells_per_m) = (self.params.extent_m, 1.0 / self.params.cell_size_m);
-        for ((&x_m, &y_m), &z_m) in cloud.x_m().iter().zip(cloud.y_m()).zip(cloud.z_m()) {
-            // NaN fails every comparison.
-            let inside = x_m.abs() < extent_m && y_m.abs() < extent_m && z_m.is_finite();
-            if !inside {
-                self.cell_of_point.push(NO_CELL);
-                continue;
+        self.runs.clear();
+        self.find_cells(cloud);
+        let mut run = Run { cell_idx: NO_CELL, first_point: 0, end_point: 0 };
+        let mut cell = CoarseCell::EMPTY;
+        for (point_idx, &z_m) in cloud.z_m().iter().enumerate() {
+            let cell_idx = self.cell_of_point[point_idx];
+            if cell_idx != run.cell_idx {
+                run.end_point = point_idx as u32;
+                self.end_run(run, cell);
+                run = Run { cell_idx, first_point: run.end_point, ..run };
+                cell = self.cells.get(cell_idx as usize).copied().unwrap_or(CoarseCell::EMPTY);
             }
-            let column = ((x_m + extent_m) * cells_per_m) as u32 + 1;
-            let row = ((y_m + extent_m) * cells_per_m) as u32 + 1;
-            let cell_idx = row * self.n_columns + column;
-            self.cell_of_point.push(cell_idx);
-            let cell = &mut self.cells[cell_idx as usize];
-            if cell.n_points == 0 {
-                self.occupied.push(cell_idx);
-            }
-            cell.n_points += 1;
-            cell.z_min_m = cell.z_min_m.min(z_m);
-            cell.z_max_m = cell.z_max_m.max(z_m);
-            cell.z_sum_m += z_m;
+            cell.add(z_m);
         }
-        self.occupied.sort_unstable();
+        run.end_point = cloud.len() as u32;
+        self.end_run(run, cell);
+        self.occupied.sort();
+    }
+
+    /// Keeps `run`, with which its cell has become `cell`, unless it lies outside.
+    fn end_run(&mut self, run: Run, cell: CoarseCell) {
+        if let Some(written) = self.cells.get_mut(run.cell_idx as usize) {
+            *written = CoarseCell { n_points: cell.n_points + run.points().len() as u32, ..cell };
+            self.occupied.insert(run.cell_idx);
+            self.runs.push(run);
+        }
+    }
+
+    /// Writes the cells of every point. A pass of its own without a branch, for several points at a time.
+    fn find_cells(&mut self, cloud: &PointCloud) {
+        let GridParams { cell_size_m, xi, extent_m } = self.params;
+        let (cells_per_m, dense_per_m) = (1.0 / cell_size_m, xi as f32 / cell_size_m);
+        let n_columns = self.n_columns;
+        self.cell_of_point.resize(cloud.len(), NO_CELL);
+        self.dense_within_of_point.resize(cloud.len(), 0);
+        let positions_m = cloud.x_m().iter().zip(cloud.y_m()).zip(cloud.z_m());
+        let written = self.cell_of_point.iter_mut().zip(&mut self.dense_within_of_point);
+        for (((&x_m, &y_m), &z_m), (cell_idx, dense_within)) in positions_m.zip(written) {
+            // NaN fails every comparison.
+            let inside = (x_m.abs() < extent_m) & (y_m.abs() < extent_m) & (z_m.abs() < f32::INFINITY);
+            let [column, row] = [x_m, y_m].map(|it_m| whole_part((it_m + extent_m) * cells_per_m));
+            let in_frame = row.wrapping_add(1).wrapping_mul(n_columns).wrapping_add(column.wrapping_add(1));
+            // A mask rather than a branch; it leaves NO_CELL, all ones, of points that are not inside.
+            *cell_idx = in_frame | u32::from(inside).wrapping_sub(1);
+            let within = |it_m: f32, step: u32| {
+                let corner_m = step as i32 as f32 * cell_size_m - extent_m;
+                // Rounding may put a point on the border a hair outside.
+                whole_part(((it_m - corner_m) * dense_per_m).clamp(0.0, (xi - 1) as f32))
+            };
+            *dense_within = within(y_m, row).wrapping_mul(xi).wrapping_add(within(x_m, column)) as u8;
+        }
     }
 
     /// The geometry.
@@ -127,7 +186,18 @@ impl HierarchicalGrid {
 
     /// Numbers of the cells that hold a point, ascending.
     pub fn occupied(&self) -> &[u32] {
-        &self.occupied
+        self.occupied.ascending()
+    }
+
+    /// The dense cell of each point within its coarse cell, `0..ξ²`, row by row, in scan order; meaningless for points
+    /// outside.
+    pub fn dense_within_of_point(&self) -> &[u8] {
+        &self.dense_within_of_point
+    }
+
+    /// The points inside, run by run, in scan order.
+    pub fn runs(&self) -> &[Run] {
+        &self.runs
     }
 
     /// The cell of each point, in scan order; [`NO_CELL`] for points outside.
@@ -157,17 +227,17 @@ impl HierarchicalGrid {
     pub fn center_m(&self, cell_idx: u32) -> [f32; 2] {
         self.corner_m(cell_idx).map(|corner_m| corner_m + 0.5 * self.params.cell_size_m)
     }
+}
 
-    /// Number of the dense cell within its coarse cell, `0..ξ²`, row by row, for a point of coarse cell `cell_idx`.
-    pub fn dense_cell_within(&self, cell_idx: u32, x_m: f32, y_m: f32) -> u32 {
-        let [corner_x_m, corner_y_m] = self.corner_m(cell_idx);
-        let xi = self.params.xi;
-        let dense_per_m = xi as f32 / self.params.cell_size_m;
-        // Rounding may put a point on the border a hair outside: the cast stops at 0, `min` at the far side.
-        let column = (((x_m - corner_x_m) * dense_per_m) as u32).min(xi - 1);
-        let row = (((y_m - corner_y_m) * dense_per_m) as u32).min(xi - 1);
-        row * xi + column
-    }
+/// `value` without its fraction, if it is at least 0 and below 2²²; anything otherwise.
+///
+/// The same as a cast. Compilers turn this into vector instructions on every machine, and casts, which saturate, not.
+fn whole_part(value: f32) -> u32 {
+    // From 2²³ to 2²⁴ neighbouring f32 are 1 apart, so that the sum is rounded, and its mantissa is the number.
+    const SHIFT: f32 = 8_388_608.0;
+    let rounded = value + SHIFT;
+    let rounded_up = rounded - SHIFT > value;
+    (rounded.to_bits() & 0x007f_ffff).wrapping_sub(u32::from(rounded_up))
 }
 
 #[cfg(test)]
@@ -213,16 +283,25 @@ mod tests {
 
     proptest! {
         #[test]
+        fn the_whole_part_is_what_a_cast_gives(
+            value in prop_oneof![0.0_f32..4_194_304.0, 0.0_f32..300.0], whole in 0_u16..1000,
+        ) {
+            prop_assert_eq!(whole_part(value), value as u32);
+            let (below, exact) = (f32::from(whole).next_down().max(0.0), f32::from(whole));
+            prop_assert_eq!((whole_part(below), whole_part(exact)), (below as u32, u32::from(whole)));
+        }
+
+        #[test]
         fn every_point_lies_in_its_coarse_and_its_dense_cell(
             positions_m in prop::collection::vec([-29.9_f32..29.9, -29.9_f32..29.9, -3.0_f32..3.0], 0..200)
         ) {
             let grid = filled(&positions_m);
-            for (position_m, &cell_idx) in positions_m.iter().zip(grid.cell_of_point()) {
-                let dense = grid.dense_cell_within(cell_idx, position_m[0], position_m[1]);
+            let cells = grid.cell_of_point().iter().zip(grid.dense_within_of_point());
+            for (position_m, (&cell_idx, &dense)) in positions_m.iter().zip(cells) {
                 prop_assert!(dense < 9);
                 let corner_m = grid.corner_m(cell_idx);
                 for (axis, step) in [(0, dense % 3), (1, dense / 3)] {
-                    let into_cell_m = position_m[axis] - corner_m[axis] - step as f32 * 0.2;
+                    let into_cell_m = position_m[axis] - corner_m[axis] - f32::from(step) * 0.2;
                     prop_assert!((-1e-4..=0.2001).contains(&into_cell_m), "{into_cell_m}");
                 }
             }

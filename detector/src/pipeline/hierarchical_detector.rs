@@ -4,7 +4,7 @@ use crate::classify::size_gate::size_gate;
 use crate::detection::Detection;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::fit::convex_hull_box::ConvexHullBox;
-use crate::fit::outline::mark_outline;
+use crate::fit::outline::Outline;
 use crate::grid::dense_level::DenseLevel;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
@@ -25,7 +25,7 @@ pub struct HierarchicalDetector {
     links: Vec<[u32; 2]>,
     separation: DenseSeparation,
     clusters: Clusters,
-    is_outline: Vec<bool>,
+    outline: Outline,
     box_fit: ConvexHullBox,
     objects: Vec<FittedObject>,
     hulls_m: Vec<[f32; 2]>,
@@ -45,13 +45,14 @@ impl HierarchicalDetector {
     /// A detector for a sensor `sensor_height_m` above the road.
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
         let separation = DenseSeparation::new(params.separation.clone(), params.grid.xi);
+        let outline = Outline::new(params.grid.xi);
         Self {
             foreground: ForegroundStages::new(params, sensor_height_m),
             dense: DenseLevel::default(),
             links: Vec::new(),
             separation,
             clusters: Clusters::default(),
-            is_outline: Vec::new(),
+            outline,
             box_fit: ConvexHullBox::default(),
             objects: Vec::new(),
             hulls_m: Vec::new(),
@@ -71,7 +72,7 @@ impl Detector for HierarchicalDetector {
         self.foreground.run(cloud, &mut clock, &mut output.stage_times);
         let grid = self.foreground.grid();
         let params = self.foreground.params();
-        self.dense.fill(cloud, grid, self.foreground.point_indices());
+        self.dense.fill(grid, self.foreground.point_indices());
         clock.lap("dense_level", &mut output.stage_times);
         connected_components(grid, &self.dense, &params.merge, &mut self.links);
         clock.lap("merge", &mut output.stage_times);
@@ -80,7 +81,7 @@ impl Detector for HierarchicalDetector {
         let labels = self.dense.dense_of_point().iter().map(|&dense_idx| object_of_dense[dense_idx as usize]);
         self.clusters.group(labels, self.separation.n_parts());
         clock.lap("separation", &mut output.stage_times);
-        mark_outline(grid, &self.dense, object_of_dense, &mut self.is_outline);
+        self.outline.mark(grid, &self.dense, object_of_dense);
         self.fit_boxes(cloud, output);
         clock.lap("boxes", &mut output.stage_times);
         self.classify(output);
@@ -111,20 +112,14 @@ impl HierarchicalDetector {
         self.objects.clear();
         self.hulls_m.clear();
         let point_indices = self.foreground.point_indices();
-        let dense_of_point = self.dense.dense_of_point();
         for (cluster_idx, members) in self.clusters.iter().enumerate() {
             if members.len() < self.foreground.params().cluster.min_points {
                 let reason = DropReason::TooFewPoints;
                 output.dropped_clusters.push(DroppedCluster { n_points: members.len(), reason });
                 continue;
             }
-            let position_m = |&place: &u32| cloud.position_m(point_indices[place as usize] as usize);
-            let is_outline = |&&place: &&u32| self.is_outline[dense_of_point[place as usize] as usize];
-            let outline_m = members.iter().filter(is_outline).map(position_m).map(|[x, y, _]| [x, y]);
-            let z_range_m = members
-                .iter()
-                .map(position_m)
-                .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], [_, _, z]| [low.min(z), high.max(z)]);
+            let z_range_m = self.outline.gather(cloud, point_indices, &self.dense, members);
+            let outline_m = self.outline.points_m().iter().copied();
             let bounding_box =
                 self.box_fit.fit(outline_m, z_range_m).expect("every object has cells on its outline");
             let hull_start = self.hulls_m.len();
