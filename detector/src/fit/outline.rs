@@ -2,8 +2,8 @@
 
 use crate::grid::dense_level::{DenseLevel, NO_BLOCK};
 use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::point_cloud::PointCloud;
 use crate::segment::dense_separation::NO_OBJECT;
+use crate::segment::object_points::ObjectPoint;
 
 /// The outlines of the objects of one scan after another.
 ///
@@ -75,31 +75,18 @@ impl Outline {
         }
     }
 
-    /// Gathers the points of `cluster` that lie on its outline, see [`Self::points_m`], and returns the elevations of
-    /// its lowest and highest point in metres.
-    ///
-    /// `cluster` are places in `point_indices`, the foreground of `cloud` that `dense` was filled with.
-    pub fn gather(
-        &mut self,
-        cloud: &PointCloud,
-        point_indices: &[u32],
-        dense: &DenseLevel,
-        cluster: &[u32],
-    ) -> [f32; 2] {
-        let (x_m, y_m, z_m) = (cloud.x_m(), cloud.y_m(), cloud.z_m());
-        let dense_of_point = dense.dense_of_point();
-        let is_outline = &self.is_outline[..];
-        self.points_m.resize(self.points_m.len().max(cluster.len()), [0.0; 2]);
-        let points_m = &mut self.points_m[..];
+    /// Gathers the points of an object that lie on its outline, see [`Self::points_m`], and returns the elevations of
+    /// its lowest and highest point in metres. `object` are all its points.
+    pub fn gather(&mut self, object: &[ObjectPoint]) -> [f32; 2] {
+        self.points_m.resize(self.points_m.len().max(object.len()), [0.0; 2]);
+        let (is_outline, points_m) = (&self.is_outline[..], &mut self.points_m[..]);
         let mut n_points = 0;
         let [mut low_m, mut high_m] = [f32::INFINITY, f32::NEG_INFINITY];
-        for &place in cluster {
-            let point_idx = point_indices[place as usize] as usize;
-            let z_m = z_m[point_idx];
+        for &ObjectPoint { position_m: [x_m, y_m, z_m], dense_idx } in object {
             low_m = if z_m < low_m { z_m } else { low_m };
             high_m = if z_m > high_m { z_m } else { high_m };
-            points_m[n_points] = [x_m[point_idx], y_m[point_idx]];
-            n_points += usize::from(is_outline[dense_of_point[place as usize] as usize]);
+            points_m[n_points] = [x_m, y_m];
+            n_points += usize::from(is_outline[dense_idx as usize]);
         }
         self.n_points = n_points;
         [low_m, high_m]

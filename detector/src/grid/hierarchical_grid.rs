@@ -34,8 +34,9 @@ impl CoarseCell {
     const EMPTY: Self =
         Self { n_points: 0, z_min_m: f32::INFINITY, z_max_m: f32::NEG_INFINITY, z_sum_m: 0.0 };
 
-    /// Adds the elevation of a point, which is finite; counting is left to the caller.
+    /// Adds a point at this elevation, which is finite.
     fn add(&mut self, z_m: f32) {
+        self.n_points += 1;
         self.z_min_m = if z_m < self.z_min_m { z_m } else { self.z_min_m };
         self.z_max_m = if z_m > self.z_max_m { z_m } else { self.z_max_m };
         self.z_sum_m += z_m;
@@ -56,9 +57,6 @@ impl CoarseCell {
 ///
 /// A frame of empty cells surrounds the gridded square, so that every occupied cell has eight neighbours.
 ///
-/// A sensor sweeps, so that points which follow each other lie in the same cell more often than not (seven in a row on
-/// average in a scan of an HDL-64E). Such *runs* are what the stages read: what depends on the cell is looked up once a run.
-///
 /// Paper: HG section 3.
 #[derive(Debug, Clone)]
 pub struct HierarchicalGrid {
@@ -69,25 +67,6 @@ pub struct HierarchicalGrid {
     occupied: CellSet,
     cell_of_point: Vec<u32>,
     dense_within_of_point: Vec<u8>,
-    runs: Vec<Run>,
-}
-
-/// Points that follow each other in the scan and lie in the same cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Run {
-    /// The cell; never [`NO_CELL`].
-    pub cell_idx: u32,
-    /// Index of the first point.
-    pub first_point: u32,
-    /// Index after the last point.
-    pub end_point: u32,
-}
-
-impl Run {
-    /// The indices of its points, for slices of something a point.
-    pub fn points(&self) -> std::ops::Range<usize> {
-        self.first_point as usize..self.end_point as usize
-    }
 }
 
 /// The cell of points that are NaN, infinite or outside the gridded square.
@@ -106,7 +85,6 @@ impl HierarchicalGrid {
             occupied: CellSet::new(n_cells),
             cell_of_point: Vec::new(),
             dense_within_of_point: Vec::new(),
-            runs: Vec::new(),
         }
     }
 
@@ -116,32 +94,27 @@ impl HierarchicalGrid {
             self.cells[cell_idx as usize] = CoarseCell::EMPTY;
         }
         self.occupied.clear();
-        self.runs.clear();
         self.find_cells(cloud);
-        let mut run = Run { cell_idx: NO_CELL, first_point: 0, end_point: 0 };
+        // A sensor sweeps, so that points which follow each other lie in the same cell more often than not (seven in a row
+        // on average in a scan of an HDL-64E): the cell is kept at hand while they do.
+        let mut current_idx = NO_CELL;
         let mut cell = CoarseCell::EMPTY;
-        for (point_idx, &z_m) in cloud.z_m().iter().enumerate() {
-            let cell_idx = self.cell_of_point[point_idx];
-            if cell_idx != run.cell_idx {
-                run.end_point = point_idx as u32;
-                self.end_run(run, cell);
-                run = Run { cell_idx, first_point: run.end_point, ..run };
+        for (&cell_idx, &z_m) in self.cell_of_point.iter().zip(cloud.z_m()) {
+            if cell_idx != current_idx {
+                if let Some(current) = self.cells.get_mut(current_idx as usize) {
+                    *current = cell;
+                    self.occupied.insert(current_idx);
+                }
+                current_idx = cell_idx;
                 cell = self.cells.get(cell_idx as usize).copied().unwrap_or(CoarseCell::EMPTY);
             }
             cell.add(z_m);
         }
-        run.end_point = cloud.len() as u32;
-        self.end_run(run, cell);
-        self.occupied.sort();
-    }
-
-    /// Keeps `run`, with which its cell has become `cell`, unless it lies outside.
-    fn end_run(&mut self, run: Run, cell: CoarseCell) {
-        if let Some(written) = self.cells.get_mut(run.cell_idx as usize) {
-            *written = CoarseCell { n_points: cell.n_points + run.points().len() as u32, ..cell };
-            self.occupied.insert(run.cell_idx);
-            self.runs.push(run);
+        if let Some(current) = self.cells.get_mut(current_idx as usize) {
+            *current = cell;
+            self.occupied.insert(current_idx);
         }
+        self.occupied.sort();
     }
 
     /// Writes the cells of every point. A pass of its own without a branch, for several points at a time.
@@ -193,11 +166,6 @@ impl HierarchicalGrid {
     /// outside.
     pub fn dense_within_of_point(&self) -> &[u8] {
         &self.dense_within_of_point
-    }
-
-    /// The points inside, run by run, in scan order.
-    pub fn runs(&self) -> &[Run] {
-        &self.runs
     }
 
     /// The cell of each point, in scan order; [`NO_CELL`] for points outside.

@@ -56,15 +56,10 @@ impl Foreground {
         }
         self.point_indices.resize(self.point_indices.len().max(cloud.len()), 0);
         let mut n_points = 0;
-        for run in grid.runs() {
-            let cut_m = self.cut_m[run.cell_idx as usize];
-            if cut_m == f32::INFINITY {
-                continue;
-            }
-            for (&z_m, point_idx) in cloud.z_m()[run.points()].iter().zip(run.first_point..) {
-                self.point_indices[n_points] = point_idx;
-                n_points += usize::from(z_m > cut_m);
-            }
+        for ((&cell_idx, &z_m), point_idx) in grid.cell_of_point().iter().zip(cloud.z_m()).zip(0..) {
+            let cut_m = self.cut_m.get(cell_idx as usize).copied().unwrap_or(f32::INFINITY);
+            self.point_indices[n_points] = point_idx;
+            n_points += usize::from(z_m > cut_m);
         }
         self.n_points = n_points;
     }
