@@ -9,23 +9,23 @@
 pub fn convex_hull(points_m: &mut Vec<[f32; 2]>, hull_m: &mut Vec<[f32; 2]>) {
     hull_m.clear();
     drop_inner_points(points_m);
-    let first_m = points_m.iter().copied().min_by_key(x_then_y);
-    let last_m = points_m.iter().copied().max_by_key(x_then_y);
+    let first_m = points_m.iter().copied().min_by_key(|&it| x_then_y(it));
+    let last_m = points_m.iter().copied().max_by_key(|&it| x_then_y(it));
     let (Some(first_m), Some(last_m)) = (first_m, last_m) else { return };
     if first_m == last_m {
         hull_m.push(first_m);
         return;
     }
     let (below_m, above_m) = split(points_m, first_m, last_m);
-    below_m.sort_unstable_by_key(x_then_y);
-    above_m.sort_unstable_by_key(x_then_y);
+    below_m.sort_unstable_by_key(|&it| x_then_y(it));
+    above_m.sort_unstable_by_key(|&it| x_then_y(it));
     extend_chain([first_m].iter().chain(&*below_m).chain([&last_m]), hull_m);
     extend_chain([last_m].iter().chain(above_m.iter().rev()).chain([&first_m]), hull_m);
 }
 
 /// A number for each point that orders them by x, and by y where x is the same, as `total_cmp` does: one comparison of
 /// numbers for two of coordinates.
-fn x_then_y(&[x, y]: &[f32; 2]) -> u64 {
+fn x_then_y([x, y]: [f32; 2]) -> u64 {
     let ascending = |value: f32| {
         let bits = value.to_bits();
         // Of negative numbers, the greater is the one with the smaller bits.

@@ -18,7 +18,7 @@ pub struct Outline {
     touching: [Vec<[usize; 2]>; 9],
     // Objects of the dense cells of a block and of those that touch it, row by row.
     around: Vec<u32>,
-    is_outline: Vec<bool>,
+    is_edge: Vec<bool>,
     // With room for all points of a cluster, so that writing needs no branch.
     points_m: Vec<[f32; 2]>,
     n_points: usize,
@@ -39,7 +39,7 @@ impl Outline {
             xi: xi as usize,
             touching,
             around: vec![NO_OBJECT; (side * side) as usize],
-            is_outline: Vec::new(),
+            is_edge: Vec::new(),
             points_m: Vec::new(),
             n_points: 0,
         }
@@ -49,7 +49,7 @@ impl Outline {
     pub fn mark(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, object_of_dense: &[u32]) {
         let n_dense = dense.n_dense_per_block();
         let side = self.xi + 2;
-        self.is_outline.clear();
+        self.is_edge.clear();
         for &cell_idx in dense.cell_of_block() {
             self.around.fill(NO_OBJECT);
             for (neighbor_idx, touching) in grid.neighborhood(cell_idx).into_iter().zip(&self.touching) {
@@ -61,15 +61,13 @@ impl Outline {
                     }
                 }
             }
-            for (before, (row, behind)) in (0..self.xi).map(|row| {
-                let line = |row: usize| &self.around[row * side..(row + 1) * side];
-                (line(row), (line(row + 1), line(row + 2)))
-            }) {
-                for ((a, b), c) in before.windows(3).zip(row.windows(3)).zip(behind.windows(3)) {
-                    let object = b[1];
-                    let is_same = [a[0], a[1], a[2], b[0], b[2], c[0], c[1], c[2]].map(|it| it == object);
-                    let is_inner = is_same.into_iter().fold(true, |all, it| all & it);
-                    self.is_outline.push(!is_inner & (object != NO_OBJECT));
+            for rows in self.around.windows(3 * side).step_by(side) {
+                for column in 0..self.xi {
+                    let three = |row: usize| [0, 1, 2].map(|step| rows[row * side + column + step]);
+                    let [before, [left, object, right], behind] = [three(0), three(1), three(2)];
+                    let is_same = |neighbors: [u32; 3]| neighbors.map(|it| it == object) == [true; 3];
+                    let is_inner = is_same(before) & is_same([left, object, right]) & is_same(behind);
+                    self.is_edge.push(object != NO_OBJECT && !is_inner);
                 }
             }
         }
@@ -79,14 +77,14 @@ impl Outline {
     /// its lowest and highest point in metres. `object` are all its points.
     pub fn gather(&mut self, object: &[ObjectPoint]) -> [f32; 2] {
         self.points_m.resize(self.points_m.len().max(object.len()), [0.0; 2]);
-        let (is_outline, points_m) = (&self.is_outline[..], &mut self.points_m[..]);
+        let (is_edge, points_m) = (&self.is_edge[..], &mut self.points_m[..]);
         let mut n_points = 0;
         let [mut low_m, mut high_m] = [f32::INFINITY, f32::NEG_INFINITY];
         for &ObjectPoint { position_m: [x_m, y_m, z_m], dense_idx } in object {
             low_m = if z_m < low_m { z_m } else { low_m };
             high_m = if z_m > high_m { z_m } else { high_m };
             points_m[n_points] = [x_m, y_m];
-            n_points += usize::from(is_outline[dense_idx as usize]);
+            n_points += usize::from(is_edge[dense_idx as usize]);
         }
         self.n_points = n_points;
         [low_m, high_m]

@@ -75,11 +75,9 @@ impl Detector for HierarchicalDetector {
         connected_components(grid, &self.dense, &params.merge, &mut self.links);
         clock.lap("merge", &mut output.stage_times);
         self.separation.separate(grid, &self.dense, &self.links);
-        let object_of_dense = self.separation.object_of_dense();
-        let (point_indices, n_parts) = (self.foreground.point_indices(), self.separation.n_parts());
-        self.clusters.fill(cloud, point_indices, &self.dense, object_of_dense, n_parts);
+        self.clusters.fill(cloud, self.foreground.point_indices(), &self.dense, &self.separation);
         clock.lap("separation", &mut output.stage_times);
-        self.outline.mark(grid, &self.dense, object_of_dense);
+        self.outline.mark(grid, &self.dense, self.separation.object_of_dense());
         self.fit_boxes(output);
         clock.lap("boxes", &mut output.stage_times);
         self.classify(output);

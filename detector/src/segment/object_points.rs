@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::grid::dense_level::DenseLevel;
 use crate::point_cloud::PointCloud;
-use crate::segment::dense_separation::NO_OBJECT;
+use crate::segment::dense_separation::{DenseSeparation, NO_OBJECT};
 
 /// Copies of the foreground points in the order of their objects, so that what follows reads them from memory one
 /// after the other.
@@ -33,18 +33,17 @@ pub struct ObjectPoint {
 }
 
 impl ObjectPoints {
-    /// Replaces the content by the points `point_indices` of `cloud`, which `dense` was filled with.
-    ///
-    /// `object_of_dense` has one entry for every dense cell, below `n_objects` or [`NO_OBJECT`] for empty ones.
+    /// Replaces the content by the points `point_indices` of `cloud`, which `dense` was filled with, in the order of the
+    /// objects that `separation` made of them.
     pub fn fill(
         &mut self,
         cloud: &PointCloud,
         point_indices: &[u32],
         dense: &DenseLevel,
-        object_of_dense: &[u32],
-        n_objects: usize,
+        separation: &DenseSeparation,
     ) {
-        self.order_objects(dense, object_of_dense, n_objects);
+        let object_of_dense = separation.object_of_dense();
+        self.order_objects(dense, object_of_dense, separation.n_parts());
         let nowhere = ObjectPoint { position_m: [0.0; 3], dense_idx: 0 };
         self.points.resize(point_indices.len(), nowhere);
         self.point_indices.resize(point_indices.len(), 0);

@@ -1,95 +1,15 @@
 //! The detector finds what the reference finds, to the bit.
 
+use detector::PointCloud;
 use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use detector::stage_product::{Shape, StageProduct, SurfaceClass};
-use detector::{Detector, DetectorOutput, PointCloud};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
-use crate::reference::{self, Found, FoundObject};
+use crate::reference::twins::Twins;
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
-
-/// A detector and the reference with the same parameters.
-pub struct Twins {
-    params: HierarchicalParams,
-    detector: HierarchicalDetector,
-    output: DetectorOutput,
-}
-
-impl Twins {
-    pub fn new(params: HierarchicalParams) -> Self {
-        let detector = HierarchicalDetector::new(params.clone(), SENSOR_HEIGHT_M);
-        Self { params, detector, output: DetectorOutput::default() }
-    }
-
-    /// Checks that both find the same in `cloud`; the detector has its buffers from the clouds before. Returns the number of objects.
-    #[track_caller]
-    pub fn check(&mut self, cloud: &PointCloud, name: &str) -> usize {
-        let expected = reference::detect(cloud, &self.params, SENSOR_HEIGHT_M);
-        self.detector.detect(cloud, &mut self.output);
-        let found = self.found(cloud);
-        assert_eq!(found.point_classes, expected.point_classes, "classes of the points of {name}");
-        assert_eq!(found.n_cuts, expected.n_cuts, "cuts in {name}");
-        assert_eq!(found.clusters, expected.clusters, "clusters of {name}");
-        assert_eq!(found.objects, expected.objects, "objects of {name}");
-        let too_small =
-            expected.clusters.iter().map(Vec::len).filter(|&n| n < self.params.cluster.min_points);
-        assert!(self.output.dropped_clusters.iter().map(|it| it.n_points).eq(too_small), "drops of {name}");
-        found.objects.len()
-    }
-
-    fn found(&self, cloud: &PointCloud) -> Found {
-        let products = self.detector.stage_products(cloud);
-        let hulls_m = contours(&products, "hulls");
-        let objects = self.output.detections.iter().zip(hulls_m).map(|(detection, hull_m)| FoundObject {
-            point_indices: detection.point_indices.to_vec(),
-            bounding_box: detection.bounding_box,
-            hull_m: hull_m.iter().map(|&[x, y, _]| [x, y]).collect(),
-            class: detection.class,
-        });
-        Found {
-            point_classes: labels(&products, "points"),
-            n_cuts: n_segments(&products, "cuts"),
-            clusters: clusters(&products, "clusters"),
-            objects: objects.collect(),
-        }
-    }
-}
-
-fn shape<'a>(products: &'a [StageProduct], name: &str) -> &'a Shape {
-    &products.iter().find(|product| product.name == name).expect("the product").shape
-}
-
-fn labels(products: &[StageProduct], name: &str) -> Vec<SurfaceClass> {
-    let Shape::LabeledPoints(classes) = shape(products, name) else { panic!("{name} are no labels") };
-    classes.clone()
-}
-
-fn n_segments(products: &[StageProduct], name: &str) -> usize {
-    let Shape::Segments(segments) = shape(products, name) else { panic!("{name} are no segments") };
-    segments.len()
-}
-
-fn contours<'a>(products: &'a [StageProduct], name: &str) -> &'a [Vec<[f32; 3]>] {
-    let Shape::Contours(contours) = shape(products, name) else { panic!("{name} are no contours") };
-    contours
-}
-
-fn clusters(products: &[StageProduct], name: &str) -> Vec<Vec<u32>> {
-    let Shape::Clusters(cluster_of_point) = shape(products, name) else { panic!("{name} are no clusters") };
-    let n_clusters = cluster_of_point.iter().flatten().max().map_or(0, |&last| last as usize + 1);
-    let mut clusters = vec![Vec::new(); n_clusters];
-    for (point_idx, cluster) in (0..).zip(cluster_of_point) {
-        if let Some(cluster) = cluster {
-            clusters[*cluster as usize].push(point_idx);
-        }
-    }
-    clusters
-}
 
 #[test]
 fn on_drawn_streets() {
-    let mut twins = Twins::new(HierarchicalParams::paper());
+    let mut twins = Twins::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
     assert_eq!(twins.check(&main_road(), "the main road"), 3);
     let one_car = DrawnStreet::road().block([4.1, 8.3], [2.1, 3.9], 1.5).cloud();
     assert_eq!(twins.check(&one_car, "one car"), 1);
@@ -105,7 +25,7 @@ fn on_real_scans() {
         "kitti_object/training/velodyne",
         "semantic_kitti/sequences/00/velodyne",
     ];
-    let mut twins = Twins::new(HierarchicalParams::paper());
+    let mut twins = Twins::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
     for drive in drives {
         // The scans of the object drive are those of the tracking drive, written once more.
         let paths = velodyne_paths(drive, "on_real_scans");

@@ -4,7 +4,8 @@ use detector::PointCloud;
 use detector::params::HierarchicalParams;
 use proptest::prelude::*;
 
-use crate::same_as_reference::Twins;
+use crate::drawn_street::SENSOR_HEIGHT_M;
+use crate::reference::twins::Twins;
 
 const EXTENT_M: f32 = 12.0;
 
@@ -70,7 +71,7 @@ proptest! {
         cell_size_m in prop_oneof![Just(0.6_f32), 0.3_f32..1.5],
         xi in prop_oneof![Just(3_u32), 1_u32..=8],
     ) {
-        let mut twins = Twins::new(params(cell_size_m, xi));
+        let mut twins = Twins::new(params(cell_size_m, xi), SENSOR_HEIGHT_M);
         for cloud in &clouds {
             twins.check(cloud, "a random cloud");
         }
@@ -81,7 +82,7 @@ proptest! {
         offsets_m in prop::collection::vec([0.0_f32..0.6, 0.0_f32..0.6, -1.4_f32..0.6], 1..600)
     ) {
         let cloud = offsets_m.iter().map(|&[x, y, z]| [3.0 + x, -3.0 + y, z]).collect();
-        Twins::new(params(0.6, 3)).check(&cloud, "one cell");
+        Twins::new(params(0.6, 3), SENSOR_HEIGHT_M).check(&cloud, "one cell");
     }
 
     #[test]
@@ -89,7 +90,7 @@ proptest! {
         let mut params = params(0.6, 3);
         params.ground.min_points = 1;
         params.cluster.min_points = 1;
-        let n_objects = Twins::new(params).check(&[position_m].into_iter().collect(), "one point");
+        let n_objects = Twins::new(params, SENSOR_HEIGHT_M).check(&[position_m].into_iter().collect(), "one point");
         prop_assert!(n_objects <= 1);
     }
 }
@@ -98,7 +99,7 @@ proptest! {
 fn random_clouds_have_objects_and_gaps() {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let mut twins = Twins::new(params(0.6, 3));
+    let mut twins = Twins::new(params(0.6, 3), SENSOR_HEIGHT_M);
     let n_objects: usize = (0..20)
         .map(|_| {
             let cloud = cloud(400).new_tree(&mut runner).expect("a cloud").current();

@@ -9,6 +9,7 @@ mod foreground;
 mod merge;
 mod separation;
 mod boxes;
+pub mod twins;
 
 use detector::classify::size_gate::size_gate;
 use detector::params::HierarchicalParams;
