@@ -27,10 +27,10 @@ pub struct DenseLevel {
 pub const NO_BLOCK: u32 = u32::MAX;
 
 impl DenseLevel {
-    /// Replaces the content by the points `point_indices` of the scan in `grid`, which must be the highest of their
-    /// coarse cells.
-    pub fn fill(&mut self, grid: &HierarchicalGrid, point_indices: &[u32]) {
-        self.number_blocks(grid, point_indices);
+    /// Replaces the content by the points `point_indices` of the scan in `grid`: the highest ones of `cells`, which are
+    /// coarse cells in ascending order and hold one of them each at least.
+    pub fn fill(&mut self, grid: &HierarchicalGrid, cells: &[u32], point_indices: &[u32]) {
+        self.number_blocks(grid, cells);
         self.n_dense_per_block = (grid.params().xi * grid.params().xi) as usize;
         let n_dense = self.cell_of_block.len() * self.n_dense_per_block;
         self.n_points.clear();
@@ -53,24 +53,17 @@ impl DenseLevel {
         }
     }
 
-    fn number_blocks(&mut self, grid: &HierarchicalGrid, point_indices: &[u32]) {
+    fn number_blocks(&mut self, grid: &HierarchicalGrid, cells: &[u32]) {
         self.block_of_cell.resize(grid.cells().len(), NO_BLOCK);
         for &cell_idx in &self.cell_of_block {
             self.block_of_cell[cell_idx as usize] = NO_BLOCK;
         }
-        for &point_idx in point_indices {
-            // For now any number: there is a block.
-            self.block_of_cell[grid.cell_of_point()[point_idx as usize] as usize] = 0;
-        }
         self.cell_of_block.clear();
+        self.cell_of_block.extend_from_slice(cells);
         self.z_max_m.clear();
-        for &cell_idx in grid.occupied() {
-            let block_idx = &mut self.block_of_cell[cell_idx as usize];
-            if *block_idx != NO_BLOCK {
-                *block_idx = self.cell_of_block.len() as u32;
-                self.cell_of_block.push(cell_idx);
-                self.z_max_m.push(grid.cells()[cell_idx as usize].z_max_m);
-            }
+        for (&cell_idx, block_idx) in cells.iter().zip(0..) {
+            self.block_of_cell[cell_idx as usize] = block_idx;
+            self.z_max_m.push(grid.cells()[cell_idx as usize].z_max_m);
         }
     }
 

@@ -121,7 +121,7 @@ impl HierarchicalGrid {
     fn find_cells(&mut self, cloud: &PointCloud) {
         let GridParams { cell_size_m, xi, extent_m } = self.params;
         let (cells_per_m, dense_per_m) = (1.0 / cell_size_m, xi as f32 / cell_size_m);
-        let n_columns = self.n_columns;
+        let (n_columns, last_dense) = (self.n_columns, (xi - 1) as f32);
         self.cell_of_point.resize(cloud.len(), NO_CELL);
         self.dense_within_of_point.resize(cloud.len(), 0);
         let positions_m = cloud.x_m().iter().zip(cloud.y_m()).zip(cloud.z_m());
@@ -130,15 +130,17 @@ impl HierarchicalGrid {
             // NaN fails every comparison.
             let inside = (x_m.abs() < extent_m) & (y_m.abs() < extent_m) & (z_m.abs() < f32::INFINITY);
             let [column, row] = [x_m, y_m].map(|it_m| whole_part((it_m + extent_m) * cells_per_m));
-            let in_frame = row.wrapping_add(1).wrapping_mul(n_columns).wrapping_add(column.wrapping_add(1));
+            let in_frame = number(row + 1.0).wrapping_mul(n_columns).wrapping_add(number(column + 1.0));
             // A mask rather than a branch; it leaves NO_CELL, all ones, of points that are not inside.
             *cell_idx = in_frame | u32::from(inside).wrapping_sub(1);
-            let within = |it_m: f32, step: u32| {
-                let corner_m = step as i32 as f32 * cell_size_m - extent_m;
+            let within = |it_m: f32, step: f32| {
+                let corner_m = step * cell_size_m - extent_m;
+                let into_cell = (it_m - corner_m) * dense_per_m;
                 // Rounding may put a point on the border a hair outside.
-                whole_part(((it_m - corner_m) * dense_per_m).clamp(0.0, (xi - 1) as f32))
+                let into_cell = if into_cell > 0.0 { into_cell } else { 0.0 };
+                whole_part(if into_cell < last_dense { into_cell } else { last_dense })
             };
-            *dense_within = within(y_m, row).wrapping_mul(xi).wrapping_add(within(x_m, column)) as u8;
+            *dense_within = number(within(y_m, row) * (last_dense + 1.0) + within(x_m, column)) as u8;
         }
     }
 
@@ -197,15 +199,21 @@ impl HierarchicalGrid {
     }
 }
 
+/// From here to its double neighbouring f32 are 1 apart.
+const WHOLE_FROM: f32 = 8_388_608.0;
+
 /// `value` without its fraction, if it is at least 0 and below 2²²; anything otherwise.
 ///
-/// The same as a cast. Compilers turn this into vector instructions on every machine, and casts, which saturate, not.
-fn whole_part(value: f32) -> u32 {
-    // From 2²³ to 2²⁴ neighbouring f32 are 1 apart, so that the sum is rounded, and its mantissa is the number.
-    const SHIFT: f32 = 8_388_608.0;
-    let rounded = value + SHIFT;
-    let rounded_up = rounded - SHIFT > value;
-    (rounded.to_bits() & 0x007f_ffff).wrapping_sub(u32::from(rounded_up))
+/// The same as casts to and fro. Compilers turn this into vector instructions on every machine, and casts, which saturate,
+/// not.
+fn whole_part(value: f32) -> f32 {
+    let rounded = (value + WHOLE_FROM) - WHOLE_FROM;
+    rounded - f32::from(rounded > value)
+}
+
+/// A whole `value` as a number, if it is at least 0 and below 2²³; anything otherwise.
+fn number(value: f32) -> u32 {
+    (value + WHOLE_FROM).to_bits() & 0x007f_ffff
 }
 
 #[cfg(test)]
@@ -254,9 +262,11 @@ mod tests {
         fn the_whole_part_is_what_a_cast_gives(
             value in prop_oneof![0.0_f32..4_194_304.0, 0.0_f32..300.0], whole in 0_u16..1000,
         ) {
-            prop_assert_eq!(whole_part(value), value as u32);
-            let (below, exact) = (f32::from(whole).next_down().max(0.0), f32::from(whole));
-            prop_assert_eq!((whole_part(below), whole_part(exact)), (below as u32, u32::from(whole)));
+            let exact = f32::from(whole);
+            for value in [value, exact, exact.next_up(), exact.next_down().max(0.0)] {
+                prop_assert_eq!(whole_part(value), value.trunc());
+                prop_assert_eq!(number(whole_part(value)), value as u32);
+            }
         }
 
         #[test]

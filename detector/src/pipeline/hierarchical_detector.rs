@@ -70,7 +70,7 @@ impl Detector for HierarchicalDetector {
         self.foreground.run(cloud, &mut clock, &mut output.stage_times);
         let grid = self.foreground.grid();
         let params = self.foreground.params();
-        self.dense.fill(grid, self.foreground.point_indices());
+        self.dense.fill(grid, self.foreground.foreground_cells(), self.foreground.point_indices());
         clock.lap("dense_level", &mut output.stage_times);
         connected_components(grid, &self.dense, &params.merge, &mut self.links);
         clock.lap("merge", &mut output.stage_times);

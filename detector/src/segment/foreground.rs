@@ -26,6 +26,7 @@ pub struct Foreground {
     params: ForegroundParams,
     // Elevation above which a point counts, infinite where none does; of an earlier scan for cells that are not occupied.
     cut_m: Vec<f32>,
+    cells: Vec<u32>,
     // With room for every point of the scan, so that writing needs no branch.
     point_indices: Vec<u32>,
     n_points: usize,
@@ -34,7 +35,7 @@ pub struct Foreground {
 impl Foreground {
     /// No points yet.
     pub fn new(params: ForegroundParams) -> Self {
-        Self { params, cut_m: Vec::new(), point_indices: Vec::new(), n_points: 0 }
+        Self { params, cut_m: Vec::new(), cells: Vec::new(), point_indices: Vec::new(), n_points: 0 }
     }
 
     /// Replaces the content by the foreground of `cloud`, which `grid` holds and `classes` classifies.
@@ -48,11 +49,16 @@ impl Foreground {
         terrain: &Terrain,
     ) {
         self.cut_m.resize(classes.len(), f32::INFINITY);
+        self.cells.clear();
         for &cell_idx in grid.occupied() {
-            self.cut_m[cell_idx as usize] = match classes[cell_idx as usize] {
+            let cut_m = match classes[cell_idx as usize] {
                 SurfaceClass::Short => self.cut_of_m(grid, terrain, cell_idx),
                 _ => f32::INFINITY,
             };
+            self.cut_m[cell_idx as usize] = cut_m;
+            if grid.cells()[cell_idx as usize].z_max_m > cut_m {
+                self.cells.push(cell_idx);
+            }
         }
         self.point_indices.resize(self.point_indices.len().max(cloud.len()), 0);
         let mut n_points = 0;
@@ -69,6 +75,11 @@ impl Foreground {
         let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
         let band_m = self.params.ground_band_m;
         lowest_m.clamp(terrain_m - band_m, terrain_m + band_m) + self.params.clearance_m
+    }
+
+    /// The coarse cells that hold foreground points, ascending.
+    pub fn cells(&self) -> &[u32] {
+        &self.cells
     }
 
     /// Indices of the foreground points in the scan, ascending.
