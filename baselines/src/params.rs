@@ -33,8 +33,10 @@ pub struct KdTreeParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ForegroundChoice {
-    /// Those of short objects, as the hierarchical detector finds them.
+    /// Those of short objects, as the hierarchical detector finds them before it looks for walls.
     Short,
+    /// Those of short objects that are not on walls, the foreground of the hierarchical detector.
+    Refined,
     /// All of them, road and façades included.
     All,
 }
@@ -135,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kd_tree_starts_from_the_foreground_of_the_hierarchical_detector() {
+    fn the_kd_tree_starts_from_the_short_objects_before_walls_are_refined() {
         assert_eq!(BaselineParams::shipped().kd_tree.foreground, ForegroundChoice::Short);
     }
 
@@ -150,7 +152,11 @@ mod tests {
     fn misspelled_and_missing_parameters_are_refused() {
         check_refused("tolerance_m =", "tolerence_m =", "unknown field `tolerence_m`");
         check_refused("max_extent_m = 20.0", "", "missing field `max_extent_m`");
-        check_refused("\"short\"", "\"tall\"", "unknown variant `tall`, expected `short` or `all`");
+        check_refused(
+            "\"short\"",
+            "\"tall\"",
+            "unknown variant `tall`, expected one of `short`, `refined`, `all`",
+        );
     }
 
     #[test]

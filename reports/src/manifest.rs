@@ -77,6 +77,8 @@ pub struct DatasetEntry {
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
+    /// The sensor: its id, or the file that describes it.
+    pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
     /// What a simulation was asked for besides its seed; `None` for what was recorded.
@@ -193,6 +195,7 @@ mod tests {
                 n_scans: 40,
                 selection: Some("0..80:2".to_owned()),
                 sensor_height_m: 1.73,
+                sensor: "hdl-64e-s2".to_owned(),
                 licence: None,
                 simulation: None,
             }],

@@ -5,6 +5,7 @@ use clap::CommandFactory as _;
 use crate::cli::{Cli, Command, DataCommand};
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
+use crate::commands::fit_density::fit_density;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::standard_streams::print_result;
@@ -19,6 +20,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Run(arguments) => run(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
+        Command::FitDensity(arguments) => fit_density(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Completions { shell } => completions(*shell),
     }

@@ -15,4 +15,5 @@ pub mod run;
 pub mod selftest;
 pub mod data_list;
 pub mod data_realism;
+pub mod fit_density;
 pub mod dispatch;

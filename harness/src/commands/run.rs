@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use detector::params::PAPER_SENSOR;
 use indicatif::ProgressBar;
 use jiff::Timestamp;
 use reports::csv_rows::CsvRowWriter;
@@ -173,8 +174,12 @@ fn evaluate(
     interrupted: &AtomicBool,
     archive: &mut Archive,
 ) -> anyhow::Result<DatasetScores> {
-    let Plan { arguments, config, detectors: listed, .. } = plan;
+    let Plan { arguments, detectors: listed, .. } = plan;
     let description = opened.dataset.description();
+    let config = &plan.config.for_sensor(&description.sensor).unwrap_or_else(|| {
+        warn_of_unknown_sensor(&description.sensor);
+        plan.config.clone()
+    });
     let mut detectors: Vec<_> =
         listed.iter().map(|it| it.build(config, description.sensor_height_m)).collect();
     let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
@@ -202,6 +207,13 @@ fn evaluate(
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(scores)
+}
+
+fn warn_of_unknown_sensor(sensor: &str) {
+    print_diagnostic(format_args!(
+        "warning: how densely {sensor:?} samples the street is not known, {PAPER_SENSOR} stands in; \
+         learn it with scanbench fit-density, and give the file to --config"
+    ));
 }
 
 fn n_jobs(arguments: &RunArgs) -> usize {

@@ -85,6 +85,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         n_scans: opened.scan_indices.len() as u64,
         selection: arguments.scans.clone(),
         sensor_height_m: description.sensor_height_m,
+        sensor: description.sensor.clone(),
         licence: description.licence.clone(),
         simulation: description.simulation.as_ref().map(simulation),
     }

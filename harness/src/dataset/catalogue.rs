@@ -20,6 +20,9 @@ use crate::simulator::rain::RAIN_RATES_MM_PER_H;
 /// The catalogue that is part of the program.
 const BUILT_IN: &str = include_str!("../../../datasets.toml");
 
+/// The sensor of the KITTI recordings.
+pub const KITTI_SENSOR: &str = "hdl-64e-s2";
+
 /// What data sets there are, by id.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalogue {
@@ -54,6 +57,8 @@ pub struct CatalogueEntry {
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
+    /// The sensor; that of KITTI unless the entry names one.
+    pub sensor: String,
     /// Its licence.
     pub licence: String,
     /// Where to get it.
@@ -193,9 +198,15 @@ struct WrittenEntry {
     #[serde(deserialize_with = "annotated_classes")]
     annotated_classes: AnnotatedClasses,
     sensor_height_m: Spanned<f32>,
+    #[serde(default = "kitti_sensor")]
+    sensor: String,
     licence: String,
     url: String,
     checksum: Option<Spanned<String>>,
+}
+
+fn kitti_sensor() -> String {
+    KITTI_SENSOR.to_owned()
 }
 
 /// The text errors point into.
@@ -234,6 +245,7 @@ fn entry_from_written(
         root,
         annotated: written.annotated_classes,
         sensor_height_m,
+        sensor: written.sensor,
         licence: written.licence,
         url: written.url,
         checksum: written.checksum.map(Spanned::into_inner),
@@ -340,6 +352,7 @@ url = "https://example.org"
             root: RootTemplate::parse("/data").unwrap(),
             annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car, AnnotationClass::Van]),
             sensor_height_m: 1.8,
+            sensor: "hdl-64e-s2".to_owned(),
             licence: "mine".to_owned(),
             url: "https://example.org".to_owned(),
             checksum: None,

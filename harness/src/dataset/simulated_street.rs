@@ -92,6 +92,7 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         root: None,
         annotated: AnnotatedClasses::EveryObject,
         sensor_height_m: sensor.height_above_road_m,
+        sensor: drive.sensor.clone(),
         licence: None,
         checksum: Some(sha256(&made_of)),
         simulation: Some(drive.clone()),

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use baselines::params::{BaselineParams, PARAMS_TOML};
-use detector::params::{HierarchicalParams, PAPER_TOML, ParamsError};
+use detector::grid::density_curve::DensityCurve;
+use detector::params::{HierarchicalParams, ParamsError};
 use serde::Deserialize;
 use toml::de::DeTable;
 use toml::{Table, Value};
@@ -21,7 +22,7 @@ pub struct RunConfig {
     pub baselines: BaselineParams,
     /// How detections are judged.
     pub matching: MatchingParams,
-    /// All of it as one document, for the manifest.
+    /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
 
@@ -125,7 +126,7 @@ fn shipped() -> Table {
     let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
     let mut all = parse(PARAMS_TOML);
     all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
-    all.insert("hierarchical".to_owned(), Value::Table(parse(PAPER_TOML)));
+    all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::paper_table()));
     all
 }
 
@@ -144,6 +145,21 @@ impl RunConfig {
             byte_offset: error.utf8_error().valid_up_to(),
         })?;
         Self::resolve(&text, path)
+    }
+
+    /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
+    /// detector. A curve that the file gives stays.
+    pub fn for_sensor(&self, sensor: &str) -> Option<Self> {
+        let mut config = self.clone();
+        if !self.gives_density_curve() {
+            config.hierarchical.density_weighting.curve = DensityCurve::shipped(sensor)?;
+        }
+        Some(config)
+    }
+
+    fn gives_density_curve(&self) -> bool {
+        let weighting = self.resolved["hierarchical"].get("density_weighting");
+        weighting.is_some_and(|it| it.get("curve").is_some())
     }
 
     /// Judges by `criterion`, whatever the file says.
@@ -166,6 +182,8 @@ impl RunConfig {
         let source = OverrideSource { path, text: overrides };
         let values = source.parse()?;
         let mut resolved = shipped();
+        let gives_curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
+        let gives_curve = gives_curve.is_some();
         source.apply(&mut resolved, values, &mut Vec::new())?;
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         let (hierarchical, matching) = (table("hierarchical").to_string(), table("matching").to_string());
@@ -173,6 +191,11 @@ impl RunConfig {
             resolved.iter().filter(|(name, _)| !["matching", "hierarchical"].contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
         let baselines = baselines.to_string();
+        if !gives_curve
+            && let Some(Value::Table(weighting)) = resolved["hierarchical"].get_mut("density_weighting")
+        {
+            weighting.remove("curve");
+        }
         Ok(Self {
             hierarchical: HierarchicalParams::from_toml(&hierarchical)
                 .map_err(|error| source.value_error(&error, Some("hierarchical"), &hierarchical))?,
@@ -336,6 +359,23 @@ mod tests {
         assert_eq!(config.baselines.kd_tree.tolerance_m, 0.7);
         let resolved = config.resolved["hierarchical"]["grid"]["cell_size_m"].as_float();
         assert_eq!(resolved, Some(1.0));
+    }
+
+    #[test]
+    fn the_density_curve_is_that_of_the_sensor_unless_the_file_gives_one() {
+        let peak = |it: &RunConfig| it.hierarchical.density_weighting.curve.peak_points_per_m2;
+        let of = |sensor: &str| DensityCurve::shipped(sensor).unwrap().peak_points_per_m2;
+        let config = resolve("hierarchical.density_weighting.enabled = false").unwrap();
+        assert_eq!(peak(&config.for_sensor("vlp-16").unwrap()), of("vlp-16"));
+        assert_eq!(config.resolved["hierarchical"]["density_weighting"].get("curve"), None);
+        assert_eq!(config.for_sensor("mine.toml"), None);
+        let given = DensityCurve::shipped("os1-128").unwrap().to_toml();
+        let config = resolve(&given).unwrap();
+        for sensor in ["vlp-16", "mine.toml"] {
+            assert_eq!(peak(&config.for_sensor(sensor).unwrap()), of("os1-128"));
+        }
+        let resolved = &config.resolved["hierarchical"]["density_weighting"]["curve"]["sensor"];
+        assert_eq!(resolved.as_str(), Some("os1-128"));
     }
 
     #[track_caller]

@@ -16,7 +16,7 @@ fn help(arguments: &str) -> String {
 
 #[test]
 fn every_verb_has_help_with_an_example() {
-    for verb in ["run", "selftest", "completions", "data", "data list", "data realism"] {
+    for verb in ["run", "selftest", "completions", "data", "data list", "data realism", "fit-density"] {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
         assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
@@ -26,7 +26,7 @@ fn every_verb_has_help_with_an_example() {
 #[test]
 fn help_lists_every_verb_and_exit_code() {
     let help = help("--help");
-    for line in ["run ", "data ", "selftest ", "completions "] {
+    for line in ["run ", "data ", "fit-density ", "selftest ", "completions "] {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
     }
     for line in
@@ -38,9 +38,16 @@ fn help_lists_every_verb_and_exit_code() {
 
 #[test]
 fn help_fits_into_80_columns() {
-    for verb in
-        ["--help", "-h", "run --help", "run -h", "selftest --help", "data list --help", "data realism --help"]
-    {
+    for verb in [
+        "--help",
+        "-h",
+        "run --help",
+        "run -h",
+        "selftest --help",
+        "data list --help",
+        "data realism --help",
+        "fit-density --help",
+    ] {
         let workplace = Workplace::new();
         let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
         let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));

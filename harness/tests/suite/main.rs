@@ -15,3 +15,4 @@ mod layers;
 mod run_directory;
 mod realism;
 mod simulated_reference;
+mod fit_density;

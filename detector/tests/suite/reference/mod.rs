@@ -5,6 +5,7 @@
 mod cells;
 mod terrain;
 mod classes;
+mod walls;
 mod foreground;
 mod merge;
 mod separation;
@@ -44,6 +45,7 @@ pub fn detect(cloud: &PointCloud, params: &HierarchicalParams, sensor_height_m: 
     let cells = cells::coarse_cells(cloud, &params.grid);
     let terrain = terrain::Terrain::grown(&cells, params, sensor_height_m);
     let classes = classes::cell_classes(&cells, &terrain, &params.ground);
+    let classes = walls::refine(cloud, classes, params, sensor_height_m);
     let foreground = foreground::foreground(cloud, &cells, &classes, &terrain, &params.foreground);
     let links = merge::links(cloud, &foreground, &params.merge);
     let separated = separation::separate(cloud, &foreground, &links, params);

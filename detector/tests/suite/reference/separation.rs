@@ -76,7 +76,8 @@ fn push_parts(
 ) {
     let n_points: usize = points_of_dense.values().map(Vec::len).sum();
     let mean = n_points as f32 / points_of_dense.len() as f32;
-    let least = (params.separation.low_density_share * mean).max(1.0);
+    let on_objects = params.separation.object_density_ratio * points_per_dense_cell(coarse, params);
+    let least = (params.separation.low_density_share * mean.min(on_objects)).max(1.0);
     let occupied = points_of_dense.iter().filter(|(_, points)| points.len() as f32 >= least);
     let mut left: BTreeSet<Cell> = occupied.map(|(&dense, _)| dense).collect();
     let first_part = parts.len();
@@ -116,8 +117,18 @@ fn touching_parts(parts: &[Part], coarse: [Cell; 2], max_steps: u32) -> Vec<[usi
 
 /// Up to how many steps between dense cells there is no gap.
 fn max_steps(coarse: Cell, params: &HierarchicalParams) -> u32 {
+    let share = params.separation.single_gap_points / points_per_dense_cell(coarse, params);
+    share.cbrt().ceil().max(1.0) as u32
+}
+
+/// What all points together put into a dense cell at the range of a coarse cell (HG section 4).
+fn points_per_dense_cell(coarse: Cell, params: &HierarchicalParams) -> f32 {
     let [x_m, y_m] = center_m(coarse, &params.grid);
-    1 + ((x_m * x_m + y_m * y_m).sqrt() / params.separation.single_gap_range_m) as u32
+    let metre = (x_m * x_m + y_m * y_m).sqrt().trunc().min(79.0);
+    let weighting = &params.density_weighting;
+    let weight = if weighting.enabled { weighting.curve.weight(f64::from(metre) + 0.5) as f32 } else { 1.0 };
+    let dense_size_m = params.grid.cell_size_m / params.grid.xi as f32;
+    weighting.curve.peak_points_per_m2 as f32 * dense_size_m * dense_size_m * weight
 }
 
 fn clusters(parts: Vec<Part>) -> Vec<Cluster> {
