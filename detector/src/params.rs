@@ -68,6 +68,41 @@ pub enum ParamsError {
         /// The values that make sense.
         allowed: &'static str,
     },
+    /// A value below the least that makes sense.
+    #[error("{name} = {value} is less than {least}")]
+    TooLow {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least, with the name of the parameter that says so if one does.
+        least: String,
+    },
+}
+
+/// Checks that parameter `name` lies between `low` and `high`, which NaN does not; `allowed` says so in words.
+///
+/// # Errors
+///
+/// [`ParamsError::OutOfRange`].
+pub fn check_range(
+    name: &'static str,
+    value: f64,
+    [low, high]: [f64; 2],
+    allowed: &'static str,
+) -> Result<(), ParamsError> {
+    let value = as_written(value);
+    if (low..=high).contains(&value) { Ok(()) } else { Err(ParamsError::OutOfRange { name, value, allowed }) }
+}
+
+/// A single-precision number as the decimal it was written as: 0.6, not the 0.6000000238 that it stands for. Numbers of
+/// double precision stay as they are.
+fn as_written(value: f64) -> f64 {
+    let single = value as f32;
+    if f64::from(single) != value {
+        return value;
+    }
+    single.to_string().parse().expect("a number was printed")
 }
 
 impl HierarchicalParams {
@@ -97,14 +132,7 @@ impl HierarchicalParams {
     }
 
     fn validate(&self) -> Result<(), ParamsError> {
-        let within = |name, value: f64, low: f64, high: f64, allowed| {
-            // NaN is within nothing.
-            if (low..=high).contains(&value) {
-                Ok(())
-            } else {
-                Err(ParamsError::OutOfRange { name, value, allowed })
-            }
-        };
+        let within = |name, value, low, high, allowed| check_range(name, value, [low, high], allowed);
         let grid = &self.grid;
         within("grid.cell_size_m", grid.cell_size_m.into(), 0.05, 10.0, "0.05 to 10 m")?;
         within("grid.xi", grid.xi.into(), 1.0, 8.0, "1 to 8")?;
@@ -165,6 +193,7 @@ mod tests {
             "ground_band_m = -1.0",
             "foreground.ground_band_m = -1 is outside",
         );
+        check_refused("low_quantile = 0.25", "low_quantile = 1.1", "terrain.low_quantile = 1.1 is outside");
         check_refused("cell_size_m = 0.6", "cell_size_m = nan", "grid.cell_size_m = NaN");
     }
 }

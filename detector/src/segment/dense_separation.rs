@@ -12,6 +12,8 @@ use crate::segment::disjoint_sets::DisjointSets;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DenseSeparationParams {
+    /// Whether blobs are cut at all; otherwise each stays one object, as a grid without dense cells leaves it.
+    pub enabled: bool,
     /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
     pub low_density_share: f32,
     /// What upright objects hold, as a multiple of what all points together put into a dense cell at their range.
@@ -84,14 +86,11 @@ impl DenseSeparation {
 
     /// Replaces the content by the objects of the blobs that `links` makes of the blocks of `dense`.
     pub fn separate(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, links: &[[u32; 2]]) {
-        self.find_parts(grid, dense);
-        self.parts.reset(self.cells_of_part.len());
         self.cut_links.clear();
-        for &blocks in links {
-            let cells = blocks.map(|block_idx| dense.cell_of_block()[block_idx as usize]);
-            if !self.join_touching(grid, blocks, cells) {
-                self.cut_links.push(blocks);
-            }
+        if self.params.enabled {
+            self.cut_blobs(grid, dense, links);
+        } else {
+            self.keep_blobs(dense, links);
         }
         for part in self.object_of_dense.iter_mut().filter(|part| **part != NO_OBJECT) {
             *part = self.parts.representative(*part);
@@ -111,6 +110,36 @@ impl DenseSeparation {
     /// The links that were cut, ascending.
     pub fn cut_links(&self) -> &[[u32; 2]] {
         &self.cut_links
+    }
+
+    fn cut_blobs(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, links: &[[u32; 2]]) {
+        self.find_parts(grid, dense);
+        self.parts.reset(self.cells_of_part.len());
+        for &blocks in links {
+            let cells = blocks.map(|block_idx| dense.cell_of_block()[block_idx as usize]);
+            if !self.join_touching(grid, blocks, cells) {
+                self.cut_links.push(blocks);
+            }
+        }
+    }
+
+    /// Makes each block one part, and joins all that are linked.
+    fn keep_blobs(&mut self, dense: &DenseLevel, links: &[[u32; 2]]) {
+        self.object_of_dense.clear();
+        self.cells_of_part.clear();
+        for block_idx in 0..dense.n_blocks() as u32 {
+            let mut cells = 0;
+            for (bit, &n_in_cell) in dense.n_points_of_block(block_idx).iter().enumerate() {
+                let is_empty = n_in_cell == 0;
+                cells |= u64::from(!is_empty) << bit;
+                self.object_of_dense.push(if is_empty { NO_OBJECT } else { block_idx });
+            }
+            self.cells_of_part.push(cells);
+        }
+        self.parts.reset(self.cells_of_part.len());
+        for &[from, to] in links {
+            self.parts.join(from, to);
+        }
     }
 
     fn find_parts(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel) {
@@ -184,8 +213,12 @@ mod tests {
     use crate::point_cloud::PointCloud;
     use crate::segment::connected_components::{ConnectedComponentsParams, connected_components};
 
-    const PARAMS: DenseSeparationParams =
-        DenseSeparationParams { low_density_share: 0.1, object_density_ratio: 3.0, single_gap_points: 2.0 };
+    const PARAMS: DenseSeparationParams = DenseSeparationParams {
+        enabled: true,
+        low_density_share: 0.1,
+        object_density_ratio: 3.0,
+        single_gap_points: 2.0,
+    };
 
     /// The weighting of the paper's sensor.
     fn weighting(enabled: bool) -> DensityWeighting {
@@ -195,7 +228,12 @@ mod tests {
 
     /// Separates a drawing of dense cells, three to a coarse cell, whose first corner is `forward_m` in front of the
     /// sensor: `#` holds 20 points, `1` a single one. Returns the drawing with a letter for each object.
-    fn separated(drawing: &str, forward_m: f32, weighting: &DensityWeighting) -> String {
+    fn separated(
+        drawing: &str,
+        forward_m: f32,
+        params: &DenseSeparationParams,
+        weighting: &DensityWeighting,
+    ) -> String {
         let geometry = GridParams { cell_size_m: 0.6, xi: 3, extent_m: 60.0 };
         let mut grid = HierarchicalGrid::new(geometry.clone());
         let mut cloud = PointCloud::default();
@@ -225,7 +263,7 @@ mod tests {
             &ConnectedComponentsParams { max_height_difference_m: 1.0 },
             &mut links,
         );
-        let mut separation = DenseSeparation::new(PARAMS, &geometry, weighting);
+        let mut separation = DenseSeparation::new(params.clone(), &geometry, weighting);
         separation.separate(&grid, &dense, &links);
         let mut lines: Vec<Vec<char>> = drawing.lines().map(|line| vec!['.'; line.len()]).collect();
         let mut seen = Vec::new();
@@ -242,7 +280,7 @@ mod tests {
 
     #[track_caller]
     fn check_at(forward_m: f32, drawing: &str, expected: &str) {
-        let found = separated(drawing, forward_m, &weighting(true));
+        let found = separated(drawing, forward_m, &PARAMS, &weighting(true));
         assert_eq!(found, expected, "\n{drawing}\nbecame\n{found}");
     }
 
@@ -292,9 +330,22 @@ mod tests {
     }
 
     #[test]
+    fn switched_off_it_leaves_the_blobs_whole() {
+        let off = DenseSeparationParams { enabled: false, ..PARAMS };
+        for (drawing, expected) in [
+            ("##.###\n##.###\n##.###", "aa.aaa\naa.aaa\naa.aaa"),
+            ("#.#\n#.#\n#1#", "a.a\na.a\naaa"),
+            // A whole coarse cell lies between the two.
+            ("###...###\n###...###\n###...###", "aaa...bbb\naaa...bbb\naaa...bbb"),
+        ] {
+            assert_eq!(separated(drawing, 6.0, &off, &weighting(true)), expected, "\n{drawing}");
+        }
+    }
+
+    #[test]
     fn without_weights_a_single_empty_cell_is_a_gap_at_every_range() {
         let drawing = "##.###\n##.###\n##.###";
-        assert_eq!(separated(drawing, 30.0, &weighting(false)), "aa.bbb\naa.bbb\naa.bbb");
+        assert_eq!(separated(drawing, 30.0, &PARAMS, &weighting(false)), "aa.bbb\naa.bbb\naa.bbb");
     }
 
     #[test]

@@ -69,8 +69,12 @@ proptest! {
         clouds in prop::collection::vec(cloud(400), 1..4),
         cell_size_m in prop_oneof![Just(0.6_f32), 0.3_f32..1.5],
         xi in prop_oneof![Just(3_u32), 1_u32..=8],
+        is_whole in prop::bool::weighted(0.8),
     ) {
-        let mut twins = Twins::new(params(cell_size_m, xi), SENSOR_HEIGHT_M);
+        let mut params = params(cell_size_m, xi);
+        params.terrain.enabled = is_whole;
+        params.separation.enabled = is_whole;
+        let mut twins = Twins::new(params, SENSOR_HEIGHT_M);
         for cloud in &clouds {
             twins.check(cloud, "a random cloud");
         }

@@ -87,12 +87,12 @@ fn command(arguments: &DatasetArgs) -> String {
     let mut words = vec!["scanbench".to_owned(), "fit-density".to_owned()];
     words.extend(arguments.datasets.iter().cloned());
     let options = [
-        ("--format", arguments.format.clone()),
+        ("--format", arguments.source.format.clone()),
         ("--scans", arguments.scans.clone()),
-        ("--seed", arguments.seed.map(|it| it.to_string())),
-        ("--simulated-scans", arguments.simulated_scans.map(|it| it.to_string())),
-        ("--sensor", arguments.sensor.clone()),
-        ("--catalogue", arguments.catalogue.catalogue.as_ref().map(|it| it.display().to_string())),
+        ("--seed", arguments.source.seed.map(|it| it.to_string())),
+        ("--simulated-scans", arguments.source.simulated_scans.map(|it| it.to_string())),
+        ("--sensor", arguments.source.sensor.clone()),
+        ("--catalogue", arguments.source.catalogue.catalogue.as_ref().map(|it| it.display().to_string())),
     ];
     for (option, value) in options {
         words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value]));

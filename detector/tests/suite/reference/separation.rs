@@ -52,7 +52,8 @@ pub fn separate(
     }
     let mut n_cuts = 0;
     for &[coarse, neighbor] in links {
-        let steps = max_steps(coarse, params);
+        // Without separation each coarse cell is one part, and all links hold.
+        let steps = if params.separation.enabled { max_steps(coarse, params) } else { u32::MAX };
         let touching = touching_parts(&parts, [coarse, neighbor], steps);
         if touching.is_empty() {
             n_cuts += 1;
@@ -86,7 +87,8 @@ fn push_parts(
         let mut n_followed = 0;
         while n_followed < occupied.len() {
             let from = occupied[n_followed];
-            occupied.extend(left.extract_if(.., |it| from.steps_to(*it) <= max_steps(coarse, params)));
+            let max_steps = if params.separation.enabled { max_steps(coarse, params) } else { u32::MAX };
+            occupied.extend(left.extract_if(.., |it| from.steps_to(*it) <= max_steps));
             n_followed += 1;
         }
         parts.push(Part { coarse, occupied, points_of_dense: BTreeMap::new(), object: 0 });

@@ -45,6 +45,7 @@ impl Terrain {
             let tolerance_m = params.terrain.max_step_m + rise_m;
             let seen_m = flat_m.get(&block).map(|it| low_quantile(it, params.terrain.low_quantile));
             let it = match seen_m {
+                _ if !params.terrain.enabled => Block { elevation_m: -sensor_height_m, n_unseen: 0 },
                 Some(elevation_m) if (elevation_m - expected_m).abs() <= tolerance_m => {
                     Block { elevation_m, n_unseen: 0 }
                 }
