@@ -48,7 +48,8 @@ struct FittedObject {
 impl KdTreeDetector {
     /// A detector for a sensor `sensor_height_m` above the road; `shared` are the parameters of the stages that it has
     /// in common with the hierarchical detector.
-    pub fn new(params: KdTreeParams, shared: HierarchicalParams, sensor_height_m: f32) -> Self {
+    pub fn new(params: KdTreeParams, mut shared: HierarchicalParams, sensor_height_m: f32) -> Self {
+        shared.walls.enabled &= params.foreground == ForegroundChoice::Refined;
         Self {
             params,
             short_objects: ForegroundStages::new(shared, sensor_height_m),
@@ -85,7 +86,7 @@ impl Detector for KdTreeDetector {
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let mut products = match self.params.foreground {
-            ForegroundChoice::Short => self.short_objects.stage_products(),
+            ForegroundChoice::Short | ForegroundChoice::Refined => self.short_objects.stage_products(),
             ForegroundChoice::All => vec![StageProduct {
                 stage: "foreground",
                 name: "points",
@@ -115,7 +116,9 @@ impl KdTreeDetector {
         stage_times: &mut Vec<StageTime>,
     ) {
         match self.params.foreground {
-            ForegroundChoice::Short => self.short_objects.run(cloud, clock, stage_times),
+            ForegroundChoice::Short | ForegroundChoice::Refined => {
+                self.short_objects.run(cloud, clock, stage_times);
+            }
             ForegroundChoice::All => {
                 self.finite_points.clear();
                 let positions_m = (0..).zip(cloud.positions_m());
@@ -129,7 +132,7 @@ impl KdTreeDetector {
     /// Indices of the foreground points in the latest scan, ascending.
     fn foreground_points(&self) -> &[u32] {
         match self.params.foreground {
-            ForegroundChoice::Short => self.short_objects.point_indices(),
+            ForegroundChoice::Short | ForegroundChoice::Refined => self.short_objects.point_indices(),
             ForegroundChoice::All => &self.finite_points,
         }
     }

@@ -6,7 +6,9 @@ use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
 use crate::segment::foreground::Foreground;
 use crate::segment::ground_segmentation::segment_ground;
+use crate::segment::hough_lines::Segment;
 use crate::segment::terrain::Terrain;
+use crate::segment::wall_refinement::WallRefinement;
 use crate::stage_product::{ProductCell, Shape, StageProduct, SurfaceClass};
 
 /// Grid, terrain, cell classes and foreground of one scan after another.
@@ -15,6 +17,7 @@ pub struct ForegroundStages {
     params: HierarchicalParams,
     grid: HierarchicalGrid,
     terrain: Terrain,
+    walls: WallRefinement,
     classes: Vec<SurfaceClass>,
     foreground: Foreground,
 }
@@ -24,8 +27,9 @@ impl ForegroundStages {
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
         let grid = HierarchicalGrid::new(params.grid.clone());
         let terrain = Terrain::new(params.terrain.clone(), &grid, sensor_height_m);
+        let walls = WallRefinement::new(params.walls.clone(), &grid);
         let foreground = Foreground::new(params.foreground.clone());
-        Self { params, grid, terrain, classes: Vec::new(), foreground }
+        Self { params, grid, terrain, walls, classes: Vec::new(), foreground }
     }
 
     /// Runs the stages on `cloud`.
@@ -34,8 +38,9 @@ impl ForegroundStages {
         clock.lap("grid", stage_times);
         self.terrain.estimate(&self.grid);
         segment_ground(&self.grid, &self.terrain, &self.params.ground, &mut self.classes);
-        // Here the refinement of walls turns short cells on long lines into tall ones (HG section 3.1).
         clock.lap("ground", stage_times);
+        self.walls.refine(&self.grid, &self.terrain, &mut self.classes);
+        clock.lap("walls", stage_times);
         self.foreground.extract(cloud, &self.grid, &self.classes, &self.terrain);
         clock.lap("foreground", stage_times);
     }
@@ -76,14 +81,26 @@ impl ForegroundStages {
             }
         });
         let cells = Shape::Cells { cell_size_m: self.grid.params().cell_size_m, cells: cells.collect() };
+        let walls = Shape::Segments(self.walls.walls().iter().map(|&it| self.wall_m(it)).collect());
         vec![
-            StageProduct { stage: "ground", name: "cells", shape: cells },
+            StageProduct { stage: "walls", name: "cells", shape: cells },
+            StageProduct { stage: "walls", name: "segments", shape: walls },
             StageProduct {
                 stage: "foreground",
                 name: "points",
                 shape: Shape::LabeledPoints(self.point_classes()),
             },
         ]
+    }
+
+    /// A wall from end to end, drawn where supporting cells begin.
+    fn wall_m(&self, wall: Segment) -> [[f32; 3]; 2] {
+        [wall.start, wall.end].map(|[column, row]| {
+            let cell_idx = row as u32 * self.grid.n_columns() + column as u32;
+            let [x, y] = self.grid.center_m(cell_idx);
+            let ground_m = self.terrain.elevation_m(self.grid.column_and_row(cell_idx));
+            [x, y, ground_m + self.params.walls.min_height_m]
+        })
     }
 
     /// The class of every point of the latest scan: that of its cell, except that points of short cells that lie below

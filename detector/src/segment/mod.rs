@@ -2,7 +2,8 @@
 
 pub mod terrain;
 pub mod ground_segmentation;
-// Between ground and foreground belongs the refinement of walls (HG section 3.1, Hough transform).
+pub mod hough_lines;
+pub mod wall_refinement;
 pub mod foreground;
 pub mod connected_components;
 pub mod disjoint_sets;

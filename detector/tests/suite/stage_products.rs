@@ -72,9 +72,10 @@ fn rounded(value: f32) -> String {
 #[test]
 fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     insta::assert_snapshot!(described(&main_road()), @r"
-    ground/cells: 84 clutter, 1406 ground, 161 short object, 83 tall
-    foreground/points: 249 clutter, 14004 ground, 5135 short object, 40905 tall
-    separation/cuts: 1 segments
+    walls/cells: 84 clutter, 1406 ground, 141 short object, 103 tall
+    walls/segments: 1 segments
+    foreground/points: 249 clutter, 13824 ground, 5135 short object, 41085 tall
+    separation/cuts: 10 segments
     separation/clusters: 3 of 2492, 2287, 356 points
     boxes/hulls: 3 of 4, 4, 4 corners
     boxes/boxes: 3 boxes

@@ -1,0 +1,282 @@
+//! Façades that the sensor sees only the lower part of, found as long straight lines of cells.
+
+use serde::Deserialize;
+
+use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::hough_lines::{HoughLines, HoughParams, Segment};
+use crate::segment::terrain::Terrain;
+use crate::stage_product::SurfaceClass;
+
+/// Tuning of [`WallRefinement::refine`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallRefinementParams {
+    /// Whether walls are looked for at all.
+    pub enabled: bool,
+    /// Least height above the terrain of a cell that may support a wall, in metres: above the roofs of cars.
+    pub min_height_m: f32,
+    /// How far below the top of the field of view, in degrees, a cell still counts as cut off by it.
+    pub ceiling_margin_deg: f32,
+    /// Least share of a segment's length along which cells support a wall.
+    pub min_support: f32,
+    /// How the segments are found.
+    pub hough: HoughParams,
+}
+
+/// Turns the short cells of walls into tall ones.
+///
+/// Near the sensor no beam reaches the height at which a cell is tall: 3.1 m with the topmost beam at +2° and 1.73 m
+/// above the road is 39 m away. What is known of a near façade is that it goes on up to the topmost beam: a cell that is
+/// tall, or higher than cars and *cut off* by the upper end of the field of view, supports a wall. Segments are
+/// found among the supporting cells, so a row of parked cars makes none however straight it is; the short cells on a
+/// segment become tall whether they support it or not.
+///
+/// Paper: HG section 3.1, refinement by a probabilistic Hough transform, and Fig. 3.
+#[derive(Debug, Clone)]
+pub struct WallRefinement {
+    params: WallRefinementParams,
+    lines: HoughLines,
+    rises: Vec<f32>,
+    // For every cell: 1 where it supports a wall.
+    supports: Vec<u32>,
+    is_support: Vec<bool>,
+    walls: Vec<Segment>,
+    // Cells that became tall and whose neighbours are still to be looked at.
+    front: Vec<u32>,
+}
+
+/// Cells nearer than this, in metres, say little about the top of the field of view: their size is too large an angle.
+const MIN_RANGE_OF_CEILING_M: f32 = 8.0;
+
+/// The rise of the field of view's upper end is this quantile of the rises of the cells' highest points.
+const CEILING_QUANTILE: f32 = 0.99;
+
+impl WallRefinement {
+    /// A refinement of the classes of grids of the geometry of `grid`.
+    pub fn new(params: WallRefinementParams, grid: &HierarchicalGrid) -> Self {
+        let lines = HoughLines::new(params.hough.clone(), grid.n_columns());
+        let is_support = vec![false; grid.cells().len()];
+        Self {
+            params,
+            lines,
+            rises: Vec::new(),
+            supports: Vec::new(),
+            is_support,
+            walls: Vec::new(),
+            front: Vec::new(),
+        }
+    }
+
+    /// Turns the short cells among `classes` that lie on walls into tall ones.
+    pub fn refine(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
+        self.walls.clear();
+        if !self.params.enabled {
+            return;
+        }
+        self.find_supports(grid, terrain, classes);
+        let segments = self.lines.find(&self.supports);
+        for &segment in segments {
+            if support_share(segment, grid, &self.is_support) >= self.params.min_support {
+                self.walls.push(segment);
+            }
+        }
+        self.front.clear();
+        for &segment in &self.walls {
+            for cells in corridor(segment) {
+                let [on, sides @ ..] = cells.map(|it| cell_at(grid, it));
+                let Some(on) = on else { continue };
+                turn_tall(classes, on);
+                self.front.push(on);
+                for beside in sides.into_iter().flatten() {
+                    // What is right behind a wall is seen through its windows.
+                    if self.is_support[beside as usize] || range_m(grid, beside) > range_m(grid, on) {
+                        self.front.extend(turn_tall(classes, beside));
+                    }
+                }
+            }
+        }
+        self.spread(grid, classes);
+    }
+
+    /// Bays, reliefs and side walls: what supports a wall and touches one is wall.
+    fn spread(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
+        while let Some(cell_idx) = self.front.pop() {
+            for neighbor_idx in grid.neighborhood(cell_idx) {
+                if self.is_support[neighbor_idx as usize] {
+                    self.front.extend(turn_tall(classes, neighbor_idx));
+                }
+            }
+        }
+    }
+
+    /// The walls of the latest scan.
+    pub fn walls(&self) -> &[Segment] {
+        &self.walls
+    }
+
+    fn find_supports(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &[SurfaceClass]) {
+        for &cell_idx in &self.supports {
+            self.is_support[cell_idx as usize] = false;
+        }
+        self.supports.clear();
+        let standing =
+            |cell_idx: u32| matches!(classes[cell_idx as usize], SurfaceClass::Tall | SurfaceClass::Short);
+        self.rises.clear();
+        for &cell_idx in grid.occupied().iter().filter(|&&it| standing(it)) {
+            let range_m = range_m(grid, cell_idx);
+            if range_m >= MIN_RANGE_OF_CEILING_M {
+                self.rises.push(grid.cells()[cell_idx as usize].z_max_m / range_m);
+            }
+        }
+        if self.rises.is_empty() {
+            return;
+        }
+        let rank = (CEILING_QUANTILE * self.rises.len() as f32) as usize;
+        let (_, &mut ceiling, _) = self.rises.select_nth_unstable_by(rank, f32::total_cmp);
+        let least_rise = (ceiling.atan() - self.params.ceiling_margin_deg.to_radians()).tan();
+        for &cell_idx in grid.occupied().iter().filter(|&&it| standing(it)) {
+            let cell = &grid.cells()[cell_idx as usize];
+            let height_m = cell.z_max_m - terrain.elevation_m(grid.column_and_row(cell_idx));
+            let cut_off = || cell.z_max_m >= least_rise * range_m(grid, cell_idx);
+            let tall = classes[cell_idx as usize] == SurfaceClass::Tall;
+            if tall || (height_m >= self.params.min_height_m && cut_off()) {
+                self.supports.push(cell_idx);
+                self.is_support[cell_idx as usize] = true;
+            }
+        }
+    }
+}
+
+/// The cells along a segment, each with its two neighbours across.
+fn corridor(segment: Segment) -> impl Iterator<Item = [[i32; 2]; 3]> {
+    let [dx, dy] = [0, 1].map(|axis| segment.end[axis] - segment.start[axis]);
+    let n_steps = dx.abs().max(dy.abs()).max(1);
+    let across = if dx.abs() >= dy.abs() { [0, 1] } else { [1, 0] };
+    (0..=n_steps).map(move |n| {
+        // Rounded to the nearest cell.
+        let at = [(0, dx), (1, dy)]
+            .map(|(axis, total)| segment.start[axis] + (2 * n * total + n_steps).div_euclid(2 * n_steps));
+        [at, [at[0] - across[0], at[1] - across[1]], [at[0] + across[0], at[1] + across[1]]]
+    })
+}
+
+fn support_share(segment: Segment, grid: &HierarchicalGrid, is_support: &[bool]) -> f32 {
+    let (mut n_supported, mut n) = (0, 0);
+    for cells in corridor(segment) {
+        n += 1;
+        let mut inside = cells.into_iter().filter_map(|it| cell_at(grid, it));
+        n_supported += i32::from(inside.any(|it| is_support[it as usize]));
+    }
+    n_supported as f32 / n as f32
+}
+
+/// The cell at a column and row, if it is inside the grid's frame.
+fn cell_at(grid: &HierarchicalGrid, [column, row]: [i32; 2]) -> Option<u32> {
+    let n = grid.n_columns() as i32;
+    let inside = [column, row].iter().all(|it| (1..n - 1).contains(it));
+    inside.then(|| (row * n + column) as u32)
+}
+
+fn range_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
+    let [x, y] = grid.center_m(cell_idx);
+    x.hypot(y)
+}
+
+/// Turns a short cell into a tall one; `None` if it is none.
+fn turn_tall(classes: &mut [SurfaceClass], cell_idx: u32) -> Option<u32> {
+    let class = &mut classes[cell_idx as usize];
+    (*class == SurfaceClass::Short).then(|| {
+        *class = SurfaceClass::Tall;
+        cell_idx
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PointCloud;
+    use crate::params::HierarchicalParams;
+    use crate::segment::ground_segmentation::segment_ground;
+
+    const SENSOR_HEIGHT_M: f32 = 1.73;
+    /// The rise of the topmost beam, as tangent.
+    const TOP_RISE: f32 = 0.035;
+
+    /// A level road with blocks of which a sensor with a topmost beam sees the lower part.
+    struct Drawing(PointCloud);
+
+    impl Drawing {
+        fn road() -> Self {
+            let steps = || (-150..150).map(|step| step as f32 * 0.2 + 0.1);
+            Self(steps().flat_map(|x| steps().map(move |y| [x, y, -SENSOR_HEIGHT_M])).collect())
+        }
+
+        /// A surface `height_m` high over the line from one point of the ground plan to another.
+        fn surface(mut self, from_m: [f32; 2], to_m: [f32; 2], height_m: f32) -> Self {
+            for step in 0..=400 {
+                let share = step as f32 / 400.0;
+                let [x, y] = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
+                let top_m = (height_m - SENSOR_HEIGHT_M).min(TOP_RISE * x.hypot(y));
+                for level in 0..=8 {
+                    let z = -SENSOR_HEIGHT_M + (top_m + SENSOR_HEIGHT_M) * level as f32 / 8.0;
+                    self.0.push([x, y, z], 0.0);
+                }
+            }
+            self
+        }
+
+        /// The class of the cell around `place_m` with walls refined.
+        fn class_at(&self, place_m: [f32; 2], enabled: bool) -> SurfaceClass {
+            let mut params = HierarchicalParams::paper();
+            params.walls.enabled = enabled;
+            let mut grid = HierarchicalGrid::new(params.grid.clone());
+            grid.fill(&self.0);
+            let mut terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
+            terrain.estimate(&grid);
+            let mut classes = Vec::new();
+            segment_ground(&grid, &terrain, &params.ground, &mut classes);
+            let mut walls = WallRefinement::new(params.walls, &grid);
+            walls.refine(&grid, &terrain, &mut classes);
+            let near = |&&cell_idx: &&u32| {
+                let [x, y] = grid.center_m(cell_idx);
+                (x - place_m[0]).abs() <= 0.3 && (y - place_m[1]).abs() <= 0.3
+            };
+            classes[*grid.occupied().iter().find(near).expect("a point was drawn there") as usize]
+        }
+    }
+
+    #[test]
+    fn a_near_facade_is_short_before_and_tall_after() {
+        let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        assert_eq!(street.class_at([3.1, 9.1], false), SurfaceClass::Short);
+        assert_eq!(street.class_at([3.1, 9.1], true), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn its_lower_parts_and_side_walls_go_with_it() {
+        // A gate of a metre's height in the line, and a wall that leads away from the street.
+        let street = Drawing::road()
+            .surface([-12.0, 9.1], [2.0, 9.1], 12.0)
+            .surface([2.0, 9.1], [3.6, 9.1], 1.0)
+            .surface([3.6, 9.1], [12.0, 9.1], 12.0)
+            .surface([12.0, 9.1], [12.0, 12.1], 12.0);
+        assert_eq!(street.class_at([2.8, 9.1], true), SurfaceClass::Tall);
+        assert_eq!(street.class_at([12.0, 11.2], true), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn a_row_of_parked_cars_is_no_wall_with_or_without_a_facade_behind() {
+        let cars = Drawing::road().surface([-12.0, 4.1], [12.0, 4.1], 1.5);
+        assert_eq!(cars.class_at([3.1, 4.1], true), SurfaceClass::Short);
+        let street = cars.surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        assert_eq!(street.class_at([3.1, 4.1], true), SurfaceClass::Short);
+        assert_eq!(street.class_at([3.1, 9.1], true), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn a_van_is_no_wall() {
+        let street =
+            Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0).surface([5.0, -4.1], [10.2, -4.1], 2.4);
+        assert_eq!(street.class_at([7.1, -4.1], true), SurfaceClass::Short);
+    }
+}
