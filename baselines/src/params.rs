@@ -162,7 +162,7 @@ mod tests {
         check_refused(
             "max_points = 25000",
             "max_points = 9",
-            "kd_tree.max_points = 9 is less than kd_tree.min_points = 10",
+            "kd_tree.max_points = 9 is less than kd_tree.min_points = 15",
         );
         check_refused(
             "min_height_difference_m = 0.2",

@@ -266,6 +266,7 @@ mod tests {
               "n_scans": 40,
               "selection": "0..80:2",
               "sensor_height_m": 1.73,
+              "sensor": "hdl-64e-s2",
               "licence": null,
               "simulation": null
             }

@@ -125,7 +125,7 @@ mod tests {
         tracks.bins[1].measured.right.n = 3;
         // Nothing on one side is not too little of it.
         tracks.bins[2].measured.left.n = 0;
-        assert_eq!(left_out(&[tracks]).as_deref(), Some("points_per_track 1-2 (10 against 3 tracks)"));
+        assert_eq!(left_out(&[tracks]).as_deref(), Some("points_per_track 2-3 (10 against 3 tracks)"));
         assert_eq!(left_out(&[pair(&[(1.0, 1.0)])]), None);
     }
 

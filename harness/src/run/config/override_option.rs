@@ -243,7 +243,8 @@ mod tests {
         check_refused(
             &["foreground=blue"],
             &ALL,
-            "-P foreground=blue: kd_tree.foreground: unknown variant `blue`, expected `short` or `all`",
+            "-P foreground=blue: kd_tree.foreground: unknown variant `blue`, expected one of \
+             `short`, `refined`, `all`",
         );
         check_refused(
             &["tolerance_m=1", "kd_tree.min_points=30000"],

@@ -257,7 +257,7 @@ mod tests {
         );
         check_refused(
             "kd_tree.max_points = 9",
-            "line 1: kd_tree.max_points = 9 is less than kd_tree.min_points = 10",
+            "line 1: kd_tree.max_points = 9 is less than kd_tree.min_points = 15",
         );
         check_refused("kd_tree.foreground = \"blue\"", "line 1: kd_tree.foreground: unknown variant `blue`");
         check_refused("[pca.grid]\ncell_size_m = 0", "line 2: pca.grid.cell_size_m = 0 is outside of");
