@@ -143,6 +143,7 @@ impl HierarchicalParams {
         within("walls.min_height_m", walls.min_height_m.into(), 0.0, 100.0, "0 to 100 m")?;
         within("walls.ceiling_margin_deg", walls.ceiling_margin_deg.into(), 0.0, 90.0, "0 to 90 degrees")?;
         within("walls.min_support", walls.min_support.into(), 0.0, 1.0, "0 to 1")?;
+        within("walls.max_ground_behind", walls.max_ground_behind.into(), 0.0, 1.0, "0 to 1")?;
         let hough = &walls.hough;
         within("walls.hough.n_directions", hough.n_directions.into(), 4.0, 720.0, "4 to 720")?;
         within("walls.hough.min_votes", hough.min_votes.into(), 2.0, 1000.0, "2 to 1000")?;

@@ -19,6 +19,8 @@ pub struct WallRefinementParams {
     pub ceiling_margin_deg: f32,
     /// Least share of a segment's length along which cells support a wall.
     pub min_support: f32,
+    /// Greatest share of a segment's length behind which ground is seen: a wall hides it, rain and rows of trunks do not.
+    pub max_ground_behind: f32,
     /// How the segments are found.
     pub hough: HoughParams,
 }
@@ -79,7 +81,9 @@ impl WallRefinement {
         self.find_supports(grid, terrain, classes);
         let segments = self.lines.find(&self.supports);
         for &segment in segments {
-            if support_share(segment, grid, &self.is_support) >= self.params.min_support {
+            if support_share(segment, grid, &self.is_support) >= self.params.min_support
+                && ground_behind_share(segment, grid, classes) <= self.params.max_ground_behind
+            {
                 self.walls.push(segment);
                 self.shadows.push(Shadow::of(segment, grid));
             }
@@ -218,6 +222,32 @@ fn support_share(segment: Segment, grid: &HierarchicalGrid, is_support: &[bool])
     n_supported as f32 / n as f32
 }
 
+/// How far behind a segment ground is looked for, in metres.
+const BEHIND_M: [f32; 3] = [1.2, 1.8, 2.4];
+
+/// The share of a segment's length behind which there is ground, as the sensor sees it.
+fn ground_behind_share(segment: Segment, grid: &HierarchicalGrid, classes: &[SurfaceClass]) -> f32 {
+    let (mut n_seen, mut n) = (0, 0);
+    for [on, ..] in corridor(segment) {
+        let [x, y] = center_m(grid, on);
+        let range_m = x.hypot(y);
+        let is_ground = |behind_m: &f32| {
+            let stretch = (range_m + behind_m) / range_m.max(grid.params().cell_size_m);
+            let cell_idx = cell_at(grid, place_at(grid, [x * stretch, y * stretch]));
+            cell_idx.is_some_and(|it| classes[it as usize] == SurfaceClass::Ground)
+        };
+        n += 1;
+        n_seen += i32::from(BEHIND_M.iter().any(is_ground));
+    }
+    n_seen as f32 / n as f32
+}
+
+/// The column and row of the cell over a place on the ground plan.
+fn place_at(grid: &HierarchicalGrid, place_m: [f32; 2]) -> [i32; 2] {
+    let GridParams { cell_size_m, extent_m, .. } = *grid.params();
+    place_m.map(|it| ((it + extent_m) / cell_size_m).floor() as i32 + 1)
+}
+
 /// The cell at a column and row, if it is inside the grid's frame.
 fn cell_at(grid: &HierarchicalGrid, [column, row]: [i32; 2]) -> Option<u32> {
     let n = grid.n_columns() as i32;
@@ -256,13 +286,20 @@ mod tests {
     /// The rise of the topmost beam, as tangent.
     const TOP_RISE: f32 = 0.035;
 
-    /// A level road with blocks of which a sensor with a topmost beam sees the lower part.
+    /// A level road with surfaces of which a sensor with a topmost beam sees the lower part.
     struct Drawing(PointCloud);
 
     impl Drawing {
+        /// A road that ends where façades stand, 9 m to the left.
         fn road() -> Self {
+            Self::open_ground(9.0)
+        }
+
+        /// Ground as far as `left_m` to the left.
+        fn open_ground(left_m: f32) -> Self {
             let steps = || (-150..150).map(|step| step as f32 * 0.2 + 0.1);
-            Self(steps().flat_map(|x| steps().map(move |y| [x, y, -SENSOR_HEIGHT_M])).collect())
+            let rows = move || steps().filter(move |&y| y < left_m);
+            Self(steps().flat_map(|x| rows().map(move |y| [x, y, -SENSOR_HEIGHT_M])).collect())
         }
 
         /// A surface `height_m` high over the line from one point of the ground plan to another.
@@ -334,6 +371,12 @@ mod tests {
         assert_eq!(shop.class_at([2.1, 12.1], true), SurfaceClass::Tall);
         // Past the end of the wall.
         assert_eq!(shop.class_at([19.0, 12.1], true), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn what_hides_no_ground_is_no_wall() {
+        let rain = Drawing::open_ground(20.0).surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        assert_eq!(rain.class_at([3.1, 9.1], true), SurfaceClass::Short);
     }
 
     #[test]
