@@ -1,6 +1,6 @@
 //! How far the surface of an object is from the upper corners of its box.
 
-use super::object_points::ObjectPoints;
+use super::box_frame_points::BoxFramePoints;
 
 /// Points that are looked at side by side.
 const LANES: usize = 8;
@@ -28,7 +28,7 @@ impl CornerSpheres {
     /// The spheres of an object in a box of `length_m` and `width_m`. `None` without points.
     ///
     /// Paper: VM section 4, principal curvature estimation.
-    pub fn around(points: &ObjectPoints, length_m: f32, width_m: f32) -> Option<Self> {
+    pub fn around(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<Self> {
         let top_m = points.up_m().iter().copied().reduce(f32::max)?;
         let corner_m = [length_m / 2.0, width_m / 2.0];
         let mut nearest = [[f32::INFINITY; LANES]; 4];
@@ -102,7 +102,7 @@ mod tests {
     const SIZE_M: [f32; 3] = [4.0, 2.0, 1.5];
 
     fn spheres_of(positions_m: &[[f32; 3]], bounding_box: &OrientedBox) -> Option<CornerSpheres> {
-        let mut points = ObjectPoints::default();
+        let mut points = BoxFramePoints::default();
         points.fill(bounding_box, positions_m.iter().copied());
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
         CornerSpheres::around(&points, length_m, width_m)

@@ -1,6 +1,6 @@
 //! What tells vehicles from other objects.
 
-pub mod object_points;
+pub mod box_frame_points;
 pub mod corner_spheres;
 pub mod side_profile;
 pub mod turning_function;

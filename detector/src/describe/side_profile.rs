@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::object_points::ObjectPoints;
+use super::box_frame_points::BoxFramePoints;
 use crate::fit::convex_hull::convex_hull;
 
 /// Tuning of [`SideProfile`].
@@ -40,7 +40,7 @@ impl SideProfile {
     /// have a contour without area.
     ///
     /// Paper: VM section 4, concave hull with 20 cm resolution.
-    pub fn concave_contour(&mut self, points: &ObjectPoints) -> &[[f32; 2]] {
+    pub fn concave_contour(&mut self, points: &BoxFramePoints) -> &[[f32; 2]] {
         self.contour_m.clear();
         let (from_m, to_m) = points
             .along_m()
@@ -54,7 +54,7 @@ impl SideProfile {
         &self.contour_m
     }
 
-    fn fill_columns(&mut self, points: &ObjectPoints, from_m: f32, to_m: f32) {
+    fn fill_columns(&mut self, points: &BoxFramePoints, from_m: f32, to_m: f32) {
         let n_columns = ((to_m - from_m) / self.params.column_m).ceil().max(2.0);
         self.columns.clear();
         self.columns.resize(n_columns as usize, EMPTY);
@@ -92,7 +92,7 @@ const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 /// The convex contour of `points` on the same plane: corners (along, up) in metres, counter-clockwise.
 ///
 /// Paper: VM section 4. It is what the concave one is seen against; the classifier does not use it.
-pub fn convex_contour(points: &ObjectPoints) -> Vec<[f32; 2]> {
+pub fn convex_contour(points: &BoxFramePoints) -> Vec<[f32; 2]> {
     let mut points_m: Vec<[f32; 2]> =
         points.along_m().iter().zip(points.up_m()).map(|(&along, &up)| [along, up]).collect();
     let mut hull_m = Vec::new();
@@ -106,9 +106,9 @@ mod tests {
     use crate::OrientedBox;
     use proptest::prelude::*;
 
-    fn points_at(side_m: &[[f32; 2]]) -> ObjectPoints {
+    fn points_at(side_m: &[[f32; 2]]) -> BoxFramePoints {
         let frame = OrientedBox { center_m: [0.0; 3], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
-        let mut points = ObjectPoints::default();
+        let mut points = BoxFramePoints::default();
         points.fill(&frame, side_m.iter().map(|&[along, up]| [along, 0.3, up]));
         points
     }

@@ -1,7 +1,7 @@
 //! The eight values by which a vehicle is told from background.
 
 use super::corner_spheres::{CornerSpheres, OrderedRadii};
-use super::object_points::ObjectPoints;
+use super::box_frame_points::BoxFramePoints;
 use super::prototype_library::PrototypeLibrary;
 use super::side_profile::{SideProfile, SideProfileParams};
 use crate::oriented_box::OrientedBox;
@@ -54,14 +54,14 @@ impl VehicleFeatures {
 #[derive(Debug, Clone)]
 pub struct VehicleDescriber {
     library: PrototypeLibrary,
-    points: ObjectPoints,
+    points: BoxFramePoints,
     profile: SideProfile,
 }
 
 impl VehicleDescriber {
     /// Compares profiles with those of `library`.
     pub fn new(params: SideProfileParams, library: PrototypeLibrary) -> Self {
-        Self { library, points: ObjectPoints::default(), profile: SideProfile::new(params) }
+        Self { library, points: BoxFramePoints::default(), profile: SideProfile::new(params) }
     }
 
     /// The features of an object with these points, in the sensor frame. `None` without points.

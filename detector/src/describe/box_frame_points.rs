@@ -4,14 +4,14 @@ use crate::oriented_box::OrientedBox;
 
 /// Columns of coordinates in metres relative to the centre of a box: along its length, across to the left, and up.
 #[derive(Debug, Clone, Default)]
-pub struct ObjectPoints {
+pub struct BoxFramePoints {
     // Invariant: the columns have the same length.
     along_m: Vec<f32>,
     across_m: Vec<f32>,
     up_m: Vec<f32>,
 }
 
-impl ObjectPoints {
+impl BoxFramePoints {
     /// Takes `positions_m` of the sensor frame over into the frame of `bounding_box`.
     pub fn fill(&mut self, bounding_box: &OrientedBox, positions_m: impl Iterator<Item = [f32; 3]>) {
         let (sin, cos) = bounding_box.yaw_rad.sin_cos();
