@@ -117,7 +117,7 @@ impl KdTreeDetector {
     ) {
         match self.params.foreground {
             ForegroundChoice::Short | ForegroundChoice::Refined => {
-                self.short_objects.run(cloud, clock, stage_times)
+                self.short_objects.run(cloud, clock, stage_times);
             }
             ForegroundChoice::All => {
                 self.finite_points.clear();

@@ -11,5 +11,6 @@ pub mod principal_axes_box;
 
 // Their parameters, and how their stages follow each other.
 pub mod params;
+pub mod simple_grid_detector;
 pub mod kd_tree_detector;
 pub mod pca_detector;

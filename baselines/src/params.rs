@@ -1,6 +1,6 @@
 //! The parameters of the baselines, from one file.
 
-use detector::params::ParamsError;
+use detector::params::{ParamsError, check_range};
 use serde::Deserialize;
 
 use crate::occupancy_grid_components::OccupancyParams;
@@ -98,9 +98,13 @@ impl BaselineParams {
 impl KdTreeParams {
     fn validate(&self) -> Result<(), ParamsError> {
         check_range("kd_tree.tolerance_m", self.tolerance_m.into(), [0.01, 100.0], "0.01 to 100 m")?;
-        let at_least = [self.min_points as f64, f64::INFINITY];
-        check_range("kd_tree.min_points", self.min_points as f64, [1.0, f64::INFINITY], "at least 1")?;
-        check_range("kd_tree.max_points", self.max_points as f64, at_least, "at least kd_tree.min_points")
+        check_least("kd_tree.min_points", self.min_points, 1)?;
+        if self.max_points < self.min_points {
+            let least = format!("kd_tree.min_points = {}", self.min_points);
+            let (name, value) = ("kd_tree.max_points", self.max_points as f64);
+            return Err(ParamsError::TooLow { name, value, least });
+        }
+        Ok(())
     }
 }
 
@@ -111,25 +115,17 @@ impl PcaParams {
         check_range("pca.grid.extent_m", grid.extent_m.into(), [1.0, 300.0], "1 to 300 m")?;
         let height_m = occupancy.min_height_difference_m.into();
         check_range("pca.occupancy.min_height_difference_m", height_m, [0.0, 10.0], "0 to 10 m")?;
-        check_range(
-            "pca.occupancy.min_points",
-            occupancy.min_points.into(),
-            [1.0, f64::INFINITY],
-            "at least 1",
-        )?;
-        check_range("pca.cluster.min_points", cluster.min_points as f64, [1.0, f64::INFINITY], "at least 1")?;
+        check_least("pca.occupancy.min_points", occupancy.min_points as usize, 1)?;
+        check_least("pca.cluster.min_points", cluster.min_points, 1)?;
         check_range("pca.cluster.max_extent_m", cluster.max_extent_m.into(), [0.1, 1000.0], "0.1 to 1000 m")
     }
 }
 
-/// NaN lies in no range.
-fn check_range(
-    name: &'static str,
-    value: f64,
-    [low, high]: [f64; 2],
-    allowed: &'static str,
-) -> Result<(), ParamsError> {
-    if (low..=high).contains(&value) { Ok(()) } else { Err(ParamsError::OutOfRange { name, value, allowed }) }
+fn check_least(name: &'static str, value: usize, least: usize) -> Result<(), ParamsError> {
+    if value >= least {
+        return Ok(());
+    }
+    Err(ParamsError::TooLow { name, value: value as f64, least: least.to_string() })
 }
 
 #[cfg(test)]
@@ -163,7 +159,17 @@ mod tests {
     fn senseless_parameters_are_refused() {
         check_refused("tolerance_m = 0.5", "tolerance_m = nan", "kd_tree.tolerance_m = NaN");
         check_refused("tolerance_m = 0.5", "tolerance_m = -0.5", "outside of 0.01 to 100 m");
-        check_refused("max_points = 25000", "max_points = 9", "outside of at least kd_tree.min_points");
+        check_refused(
+            "max_points = 25000",
+            "max_points = 9",
+            "kd_tree.max_points = 9 is less than kd_tree.min_points = 10",
+        );
+        check_refused(
+            "min_height_difference_m = 0.2",
+            "min_height_difference_m = 10.1",
+            "_m = 10.1 is outside",
+        );
+        check_refused("min_points = 2", "min_points = 0", "pca.occupancy.min_points = 0 is less than 1");
         check_refused("cell_size_m = 0.4", "cell_size_m = 0.0", "pca.grid.cell_size_m = 0 is outside");
         check_refused("max_extent_m = 20.0", "max_extent_m = inf", "pca.cluster.max_extent_m = inf");
     }

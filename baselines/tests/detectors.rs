@@ -1,10 +1,12 @@
-//! What both baselines must do with whole scans.
+//! What all baselines must do with whole scans.
 
 use baselines::kd_tree_detector::KdTreeDetector;
 use baselines::params::{BaselineParams, ForegroundChoice};
 use baselines::pca_detector::PcaDetector;
+use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::params::HierarchicalParams;
+use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::stage_product::Shape;
 use detector::{DetectedClass, Detector, OrientedBox, PointCloud};
 
@@ -20,8 +22,17 @@ fn pca() -> PcaDetector {
     PcaDetector::new(BaselineParams::shipped().pca, HierarchicalParams::paper().vehicle_size)
 }
 
-fn every_detector() -> [Box<dyn Detector>; 3] {
-    [Box::new(kd_tree(ForegroundChoice::Short)), Box::new(kd_tree(ForegroundChoice::All)), Box::new(pca())]
+fn simple_grid() -> SimpleGridDetector {
+    SimpleGridDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+}
+
+fn every_detector() -> [Box<dyn Detector>; 4] {
+    [
+        Box::new(kd_tree(ForegroundChoice::Short)),
+        Box::new(kd_tree(ForegroundChoice::All)),
+        Box::new(pca()),
+        Box::new(simple_grid()),
+    ]
 }
 
 fn detected(detector: &mut dyn Detector, cloud: &PointCloud) -> DetectorOutput {
@@ -109,8 +120,53 @@ fn two_cars_on_a_road_are_two_vehicles() {
     let cars = [([8.0, 3.0], 0.3), ([-9.0, -4.0], -1.2)];
     let points = [road(), car(cars[0].0, cars[0].1), car(cars[1].0, cars[1].1)].concat();
     let cloud = points.into_iter().collect();
-    for mut detector in [Box::new(kd_tree(ForegroundChoice::Short)) as Box<dyn Detector>, Box::new(pca())] {
+    for mut detector in [
+        Box::new(kd_tree(ForegroundChoice::Short)) as Box<dyn Detector>,
+        Box::new(pca()),
+        Box::new(simple_grid()),
+    ] {
         check_found(&detected(detector.as_mut(), &cloud), &cars);
+    }
+}
+
+/// Two cars side by side whose nearest sides are 40 cm apart, less than a coarse cell and two dense ones.
+fn two_close_cars() -> PointCloud {
+    [road(), car([8.0, 2.05], 0.0), car([8.0, 4.25], 0.0)].concat().into_iter().collect()
+}
+
+#[test]
+fn what_the_dense_level_separates_the_simple_grid_joins() {
+    let cloud = two_close_cars();
+    let mut hierarchical = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    check_found(&detected(&mut hierarchical, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
+    let joined = detected(&mut simple_grid(), &cloud);
+    let n_points: usize = joined.detections.iter().map(|it| it.point_indices.len()).sum();
+    assert_eq!(joined.detections.len(), 1);
+    let separate: usize =
+        detected(&mut hierarchical, &cloud).detections.iter().map(|it| it.point_indices.len()).sum();
+    assert_eq!(n_points, separate, "the foreground is the same");
+}
+
+#[test]
+fn the_simple_grid_has_one_level_whatever_the_parameters_say() {
+    let detections_with = |xi| {
+        let mut params = HierarchicalParams::paper();
+        params.grid.xi = xi;
+        detected(&mut SimpleGridDetector::new(params, SENSOR_HEIGHT_M), &two_close_cars()).detections
+    };
+    assert_eq!(detections_with(1), detections_with(5));
+}
+
+#[test]
+fn the_simple_grid_allocates_nothing_once_its_buffers_are_sized() {
+    let cloud = two_close_cars();
+    let mut detector = simple_grid();
+    let mut output = DetectorOutput::default();
+    let sizing = allocation_counter::measure(|| detector.detect(&cloud, &mut output));
+    assert!(sizing.count_total > 0, "the counter sees nothing");
+    for scan in [&cloud, &PointCloud::default(), &cloud] {
+        let steady = allocation_counter::measure(|| detector.detect(scan, &mut output));
+        assert_eq!(steady.count_total, 0, "allocations on a scan of {} points", scan.len());
     }
 }
 

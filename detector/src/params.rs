@@ -3,6 +3,8 @@
 use serde::Deserialize;
 
 use crate::classify::size_gate::SizeGateParams;
+use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
+use crate::grid::density_weighting::DensityWeightingParams;
 use crate::grid::hierarchical_grid::GridParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
 use crate::segment::dense_separation::DenseSeparationParams;
@@ -25,6 +27,8 @@ pub struct HierarchicalParams {
     pub walls: WallRefinementParams,
     /// Foreground points.
     pub foreground: ForegroundParams,
+    /// Weights of cell counts.
+    pub density_weighting: DensityWeightingParams,
     /// Merging of coarse cells.
     pub merge: ConnectedComponentsParams,
     /// Separation by dense cells.
@@ -43,8 +47,10 @@ pub struct ClusterParams {
     pub min_points: usize,
 }
 
-/// The text of `params/paper.toml`.
-pub const PAPER_TOML: &str = include_str!("params/paper.toml");
+/// The text of `params/paper.toml`, which lacks the density curve: that is the sensor's.
+const PAPER_TOML: &str = include_str!("params/paper.toml");
+/// The sensor of the paper, whose density curve stands in where that of the sensor is not known.
+pub const PAPER_SENSOR: &str = "hdl-64e-s2";
 
 /// Why parameters cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -62,12 +68,56 @@ pub enum ParamsError {
         /// The values that make sense.
         allowed: &'static str,
     },
+    /// A value below the least that makes sense.
+    #[error("{name} = {value} is less than {least}")]
+    TooLow {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least, with the name of the parameter that says so if one does.
+        least: String,
+    },
+}
+
+/// Checks that parameter `name` lies between `low` and `high`, which NaN does not; `allowed` says so in words.
+///
+/// # Errors
+///
+/// [`ParamsError::OutOfRange`].
+pub fn check_range(
+    name: &'static str,
+    value: f64,
+    [low, high]: [f64; 2],
+    allowed: &'static str,
+) -> Result<(), ParamsError> {
+    let value = as_written(value);
+    if (low..=high).contains(&value) { Ok(()) } else { Err(ParamsError::OutOfRange { name, value, allowed }) }
+}
+
+/// A single-precision number as the decimal it was written as: 0.6, not the 0.6000000238 that it stands for. Numbers of
+/// double precision stay as they are.
+fn as_written(value: f64) -> f64 {
+    let single = value as f32;
+    if f64::from(single) != value {
+        return value;
+    }
+    single.to_string().parse().expect("a number was printed")
 }
 
 impl HierarchicalParams {
     /// The parameters of the paper.
     pub fn paper() -> Self {
-        Self::from_toml(PAPER_TOML).expect("the embedded file is tested")
+        Self::from_toml(&Self::paper_table().to_string()).expect("the embedded files are tested")
+    }
+
+    /// The same as a document: `params/paper.toml` with the density curve of [`PAPER_SENSOR`].
+    pub fn paper_table() -> toml::Table {
+        let mut table: toml::Table = PAPER_TOML.parse().expect("the embedded file is tested");
+        let curve = DensityCurve::shipped_table(PAPER_SENSOR).expect("it is shipped");
+        let weighting = table.get_mut("density_weighting").and_then(toml::Value::as_table_mut);
+        weighting.expect("it is in the file").insert("curve".to_owned(), toml::Value::Table(curve));
+        table
     }
 
     /// Parameters from a complete TOML document.
@@ -82,14 +132,7 @@ impl HierarchicalParams {
     }
 
     fn validate(&self) -> Result<(), ParamsError> {
-        let within = |name, value: f64, low: f64, high: f64, allowed| {
-            // NaN is within nothing.
-            if (low..=high).contains(&value) {
-                Ok(())
-            } else {
-                Err(ParamsError::OutOfRange { name, value, allowed })
-            }
-        };
+        let within = |name, value, low, high, allowed| check_range(name, value, [low, high], allowed);
         let grid = &self.grid;
         within("grid.cell_size_m", grid.cell_size_m.into(), 0.05, 10.0, "0.05 to 10 m")?;
         within("grid.xi", grid.xi.into(), 1.0, 8.0, "1 to 8")?;
@@ -109,8 +152,16 @@ impl HierarchicalParams {
         within("foreground.ground_band_m", ground_band_m, 0.0, 10.0, "0 to 10 m")?;
         let separation = &self.separation;
         within("separation.low_density_share", separation.low_density_share.into(), 0.0, 1.0, "0 to 1")?;
-        let gap_range_m = separation.single_gap_range_m.into();
-        within("separation.single_gap_range_m", gap_range_m, 0.1, 10_000.0, "0.1 to 10000 m")
+        let ratio = separation.object_density_ratio.into();
+        within("separation.object_density_ratio", ratio, 0.0, 1e6, "0 to 10^6")?;
+        let gap_points = separation.single_gap_points.into();
+        within("separation.single_gap_points", gap_points, 0.0, 1e6, "0 to 10^6 points")?;
+        let implausible = |ImplausibleCurve { field, value, allowed }| ParamsError::OutOfRange {
+            name: field,
+            value,
+            allowed,
+        };
+        self.density_weighting.curve.check().map_err(implausible)
     }
 }
 
@@ -126,7 +177,9 @@ mod tests {
 
     #[track_caller]
     fn check_refused(from: &str, to: &str, message: &str) {
-        let error = HierarchicalParams::from_toml(&PAPER_TOML.replacen(from, to, 1)).unwrap_err();
+        let complete = HierarchicalParams::paper_table().to_string();
+        assert!(complete.contains(from), "{complete}");
+        let error = HierarchicalParams::from_toml(&complete.replacen(from, to, 1)).unwrap_err();
         assert!(error.to_string().contains(message), "{error}");
     }
 
@@ -140,6 +193,7 @@ mod tests {
             "ground_band_m = -1.0",
             "foreground.ground_band_m = -1 is outside",
         );
-        check_refused("cell_size_m = 0.60", "cell_size_m = nan", "grid.cell_size_m = NaN");
+        check_refused("low_quantile = 0.25", "low_quantile = 1.1", "terrain.low_quantile = 1.1 is outside");
+        check_refused("cell_size_m = 0.6", "cell_size_m = nan", "grid.cell_size_m = NaN");
     }
 }

@@ -9,6 +9,7 @@ pub mod dataset;
 pub mod matching;
 pub mod metrics;
 pub mod realism;
+pub mod density_survey;
 pub mod run;
 #[cfg(feature = "rerun")]
 pub mod stream;

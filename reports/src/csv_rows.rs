@@ -59,6 +59,20 @@ impl<Row: CsvRow> CsvRowWriter<Row> {
     }
 }
 
+/// Rows as the content of a CSV file, for where it does not become one.
+///
+/// # Errors
+///
+/// If a number of a row is not finite.
+pub fn to_csv_bytes<Row: CsvRow>(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(Row::COLUMNS)?;
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    Ok(writer.into_inner().expect("memory takes all that is written"))
+}
+
 /// A full disk is not the fault of the row.
 fn not_written(path: &Path, error: csv::Error) -> ArchiveError {
     let path = path.to_path_buf();

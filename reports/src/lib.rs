@@ -8,6 +8,9 @@
 pub mod counts;
 pub mod metric;
 pub mod curve_pair;
+pub mod wilson_interval;
+pub mod gap_curve;
+pub mod condition_scores;
 mod fixed_decimals;
 
 // Files.
@@ -17,10 +20,15 @@ pub mod csv_rows;
 pub mod run_report;
 pub mod manifest;
 pub mod comparison_manifest;
+pub mod experiment_manifest;
 pub mod scan_row;
 pub mod match_outcome;
 pub mod match_row;
 pub mod curve_row;
+pub mod box_row;
+pub mod cluster_of_point;
+pub mod gap_row;
+pub mod condition_row;
 pub mod run_directory;
 
 // Tables.

@@ -77,6 +77,8 @@ pub struct DatasetEntry {
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
+    /// The sensor: its id, or the file that describes it.
+    pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
     /// What a simulation was asked for besides its seed; `None` for what was recorded.
@@ -101,6 +103,12 @@ pub struct Simulation {
     pub shutter: String,
     /// How hard it rains, in millimetres per hour; `None` if it is dry.
     pub rain_mm_per_h: Option<f32>,
+    /// Height of the sensor above the road in metres, if it is not as its description has it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor_height_m: Option<f32>,
+    /// What was set about the street instead of drawn; `None` if nothing was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<serde_json::Value>,
     /// How far to either side of forward the labels reach, in degrees; `None` for all around.
     pub labeled_to_either_side_deg: Option<f32>,
 }
@@ -193,6 +201,7 @@ mod tests {
                 n_scans: 40,
                 selection: Some("0..80:2".to_owned()),
                 sensor_height_m: 1.73,
+                sensor: "hdl-64e-s2".to_owned(),
                 licence: None,
                 simulation: None,
             }],

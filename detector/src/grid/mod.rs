@@ -2,3 +2,9 @@
 
 pub mod hierarchical_grid;
 pub mod dense_level;
+
+// How the density of points falls with the range: measured, fitted, and undone.
+pub mod ring_density;
+pub mod nonnegative_least_squares;
+pub mod density_curve;
+pub mod density_weighting;

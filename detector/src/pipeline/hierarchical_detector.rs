@@ -6,6 +6,7 @@ use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, Stag
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::mark_outline;
 use crate::grid::dense_level::DenseLevel;
+use crate::grid::density_weighting::DensityWeighting;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
@@ -44,7 +45,8 @@ struct FittedObject {
 impl HierarchicalDetector {
     /// A detector for a sensor `sensor_height_m` above the road.
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
-        let separation = DenseSeparation::new(params.separation.clone(), params.grid.xi);
+        let weighting = DensityWeighting::new(&params.density_weighting);
+        let separation = DenseSeparation::new(params.separation.clone(), &params.grid, &weighting);
         Self {
             foreground: ForegroundStages::new(params, sensor_height_m),
             dense: DenseLevel::default(),

@@ -3,7 +3,8 @@
 use serde::Deserialize;
 
 use crate::grid::dense_level::DenseLevel;
-use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::grid::density_weighting::DensityWeighting;
+use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::segment::dense_reach::DenseReach;
 use crate::segment::disjoint_sets::DisjointSets;
 
@@ -11,11 +12,14 @@ use crate::segment::disjoint_sets::DisjointSets;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DenseSeparationParams {
-    /// A dense cell with less than this share of the mean of its coarse cell's occupied dense cells is near-empty.
+    /// Whether blobs are cut at all; otherwise each stays one object, as a grid without dense cells leaves it.
+    pub enabled: bool,
+    /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
     pub low_density_share: f32,
-    /// Up to this range from the sensor a single empty dense cell separates, in metres; up to twice it takes two in a
-    /// row, and so on: the farther away, the wider the gaps that the sensor leaves on one and the same object.
-    pub single_gap_range_m: f32,
+    /// What upright objects hold, as a multiple of what all points together put into a dense cell at their range.
+    pub object_density_ratio: f32,
+    /// Where all points together put this many into a dense cell, a single empty dense cell separates.
+    pub single_gap_points: f32,
 }
 
 /// Decides for every dense cell which object it belongs to.
@@ -23,13 +27,19 @@ pub struct DenseSeparationParams {
 /// *Parts* are the groups of occupied dense cells of a coarse cell that touch: one, unless a line of near-empty dense
 /// cells runs through it (Fig. 4 c). Parts of linked coarse cells stay together if an occupied dense cell of the one
 /// touches one of the other; near-empty dense cells along their border, straight (Fig. 4 a) or stepped (Fig. 4 b),
-/// keep them apart. What touches depends on the range, see [`DenseSeparationParams::single_gap_range_m`].
+/// keep them apart.
 ///
-/// Paper: HG section 3.2, third step, and Fig. 4.
+/// Both what is near-empty and how many empty dense cells in a row are a gap follow from the weight of the range. A
+/// dense cell could be expected to hold what the others of its coarse cell do on average, but not more than upright objects
+/// hold at that range. The density falls with about the cube of the range, over level ground, where the sensor's rays
+/// fan out in proportion to the range: so its cube root tells how far apart neighbouring points of one surface may lie.
+///
+/// Paper: HG section 3.2, third step, Fig. 4, and section 4.
 #[derive(Debug, Clone)]
 pub struct DenseSeparation {
     params: DenseSeparationParams,
     reach: DenseReach,
+    by_metre: Vec<Expected>,
     // The part, and after all links the object, of every dense cell.
     object_of_dense: Vec<u32>,
     first_part_of_block: Vec<u32>,
@@ -39,15 +49,33 @@ pub struct DenseSeparation {
     cut_links: Vec<[u32; 2]>,
 }
 
+/// What is expected of dense cells at one range.
+#[derive(Debug, Clone, Copy)]
+struct Expected {
+    /// Points of a dense cell on an upright object.
+    object_points: f32,
+    /// Up to how many steps between occupied dense cells there is no gap between them.
+    max_steps: u32,
+}
+
 /// Marks dense cells without points.
 pub const NO_OBJECT: u32 = u32::MAX;
 
 impl DenseSeparation {
-    /// Nothing separated yet; `xi` are the dense cells along the side of a block.
-    pub fn new(params: DenseSeparationParams, xi: u32) -> Self {
+    /// Nothing separated yet, in grids of the geometry `grid`.
+    pub fn new(params: DenseSeparationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
+        let dense_size_m = grid.cell_size_m / grid.xi as f32;
+        let points_at_weight_1 = weighting.peak_points_per_m2() * dense_size_m * dense_size_m;
+        // Multiplying what is expected by the weight is dividing all counts by it.
+        let expected = |weight: &f32| Expected {
+            object_points: params.object_density_ratio * points_at_weight_1 * weight,
+            max_steps: (params.single_gap_points / (points_at_weight_1 * weight)).cbrt().ceil().max(1.0)
+                as u32,
+        };
         Self {
+            by_metre: weighting.weight_by_metre().iter().map(expected).collect(),
             params,
-            reach: DenseReach::new(xi),
+            reach: DenseReach::new(grid.xi),
             object_of_dense: Vec::new(),
             first_part_of_block: Vec::new(),
             cells_of_part: Vec::new(),
@@ -58,14 +86,11 @@ impl DenseSeparation {
 
     /// Replaces the content by the objects of the blobs that `links` makes of the blocks of `dense`.
     pub fn separate(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, links: &[[u32; 2]]) {
-        self.find_parts(grid, dense);
-        self.parts.reset(self.cells_of_part.len());
         self.cut_links.clear();
-        for &blocks in links {
-            let cells = blocks.map(|block_idx| dense.cell_of_block()[block_idx as usize]);
-            if !self.join_touching(grid, blocks, cells) {
-                self.cut_links.push(blocks);
-            }
+        if self.params.enabled {
+            self.cut_blobs(grid, dense, links);
+        } else {
+            self.keep_blobs(dense, links);
         }
         for part in self.object_of_dense.iter_mut().filter(|part| **part != NO_OBJECT) {
             *part = self.parts.representative(*part);
@@ -87,6 +112,36 @@ impl DenseSeparation {
         &self.cut_links
     }
 
+    fn cut_blobs(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, links: &[[u32; 2]]) {
+        self.find_parts(grid, dense);
+        self.parts.reset(self.cells_of_part.len());
+        for &blocks in links {
+            let cells = blocks.map(|block_idx| dense.cell_of_block()[block_idx as usize]);
+            if !self.join_touching(grid, blocks, cells) {
+                self.cut_links.push(blocks);
+            }
+        }
+    }
+
+    /// Makes each block one part, and joins all that are linked.
+    fn keep_blobs(&mut self, dense: &DenseLevel, links: &[[u32; 2]]) {
+        self.object_of_dense.clear();
+        self.cells_of_part.clear();
+        for block_idx in 0..dense.n_blocks() as u32 {
+            let mut cells = 0;
+            for (bit, &n_in_cell) in dense.n_points_of_block(block_idx).iter().enumerate() {
+                let is_empty = n_in_cell == 0;
+                cells |= u64::from(!is_empty) << bit;
+                self.object_of_dense.push(if is_empty { NO_OBJECT } else { block_idx });
+            }
+            self.cells_of_part.push(cells);
+        }
+        self.parts.reset(self.cells_of_part.len());
+        for &[from, to] in links {
+            self.parts.join(from, to);
+        }
+    }
+
     fn find_parts(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel) {
         self.object_of_dense.clear();
         self.object_of_dense.resize(dense.n_points().len(), NO_OBJECT);
@@ -96,8 +151,9 @@ impl DenseSeparation {
             let n_points = dense.n_points_of_block(block_idx as u32);
             let first_part = self.cells_of_part.len();
             self.first_part_of_block.push(first_part as u32);
-            let occupied = occupied(n_points, self.params.low_density_share);
-            self.reach.push_groups(occupied, self.max_steps(grid, cell_idx), &mut self.cells_of_part);
+            let expected = self.expected(grid, cell_idx);
+            let occupied = occupied(n_points, self.params.low_density_share, expected.object_points);
+            self.reach.push_groups(occupied, expected.max_steps, &mut self.cells_of_part);
             let parts = &self.cells_of_part[first_part..];
             for (bit, &n_in_cell) in n_points.iter().enumerate() {
                 if n_in_cell > 0 {
@@ -119,7 +175,7 @@ impl DenseSeparation {
     fn join_touching(&mut self, grid: &HierarchicalGrid, blocks: [u32; 2], cells: [u32; 2]) -> bool {
         let [from, to] = cells.map(|cell_idx| grid.column_and_row(cell_idx));
         let steps = [to[0] as i32 - from[0] as i32, to[1] as i32 - from[1] as i32];
-        let max_steps = self.max_steps(grid, cells[0]);
+        let max_steps = self.expected(grid, cells[0]).max_steps;
         let mut any = false;
         for part in self.parts_of_block(blocks[0]) {
             for neighbor in self.parts_of_block(blocks[1]) {
@@ -133,18 +189,18 @@ impl DenseSeparation {
         any
     }
 
-    /// Up to how many steps between occupied dense cells there is no gap between them.
-    fn max_steps(&self, grid: &HierarchicalGrid, cell_idx: u32) -> u32 {
+    fn expected(&self, grid: &HierarchicalGrid, cell_idx: u32) -> Expected {
         let [x_m, y_m] = grid.center_m(cell_idx);
-        1 + ((x_m * x_m + y_m * y_m).sqrt() / self.params.single_gap_range_m) as u32
+        let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;
+        self.by_metre[metre.min(self.by_metre.len() - 1)]
     }
 }
 
-/// The dense cells of a block that are not near-empty, as bits.
-fn occupied(n_points: &[u32], low_density_share: f32) -> u64 {
+/// The dense cells of a block that are not near-empty, as bits; at least one, since the fullest holds the mean or more.
+fn occupied(n_points: &[u32], low_density_share: f32, object_points: f32) -> u64 {
     let n_occupied = n_points.iter().filter(|&&n| n > 0).count();
     let mean = n_points.iter().sum::<u32>() as f32 / n_occupied as f32;
-    let least = (low_density_share * mean).max(1.0);
+    let least = (low_density_share * mean.min(object_points)).max(1.0);
     let is_occupied = n_points.iter().enumerate().filter(|&(_, &n)| n as f32 >= least);
     is_occupied.fold(0, |bits, (bit, _)| bits | 1 << bit)
 }
@@ -152,18 +208,34 @@ fn occupied(n_points: &[u32], low_density_share: f32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::hierarchical_grid::GridParams;
+    use crate::grid::density_curve::DensityCurve;
+    use crate::grid::density_weighting::DensityWeightingParams;
     use crate::point_cloud::PointCloud;
     use crate::segment::connected_components::{ConnectedComponentsParams, connected_components};
 
-    const PARAMS: DenseSeparationParams =
-        DenseSeparationParams { low_density_share: 0.1, single_gap_range_m: 12.0 };
+    const PARAMS: DenseSeparationParams = DenseSeparationParams {
+        enabled: true,
+        low_density_share: 0.1,
+        object_density_ratio: 3.0,
+        single_gap_points: 2.0,
+    };
+
+    /// The weighting of the paper's sensor.
+    fn weighting(enabled: bool) -> DensityWeighting {
+        let curve = DensityCurve::shipped("hdl-64e-s2").unwrap();
+        DensityWeighting::new(&DensityWeightingParams { enabled, curve })
+    }
 
     /// Separates a drawing of dense cells, three to a coarse cell, whose first corner is `forward_m` in front of the
     /// sensor: `#` holds 20 points, `1` a single one. Returns the drawing with a letter for each object.
-    fn separated(drawing: &str, forward_m: f32) -> String {
-        let xi = 3;
-        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi, extent_m: 60.0 });
+    fn separated(
+        drawing: &str,
+        forward_m: f32,
+        params: &DenseSeparationParams,
+        weighting: &DensityWeighting,
+    ) -> String {
+        let geometry = GridParams { cell_size_m: 0.6, xi: 3, extent_m: 60.0 };
+        let mut grid = HierarchicalGrid::new(geometry.clone());
         let mut cloud = PointCloud::default();
         let mut place_of_point = Vec::new();
         for (row, line) in drawing.lines().enumerate() {
@@ -191,7 +263,7 @@ mod tests {
             &ConnectedComponentsParams { max_height_difference_m: 1.0 },
             &mut links,
         );
-        let mut separation = DenseSeparation::new(PARAMS, xi);
+        let mut separation = DenseSeparation::new(params.clone(), &geometry, weighting);
         separation.separate(&grid, &dense, &links);
         let mut lines: Vec<Vec<char>> = drawing.lines().map(|line| vec!['.'; line.len()]).collect();
         let mut seen = Vec::new();
@@ -208,7 +280,7 @@ mod tests {
 
     #[track_caller]
     fn check_at(forward_m: f32, drawing: &str, expected: &str) {
-        let found = separated(drawing, forward_m);
+        let found = separated(drawing, forward_m, &PARAMS, &weighting(true));
         assert_eq!(found, expected, "\n{drawing}\nbecame\n{found}");
     }
 
@@ -255,5 +327,33 @@ mod tests {
         check_at(18.0, "#.#\n#.#\n#.#", "a.a\na.a\na.a");
         check_at(18.0, "##..##\n##..##\n##..##", "aa..bb\naa..bb\naa..bb");
         check_at(30.0, "##..##\n##..##\n##..##", "aa..aa\naa..aa\naa..aa");
+    }
+
+    #[test]
+    fn switched_off_it_leaves_the_blobs_whole() {
+        let off = DenseSeparationParams { enabled: false, ..PARAMS };
+        for (drawing, expected) in [
+            ("##.###\n##.###\n##.###", "aa.aaa\naa.aaa\naa.aaa"),
+            ("#.#\n#.#\n#1#", "a.a\na.a\naaa"),
+            // A whole coarse cell lies between the two.
+            ("###...###\n###...###\n###...###", "aaa...bbb\naaa...bbb\naaa...bbb"),
+        ] {
+            assert_eq!(separated(drawing, 6.0, &off, &weighting(true)), expected, "\n{drawing}");
+        }
+    }
+
+    #[test]
+    fn without_weights_a_single_empty_cell_is_a_gap_at_every_range() {
+        let drawing = "##.###\n##.###\n##.###";
+        assert_eq!(separated(drawing, 30.0, &PARAMS, &weighting(false)), "aa.bbb\naa.bbb\naa.bbb");
+    }
+
+    #[test]
+    fn a_share_of_the_mean_counts_only_up_to_what_an_object_holds() {
+        // Both hold 2 of the mean of 11 points, 0.18 of it; where an object is expected to hold 5, 0.4.
+        let n_points = [20, 2, 0, 0, 0, 0, 0, 0, 0];
+        assert_eq!(occupied(&n_points, 0.3, 100.0), 0b01);
+        assert_eq!(occupied(&n_points, 0.3, 5.0), 0b11);
+        assert_eq!(occupied(&[1, 0, 0, 0], 0.3, 1e-6), 0b0001);
     }
 }

@@ -8,6 +8,8 @@ use crate::grid::hierarchical_grid::HierarchicalGrid;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TerrainParams {
+    /// Whether the ground is looked for at all; otherwise it is a level plane at the height of the sensor below it.
+    pub enabled: bool,
     /// Coarse cells along the side of a terrain block.
     pub block_cells: u32,
     /// Steepest road, as rise over run.
@@ -73,6 +75,10 @@ impl Terrain {
 
     /// Estimates the ground under the scan in `grid`.
     pub fn estimate(&mut self, grid: &HierarchicalGrid) {
+        if !self.params.enabled {
+            self.elevation_m.fill(-self.sensor_height_m);
+            return;
+        }
         self.is_set.fill(false);
         let block_size_m = self.params.block_cells as f32 * grid.params().cell_size_m;
         for order in 0..self.outward.len() {
@@ -158,6 +164,7 @@ mod tests {
 
     fn terrain_params() -> TerrainParams {
         TerrainParams {
+            enabled: true,
             block_cells: 5,
             max_slope: 0.15,
             max_step_m: 0.15,
@@ -167,15 +174,25 @@ mod tests {
         }
     }
 
-    /// Estimates the terrain below `surface_m(x, y)` and returns its error at each occupied cell where `judged`.
+    /// Estimates the terrain below `surface_m(x, y)` and checks it at each occupied cell.
     #[track_caller]
     fn check(surface_m: impl Fn(f32, f32) -> f32, ground_m: impl Fn(f32, f32) -> f32, max_error_m: f32) {
+        check_with(terrain_params(), surface_m, ground_m, max_error_m);
+    }
+
+    #[track_caller]
+    fn check_with(
+        params: TerrainParams,
+        surface_m: impl Fn(f32, f32) -> f32,
+        ground_m: impl Fn(f32, f32) -> f32,
+        max_error_m: f32,
+    ) {
         let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi: 3, extent_m: 40.0 });
         let steps = || (-260..260).map(|step| step as f32 * 0.15);
         let positions_m = steps().flat_map(|x| steps().map(move |y| (x, y)));
         let seen = positions_m.filter(|(x, y)| x.hypot(*y) > 3.0);
         grid.fill(&seen.map(|(x, y)| [x, y, surface_m(x, y)]).collect());
-        let mut terrain = Terrain::new(terrain_params(), &grid, SENSOR_HEIGHT_M);
+        let mut terrain = Terrain::new(params, &grid, SENSOR_HEIGHT_M);
         terrain.estimate(&grid);
         for &cell_idx in grid.occupied() {
             let [x, y] = grid.center_m(cell_idx);
@@ -193,6 +210,12 @@ mod tests {
     fn a_road_that_climbs_one_in_ten_is_followed_to_the_edge() {
         let road = |x: f32, _: f32| -1.73 + 0.1 * x;
         check(road, road, 0.12);
+    }
+
+    #[test]
+    fn switched_off_it_is_level_whatever_is_seen() {
+        let off = TerrainParams { enabled: false, ..terrain_params() };
+        check_with(off, |x: f32, _| -1.73 + 0.1 * x, |_, _| -1.73, 1e-6);
     }
 
     #[test]

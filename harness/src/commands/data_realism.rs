@@ -13,7 +13,7 @@ use reports::plot::curve_plot::curve_plot;
 use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
 use reports::table::agreement::agreement_table;
 
-use crate::cli::{CatalogueArgs, DatasetArgs, RealismArgs};
+use crate::cli::{DatasetArgs, RealismArgs, SourceArgs};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -63,12 +63,14 @@ pub fn data_realism(arguments: &RealismArgs) -> anyhow::Result<()> {
 fn against(arguments: &RealismArgs) -> DatasetArgs {
     DatasetArgs {
         datasets: vec![arguments.against.clone()],
-        format: arguments.against_format.clone(),
         scans: arguments.against_scans.clone(),
-        seed: None,
-        simulated_scans: None,
-        sensor: None,
-        catalogue: CatalogueArgs { catalogue: arguments.data.catalogue.catalogue.clone() },
+        source: SourceArgs {
+            format: arguments.against_format.clone(),
+            seed: None,
+            simulated_scans: None,
+            sensor: None,
+            catalogue: arguments.data.source.catalogue.clone(),
+        },
     }
 }
 

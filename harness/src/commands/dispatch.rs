@@ -3,8 +3,13 @@
 use clap::CommandFactory as _;
 
 use crate::cli::{Cli, Command, DataCommand};
+use crate::commands::ablation::ablation;
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
+use crate::commands::detect::detect;
+use crate::commands::fit_density::fit_density;
+use crate::commands::gaps::gaps;
+use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::standard_streams::print_result;
@@ -17,8 +22,13 @@ use crate::commands::standard_streams::print_result;
 pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
     match &cli.command {
         Command::Run(arguments) => run(arguments),
+        Command::Detect(arguments) => detect(arguments),
+        Command::Ablation(arguments) => ablation(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
+        Command::FitDensity(arguments) => fit_density(arguments),
+        Command::Gaps(arguments) => gaps(arguments),
+        Command::Robustness(arguments) => robustness(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Completions { shell } => completions(*shell),
     }

@@ -12,6 +12,7 @@ use crate::realism::survey::SurveyError;
 use crate::run::config::ConfigError;
 use crate::run::detector_list::DetectorListError;
 use crate::run::side_by_side::RunError;
+use crate::run::single_scan;
 
 /// Expected endings, with their documented exit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,6 +77,9 @@ impl Failure {
             Some(SurveyError::Dataset(error)) => return of_dataset(error),
             Some(SurveyError::Interrupted { .. }) => return Self::Interrupted,
             None => {}
+        }
+        if error.is::<single_scan::Interrupted>() {
+            return Self::Interrupted;
         }
         if error.is::<NothingEvaluated>() {
             return Self::NothingEvaluated;
@@ -186,6 +190,7 @@ mod tests {
     fn interrupted_and_empty_runs_have_codes_of_their_own() {
         check(RunError::Interrupted { n_done: 1, n_scans: 2 }, Failure::Interrupted);
         check(SurveyError::Interrupted { dataset: "street".to_owned(), n_scans: 2 }, Failure::Interrupted);
+        check(single_scan::Interrupted { n_done: 1, n_repeats: 2 }, Failure::Interrupted);
         check(NothingEvaluated { reason: "no cars".to_owned() }, Failure::NothingEvaluated);
     }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::str::FromStr as _;
 
-use crate::cli::DatasetArgs;
+use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::dataset::Dataset;
 use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
@@ -40,15 +40,9 @@ pub fn open_catalogue(path: Option<&Path>) -> anyhow::Result<Catalogue> {
 ///
 /// If one of them does not exist, is damaged, or has no scan that is asked for.
 pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDataset>> {
-    let catalogue = open_catalogue(arguments.catalogue.catalogue.as_deref())?;
-    let format = arguments.format.as_deref().map(DatasetFormat::from_str).transpose()?;
+    let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
+    let options = open_options(&arguments.source)?;
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
-    let options = OpenOptions {
-        format,
-        seed: arguments.seed,
-        n_simulated_scans: arguments.simulated_scans,
-        sensor: arguments.sensor.clone(),
-    };
     let mut opened: Vec<OpenedDataset> = Vec::new();
     for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
         let dataset = open_dataset(name, &options, &catalogue)?;
@@ -69,18 +63,44 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
         }
         opened.push(OpenedDataset { dataset, scan_indices });
     }
-    let for_simulated = [
-        ("--seed", arguments.seed.is_some()),
-        ("--simulated-scans", arguments.simulated_scans.is_some()),
-        ("--sensor", arguments.sensor.is_some()),
-    ];
-    if let Some((option, _)) = for_simulated.iter().find(|(_, is_given)| *is_given) {
-        anyhow::ensure!(
-            opened.iter().any(|it| it.dataset.description().is_simulated()),
-            Usage(format!("{option} is for simulated data sets, and none is asked for"))
-        );
+    if !opened.iter().any(|it| it.dataset.description().is_simulated()) {
+        refuse_simulation(&arguments.source)?;
     }
     Ok(opened)
+}
+
+/// How data sets are to be opened.
+///
+/// # Errors
+///
+/// If there is no such format.
+pub fn open_options(source: &SourceArgs) -> anyhow::Result<OpenOptions> {
+    Ok(OpenOptions {
+        format: source.format.as_deref().map(DatasetFormat::from_str).transpose()?,
+        seed: source.seed,
+        n_simulated_scans: source.simulated_scans,
+        sensor: source.sensor.clone(),
+    })
+}
+
+/// For where nothing is simulated.
+///
+/// # Errors
+///
+/// [`Usage`] if `source` says how to simulate.
+pub fn refuse_simulation(source: &SourceArgs) -> anyhow::Result<()> {
+    let for_simulated = [
+        ("--seed", source.seed.is_some()),
+        ("--simulated-scans", source.simulated_scans.is_some()),
+        ("--sensor", source.sensor.is_some()),
+    ];
+    match for_simulated.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            let problem = format!("{option} is for simulated data sets, and none is asked for");
+            Err(Usage(problem).into())
+        }
+        None => Ok(()),
+    }
 }
 
 /// The ids of `datasets`, joined by `+`.

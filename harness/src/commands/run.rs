@@ -17,18 +17,18 @@ use reports::scan_row::ScanRow;
 use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 
-use crate::cli::{CriterionName, RunArgs};
+use crate::cli::RunArgs;
+use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
-use crate::commands::run_manifest::run_manifest;
+use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::DatasetDescription;
-use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
@@ -54,11 +54,13 @@ struct Plan<'a> {
 pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     // Before anything is written, so that Ctrl-C leaves nothing behind.
     let interrupted = interruption_flag()?;
+    let started = Timestamp::now();
+    let detectors = detectors_named(&arguments.detectors)?;
     let plan = Plan {
         arguments,
-        started: Timestamp::now(),
-        config: run_config(arguments)?,
-        detectors: detectors_named(&arguments.detectors)?,
+        started,
+        config: judging_config(&arguments.config, &arguments.matching, &detectors)?,
+        detectors,
         datasets: open_datasets(&arguments.data)?,
     };
     let directory = begin_directory(&plan)?;
@@ -69,21 +71,18 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     }
     archive.finish()?;
     let Plan { config, detectors, datasets, started, .. } = &plan;
-    let manifest = run_manifest(arguments, config, detectors, datasets, *started);
+    let manifest = run_manifest(RunSettings {
+        data: &arguments.data,
+        n_warmup: arguments.timing.warmup,
+        config,
+        detectors: detector_entries(detectors, config),
+        datasets,
+        started: *started,
+    });
     let report = RunReport::new(SCORING_VERSION, rows)?;
     let tables = write_report(&directory, &manifest, &report)?;
     let finished = directory.finish()?;
     print(&tables, &finished)
-}
-
-fn run_config(arguments: &RunArgs) -> anyhow::Result<RunConfig> {
-    let mut config = RunConfig::load(arguments.config.as_deref())?;
-    match arguments.matching.criterion {
-        Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
-        Some(CriterionName::Centre) => config.choose_criterion(Criterion::CENTRE),
-        None => {}
-    }
-    Ok(config)
 }
 
 fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
@@ -173,8 +172,10 @@ fn evaluate(
     interrupted: &AtomicBool,
     archive: &mut Archive,
 ) -> anyhow::Result<DatasetScores> {
-    let Plan { arguments, config, detectors: listed, .. } = plan;
+    let Plan { arguments, detectors: listed, .. } = plan;
     let description = opened.dataset.description();
+    warn_of_unknown_sensor(&plan.config, &description.sensor);
+    let config = &plan.config.for_sensor(&description.sensor).unwrap_or_else(|| plan.config.clone());
     let mut detectors: Vec<_> =
         listed.iter().map(|it| it.build(config, description.sensor_height_m)).collect();
     let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
@@ -183,8 +184,8 @@ fn evaluate(
         dataset: &*opened.dataset,
         scan_indices: &opened.scan_indices,
         matching: config.matching,
-        n_warmup: arguments.warmup.into(),
-        n_jobs: n_jobs(arguments),
+        n_warmup: arguments.timing.warmup.into(),
+        n_jobs: arguments.timing.n_jobs(),
         interrupted,
     };
     let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
@@ -202,11 +203,6 @@ fn evaluate(
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(scores)
-}
-
-fn n_jobs(arguments: &RunArgs) -> usize {
-    let n_cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    arguments.jobs.map_or_else(n_cores, usize::from)
 }
 
 fn write_report(

@@ -6,7 +6,7 @@ use jiff::Timestamp;
 use reports::archive::SCHEMA;
 use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation};
 
-use crate::cli::{DatasetArgs, RunArgs};
+use crate::cli::DatasetArgs;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::dataset;
@@ -16,37 +16,43 @@ use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
 use crate::simulator::SIMULATOR_VERSION;
+use crate::simulator::street_conditions::StreetConditions;
 
-/// Everything that decides the numbers of a run that began at `started`.
-pub fn run_manifest(
-    arguments: &RunArgs,
-    config: &RunConfig,
-    detectors: &[ListedDetector],
-    datasets: &[OpenedDataset],
-    started: Timestamp,
-) -> Manifest {
-    let matching = &config.matching;
-    let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
-    let of_detector = |listed: &ListedDetector| DetectorEntry {
-        name: listed.name.to_owned(),
-        parameters: resolved[listed.table].clone(),
-    };
+/// What was run, and how.
+pub struct RunSettings<'a> {
+    /// How the data sets were chosen.
+    pub data: &'a DatasetArgs,
+    /// Detections that were thrown away before any was timed.
+    pub n_warmup: u16,
+    /// The parameters.
+    pub config: &'a RunConfig,
+    /// What took part, in the order of the tables.
+    pub detectors: Vec<DetectorEntry>,
+    /// The data sets.
+    pub datasets: &'a [OpenedDataset],
+    /// When it began.
+    pub started: Timestamp,
+}
+
+/// Everything that decides the numbers of a run.
+pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
+    let matching = &settings.config.matching;
     Manifest {
         schema: SCHEMA,
         scoring_version: SCORING_VERSION,
         scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
-        created: rfc3339_utc(started),
+        created: rfc3339_utc(settings.started),
         argv: command_line(),
-        seeds: seeds(datasets),
-        n_warmup_detections: arguments.warmup.into(),
-        matching_criterion: in_words(matching.criterion),
+        seeds: seeds(settings.datasets),
+        n_warmup_detections: settings.n_warmup.into(),
+        matching_criterion: criterion_in_words(matching.criterion),
         ignored: IgnoreRule {
             min_points: matching.eligibility.min_points as u32,
             max_range_m: matching.eligibility.max_range_m,
         },
-        datasets: datasets.iter().map(|it| dataset_entry(it, &arguments.data)).collect(),
-        detectors: detectors.iter().map(of_detector).collect(),
-        config: resolved,
+        datasets: settings.datasets.iter().map(|it| dataset_entry(it, settings.data)).collect(),
+        detectors: settings.detectors,
+        config: json(&settings.config.resolved),
         git: git_state(),
         rustc_version: rustc_version(),
         rerun_version: rerun_version(),
@@ -54,7 +60,22 @@ pub fn run_manifest(
     }
 }
 
-fn in_words(criterion: Criterion) -> String {
+/// What a manifest says of `detectors` with the parameters of `config`.
+pub fn detector_entries(detectors: &[ListedDetector], config: &RunConfig) -> Vec<DetectorEntry> {
+    let resolved = json(&config.resolved);
+    let entry = |listed: &ListedDetector| DetectorEntry {
+        name: listed.name.to_owned(),
+        parameters: resolved[listed.table].clone(),
+    };
+    detectors.iter().map(entry).collect()
+}
+
+fn json(resolved: &toml::Table) -> serde_json::Value {
+    serde_json::to_value(resolved).expect("a configuration has text keys only")
+}
+
+/// When a detection matches an annotation.
+pub fn criterion_in_words(criterion: Criterion) -> String {
     match criterion {
         Criterion::Points { min_iou } => format!("points, IoU at least {min_iou}"),
         Criterion::Centre { max_distance_m } => format!("centre, closer than {max_distance_m} m"),
@@ -85,6 +106,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         n_scans: opened.scan_indices.len() as u64,
         selection: arguments.scans.clone(),
         sensor_height_m: description.sensor_height_m,
+        sensor: description.sensor.clone(),
         licence: description.licence.clone(),
         simulation: description.simulation.as_ref().map(simulation),
     }
@@ -99,6 +121,9 @@ fn simulation(drive: &StreetDrive) -> Simulation {
         sensor: drive.sensor.clone(),
         shutter: drive.shutter.name().to_owned(),
         rain_mm_per_h: drive.rain_mm_per_h,
+        sensor_height_m: drive.sensor_height_m,
+        conditions: (drive.conditions != StreetConditions::default())
+            .then(|| serde_json::to_value(drive.conditions).expect("conditions are numbers")),
         labeled_to_either_side_deg: drive.labeled_to_either_side_deg,
     }
 }

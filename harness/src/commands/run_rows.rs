@@ -106,7 +106,8 @@ fn annotation_facts(scan: &LabeledScan, annotation_idx: usize) -> AnnotationFact
     }
 }
 
-fn detection_facts(detection_idx: usize, detection: &Detection<'_>) -> DetectionFacts {
+/// What files say of a detection; its id is its place among those of the scan.
+pub fn detection_facts(detection_idx: usize, detection: &Detection<'_>) -> DetectionFacts {
     DetectionFacts {
         id: detection_idx as u64,
         class: detection.class.name().to_owned(),

@@ -13,8 +13,17 @@ use anyhow::Context as _;
 ///
 /// If stdout takes nothing for another reason, such as a full disk.
 pub fn print_result(result: impl Display) -> anyhow::Result<()> {
+    print_bytes(format!("{result}\n").as_bytes())
+}
+
+/// Prints a result that ends as it should, such as the content of a file.
+///
+/// # Errors
+///
+/// As [`print_result`].
+pub fn print_bytes(result: &[u8]) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
-    match writeln!(stdout, "{result}").and_then(|()| stdout.flush()) {
+    match stdout.write_all(result).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write to stdout"),
         _ => Ok(()),
     }

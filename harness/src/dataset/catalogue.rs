@@ -17,8 +17,14 @@ use super::{AnnotatedClasses, DatasetError};
 use crate::annotation::AnnotationClass;
 use crate::simulator::rain::RAIN_RATES_MM_PER_H;
 
+/// How high a simulated sensor may be mounted above the road, in metres.
+const SENSOR_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.3..=5.0;
+
 /// The catalogue that is part of the program.
 const BUILT_IN: &str = include_str!("../../../datasets.toml");
+
+/// The sensor of the KITTI recordings.
+pub const KITTI_SENSOR: &str = "hdl-64e-s2";
 
 /// What data sets there are, by id.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +60,8 @@ pub struct CatalogueEntry {
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
+    /// The sensor; that of KITTI unless the entry names one.
+    pub sensor: String,
     /// Its licence.
     pub licence: String,
     /// Where to get it.
@@ -163,6 +171,13 @@ fn check_drive(drive: &StreetDrive) -> Result<(), String> {
         let (least, most) = (RAIN_RATES_MM_PER_H.start(), RAIN_RATES_MM_PER_H.end());
         return Err(format!("rain_mm_per_h is {mm_per_h}, which is not within {least} to {most}"));
     }
+    if let Some(height_m) = drive.sensor_height_m
+        && !SENSOR_HEIGHTS_M.contains(&height_m)
+    {
+        let (least, most) = (SENSOR_HEIGHTS_M.start(), SENSOR_HEIGHTS_M.end());
+        return Err(format!("sensor_height_m is {height_m}, which is not within {least} to {most}"));
+    }
+    drive.conditions.check()?;
     if let Some(limit_deg) = drive.labeled_to_either_side_deg
         && !(0.0..=180.0).contains(&limit_deg)
     {
@@ -193,9 +208,15 @@ struct WrittenEntry {
     #[serde(deserialize_with = "annotated_classes")]
     annotated_classes: AnnotatedClasses,
     sensor_height_m: Spanned<f32>,
+    #[serde(default = "kitti_sensor")]
+    sensor: String,
     licence: String,
     url: String,
     checksum: Option<Spanned<String>>,
+}
+
+fn kitti_sensor() -> String {
+    KITTI_SENSOR.to_owned()
 }
 
 /// The text errors point into.
@@ -234,6 +255,7 @@ fn entry_from_written(
         root,
         annotated: written.annotated_classes,
         sensor_height_m,
+        sensor: written.sensor,
         licence: written.licence,
         url: written.url,
         checksum: written.checksum.map(Spanned::into_inner),
@@ -340,6 +362,7 @@ url = "https://example.org"
             root: RootTemplate::parse("/data").unwrap(),
             annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car, AnnotationClass::Van]),
             sensor_height_m: 1.8,
+            sensor: "hdl-64e-s2".to_owned(),
             licence: "mine".to_owned(),
             url: "https://example.org".to_owned(),
             checksum: None,
@@ -411,6 +434,27 @@ url = "https://example.org"
         for refused in ["0.0", "-1.0", "nan", "1000.0"] {
             let message = parse(&format!("rain_mm_per_h = {refused}")).expect_err("no rain").to_string();
             assert!(message.contains("0.1 to 150"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_drive_may_have_conditions_that_can_be() {
+        let parse = |conditions: &str| {
+            let text = format!(
+                "[simulated.steep]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
+                 sensor = \"vlp-16\"\n{conditions}"
+            );
+            parse_catalogue("my.toml", &text).map(|it| it.simulated["steep"].clone())
+        };
+        let steep = parse("sensor_height_m = 2.5\n[simulated.steep.conditions]\ngradient = 0.1").unwrap();
+        assert_eq!((steep.sensor_height_m, steep.conditions.gradient), (Some(2.5), Some(0.1)));
+        for (refused, part) in [
+            ("sensor_height_m = 0.0", "0.3 to 5"),
+            ("[simulated.steep.conditions]\ngradient = 1.0", "-0.2 to 0.2"),
+            ("[simulated.steep.conditions]\nslope = 0.1", "unknown field `slope`"),
+        ] {
+            let message = parse(refused).expect_err("no such street").to_string();
+            assert!(message.contains(part), "{message}");
         }
     }
 

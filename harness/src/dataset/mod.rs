@@ -60,6 +60,8 @@ pub struct DatasetDescription {
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
+    /// The sensor: an id such as `hdl-64e-s2`, or the file that describes it.
+    pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
     /// SHA-256 that changes when the data set does: of the files as [`checksum`] describes, or of the parameters and

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts};
+use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts, KITTI_SENSOR};
 use super::dataset_format::DatasetFormat;
 use super::detect_format::{FoundDataset, detect_format};
 use super::kitti::label::KITTI_CLASSES;
@@ -97,6 +97,7 @@ fn open_catalogued(
         folder: detect_format(&root, &[catalogued])?.folder,
         annotated: entry.annotated.clone(),
         sensor_height_m: entry.sensor_height_m,
+        sensor: entry.sensor.clone(),
         licence: Some(entry.licence.clone()),
     };
     let dataset = open_parts(source, &entry.parts)?;
@@ -127,6 +128,7 @@ fn open_path(
         folder: found.folder,
         annotated: AnnotatedClasses::Only(KITTI_CLASSES.to_vec()),
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
+        sensor: KITTI_SENSOR.to_owned(),
         licence: None,
     };
     let everything = match found.format {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::checksum::sha256;
 use super::text_file::read_text_file;
@@ -10,10 +10,11 @@ use super::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
 use crate::annotation::{LabeledScan, PointRegion, ScanId};
 use crate::simulator::rain::Rain;
 use crate::simulator::sensor::{EMBEDDED_SENSORS, SensorModel};
+use crate::simulator::street_conditions::StreetConditions;
 use crate::simulator::{Street, StreetKind};
 
 /// Which street is driven through, and which scans are taken.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StreetDrive {
     /// What kind of street it is.
@@ -31,13 +32,18 @@ pub struct StreetDrive {
     pub shutter: Shutter,
     /// How hard it rains, in millimetres per hour; it is dry if this is left out.
     pub rain_mm_per_h: Option<f32>,
+    /// How high the sensor is mounted above the road, in metres, instead of as its description has it.
+    pub sensor_height_m: Option<f32>,
+    /// What is set about the street instead of drawn.
+    #[serde(default)]
+    pub conditions: StreetConditions,
     /// Only this far to either side of forward counts as labelled, in degrees, as where a camera decides what people
     /// label. Everything is, if it is left out.
     pub labeled_to_either_side_deg: Option<f32>,
 }
 
 /// How a scan is taken.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shutter {
     /// All at once, as in recordings whose motion was compensated.
@@ -76,7 +82,9 @@ const FORMAT: &str = "simulated-street";
 ///
 /// [`DatasetError`] if there is no such sensor, or its description makes no sense.
 pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Dataset>, DatasetError> {
-    let sensor = sensor_named(&drive.sensor)?;
+    let described = sensor_named(&drive.sensor)?;
+    let height_above_road_m = drive.sensor_height_m.unwrap_or(described.height_above_road_m);
+    let sensor = SensorModel { height_above_road_m, ..described };
     let (seeds, scan_ids) = scans_of(drive, &sensor);
     let made_of = format!(
         "{}scans {}\nturns per scan {}\nshutter {:?}\nlabelled to either side {:?}\n",
@@ -92,6 +100,7 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         root: None,
         annotated: AnnotatedClasses::EveryObject,
         sensor_height_m: sensor.height_above_road_m,
+        sensor: drive.sensor.clone(),
         licence: None,
         checksum: Some(sha256(&made_of)),
         simulation: Some(drive.clone()),
@@ -102,7 +111,7 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
 impl StreetDrive {
     /// The street of this seed, in the weather of the drive.
     fn draw(&self, seed: u64) -> Street {
-        let dry = Street::new(self.street, seed);
+        let dry = Street::under(self.street, seed, &self.conditions);
         match self.rain_mm_per_h {
             Some(mm_per_h) => dry.in_rain(Rain::new(mm_per_h)),
             None => dry,
@@ -152,7 +161,11 @@ fn scans_of(drive: &StreetDrive, sensor: &SensorModel) -> (Vec<u64>, Vec<ScanId>
 }
 
 /// The embedded sensor with this id, or the one described in the file at this path.
-fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
+///
+/// # Errors
+///
+/// [`DatasetError`] if there is neither, or the description makes no sense.
+pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
     if let Some(sensor) = SensorModel::embedded(id_or_path) {
         return Ok(sensor);
     }
@@ -188,6 +201,8 @@ mod tests {
             sensor: "hdl-64e-s2".to_owned(),
             shutter: Shutter::Instant,
             rain_mm_per_h: None,
+            sensor_height_m: None,
+            conditions: StreetConditions::default(),
             labeled_to_either_side_deg: None,
         }
     }
@@ -265,6 +280,23 @@ mod tests {
         assert_eq!(ids, of_street(3).chain(of_street(4)).collect::<Vec<_>>());
         let next = Street::new(StreetKind::MainRoad, 4).scan(&SensorModel::hdl_64e_s2(), 150);
         assert_eq!(dataset.read_scan(4).unwrap(), next);
+    }
+
+    #[test]
+    fn the_sensor_is_mounted_as_high_as_said() {
+        let high = open(&StreetDrive { sensor_height_m: Some(2.5), ..drive() });
+        assert_eq!(
+            (high.description().sensor_height_m, open(&drive()).description().sensor_height_m),
+            (2.5, 1.73)
+        );
+        let lowest_m = |dataset: &dyn Dataset| {
+            let mut heights_m = dataset.read_scan(0).unwrap().cloud.z_m().to_vec();
+            heights_m.sort_by(f32::total_cmp);
+            heights_m[heights_m.len() / 10]
+        };
+        let lower_by_m = lowest_m(&*open(&drive())) - lowest_m(&*high);
+        assert!((0.6..0.95).contains(&lower_by_m), "{lower_by_m}");
+        assert_ne!(high.description().checksum, open(&drive()).description().checksum);
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub struct DatasetSource {
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
+    /// The sensor, see [`DatasetDescription::sensor`].
+    pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
 }
@@ -29,6 +31,7 @@ impl DatasetSource {
             root: Some(self.folder),
             annotated: self.annotated,
             sensor_height_m: self.sensor_height_m,
+            sensor: self.sensor,
             licence: self.licence,
             checksum: Some(checksum),
             simulation: None,

@@ -3,3 +3,4 @@
 pub mod counts;
 pub mod segmentation_quality;
 pub mod latency;
+pub mod pair_separation;

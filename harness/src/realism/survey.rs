@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::detector::StageClock;
+use detector::grid::ring_density::RingCounts;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use rayon::prelude::*;
@@ -13,7 +14,6 @@ use super::ground_share::GroundCount;
 use super::height_histogram::HeightCounts;
 use super::points_per_car::CarsInScan;
 use super::returns_per_scan::n_returns;
-use super::ring_density::RingCounts;
 use crate::annotation::LabeledScan;
 use crate::dataset::{Dataset, DatasetError};
 

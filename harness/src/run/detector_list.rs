@@ -2,6 +2,7 @@
 
 use baselines::kd_tree_detector::KdTreeDetector;
 use baselines::pca_detector::PcaDetector;
+use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::Detector;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 
@@ -42,7 +43,19 @@ pub const DETECTORS: &[ListedDetector] = &[
             Box::new(PcaDetector::new(config.baselines.pca.clone(), vehicle_size))
         },
     },
+    // The ablation of the first has its parameters.
+    ListedDetector {
+        name: "simple-grid",
+        table: "hierarchical",
+        build: |config, sensor_height_m| {
+            Box::new(SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m))
+        },
+    },
 ];
+
+/// The detectors that run if none are asked for: the method and its rivals. Ablations, as cheap as they may be, would
+/// crowd the papers' tables and make recordings a third larger.
+pub const DEFAULT_DETECTORS: [&str; 3] = ["hierarchical", "kd-tree", "pca"];
 
 /// A name that is no detector's.
 #[derive(Debug, thiserror::Error)]

@@ -1,6 +1,11 @@
-//! Detectors side by side over the scans of a data set.
+//! Detectors side by side over the scans of a data set, or one on a single scan.
 
 pub mod config;
 pub mod detector_list;
+pub mod single_scan;
 pub mod side_by_side;
+pub mod gap_experiment;
+pub mod gap_picture;
+pub mod robustness;
 pub mod scores;
+pub mod ablation;

@@ -12,6 +12,7 @@ use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
+use super::street_conditions::StreetConditions;
 use super::traffic::{Lane, lane_traffic};
 use super::waiting_queue::{WaitingQueueParams, waiting_queue};
 use super::world::{Course, Stance, World};
@@ -33,7 +34,7 @@ struct Plans {
 }
 
 /// Draws an intersection that the drive reaches after a few seconds.
-pub fn intersection(rng: &mut ChaCha8Rng) -> World {
+pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     let speed_m_per_s = rng.random_range(4.0_f32..8.0);
     let plans = plans(speed_m_per_s, rng);
     let ego = Course {
@@ -43,7 +44,7 @@ pub fn intersection(rng: &mut ChaCha8Rng) -> World {
         reach_m: plans.main.reach_m,
         stance: Stance::OnSlope,
     };
-    let mut world = World::new(ground(&plans, rng), ego, DRIVE_DURATION_S);
+    let mut world = World::new(ground(&plans, conditions, rng), ego, DRIVE_DURATION_S);
     for side in [Side::Left, Side::Right] {
         let [main, crossing] = [&plans.main, &plans.crossing].map(|plan| plan.roadside(side));
         let along_main = [plans.crossed_at_m, crossing.kerb_m, crossing.building_line_m];
@@ -73,24 +74,24 @@ fn plans(ego_speed_m_per_s: f32, rng: &mut ChaCha8Rng) -> Plans {
     Plans { main, crossing, crossed_at_m: rng.random_range(15.0..40.0) }
 }
 
-fn ground(plans: &Plans, rng: &mut ChaCha8Rng) -> Ground {
-    let main = RoadAxis::new(&RoadAxisShape {
+fn ground(plans: &Plans, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Ground {
+    let main = RoadAxis::new(&conditions.road(RoadAxisShape {
         origin_m: [0.0, 0.0],
         heading_rad: 0.0,
         reach_m: plans.main.reach_m,
         bends: Wave::FLAT,
         gradient: rng.random_range(-0.05..0.05),
         hills: Wave::any(0.0..0.8, 180.0..400.0, rng),
-    });
-    let crossing = RoadAxis::new(&RoadAxisShape {
+    }));
+    let crossing = RoadAxis::new(&conditions.road(RoadAxisShape {
         origin_m: [plans.crossed_at_m, 0.0],
         heading_rad: std::f32::consts::FRAC_PI_2,
         reach_m: plans.crossing.reach_m,
         bends: Wave::FLAT,
         gradient: rng.random_range(-0.05..0.05),
         hills: Wave::FLAT,
-    });
-    let main_section = plans.main.cross_section(rng);
+    }));
+    let main_section = conditions.section(plans.main.cross_section(rng));
     let mut crossing_section = plans.crossing.cross_section(rng);
     crossing_section.kerb_height_m = main_section.kerb_height_m;
     crossing_section.crown = main_section.crown;

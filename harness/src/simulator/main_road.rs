@@ -11,13 +11,14 @@ use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
+use super::street_conditions::StreetConditions;
 use super::traffic::{Lane, bicycle_traffic, lane_traffic};
 use super::world::{Course, Stance, World};
 
 const DRIVE_DURATION_S: f32 = 40.0;
 
 /// Draws a main road.
-pub fn main_road(rng: &mut ChaCha8Rng) -> World {
+pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     let speed_m_per_s = rng.random_range(7.0_f32..13.0);
     let n_lanes_each_way = if rng.random_bool(0.3) { 2 } else { 1 };
     let lane_width_m = rng.random_range(3.5_f32..4.0);
@@ -36,7 +37,7 @@ pub fn main_road(rng: &mut ChaCha8Rng) -> World {
         reach_m: plan.reach_m,
         stance: Stance::OnSlope,
     };
-    let mut world = World::new(ground(&plan, rng), ego, DRIVE_DURATION_S);
+    let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S);
     for side in [Side::Left, Side::Right] {
         let roadside = plan.roadside(side);
         let parked = ParkedRowParams {
@@ -60,16 +61,17 @@ fn parking(rng: &mut ChaCha8Rng) -> Parking {
     }
 }
 
-fn ground(plan: &RoadPlan, rng: &mut ChaCha8Rng) -> Ground {
-    let axis = RoadAxis::new(&RoadAxisShape {
+fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Ground {
+    let shape = RoadAxisShape {
         origin_m: [0.0, 0.0],
         heading_rad: 0.0,
         reach_m: plan.reach_m,
         bends: Wave::any(0.0..7.0, 350.0..700.0, rng),
         gradient: rng.random_range(-0.06..0.06),
         hills: Wave::any(0.0..1.5, 180.0..400.0, rng),
-    });
-    let roads = vec![Road { axis, section: plan.cross_section(rng) }];
+    };
+    let axis = RoadAxis::new(&conditions.road(shape));
+    let roads = vec![Road { axis, section: conditions.section(plan.cross_section(rng)) }];
     Ground { roads, pavement_width_m: plan.pavement_width_m, corner_radius_m: 0.0 }
 }
 

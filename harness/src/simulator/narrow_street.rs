@@ -11,13 +11,14 @@ use super::pavement_people::{PavementPeopleParams, pavement_people};
 use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::Side;
+use super::street_conditions::StreetConditions;
 use super::traffic::{Lane, bicycle_traffic, lane_traffic};
 use super::world::{Course, Stance, World};
 
 const DRIVE_DURATION_S: f32 = 40.0;
 
 /// Draws a narrow street.
-pub fn narrow_street(rng: &mut ChaCha8Rng) -> World {
+pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     let speed_m_per_s = rng.random_range(3.0_f32..7.0);
     let plan = RoadPlan {
         road_idx: 0,
@@ -33,7 +34,7 @@ pub fn narrow_street(rng: &mut ChaCha8Rng) -> World {
         reach_m: plan.reach_m,
         stance: Stance::OnSlope,
     };
-    let mut world = World::new(ground(&plan, rng), ego, DRIVE_DURATION_S);
+    let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S);
     for side in [Side::Left, Side::Right] {
         furnish(&mut world, &plan, side, rng);
     }
@@ -51,16 +52,17 @@ fn parking(rng: &mut ChaCha8Rng) -> [Parking; 2] {
     }
 }
 
-fn ground(plan: &RoadPlan, rng: &mut ChaCha8Rng) -> Ground {
-    let axis = RoadAxis::new(&RoadAxisShape {
+fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Ground {
+    let shape = RoadAxisShape {
         origin_m: [0.0, 0.0],
         heading_rad: 0.0,
         reach_m: plan.reach_m,
         bends: Wave::any(1.0..6.0, 150.0..300.0, rng),
         gradient: rng.random_range(-0.1..0.1),
         hills: Wave::any(0.0..1.0, 150.0..300.0, rng),
-    });
-    let roads = vec![Road { axis, section: plan.cross_section(rng) }];
+    };
+    let axis = RoadAxis::new(&conditions.road(shape));
+    let roads = vec![Road { axis, section: conditions.section(plan.cross_section(rng)) }];
     Ground { roads, pavement_width_m: plan.pavement_width_m, corner_radius_m: 0.0 }
 }
 

@@ -10,6 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::intersection::intersection;
 use super::labeling::{VisibleObject, annotation};
+use super::leading_truck::leading_truck;
 use super::main_road::main_road;
 use super::narrow_street::narrow_street;
 use super::object_shape::ObjectShape;
@@ -18,6 +19,7 @@ use super::rain::Rain;
 use super::scan::{Turn, beam_errors, turn};
 use super::scene::{Leaf, LeafForm, Scene};
 use super::sensor::SensorModel;
+use super::street_conditions::StreetConditions;
 use super::world::{Motion, World, world_from_placement};
 use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
 
@@ -25,7 +27,7 @@ use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
 pub const SIMULATOR_VERSION: u32 = 1;
 
 /// The kinds of streets there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub enum StreetKind {
     /// Traffic both ways, parked rows, pavements with trees, houses on both sides.
     #[serde(rename = "street-main-road")]
@@ -62,6 +64,7 @@ impl StreetKind {
 pub struct Street {
     kind: StreetKind,
     seed: u64,
+    conditions: StreetConditions,
     world: World,
     standing: Scene,
     rain: Option<Rain>,
@@ -84,24 +87,33 @@ enum Dice {
     World = 0,
     BeamErrors = 1,
     Pulses = 2,
+    LeadingTruck = 3,
 }
 
 impl Street {
     /// Draws the street of this kind and seed.
     pub fn new(kind: StreetKind, seed: u64) -> Self {
+        Self::under(kind, seed, &StreetConditions::default())
+    }
+
+    /// Draws the street of this kind and seed under `conditions`.
+    pub fn under(kind: StreetKind, seed: u64, conditions: &StreetConditions) -> Self {
         let mut rng = dice(kind, seed, Dice::World);
-        let world = match kind {
-            StreetKind::MainRoad => main_road(&mut rng),
-            StreetKind::NarrowStreet => narrow_street(&mut rng),
-            StreetKind::Intersection => intersection(&mut rng),
+        let mut world = match kind {
+            StreetKind::MainRoad => main_road(conditions, &mut rng),
+            StreetKind::NarrowStreet => narrow_street(conditions, &mut rng),
+            StreetKind::Intersection => intersection(conditions, &mut rng),
         };
+        if let Some(height_m) = conditions.truck_ahead_height_m {
+            leading_truck(&mut world, height_m, &mut dice(kind, seed, Dice::LeadingTruck));
+        }
         let mut leaves = world.walls.clone();
         for (object, object_idx) in world.objects.iter().zip(0..) {
             if let Motion::Standing(pose) = &object.motion {
                 leaves.extend(object_leaves(&object.shape_at(0.0), pose, object_idx));
             }
         }
-        Self { kind, seed, world, standing: Scene::new(leaves), rain: None }
+        Self { kind, seed, conditions: *conditions, world, standing: Scene::new(leaves), rain: None }
     }
 
     /// The same street while it rains.
@@ -134,8 +146,12 @@ impl Street {
     pub fn provenance(&self, sensor: &SensorModel) -> String {
         let Self { kind, seed, .. } = self;
         let rain = self.rain.map_or_else(String::new, |it| format!("rain {} mm/h\n", it.mm_per_h()));
+        let conditions = match self.conditions {
+            drawn if drawn == StreetConditions::default() => String::new(),
+            set => format!("conditions {set:?}\n"),
+        };
         format!(
-            "simulator {SIMULATOR_VERSION}\nstreet {}\nseed {seed}\nsensor {sensor:?}\n{rain}",
+            "simulator {SIMULATOR_VERSION}\nstreet {}\nseed {seed}\nsensor {sensor:?}\n{rain}{conditions}",
             kind.name()
         )
     }
@@ -291,6 +307,7 @@ fn dice(kind: StreetKind, seed: u64, purpose: Dice) -> ChaCha8Rng {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulator::road_axis::RoadPosition;
     use sha2::{Digest, Sha256};
 
     fn scan(kind: StreetKind, seed: u64, scan_idx: u32) -> LabeledScan {
@@ -556,6 +573,42 @@ mod tests {
         assert!(n_deep[0] > n_deep[1] + 20, "{n_deep:?}");
         assert_eq!(rainy.scan(&sensor, 30), wet_scan);
         assert_ne!(rainy.provenance(&sensor), street.provenance(&sensor));
+    }
+
+    #[test]
+    fn a_truck_ahead_is_as_high_as_said_and_stays_there() {
+        let conditions = StreetConditions { truck_ahead_height_m: Some(3.0), ..StreetConditions::default() };
+        let sensor = coarse_sensor();
+        for kind in StreetKind::ALL {
+            let street = Street::under(kind, 2, &conditions);
+            assert_ne!(street.provenance(&sensor), Street::new(kind, 2).provenance(&sensor));
+            for scan_idx in [0, 90] {
+                let scan = street.scan(&sensor, scan_idx);
+                let boxes = scan.annotations.iter().filter_map(|it| it.bounding_box);
+                let ahead = boxes.filter(|it| {
+                    let [x, y, _] = it.center_m;
+                    (12.0..14.5).contains(&x) && y.abs() < 0.8
+                });
+                let heights_m: Vec<f32> = ahead.map(|it| it.length_width_height_m[2]).collect();
+                // Hills tilt its box a little.
+                assert!(matches!(heights_m[..], [it] if (2.9..3.4).contains(&it)), "{heights_m:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn kerbs_are_as_high_as_said() {
+        let rise_m = |kerb_height_m: Option<f32>| {
+            let conditions = StreetConditions { kerb_height_m, ..StreetConditions::default() };
+            let ground = Street::under(StreetKind::MainRoad, 4, &conditions).world.ground;
+            let height_m = |beyond_kerb_m: f32| {
+                let left_m = ground.roads[0].section.left_kerb_m + beyond_kerb_m;
+                ground.height_m(ground.roads[0].axis.world_plan(RoadPosition { along_m: 20.0, left_m }).0)
+            };
+            height_m(0.1) - height_m(-0.1)
+        };
+        assert!((rise_m(Some(0.25)) - rise_m(Some(0.0)) - 0.25).abs() < 1e-4);
+        assert!((0.05..0.16).contains(&(rise_m(None) - rise_m(Some(0.0)))), "kerbs are drawn if not set");
     }
 
     #[test]

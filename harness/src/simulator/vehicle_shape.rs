@@ -194,8 +194,20 @@ fn van(rng: &mut ChaCha8Rng) -> ObjectShape {
 }
 
 fn truck(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let length_m = rng.random_range(6.5_f32..10.0);
+    let length_m = rng.random_range(TRUCK_LENGTHS_M);
     let height_m = rng.random_range(2.9_f32..3.8);
+    truck_of_size(length_m, height_m, rng)
+}
+
+/// A truck of this height in metres.
+pub fn truck_of_height(height_m: f32, rng: &mut ChaCha8Rng) -> ObjectShape {
+    let length_m = rng.random_range(TRUCK_LENGTHS_M);
+    truck_of_size(length_m, height_m, rng)
+}
+
+const TRUCK_LENGTHS_M: std::ops::Range<f32> = 6.5..10.0;
+
+fn truck_of_size(length_m: f32, height_m: f32, rng: &mut ChaCha8Rng) -> ObjectShape {
     let half_width_m = rng.random_range(1.1_f32..1.27);
     let front = length_m / 2.0;
     let cab_m = rng.random_range(1.7_f32..2.3);

@@ -128,6 +128,65 @@ fn damage_beyond_the_selected_scans_does_not_matter() {
 }
 
 #[test]
+fn a_detection_on_a_damaged_scan() {
+    let it = Spoilt::drive();
+    let file = format!("street/{SCAN}");
+    let check = |input: &str, parts: &[&str]| {
+        it.check(&format!("detect {input} -o clusters.csv --boxes boxes.csv"), 3, parts);
+    };
+    it.dataset.change(SCAN, |bytes| bytes[4..8].copy_from_slice(&f32::NAN.to_le_bytes()));
+    check(&file, &["0000/000001.bin\", point 0 (byte 0): y is NaN"]);
+    it.dataset.change(SCAN, |bytes| bytes.truncate(23));
+    check(&file, &["0000/000001.bin\" is damaged or cut off", "23 bytes are not a multiple of the 16"]);
+    check("street --scan 1", &["0000/000001.bin\" is damaged or cut off"]);
+    it.dataset.write(SCAN, []);
+    check(&file, &["0000/000001.bin\" holds no points"]);
+    check("gone.bin", &["cannot read \"gone.bin\": No such file"]);
+}
+
+#[test]
+fn a_detection_on_what_is_no_scan() {
+    let it = Spoilt::drive();
+    let file = format!("street/{SCAN}");
+    it.workplace.write("scan.pcd", "");
+    for (arguments, part) in [
+        ("detect scan.pcd", "\"scan.pcd\" is not read: a scan is a Velodyne file whose name ends in .bin"),
+        ("detect nowhere --scan 1", "\"nowhere\" is neither a data set of the catalogue"),
+        ("detect street", "say by --scan which scan of \"street\": it has 3 from 0000/000000 to 0000/000002"),
+        ("detect street --scan 3", "\"street\" has no scan \"3\": it has 3"),
+        ("detect streets --scan 3", "\"streets\" is several data sets; take one of street-main-road, "),
+        ("detect street --scan 1 --seed 3", "--seed is for simulated data sets"),
+        (&format!("detect {file} --scan 1"), "--scan is for data sets"),
+        (&format!("detect {file} --sensor vlp-16"), "--sensor is for simulated data sets"),
+    ] {
+        it.check(arguments, 2, &[part]);
+    }
+}
+
+#[test]
+fn a_detection_whose_results_have_no_place() {
+    let it = Spoilt::drive();
+    std::fs::create_dir(it.workplace.path("folder.csv")).expect("a fresh folder");
+    for (arguments, part) in [
+        ("-o clusters.txt", "\"clusters.txt\" does not end in .csv or .u32, and is not -"),
+        ("--boxes boxes.u32", "\"boxes.u32\" does not end in .csv, and is not -"),
+        ("-o a.csv --boxes a.csv", "clusters and boxes go to different places"),
+        ("-o - --boxes -", "clusters and boxes go to different places"),
+        ("-o gone/a.csv", "cannot write \"gone/a.csv\": No such file"),
+        ("-o a.csv --boxes folder.csv", "cannot write \"folder.csv\""),
+        ("-o a.csv -d kdtree", "there is no detector \"kdtree\""),
+    ] {
+        it.check(&format!("detect street --scan 1 {arguments}"), 2, &[part]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_disk_that_takes_no_clusters() {
+    check_full_disk("detect street --scan 1 -o a.u32 --boxes b.csv", &["cannot write \"a.u32\""]);
+}
+
+#[test]
 fn a_selftest_on_a_damaged_scan() {
     let it = Spoilt::drive();
     it.dataset.write(SCAN, [1, 2, 3]);
@@ -308,6 +367,33 @@ fn a_configuration_that_is_not_toml() {
 }
 
 #[test]
+fn a_parameter_of_another_name_type_or_range() {
+    let it = Spoilt::drive();
+    for (arguments, parts) in [
+        (
+            "run street -P tolerence_m=1 -o out",
+            ["-P tolerence_m=1: unknown", "near it are kd_tree.tolerance_m"],
+        ),
+        (
+            "run street -P cell_size_m=1 -o out",
+            ["may be hierarchical.grid.cell_size_m, ", "pca.grid.cell_size_m"],
+        ),
+        (
+            "run street -P tolerance_m=far -o out",
+            ["-P tolerance_m=far: kd_tree.tolerance_m is", "expected float"],
+        ),
+        ("run street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is outside of 1 to 8"]),
+        (
+            "run street -P low_quantile=1.1 -o out",
+            ["hierarchical.terrain.low_quantile = 1.1 is", "of 0 to 1"],
+        ),
+        ("ablation street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is outside of 1 to 8"]),
+    ] {
+        it.check(arguments, 2, &parts);
+    }
+}
+
+#[test]
 fn a_configuration_that_is_not_there() {
     let it = Spoilt::drive();
     let parts = ["cannot read the configuration \"gone.toml\": No such file"];
@@ -388,6 +474,7 @@ fn a_drive_without_an_annotation_that_counts() {
     it.dataset.write("training/label_02/0000.txt", "");
     it.check_run(4, &["none of the 3 scans of \"street\" has an annotation that counts"]);
     it.check("selftest street", 4, &["\"street\" has no annotation that counts"]);
+    it.check("ablation street -o out", 4, &["no scan of \"street\" has an annotation that counts"]);
 }
 
 #[cfg(feature = "rerun")]

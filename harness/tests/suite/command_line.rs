@@ -16,7 +16,19 @@ fn help(arguments: &str) -> String {
 
 #[test]
 fn every_verb_has_help_with_an_example() {
-    for verb in ["run", "selftest", "completions", "data", "data list", "data realism"] {
+    for verb in [
+        "run",
+        "detect",
+        "ablation",
+        "selftest",
+        "gaps",
+        "robustness",
+        "completions",
+        "data",
+        "data list",
+        "data realism",
+        "fit-density",
+    ] {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
         assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
@@ -26,7 +38,17 @@ fn every_verb_has_help_with_an_example() {
 #[test]
 fn help_lists_every_verb_and_exit_code() {
     let help = help("--help");
-    for line in ["run ", "data ", "selftest ", "completions "] {
+    for line in [
+        "run ",
+        "detect ",
+        "ablation ",
+        "gaps ",
+        "robustness ",
+        "data ",
+        "fit-density ",
+        "selftest ",
+        "completions ",
+    ] {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
     }
     for line in
@@ -38,9 +60,20 @@ fn help_lists_every_verb_and_exit_code() {
 
 #[test]
 fn help_fits_into_80_columns() {
-    for verb in
-        ["--help", "-h", "run --help", "run -h", "selftest --help", "data list --help", "data realism --help"]
-    {
+    for verb in [
+        "--help",
+        "-h",
+        "run --help",
+        "run -h",
+        "detect --help",
+        "ablation --help",
+        "selftest --help",
+        "gaps --help",
+        "robustness --help",
+        "data list --help",
+        "data realism --help",
+        "fit-density --help",
+    ] {
         let workplace = Workplace::new();
         let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
         let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));
@@ -53,19 +86,20 @@ fn help_fits_into_80_columns() {
 
 #[test]
 fn examples_of_the_help_can_be_copied() {
-    let help = help("run --help");
-    let examples: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("  scanbench ")).collect();
-    assert!(examples.len() >= 3, "{help}");
-    for example in examples {
-        // With an unknown detector the program ends before it does anything, but after it has read all of it.
-        let workplace = Workplace::new();
-        let example = example.replace("hierarchical,pca", "nobody");
-        let mut arguments: Vec<&str> = example.split(' ').collect();
-        if !example.contains("nobody") {
-            arguments.extend(["-d", "nobody"]);
+    for (verb, least) in [("run", 4), ("detect", 4), ("ablation", 3)] {
+        let help = help(&format!("{verb} --help"));
+        let examples: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("  scanbench ")).collect();
+        assert!(examples.len() >= least, "{help}");
+        for example in examples {
+            // With a configuration that is not there the program ends before it does anything, but after it has read all
+            // of its arguments.
+            let workplace = Workplace::new();
+            let example = example.trim_end_matches(" | head");
+            let arguments: Vec<&str> = example.split(' ').chain(["-c", "gone.toml"]).collect();
+            let ended = workplace.run(&arguments);
+            let is_read = ended.stderr.contains("cannot read the configuration \"gone.toml\"");
+            assert!(is_read && ended.exit_code == Some(2), "{example}: {ended:#?}");
         }
-        let ended = workplace.run(&arguments);
-        assert!(ended.stderr.contains("there is no detector \"nobody\""), "{example}: {ended:#?}");
     }
 }
 
@@ -84,6 +118,10 @@ fn wrong_usage_is_named_on_stderr() {
         ("run --warmup x", "invalid digit"),
         ("run --criterion near", "possible values: points, centre"),
         ("run --no-such-flag", "unexpected argument '--no-such-flag'"),
+        ("run -P tolerance_m", "invalid value 'tolerance_m' for '--param <NAME=VALUE>': expected NAME=VALUE"),
+        ("run -P tolerance_m=1.2.3", "1.2.3 is neither TOML nor a word"),
+        ("detect a.bin --sensor-height=-1", "outside of 0 to 100 m"),
+        ("detect a.bin --repeat 0", "0 is not in 1..=100000"),
         ("completions ksh", "possible values: bash"),
     ] {
         let ended = Workplace::new().run(&arguments.split(' ').collect::<Vec<_>>());
@@ -109,7 +147,9 @@ fn the_version_is_that_of_the_crate() {
 fn completions_know_the_verbs_of_every_shell() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let script = help(&format!("completions {shell}"));
-        assert!(script.contains("selftest") && script.contains("detectors"), "{shell}: {script}");
+        for word in ["selftest", "detectors", "ablation", "sensor-height"] {
+            assert!(script.contains(word), "{shell}: {script}");
+        }
     }
 }
 
@@ -219,6 +259,7 @@ fn a_reader_that_has_seen_enough_is_no_error() {
     check_closed_pipe(&workplace, &["data", "list"], 0);
     check_closed_pipe(&workplace, &["completions", "bash"], 0);
     check_closed_pipe(&workplace, &["selftest", "street"], 0);
+    check_closed_pipe(&workplace, &["detect", "street", "--scan", "0", "-o", "-"], 0);
     check_closed_pipe(&workplace, &["run", "street", "-d", "pca", "-o", "out"], 0);
     assert!(workplace.path("out/report.json").is_file());
     check_closed_pipe(&workplace, &["run", "nowhere"], 2);

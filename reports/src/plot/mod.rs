@@ -5,4 +5,7 @@ mod heading;
 mod line_panel;
 mod ratio_panel;
 mod bar_panel;
+mod series_marks;
 pub mod curve_plot;
+pub mod gap_plot;
+pub mod plan_plot;

@@ -36,7 +36,7 @@ pub(crate) const RIGHT_ROOM_PX: u32 = 20;
 /// Height of the text on axes and beside data, in pixels.
 pub(crate) const TEXT_PX: i32 = 15;
 
-const fn color([red, green, blue]: Rgb) -> RGBColor {
+pub(crate) const fn color([red, green, blue]: Rgb) -> RGBColor {
     RGBColor(red, green, blue)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::fixed_decimals::fixed_decimals;
 use crate::paper_figures::PaperRow;
-use crate::table::task_table::{Extent, MeasuredRow, Origin, Score, TableRow, TaskTable};
+use crate::table::task_table::{MeasuredRow, Score, TableRow, TaskTable};
 
 const COLUMNS: [&str; 17] = [
     "task",
@@ -50,22 +50,13 @@ pub fn to_csv(table: &TaskTable) -> String {
 }
 
 fn measured_record(table: &TaskTable, row: &MeasuredRow, detector: &str, score: &Score) -> [String; 17] {
-    let dataset = match &row.extent {
-        Extent::Dataset(id) => id,
-        Extent::Overall => "overall",
-    };
-    let origin = match row.origin {
-        Origin::Recorded => "recorded",
-        Origin::Simulated => "simulated",
-        Origin::PartlySimulated => "partly simulated",
-    };
     let counts = score.counts;
     let rate = |rate: Option<f64>| rate.map_or_else(String::new, |it| fixed_decimals(it, 6));
     [
         table.task.clone(),
         "measured".to_owned(),
-        dataset.to_owned(),
-        origin.to_owned(),
+        row.extent.name().to_owned(),
+        row.origin.name().to_owned(),
         detector.to_owned(),
         score.n_scans.to_string(),
         counts.no().to_string(),

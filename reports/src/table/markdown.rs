@@ -22,7 +22,8 @@ pub fn to_markdown(table: &TaskTable) -> String {
     text
 }
 
-fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+/// The grid as a pipe table.
+pub(crate) fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
     // Pipe tables have no cells across columns: the group's name goes into the head of its first column.
     let mut group_before = None;
     let heads = grid.columns.iter().map(|column| {
@@ -56,12 +57,12 @@ fn cell_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
     format!("{text}{}{tag}", notes.sign(cell))
 }
 
-fn push_line(text: &mut String, line: &str) {
+pub(crate) fn push_line(text: &mut String, line: &str) {
     writeln!(text, "{line}").expect("a string takes all that is written");
 }
 
 /// `text` with a backslash before every character that would mean something to Markdown.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     let mut before = ' ';
     let mut rest = text.chars().peekable();

@@ -1,7 +1,9 @@
-//! Tables: the papers', made of the numbers of a run with one row a data set and the papers' figures beside ours, and
-//! that of how well the statistics of two collections of scans agree.
+//! Tables: the papers', made of the numbers of a run with one row a data set and the papers' figures beside ours; that of
+//! what each part of a method is worth; those of experiments; and that of how well the statistics of two collections of
+//! scans agree.
 
 pub mod task_table;
+pub mod ablation_score;
 mod grid;
 mod task_grids;
 mod notes;
@@ -10,6 +12,9 @@ pub mod agreement;
 pub mod csv;
 pub mod markdown;
 pub mod latex;
+pub mod ablation_table;
+pub mod gap_table;
+pub mod robustness_table;
 
 #[cfg(test)]
 mod sample;

@@ -21,7 +21,7 @@ pub(crate) fn title(table: &TaskTable) -> String {
 /// What has to be said beneath `grids`, which are printed together.
 pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
     let lines = || grids.iter().flat_map(|it| &it.lines);
-    let marks: BTreeSet<Mark> = lines().flat_map(|it| &it.cells).filter_map(|it| it.mark).collect();
+    let marks: BTreeSet<Mark> = grids.iter().flat_map(|it| marks(it)).collect();
     let has_line = |kind| lines().any(|it: &Line| it.kind == kind);
     let has_column = |title| grids.iter().flat_map(|it| &it.columns).any(|it| it.title == title);
 
@@ -50,9 +50,12 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
             )
         }));
     }
-    let about_marks: Vec<_> = notes.marks.iter().map(|&mark| notes.sentence_about(mark)).collect();
-    notes.sentences.extend(about_marks);
+    notes.explain_marks();
     notes
+}
+
+fn marks(grid: &Grid) -> impl Iterator<Item = Mark> + '_ {
+    grid.lines.iter().flat_map(|it| &it.cells).filter_map(|it| it.mark)
 }
 
 fn abbreviations(cpu_model: &str) -> String {
@@ -63,6 +66,18 @@ fn abbreviations(cpu_model: &str) -> String {
 }
 
 impl Notes {
+    /// `sentences`, and then what the marks in `grid` mean.
+    pub(crate) fn beneath(grid: &Grid, sentences: Vec<String>) -> Self {
+        let mut notes = Self { marks: marks(grid).collect(), sentences };
+        notes.explain_marks();
+        notes
+    }
+
+    fn explain_marks(&mut self) {
+        let about_marks: Vec<_> = self.marks.iter().map(|&mark| self.sentence_about(mark)).collect();
+        self.sentences.extend(about_marks);
+    }
+
     /// Nothing to be said.
     pub(crate) fn none() -> Self {
         Self { marks: BTreeSet::new(), sentences: Vec::new() }

@@ -51,6 +51,7 @@ fn dataset(id: &str) -> DatasetEntry {
         n_scans: 20,
         selection: None,
         sensor_height_m: 1.73,
+        sensor: "hdl-64e-s2".to_owned(),
         licence: None,
         simulation: None,
     }

@@ -80,14 +80,15 @@ fn line_kind(row: &MeasuredRow) -> LineKind {
 }
 
 fn label(row: &MeasuredRow) -> Cell {
-    let text = match &row.extent {
-        Extent::Dataset(id) => id,
-        Extent::Overall => "overall",
-    };
-    match row.origin {
-        Origin::Recorded => Cell::new(text),
-        Origin::Simulated => Cell::marked(text, Mark::Simulated),
-        Origin::PartlySimulated => Cell::marked(text, Mark::PartlySimulated),
+    extent_cell(&row.extent, row.origin)
+}
+
+/// What a row covers, marked if it is simulated.
+pub(crate) fn extent_cell(extent: &Extent, origin: Origin) -> Cell {
+    match origin {
+        Origin::Recorded => Cell::new(extent.name()),
+        Origin::Simulated => Cell::marked(extent.name(), Mark::Simulated),
+        Origin::PartlySimulated => Cell::marked(extent.name(), Mark::PartlySimulated),
     }
 }
 
@@ -138,7 +139,7 @@ fn paper_line(paper: &PaperTable, row: &PaperRow, detectors: &[String]) -> Line 
 }
 
 /// A rate that has ND in its denominator.
-fn rate_cell(rate: Option<f64>, counts: Counts) -> Cell {
+pub(crate) fn rate_cell(rate: Option<f64>, counts: Counts) -> Cell {
     match (rate, counts.fo()) {
         (Some(rate), _) => Cell::new(percent_text(rate)),
         (None, None) => Cell::undefined(Undefined::FalseObjectsUnknown),
@@ -146,7 +147,7 @@ fn rate_cell(rate: Option<f64>, counts: Counts) -> Cell {
     }
 }
 
-fn recall_cell(counts: Counts) -> Cell {
+pub(crate) fn recall_cell(counts: Counts) -> Cell {
     let recall = counts.recall();
     recall.map_or(Cell::undefined(Undefined::ZeroDenominator), |it| Cell::new(percent_text(it)))
 }

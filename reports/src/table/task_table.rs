@@ -65,6 +65,32 @@ pub enum Origin {
     PartlySimulated,
 }
 
+impl Extent {
+    /// The name used in files and on screens.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Dataset(id) => id,
+            Self::Overall => "overall",
+        }
+    }
+}
+
+impl Origin {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Recorded => "recorded",
+            Self::Simulated => "simulated",
+            Self::PartlySimulated => "partly simulated",
+        }
+    }
+
+    /// Where the scans of two collections together come from.
+    pub fn with(self, other: Self) -> Self {
+        if self == other { self } else { Self::PartlySimulated }
+    }
+}
+
 /// What a detector reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Score {

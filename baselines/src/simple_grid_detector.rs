@@ -1,0 +1,175 @@
+//! The ablation of the hierarchical grid: the same detector without its dense level.
+
+use std::ops::Range;
+
+use detector::classify::size_gate::size_gate;
+use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::fit::outline::mark_outline;
+use detector::grid::dense_level::DenseLevel;
+use detector::params::HierarchicalParams;
+use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::segment::clusters::Clusters;
+use detector::segment::connected_components::connected_components;
+use detector::segment::disjoint_sets::DisjointSets;
+use detector::stage_product::Shape;
+use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
+
+/// Objects as connected components of coarse cells.
+///
+/// Terrain, cell classes, foreground, merging of cells, boxes and classes are those of the hierarchical detector with the
+/// same parameters; what a blob joins stays joined. A grid of one level is one whose coarse cells each hold a single
+/// dense cell, so ξ is 1 whatever the parameters say.
+///
+/// Paper: HG section 3.2 and Fig. 7, the *Simple Grid Model*; boxes as VM section 4.
+#[derive(Debug, Clone)]
+pub struct SimpleGridDetector {
+    foreground: ForegroundStages,
+    cells: DenseLevel,
+    links: Vec<[u32; 2]>,
+    blobs: DisjointSets,
+    blob_of_cell: Vec<u32>,
+    clusters: Clusters,
+    is_outline: Vec<bool>,
+    box_fit: ConvexHullBox,
+    objects: Vec<FittedObject>,
+    hulls_m: Vec<[f32; 2]>,
+    object_points: Vec<u32>,
+}
+
+/// A cluster that is large enough, with its box.
+#[derive(Debug, Clone)]
+struct FittedObject {
+    cluster_idx: usize,
+    bounding_box: OrientedBox,
+    /// Its hull within `hulls_m`.
+    hull: Range<usize>,
+}
+
+impl SimpleGridDetector {
+    /// A detector for a sensor `sensor_height_m` above the road; `shared` are the parameters of the hierarchical detector.
+    pub fn new(mut shared: HierarchicalParams, sensor_height_m: f32) -> Self {
+        shared.grid.xi = 1;
+        Self {
+            foreground: ForegroundStages::new(shared, sensor_height_m),
+            cells: DenseLevel::default(),
+            links: Vec::new(),
+            blobs: DisjointSets::default(),
+            blob_of_cell: Vec::new(),
+            clusters: Clusters::default(),
+            is_outline: Vec::new(),
+            box_fit: ConvexHullBox::default(),
+            objects: Vec::new(),
+            hulls_m: Vec::new(),
+            object_points: Vec::new(),
+        }
+    }
+}
+
+impl Detector for SimpleGridDetector {
+    fn name(&self) -> &'static str {
+        "simple-grid"
+    }
+
+    fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        output.clear();
+        let mut clock = StageClock::start();
+        self.foreground.run(cloud, &mut clock, &mut output.stage_times);
+        self.merge_cells(cloud);
+        clock.lap("merge", &mut output.stage_times);
+        mark_outline(self.foreground.grid(), &self.cells, &self.blob_of_cell, &mut self.is_outline);
+        self.fit_boxes(cloud, output);
+        clock.lap("boxes", &mut output.stage_times);
+        self.classify(output);
+        clock.lap("classify", &mut output.stage_times);
+    }
+
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        let mut products = self.foreground.stage_products();
+        let hulls = self.objects.iter().map(|object| self.hull(object)).collect();
+        let boxes = self.objects.iter().map(|object| object.bounding_box).collect();
+        let clusters = Shape::Clusters(self.cluster_of_point(cloud.len()));
+        products.extend([
+            StageProduct { stage: "merge", name: "clusters", shape: clusters },
+            StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
+            StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
+        ]);
+        products
+    }
+}
+
+impl SimpleGridDetector {
+    fn merge_cells(&mut self, cloud: &PointCloud) {
+        let grid = self.foreground.grid();
+        self.cells.fill(cloud, grid, self.foreground.point_indices());
+        connected_components(grid, &self.cells, &self.foreground.params().merge, &mut self.links);
+        let n_cells = self.cells.n_blocks();
+        self.blobs.reset(n_cells);
+        for &[cell, neighbor] in &self.links {
+            self.blobs.join(cell, neighbor);
+        }
+        self.blob_of_cell.clear();
+        self.blob_of_cell.extend((0..n_cells as u32).map(|cell| self.blobs.representative(cell)));
+        let labels = self.cells.dense_of_point().iter().map(|&cell| self.blob_of_cell[cell as usize]);
+        self.clusters.group(labels, n_cells);
+    }
+
+    fn fit_boxes(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        self.objects.clear();
+        self.hulls_m.clear();
+        let point_indices = self.foreground.point_indices();
+        let cell_of_point = self.cells.dense_of_point();
+        for (cluster_idx, members) in self.clusters.iter().enumerate() {
+            let n_points = members.len();
+            if n_points < self.foreground.params().cluster.min_points {
+                output.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
+                continue;
+            }
+            let position_m = |&place: &u32| cloud.position_m(point_indices[place as usize] as usize);
+            let is_outline = |&&place: &&u32| self.is_outline[cell_of_point[place as usize] as usize];
+            let outline_m = members.iter().filter(is_outline).map(position_m).map(|[x_m, y_m, _]| [x_m, y_m]);
+            let mut z_range_m = [f32::INFINITY, f32::NEG_INFINITY];
+            for [_, _, z_m] in members.iter().map(position_m) {
+                z_range_m = [z_range_m[0].min(z_m), z_range_m[1].max(z_m)];
+            }
+            let bounding_box =
+                self.box_fit.fit(outline_m, z_range_m).expect("every object has cells on its outline");
+            let hull_start = self.hulls_m.len();
+            self.hulls_m.extend_from_slice(self.box_fit.hull_m());
+            let hull = hull_start..self.hulls_m.len();
+            self.objects.push(FittedObject { cluster_idx, bounding_box, hull });
+        }
+    }
+
+    fn classify(&mut self, output: &mut DetectorOutput) {
+        let point_indices = self.foreground.point_indices();
+        for FittedObject { cluster_idx, bounding_box, .. } in &self.objects {
+            let members = self.clusters.members(*cluster_idx);
+            self.object_points.clear();
+            self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
+            output.detections.push(Detection {
+                point_indices: &self.object_points,
+                bounding_box: *bounding_box,
+                class: size_gate(members.len(), bounding_box, &self.foreground.params().vehicle_size),
+                score: None,
+            });
+        }
+    }
+
+    fn hull(&self, object: &FittedObject) -> Vec<[f32; 3]> {
+        let [_, _, height_m] = object.bounding_box.length_width_height_m;
+        let bottom_m = object.bounding_box.center_m[2] - height_m / 2.0;
+        self.hulls_m[object.hull.clone()].iter().map(|&[x_m, y_m]| [x_m, y_m, bottom_m]).collect()
+    }
+
+    /// For every point of the scan, the number of its object.
+    fn cluster_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
+        let mut cluster_of_point = vec![None; n_points];
+        for (object, number) in self.objects.iter().zip(0..) {
+            for &place in self.clusters.members(object.cluster_idx) {
+                cluster_of_point[self.foreground.point_indices()[place as usize] as usize] = Some(number);
+            }
+        }
+        cluster_of_point
+    }
+}

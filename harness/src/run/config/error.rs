@@ -1,0 +1,112 @@
+//! What can be wrong with a configuration.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Why a configuration cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The operating system refused.
+    #[error("cannot read the configuration {path:?}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// The file is not text.
+    #[error("{path:?} is not text: invalid UTF-8 at byte {byte_offset}")]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first bad byte, counted from 0.
+        byte_offset: usize,
+    },
+    /// What was given is not TOML.
+    #[error("{place}: {problem}")]
+    Syntax {
+        /// Where.
+        place: ConfigPlace,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// A parameter that nothing reads.
+    #[error("{place}: unknown parameter {key}; {remedy}")]
+    Unknown {
+        /// Where.
+        place: ConfigPlace,
+        /// The parameter, in a file with the tables it is in.
+        key: String,
+        /// The parameters there are in its table, or those that may be meant.
+        remedy: String,
+    },
+    /// A short name that several parameters have.
+    #[error("{place}: {name} may be {}", meanings.join(", "))]
+    Ambiguous {
+        /// Where.
+        place: ConfigPlace,
+        /// The name.
+        name: String,
+        /// The full names of the parameters.
+        meanings: Vec<String>,
+    },
+    /// A parameter that was given two values on the command line.
+    #[error("{place}: {key} has been given a value before")]
+    Twice {
+        /// Where the second one is.
+        place: ConfigPlace,
+        /// The full name of the parameter.
+        key: String,
+    },
+    /// A parameter of the wrong type.
+    #[error("{place}: {key} is of type {found}, expected {expected}")]
+    WrongType {
+        /// Where.
+        place: ConfigPlace,
+        /// The parameter with the tables it is in.
+        key: String,
+        /// The type of its value.
+        found: &'static str,
+        /// The type it should have.
+        expected: &'static str,
+    },
+    /// A value that cannot be worked with.
+    #[error("{place}: {key}{problem}")]
+    Value {
+        /// Where.
+        place: ConfigPlace,
+        /// The parameter with the tables it is in.
+        key: String,
+        /// What is wrong with it, as a continuation.
+        problem: String,
+    },
+}
+
+/// Where a parameter was given a value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ConfigPlace {
+    /// In a file.
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+    },
+    /// On the command line, as these `NAME=VALUE`.
+    Options(Vec<String>),
+}
+
+impl fmt::Display for ConfigPlace {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line { path, line } => {
+                fmt::Debug::fmt(path, formatter)?;
+                write!(formatter, ", line {line}")
+            }
+            Self::Options(written) => {
+                let options: Vec<String> = written.iter().map(|it| format!("-P {it}")).collect();
+                formatter.write_str(&options.join(" "))
+            }
+        }
+    }
+}

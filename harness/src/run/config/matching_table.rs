@@ -1,0 +1,49 @@
+//! How detections are judged, as a table of the configuration.
+
+use detector::params::{ParamsError, check_range};
+use serde::Deserialize;
+
+use crate::matching::assign::MatchingParams;
+use crate::matching::criterion::Criterion;
+use crate::matching::eligibility::EligibilityParams;
+
+/// How detections are judged when nothing else is said; the same for every detector.
+pub(super) const MATCHING_TOML: &str = r#"
+criterion = "points"
+min_iou = 0.5
+max_centre_distance_m = 2.0
+min_points = 20
+max_range_m = 80.0
+"#;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MatchingTable {
+    criterion: CriterionTable,
+    min_iou: f64,
+    max_centre_distance_m: f64,
+    min_points: usize,
+    max_range_m: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum CriterionTable {
+    Points,
+    Centre,
+}
+
+/// The parameters in a complete TOML document.
+pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
+    let table: MatchingTable = toml::from_str(text)?;
+    // Above one half an annotation can agree with one detection only, and this is what makes a match mean something.
+    check_range("min_iou", table.min_iou, [0.01, 1.0], "0.01 to 1")?;
+    check_range("max_centre_distance_m", table.max_centre_distance_m, [0.01, 100.0], "0.01 to 100 m")?;
+    check_range("max_range_m", table.max_range_m, [1.0, 1000.0], "1 to 1000 m")?;
+    let criterion = match table.criterion {
+        CriterionTable::Points => Criterion::Points { min_iou: table.min_iou },
+        CriterionTable::Centre => Criterion::Centre { max_distance_m: table.max_centre_distance_m },
+    };
+    let eligibility = EligibilityParams { min_points: table.min_points, max_range_m: table.max_range_m };
+    Ok(MatchingParams { criterion, eligibility })
+}

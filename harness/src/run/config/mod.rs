@@ -1,0 +1,12 @@
+//! The parameters of a run: those that ship, overridden by a file, and then by options of the command line.
+
+pub mod error;
+mod matching_table;
+mod parameter_tree;
+mod value_problem;
+mod override_file;
+pub mod override_option;
+pub mod run_config;
+
+pub use error::ConfigError;
+pub use run_config::RunConfig;

@@ -1,0 +1,276 @@
+//! `NAME=VALUE` on the command line: one parameter overridden.
+
+use std::str::FromStr;
+
+use toml::{Table, Value};
+
+use super::error::{ConfigError, ConfigPlace};
+use super::parameter_tree::{parameters, set};
+use super::value_problem::ValueProblem;
+
+/// One parameter and the value it is to have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OverrideOption {
+    written: String,
+    name: String,
+    value: Value,
+}
+
+impl FromStr for OverrideOption {
+    type Err = String;
+
+    /// Reads `NAME=VALUE`, where VALUE is TOML, except that a word needs no quotes.
+    fn from_str(written: &str) -> Result<Self, String> {
+        let (name, value) = written.split_once('=').ok_or("expected NAME=VALUE")?;
+        let (name, value) = (name.trim(), value.trim());
+        if name.is_empty() || value.is_empty() {
+            return Err("expected NAME=VALUE".to_owned());
+        }
+        let value = match value.parse::<Value>() {
+            Ok(value) => value,
+            Err(_) if is_word(value) => Value::String(value.to_owned()),
+            Err(error) => return Err(format!("{value} is neither TOML nor a word: {}", error.message())),
+        };
+        Ok(Self { written: written.to_owned(), name: name.to_owned(), value })
+    }
+}
+
+fn is_word(text: &str) -> bool {
+    let is_of_word = |it: char| it.is_alphanumeric() || it == '-' || it == '_';
+    text.starts_with(char::is_alphabetic) && text.chars().all(is_of_word)
+}
+
+/// Options with the full names of their parameters, no two of the same.
+pub(super) struct OverrideOptions<'a> {
+    options: Vec<(Vec<String>, &'a OverrideOption)>,
+}
+
+impl<'a> OverrideOptions<'a> {
+    /// Finds the parameters of `options` among those of `all`: by their full names, or by the ends of them that no other
+    /// parameter of the tables `own` has.
+    pub(super) fn resolve(
+        options: &'a [OverrideOption],
+        all: &Table,
+        own: &[&str],
+    ) -> Result<Self, ConfigError> {
+        let known = parameters(all);
+        let mut resolved: Vec<(Vec<String>, &OverrideOption)> = Vec::new();
+        for option in options {
+            let keys = option.keys(&known, own)?;
+            if resolved.iter().any(|(before, _)| *before == keys) {
+                return Err(ConfigError::Twice { place: option.place(), key: keys.join(".") });
+            }
+            resolved.push((keys, option));
+        }
+        Ok(Self { options: resolved })
+    }
+
+    /// Puts the values into `table`.
+    pub(super) fn apply(&self, table: &mut Table) -> Result<(), ConfigError> {
+        for (keys, option) in &self.options {
+            let in_its_table =
+                |value: Value, key: &String| Value::Table(Table::from_iter([(key.clone(), value)]));
+            let nested = keys.iter().rev().fold(option.value.clone(), in_its_table);
+            let Value::Table(nested) = nested else { unreachable!("a parameter has a name") };
+            set(table, nested, &mut Vec::new(), &|_| option.place())?;
+        }
+        Ok(())
+    }
+
+    /// Says which of the options makes a problem: where it is with a parameter that none of them names, all together do.
+    pub(super) fn value_error(&self, problem: ValueProblem) -> ConfigError {
+        let ValueProblem { keys, problem } = problem;
+        let guilty = self.options.iter().find(|(of_option, _)| *of_option == keys);
+        let place = match guilty {
+            Some((_, option)) => option.place(),
+            None => ConfigPlace::Options(self.options.iter().map(|(_, it)| it.written.clone()).collect()),
+        };
+        ConfigError::Value { place, key: keys.join("."), problem }
+    }
+}
+
+impl OverrideOption {
+    fn place(&self) -> ConfigPlace {
+        ConfigPlace::Options(vec![self.written.clone()])
+    }
+
+    fn keys(&self, known: &[Vec<String>], own: &[&str]) -> Result<Vec<String>, ConfigError> {
+        let parts: Vec<&str> = self.name.split('.').collect();
+        if let Some(keys) = known.iter().find(|keys| **keys == parts) {
+            return Ok(keys.clone());
+        }
+        let ends_so =
+            |keys: &&Vec<String>| keys.len() > parts.len() && keys[keys.len() - parts.len()..] == parts;
+        let of_own = |keys: &&Vec<String>| own.contains(&keys[0].as_str());
+        let meant: Vec<&Vec<String>> = known.iter().filter(of_own).filter(ends_so).collect();
+        match meant[..] {
+            [keys] => Ok(keys.clone()),
+            [] => Err(ConfigError::Unknown {
+                place: self.place(),
+                key: self.name.clone(),
+                remedy: self.remedy(known, own),
+            }),
+            _ => Err(ConfigError::Ambiguous {
+                place: self.place(),
+                name: self.name.clone(),
+                meanings: meant.into_iter().map(|keys| keys.join(".")).collect(),
+            }),
+        }
+    }
+
+    /// What may be meant by a name that no parameter has.
+    fn remedy(&self, known: &[Vec<String>], own: &[&str]) -> String {
+        let full: Vec<String> = known.iter().map(|keys| keys.join(".")).collect();
+        let within = format!(".{}.", self.name);
+        let inside: Vec<&str> =
+            full.iter().filter(|it| format!(".{it}").contains(&within)).map(String::as_str).collect();
+        if !inside.is_empty() {
+            return format!("it is a table of {}", inside.join(", "));
+        }
+        let of_others = format!(".{}", self.name);
+        let elsewhere: Vec<&str> =
+            full.iter().filter(|it| it.ends_with(&of_others)).map(String::as_str).collect();
+        if !elsewhere.is_empty() {
+            return format!("write {}", elsewhere.join(" or "));
+        }
+        let near = nearest(&self.name, &full);
+        if near.is_empty() {
+            let listed = full.iter().zip(known).filter(|(_, keys)| own.contains(&keys[0].as_str()));
+            return format!("there are {}", listed.map(|(it, _)| it.as_str()).collect::<Vec<_>>().join(", "));
+        }
+        format!("near it are {}", near.join(", "))
+    }
+}
+
+/// Up to three of `full` whose ends are spelt most like `name`, the most alike first.
+fn nearest<'a>(name: &str, full: &'a [String]) -> Vec<&'a str> {
+    // From here on it is rather another word than the same one misspelt.
+    const LEAST_SIMILARITY: f64 = 0.7;
+    let n_parts = name.split('.').count();
+    let similarity = |candidate: &str| {
+        let parts: Vec<&str> = candidate.split('.').collect();
+        let end = parts[parts.len().saturating_sub(n_parts)..].join(".");
+        strsim::normalized_damerau_levenshtein(name, &end)
+    };
+    let mut near: Vec<(f64, &str)> = full.iter().map(|it| (similarity(it), it.as_str())).collect();
+    near.retain(|(similarity, _)| *similarity >= LEAST_SIMILARITY);
+    near.sort_by(|left, right| right.0.total_cmp(&left.0).then(left.1.cmp(right.1)));
+    near.into_iter().take(3).map(|(_, it)| it).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::config::RunConfig;
+
+    fn overridden(options: &[&str], own: &[&str]) -> Result<RunConfig, ConfigError> {
+        let options: Vec<OverrideOption> = options.iter().map(|it| it.parse().expect("sound")).collect();
+        RunConfig::load(None)?.overridden(&options, own)
+    }
+
+    #[track_caller]
+    fn check_refused(options: &[&str], own: &[&str], message: &str) {
+        let error = overridden(options, own).expect_err(message);
+        assert_eq!(error.to_string(), message);
+    }
+
+    const ALL: [&str; 3] = ["hierarchical", "kd_tree", "pca"];
+
+    #[test]
+    fn a_full_name_is_understood_whatever_runs() {
+        let config = overridden(&["hierarchical.grid.cell_size_m=0.8"], &["pca"]).unwrap();
+        assert_eq!(config.hierarchical.grid.cell_size_m, 0.8);
+        assert_eq!(config.resolved["hierarchical"]["grid"]["cell_size_m"].as_float(), Some(0.8));
+    }
+
+    #[test]
+    fn a_short_name_is_that_of_the_only_parameter_it_can_be() {
+        let config = overridden(&["tolerance_m=1", "foreground=all"], &ALL).unwrap();
+        assert_eq!(config.baselines.kd_tree.tolerance_m, 1.0);
+        assert_eq!(config.baselines.kd_tree.foreground, baselines::params::ForegroundChoice::All);
+        assert_eq!(overridden(&["min_points=7"], &["kd_tree"]).unwrap().baselines.kd_tree.min_points, 7);
+        let config = overridden(&["cluster.min_points = 7"], &["hierarchical"]).unwrap();
+        assert_eq!(config.hierarchical.cluster.min_points, 7);
+    }
+
+    #[test]
+    fn a_short_name_of_several_parameters_is_refused_with_all_of_them() {
+        check_refused(
+            &["cluster.min_points=7"],
+            &ALL,
+            "-P cluster.min_points=7: cluster.min_points may be hierarchical.cluster.min_points, \
+             pca.cluster.min_points",
+        );
+    }
+
+    #[test]
+    fn a_name_of_nothing_is_refused_with_what_may_be_meant() {
+        check_refused(
+            &["tolerence_m=1"],
+            &["kd_tree"],
+            "-P tolerence_m=1: unknown parameter tolerence_m; near it are kd_tree.tolerance_m",
+        );
+        check_refused(
+            &["tolerance_m=1"],
+            &["pca"],
+            "-P tolerance_m=1: unknown parameter tolerance_m; write kd_tree.tolerance_m",
+        );
+        check_refused(
+            &["colour=red"],
+            &["kd_tree"],
+            "-P colour=red: unknown parameter colour; there are kd_tree.foreground, kd_tree.max_points, \
+             kd_tree.min_points, kd_tree.tolerance_m",
+        );
+        check_refused(
+            &["pca.grid=1"],
+            &ALL,
+            "-P pca.grid=1: unknown parameter pca.grid; it is a table of pca.grid.cell_size_m, pca.grid.extent_m",
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_worked_with_is_refused_with_its_option() {
+        check_refused(
+            &["hierarchical.grid.xi=3", "tolerance_m=far"],
+            &ALL,
+            "-P tolerance_m=far: kd_tree.tolerance_m is of type string, expected float",
+        );
+        check_refused(
+            &["hierarchical.grid.xi=3", "tolerance_m=0.001"],
+            &ALL,
+            "-P tolerance_m=0.001: kd_tree.tolerance_m = 0.001 is outside of 0.01 to 100 m",
+        );
+        check_refused(
+            &["foreground=blue"],
+            &ALL,
+            "-P foreground=blue: kd_tree.foreground: unknown variant `blue`, expected `short` or `all`",
+        );
+        check_refused(
+            &["tolerance_m=1", "kd_tree.min_points=30000"],
+            &ALL,
+            "-P tolerance_m=1 -P kd_tree.min_points=30000: kd_tree.max_points = 25000 is less than \
+             kd_tree.min_points = 30000",
+        );
+    }
+
+    #[test]
+    fn a_parameter_has_one_value() {
+        check_refused(
+            &["tolerance_m=1", "kd_tree.tolerance_m=2"],
+            &ALL,
+            "-P kd_tree.tolerance_m=2: kd_tree.tolerance_m has been given a value before",
+        );
+    }
+
+    #[test]
+    fn a_value_is_toml_or_a_word() {
+        let value = |written: &str| written.parse::<OverrideOption>().map(|it| it.value);
+        assert_eq!(value("a=0.5"), Ok(Value::Float(0.5)));
+        assert_eq!(value("a = true"), Ok(Value::Boolean(true)));
+        assert_eq!(value("a=kd-tree"), Ok(Value::String("kd-tree".to_owned())));
+        assert_eq!(value("a=\"x=y\""), Ok(Value::String("x=y".to_owned())));
+        for damaged in ["a", "=1", "a=", "a=1.2.3", "a=[1", "a=1\nb=2"] {
+            assert!(value(damaged).is_err(), "{damaged:?}");
+        }
+    }
+}

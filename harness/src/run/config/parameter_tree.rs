@@ -1,0 +1,50 @@
+//! Tables of parameters in tables, and how their values are replaced.
+
+use toml::{Table, Value};
+
+use super::error::{ConfigError, ConfigPlace};
+
+/// The parameters below `table`, each with the tables it is in.
+pub(super) fn parameters(table: &Table) -> Vec<Vec<String>> {
+    let below = table.iter().flat_map(|(key, value)| match value {
+        Value::Table(inner) => parameters(inner)
+            .into_iter()
+            .map(|mut keys| {
+                keys.insert(0, key.clone());
+                keys
+            })
+            .collect(),
+        _ => vec![vec![key.clone()]],
+    });
+    below.collect()
+}
+
+/// Puts the values of `overrides` into `table`, which is found under `parents`; `place_of` says where each was given.
+pub(super) fn set(
+    table: &mut Table,
+    overrides: Table,
+    parents: &mut Vec<String>,
+    place_of: &impl Fn(&[String]) -> ConfigPlace,
+) -> Result<(), ConfigError> {
+    for (key, value) in overrides {
+        parents.push(key);
+        let key = parents.last().expect("it was just pushed");
+        let Some(present) = table.get_mut(key) else {
+            let known = table.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+            let remedy = format!("there are {known}");
+            return Err(ConfigError::Unknown { place: place_of(parents), key: parents.join("."), remedy });
+        };
+        match (present, value) {
+            (Value::Table(table), Value::Table(overrides)) => set(table, overrides, parents, place_of)?,
+            (present @ Value::Float(_), Value::Integer(value)) => *present = Value::Float(value as f64),
+            (present, value) if present.same_type(&value) => *present = value,
+            (present, value) => {
+                let (found, expected) = (value.type_str(), present.type_str());
+                let (place, key) = (place_of(parents), parents.join("."));
+                return Err(ConfigError::WrongType { place, key, found, expected });
+            }
+        }
+        parents.pop();
+    }
+    Ok(())
+}

@@ -1,0 +1,66 @@
+//! `scanbench ablation`: what each part of the method is worth, as one table.
+
+use crate::drawn_dataset::DrawnDataset;
+use crate::program::Workplace;
+
+/// The rows of `ablation.csv`, each as its cells.
+fn rows(workplace: &Workplace, folder: &str) -> Vec<Vec<String>> {
+    let text = workplace.read(&format!("{folder}/ablation.csv"));
+    text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+#[test]
+fn every_variant_has_a_row_for_each_data_set_and_for_all() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let arguments =
+        ["ablation", "street", "street-narrow", "--simulated-scans", "2", "--sensor", "vlp-16", "-o", "out"];
+    let ended = workplace.succeed(&arguments);
+    assert_eq!(ended.stderr, "Ablation: out\n");
+
+    let rows = rows(&workplace, "out");
+    let (head, rows) = rows.split_first().expect("a head");
+    let column = |name: &str| head.iter().position(|it| it == name).expect("a column");
+    let (dataset, origin, variant) = (column("dataset"), column("origin"), column("variant"));
+    let variants_of = |id: &str| -> Vec<&str> {
+        rows.iter().filter(|row| row[dataset] == id).map(|row| row[variant].as_str()).collect()
+    };
+    let variants = variants_of("street");
+    assert_eq!((variants.first(), variants.last()), (Some(&"whole method"), Some(&"without all of these")));
+    assert!(variants.contains(&"without terrain") && variants.contains(&"without dense separation"));
+    assert_eq!((variants_of("street-narrow"), variants_of("overall")), (variants.clone(), variants.clone()));
+    assert_eq!(rows.len(), 3 * variants.len());
+    for row in rows {
+        let expected = match row[dataset].as_str() {
+            "street" => "recorded",
+            "street-narrow" => "simulated",
+            _ => "partly simulated",
+        };
+        assert_eq!(row[origin], expected, "{row:?}");
+        // KITTI does not label every kind of object.
+        assert_eq!(row[column("f_rate")].is_empty(), expected != "simulated", "{row:?}");
+        assert!(!row[column("recall")].is_empty() && !row[column("latency_p50_ms")].is_empty(), "{row:?}");
+    }
+    for text in [&ended.stdout, &workplace.read("out/ablation.md")] {
+        assert!(text.contains("street-narrow (simulated)") || text.contains("street-narrow (*simulated*)"));
+        assert_eq!(text.matches("without terrain").count(), 3, "{text}");
+    }
+    let manifest = workplace.read("out/manifest.json");
+    assert_eq!(manifest.matches("\"name\": \"without ").count(), variants.len() - 1, "{manifest}");
+}
+
+#[test]
+fn the_whole_method_is_what_run_runs() {
+    let workplace = Workplace::new();
+    let data = ["street-narrow", "--simulated-scans", "2"];
+    let with = |verb: &[&'static str]| verb.iter().chain(&data).copied().collect::<Vec<_>>();
+    workplace.succeed(&with(&["ablation", "-o", "parts"]));
+    workplace.succeed(&with(&["run", "-d", "hierarchical", "-o", "whole"]));
+    let report = workplace.read("whole/table_objects.csv");
+    let of_run: Vec<&str> = report.lines().nth(1).expect("a row").split(',').collect();
+    let of_ablation = &rows(&workplace, "parts")[1];
+    // no, tp, mo, fo.
+    assert_eq!(of_run[6..10], of_ablation[5..9], "{report}");
+    let lacking = &rows(&workplace, "parts")[1..];
+    assert!(lacking.iter().any(|row| row[5..9] != of_ablation[5..9]), "no part makes a difference");
+}
