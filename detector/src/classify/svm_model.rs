@@ -133,7 +133,8 @@ impl<const D: usize> SvmModel<D> {
     /// The model as text. Numbers are written so that they come back to the bit.
     pub fn to_toml(&self) -> String {
         let n = self.support_vectors.len();
-        let mut text = head_and_provenance((FORMAT, VERSION), &[("n_support_vectors", n)], &self.made);
+        let mut text =
+            head_and_provenance((FORMAT, VERSION), &[("n_support_vectors", n.to_string())], &self.made);
         text.push_str("\n[svm]\n");
         // Writing to a string cannot fail.
         let _ = writeln!(text, "gamma = {:?}\nnu = {:?}\nrho = {:?}", self.gamma, self.nu, self.rho);

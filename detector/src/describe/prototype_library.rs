@@ -27,6 +27,7 @@ pub struct Prototype {
 pub struct PrototypeLibrary {
     // Invariant: `functions` has the turning functions of each prototype, facing forward and backward.
     made: Provenance,
+    column_m: f32,
     prototypes: Vec<Prototype>,
     functions: Vec<[TurningFunction; 2]>,
 }
@@ -57,6 +58,12 @@ pub enum PrototypeLibraryError {
     /// Not TOML, or not a library.
     #[error(transparent)]
     File(#[from] TrainedFileError),
+    /// Columns that no profile can be made of.
+    #[error("column_m = {column_m} is outside of 0.02 to 2 m")]
+    Column {
+        /// The width it says.
+        column_m: f32,
+    },
     /// Nothing to compare with.
     #[error("no prototype")]
     Empty,
@@ -86,17 +93,30 @@ struct File {
     #[serde(rename = "version")]
     _version: i64,
     n_prototypes: usize,
+    column_m: f32,
     made: Provenance,
     prototype: Vec<Prototype>,
 }
 
 impl PrototypeLibrary {
-    /// A library of `prototypes`.
+    /// The embedded library of drawn silhouettes, which `examples/drawn_vehicles.rs` writes.
+    pub fn drawn() -> Self {
+        Self::from_toml(include_str!("drawn_vehicles.toml")).expect("the embedded file is tested")
+    }
+
+    /// A library of `prototypes`, whose contours are in columns of `column_m`.
     ///
     /// # Errors
     ///
-    /// [`PrototypeLibraryError`] if there is none, or one whose contour has no turning function.
-    pub fn new(made: Provenance, prototypes: Vec<Prototype>) -> Result<Self, PrototypeLibraryError> {
+    /// [`PrototypeLibraryError`] if there is none, or one whose contour has no turning function, or no such columns.
+    pub fn new(
+        made: Provenance,
+        column_m: f32,
+        prototypes: Vec<Prototype>,
+    ) -> Result<Self, PrototypeLibraryError> {
+        if !(0.02..=2.0).contains(&column_m) {
+            return Err(PrototypeLibraryError::Column { column_m });
+        }
         if prototypes.is_empty() {
             return Err(PrototypeLibraryError::Empty);
         }
@@ -109,7 +129,7 @@ impl PrototypeLibrary {
                 .ok_or_else(|| PrototypeLibraryError::Contour { prototype_idx, name: prototype.name.clone() })
         };
         let functions = prototypes.iter().enumerate().map(facings).collect::<Result<_, _>>()?;
-        Ok(Self { made, prototypes, functions })
+        Ok(Self { made, column_m, prototypes, functions })
     }
 
     /// A library from the text that [`Self::to_toml`] gives.
@@ -124,13 +144,16 @@ impl PrototypeLibrary {
         if found != announced {
             return Err(PrototypeLibraryError::Count { found, announced });
         }
-        Self::new(file.made, file.prototype)
+        Self::new(file.made, file.column_m, file.prototype)
     }
 
     /// The library as text. Numbers are written so that they come back to the bit.
     pub fn to_toml(&self) -> String {
-        let counts = [("n_prototypes", self.prototypes.len())];
-        let mut text = head_and_provenance((FORMAT, VERSION), &counts, &self.made);
+        let values = [
+            ("n_prototypes", self.prototypes.len().to_string()),
+            ("column_m", format!("{:?}", self.column_m)),
+        ];
+        let mut text = head_and_provenance((FORMAT, VERSION), &values, &self.made);
         for prototype in &self.prototypes {
             let name = toml::Value::from(prototype.name.as_str());
             // Writing to a string cannot fail.
@@ -138,6 +161,11 @@ impl PrototypeLibrary {
             let _ = writeln!(text, "contour_m = {:?}", prototype.contour_m);
         }
         text
+    }
+
+    /// Greatest width of a column of the contours, in metres: what is compared with them has to have the same.
+    pub fn column_m(&self) -> f32 {
+        self.column_m
     }
 
     /// The prototypes.
@@ -201,7 +229,7 @@ mod tests {
             prototype("box", &[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]),
             prototype("wedge", &WEDGE),
         ];
-        PrototypeLibrary::new(made, prototypes).unwrap()
+        PrototypeLibrary::new(made, 0.2, prototypes).unwrap()
     }
 
     const WEDGE: [[f32; 2]; 4] = [[0.0, 0.0], [3.0, 0.0], [3.0, 0.3], [0.0, 1.0]];
@@ -223,6 +251,7 @@ mod tests {
     fn what_is_no_library_says_why() {
         check_refused("side profiles", "recipe", "format is \"scanbench recipe\"");
         check_refused("version = 1", "version = 3", "version 3 of the format, this program reads 1");
+        check_refused("column_m = 0.2", "column_m = 0.0", "column_m = 0 is outside");
         check_refused("n_prototypes = 2", "n_prototypes = 3", "2 prototypes, where 3 are announced");
         check_refused("[2.0, 1.0]", "[2.0, nan]", "the contour of prototype 0, \"box\"");
         check_refused("contour_m", "contour", "unknown field `contour`");
@@ -241,6 +270,26 @@ mod tests {
         let placed = library.placed(&backward, &mirrored);
         for (corner, wanted) in placed.iter().zip(mirrored) {
             assert!((0..2).all(|axis| (corner[axis] - wanted[axis]).abs() < 1e-4), "{corner:?} {wanted:?}");
+        }
+    }
+
+    #[test]
+    fn every_drawn_vehicle_is_most_like_itself_either_way() {
+        let drawn = PrototypeLibrary::drawn();
+        for (prototype_idx, prototype) in drawn.prototypes().iter().enumerate() {
+            let nearest = drawn.nearest(&prototype.contour_m).unwrap();
+            let mirrored: Vec<[f32; 2]> =
+                prototype.contour_m.iter().map(|&[along, up]| [-along, up]).collect();
+            for (nearest, facing) in
+                [(nearest, Facing::Forward), (drawn.nearest(&mirrored).unwrap(), Facing::Backward)]
+            {
+                assert_eq!(
+                    (nearest.prototype_idx, nearest.facing),
+                    (prototype_idx, facing),
+                    "{}",
+                    prototype.name
+                );
+            }
         }
     }
 

@@ -1,17 +1,7 @@
 //! What an object looks like from the side.
 
-use serde::Deserialize;
-
 use super::box_frame_points::BoxFramePoints;
 use crate::fit::convex_hull::convex_hull;
-
-/// Tuning of [`SideProfile`].
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SideProfileParams {
-    /// Greatest width of a column of the concave hull, in metres.
-    pub column_m: f32,
-}
 
 /// Buffers for one concave profile after another, and the latest.
 ///
@@ -21,15 +11,15 @@ pub struct SideProfileParams {
 /// takes one pass over the points.
 #[derive(Debug, Clone)]
 pub struct SideProfile {
-    params: SideProfileParams,
+    column_m: f32,
     columns: Vec<[f32; 2]>,
     contour_m: Vec<[f32; 2]>,
 }
 
 impl SideProfile {
-    /// Nothing yet.
-    pub fn new(params: SideProfileParams) -> Self {
-        Self { params, columns: Vec::new(), contour_m: Vec::new() }
+    /// Profiles in columns of at most `column_m`.
+    pub fn new(column_m: f32) -> Self {
+        Self { column_m, columns: Vec::new(), contour_m: Vec::new() }
     }
 
     /// The concave contour of `points` on the vertical plane along their box: corners (along, up) in metres,
@@ -55,7 +45,7 @@ impl SideProfile {
     }
 
     fn fill_columns(&mut self, points: &BoxFramePoints, from_m: f32, to_m: f32) {
-        let n_columns = ((to_m - from_m) / self.params.column_m).ceil().max(2.0);
+        let n_columns = ((to_m - from_m) / self.column_m).ceil().max(2.0);
         self.columns.clear();
         self.columns.resize(n_columns as usize, EMPTY);
         let columns_per_m = if to_m > from_m { n_columns / (to_m - from_m) } else { 0.0 };
@@ -114,8 +104,7 @@ mod tests {
     }
 
     fn contour_of(side_m: &[[f32; 2]]) -> Vec<[f32; 2]> {
-        let params = SideProfileParams { column_m: 0.2 };
-        SideProfile::new(params).concave_contour(&points_at(side_m)).to_vec()
+        SideProfile::new(0.2).concave_contour(&points_at(side_m)).to_vec()
     }
 
     #[test]

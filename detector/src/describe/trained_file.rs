@@ -62,17 +62,17 @@ pub fn check_head(text: &str, format: &'static str, version: i64) -> Result<(), 
     Ok(())
 }
 
-/// The beginning of a file: its format and version, how much it holds, and the table `made`.
+/// The beginning of a file: its format and version, `values` as they are in TOML, and the table `made`.
 pub fn head_and_provenance(
     (format, version): (&str, i64),
-    counts: &[(&str, usize)],
+    values: &[(&str, String)],
     made: &Provenance,
 ) -> String {
     let quoted = |text: &str| toml::Value::from(text).to_string();
     let data: Vec<String> = made.data.iter().map(|it| quoted(it)).collect();
-    let counts: String = counts.iter().map(|(name, n)| format!("{name} = {n}\n")).collect();
+    let values: String = values.iter().map(|(name, value)| format!("{name} = {value}\n")).collect();
     format!(
-        "format = {}\nversion = {version}\n{counts}\n[made]\ncommand = {}\ndata = [{}]\nseed = {}\nsplit = {}\n",
+        "format = {}\nversion = {version}\n{values}\n[made]\ncommand = {}\ndata = [{}]\nseed = {}\nsplit = {}\n",
         quoted(format),
         quoted(&made.command),
         data.join(", "),
