@@ -32,26 +32,29 @@ pub(super) fn rbf_kernel<const D: usize>(
     squared_distance.map(|it| exp_of_negative(gamma * it))
 }
 
-/// exp(−x) for x ≥ 0, to seven digits; nought where it is below 2⁻¹²⁵.
+/// exp(−x) for x ≥ 0, to seven digits; nought from x = 86 on.
 ///
 /// The platform's own differs from machine to machine in the last bit, and serves one number at a time.
 fn exp_of_negative(x: f32) -> f32 {
     use std::f32::consts::LOG2_E;
-    // Added and taken away again it leaves the nearest whole number.
+    const LEAST_WITHOUT_VALUE: f32 = 86.0;
+    // A number added to it is rounded to a whole one, which then stands in the last bits of the sum.
     const ROUNDING: f32 = 12_582_912.0;
-    const MAX_EXPONENT: f32 = 125.0;
     // ln 2 in two parts, of which the first has so few digits that its whole multiples are exact.
     const LN_2_HIGH: f32 = 0.693_359_4;
     const LN_2_LOW: f32 = -2.121_944_4e-4;
-    let bounded = x.min(MAX_EXPONENT);
-    let whole = (bounded * LOG2_E + ROUNDING) - ROUNDING;
-    let rest = (whole * LN_2_HIGH - bounded) + whole * LN_2_LOW;
     // The series of exp: |rest| ≤ ½ ln 2, so that the next term is below 10⁻⁷ of the sum.
     const TERMS: [f32; 7] = [1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0];
+    let is_nought = x >= LEAST_WITHOUT_VALUE;
+    let bounded = if is_nought { LEAST_WITHOUT_VALUE } else { x };
+    let rounded = bounded * LOG2_E + ROUNDING;
+    let halvings = rounded - ROUNDING;
+    let rest = (halvings * LN_2_HIGH - bounded) + halvings * LN_2_LOW;
     let mantissa = TERMS.iter().fold(0.0, |sum, term| sum * rest + term);
-    let exponent = (127 - whole as i32).max(1) as u32;
-    let power = f32::from_bits(exponent << 23);
-    if x < MAX_EXPONENT * std::f32::consts::LN_2 { mantissa * power } else { 0.0 }
+    // At most 124 are taken from an exponent of 127.
+    let n_halvings = rounded.to_bits() - ROUNDING.to_bits();
+    let power = f32::from_bits(1.0_f32.to_bits() - (n_halvings << 23));
+    if is_nought { 0.0 } else { mantissa * power }
 }
 
 #[cfg(test)]

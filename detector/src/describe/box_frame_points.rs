@@ -13,17 +13,18 @@ pub struct BoxFramePoints {
 
 impl BoxFramePoints {
     /// Takes `positions_m` of the sensor frame over into the frame of `bounding_box`.
-    pub fn fill(&mut self, bounding_box: &OrientedBox, positions_m: impl Iterator<Item = [f32; 3]>) {
+    pub fn fill(&mut self, bounding_box: &OrientedBox, positions_m: impl ExactSizeIterator<Item = [f32; 3]>) {
         let (sin, cos) = bounding_box.yaw_rad.sin_cos();
         let [center_x, center_y, center_z] = bounding_box.center_m;
-        self.along_m.clear();
-        self.across_m.clear();
-        self.up_m.clear();
-        for [x, y, z] in positions_m {
+        for column in [&mut self.along_m, &mut self.across_m, &mut self.up_m] {
+            column.resize(positions_m.len(), 0.0);
+        }
+        let columns = self.along_m.iter_mut().zip(&mut self.across_m).zip(&mut self.up_m);
+        for (((along_m, across_m), up_m), [x, y, z]) in columns.zip(positions_m) {
             let (dx, dy) = (x - center_x, y - center_y);
-            self.along_m.push(cos * dx + sin * dy);
-            self.across_m.push(cos * dy - sin * dx);
-            self.up_m.push(z - center_z);
+            *along_m = cos * dx + sin * dy;
+            *across_m = cos * dy - sin * dx;
+            *up_m = z - center_z;
         }
     }
 
@@ -41,4 +42,26 @@ impl BoxFramePoints {
     pub fn up_m(&self) -> &[f32] {
         &self.up_m
     }
+}
+
+/// Least and greatest of a column. `None` without points.
+pub(super) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
+    const LANES: usize = 8;
+    let mut low = [*column.first()?; LANES];
+    let mut high = low;
+    let (chunks, rest) = column.as_chunks::<LANES>();
+    for chunk in chunks {
+        for lane in 0..LANES {
+            low[lane] = lesser(chunk[lane], low[lane]);
+            high[lane] = -lesser(-chunk[lane], -high[lane]);
+        }
+    }
+    let low = low.iter().chain(rest).copied().reduce(lesser)?;
+    let high = high.iter().chain(rest).copied().reduce(|a, b| -lesser(-a, -b))?;
+    Some([low, high])
+}
+
+/// The lesser of two numbers of which none is NaN; unlike `f32::min` a single instruction.
+pub(super) fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }

@@ -1,6 +1,6 @@
 //! How far the surface of an object is from the upper corners of its box.
 
-use super::box_frame_points::BoxFramePoints;
+use super::box_frame_points::{BoxFramePoints, extent_m, lesser};
 
 /// Points that are looked at side by side.
 const LANES: usize = 8;
@@ -29,7 +29,7 @@ impl CornerSpheres {
     ///
     /// Paper: VM section 4, principal curvature estimation.
     pub fn around(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<Self> {
-        let top_m = points.up_m().iter().copied().reduce(f32::max)?;
+        let [_, top_m] = extent_m(points.up_m())?;
         let corner_m = [length_m / 2.0, width_m / 2.0];
         let mut nearest = [[f32::INFINITY; LANES]; 4];
         let (along, rest_along) = points.along_m().as_chunks::<LANES>();
@@ -39,14 +39,14 @@ impl CornerSpheres {
             for lane in 0..LANES {
                 let squared = squared_distances([along[lane], across[lane], up[lane] - top_m], corner_m);
                 for corner in 0..4 {
-                    nearest[corner][lane] = nearest[corner][lane].min(squared[corner]);
+                    nearest[corner][lane] = lesser(squared[corner], nearest[corner][lane]);
                 }
             }
         }
         for ((&along, &across), &up) in rest_along.iter().zip(rest_across).zip(rest_up) {
             let squared = squared_distances([along, across, up - top_m], corner_m);
             for corner in 0..4 {
-                nearest[corner][0] = nearest[corner][0].min(squared[corner]);
+                nearest[corner][0] = lesser(squared[corner], nearest[corner][0]);
             }
         }
         let radii_m = nearest.map(|lanes| lanes.into_iter().fold(f32::INFINITY, f32::min).sqrt());

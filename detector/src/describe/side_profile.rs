@@ -1,6 +1,6 @@
 //! What an object looks like from the side.
 
-use super::box_frame_points::BoxFramePoints;
+use super::box_frame_points::{BoxFramePoints, extent_m, lesser};
 use crate::fit::convex_hull::convex_hull;
 
 /// Buffers for one concave profile after another, and the latest.
@@ -32,12 +32,7 @@ impl SideProfile {
     /// Paper: VM section 4, concave hull with 20 cm resolution.
     pub fn concave_contour(&mut self, points: &BoxFramePoints) -> &[[f32; 2]] {
         self.contour_m.clear();
-        let (from_m, to_m) = points
-            .along_m()
-            .iter()
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(from, to), &it| (from.min(it), to.max(it)));
-        // Neither holds without points.
-        if from_m <= to_m {
+        if let Some([from_m, to_m]) = extent_m(points.along_m()) {
             self.fill_columns(points, from_m, to_m);
             self.trace(from_m, to_m);
         }
@@ -52,7 +47,7 @@ impl SideProfile {
         let last = self.columns.len() - 1;
         for (&along_m, &up_m) in points.along_m().iter().zip(points.up_m()) {
             let column = &mut self.columns[(((along_m - from_m) * columns_per_m) as usize).min(last)];
-            *column = [column[0].min(up_m), column[1].max(up_m)];
+            *column = [lesser(up_m, column[0]), -lesser(-up_m, -column[1])];
         }
     }
 

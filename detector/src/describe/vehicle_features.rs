@@ -1,6 +1,6 @@
 //! The eight values by which a vehicle is told from background.
 
-use super::box_frame_points::BoxFramePoints;
+use super::box_frame_points::{BoxFramePoints, extent_m};
 use super::corner_spheres::{CornerSpheres, OrderedRadii};
 use super::prototype_library::PrototypeLibrary;
 use super::side_profile::{SideProfile, convex_contour};
@@ -70,7 +70,7 @@ impl VehicleDescriber {
     pub fn describe(
         &mut self,
         bounding_box: &OrientedBox,
-        positions_m: impl Iterator<Item = [f32; 3]>,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<VehicleFeatures> {
         self.points.fill(bounding_box, positions_m);
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
@@ -87,13 +87,13 @@ impl VehicleDescriber {
     pub fn shapes(
         &self,
         bounding_box: &OrientedBox,
-        positions_m: impl Iterator<Item = [f32; 3]>,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<VehicleShapes> {
         let mut points = BoxFramePoints::default();
         points.fill(bounding_box, positions_m);
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
         let spheres = CornerSpheres::around(&points, length_m, width_m)?;
-        let top_m = points.up_m().iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let [_, top_m] = extent_m(points.up_m())?;
         let corners_m = bounding_box.footprint_m();
         let at_top = |[x, y]: [f32; 2]| [x, y, bounding_box.center_m[2] + top_m];
         let mut profile = self.profile.clone();

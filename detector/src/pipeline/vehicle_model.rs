@@ -30,14 +30,14 @@ impl VehicleModel {
     pub fn decision(
         &mut self,
         bounding_box: &OrientedBox,
-        positions_m: impl Iterator<Item = [f32; 3]>,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32> {
         let features = self.describer.describe(bounding_box, positions_m)?;
         Some(self.svm.decision(&features.values()))
     }
 
     /// What the features of `objects`, boxes with their points, were taken from.
-    pub fn stage_products<P: Iterator<Item = [f32; 3]>>(
+    pub fn stage_products<P: ExactSizeIterator<Item = [f32; 3]>>(
         &self,
         objects: impl Iterator<Item = (OrientedBox, P)>,
     ) -> Vec<StageProduct> {
