@@ -5,13 +5,14 @@ use std::ops::Range;
 use detector::classify::size_gate::size_gate;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use detector::fit::convex_hull_box::ConvexHullBox;
-use detector::fit::outline::mark_outline;
+use detector::fit::outline::Outline;
 use detector::grid::dense_level::DenseLevel;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::segment::clusters::Clusters;
 use detector::segment::connected_components::connected_components;
 use detector::segment::disjoint_sets::DisjointSets;
+use detector::segment::object_points::ObjectPoint;
 use detector::stage_product::Shape;
 use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
 
@@ -30,7 +31,8 @@ pub struct SimpleGridDetector {
     blobs: DisjointSets,
     blob_of_cell: Vec<u32>,
     clusters: Clusters,
-    is_outline: Vec<bool>,
+    outline: Outline,
+    members: Vec<ObjectPoint>,
     box_fit: ConvexHullBox,
     objects: Vec<FittedObject>,
     hulls_m: Vec<[f32; 2]>,
@@ -57,7 +59,8 @@ impl SimpleGridDetector {
             blobs: DisjointSets::default(),
             blob_of_cell: Vec::new(),
             clusters: Clusters::default(),
-            is_outline: Vec::new(),
+            outline: Outline::new(1),
+            members: Vec::new(),
             box_fit: ConvexHullBox::default(),
             objects: Vec::new(),
             hulls_m: Vec::new(),
@@ -75,9 +78,9 @@ impl Detector for SimpleGridDetector {
         output.clear();
         let mut clock = StageClock::start();
         self.foreground.run(cloud, &mut clock, &mut output.stage_times);
-        self.merge_cells(cloud);
+        self.merge_cells();
         clock.lap("merge", &mut output.stage_times);
-        mark_outline(self.foreground.grid(), &self.cells, &self.blob_of_cell, &mut self.is_outline);
+        self.outline.mark(self.foreground.grid(), &self.cells, &self.blob_of_cell);
         self.fit_boxes(cloud, output);
         clock.lap("boxes", &mut output.stage_times);
         self.classify(output);
@@ -99,9 +102,9 @@ impl Detector for SimpleGridDetector {
 }
 
 impl SimpleGridDetector {
-    fn merge_cells(&mut self, cloud: &PointCloud) {
+    fn merge_cells(&mut self) {
         let grid = self.foreground.grid();
-        self.cells.fill(cloud, grid, self.foreground.point_indices());
+        self.cells.fill(grid, self.foreground.foreground_cells(), self.foreground.point_indices());
         connected_components(grid, &self.cells, &self.foreground.params().merge, &mut self.links);
         let n_cells = self.cells.n_blocks();
         self.blobs.reset(n_cells);
@@ -125,13 +128,13 @@ impl SimpleGridDetector {
                 output.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
                 continue;
             }
-            let position_m = |&place: &u32| cloud.position_m(point_indices[place as usize] as usize);
-            let is_outline = |&&place: &&u32| self.is_outline[cell_of_point[place as usize] as usize];
-            let outline_m = members.iter().filter(is_outline).map(position_m).map(|[x_m, y_m, _]| [x_m, y_m]);
-            let mut z_range_m = [f32::INFINITY, f32::NEG_INFINITY];
-            for [_, _, z_m] in members.iter().map(position_m) {
-                z_range_m = [z_range_m[0].min(z_m), z_range_m[1].max(z_m)];
-            }
+            self.members.clear();
+            self.members.extend(members.iter().map(|&place| ObjectPoint {
+                position_m: cloud.position_m(point_indices[place as usize] as usize),
+                dense_idx: cell_of_point[place as usize],
+            }));
+            let z_range_m = self.outline.gather(&self.members);
+            let outline_m = self.outline.points_m().iter().copied();
             let bounding_box =
                 self.box_fit.fit(outline_m, z_range_m).expect("every object has cells on its outline");
             let hull_start = self.hulls_m.len();

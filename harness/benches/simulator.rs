@@ -1,4 +1,4 @@
-//! Time to simulate a scan of each kind of street with the HDL-64E, one thread.
+//! Time to simulate a scan of each kind of street with the HDL-64E, dry and in rain, one thread.
 //!
 //! `cargo bench --bench simulator`
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
@@ -6,37 +6,39 @@
 use std::time::{Duration, Instant};
 
 use harness::metrics::latency::Latencies;
+use harness::simulator::rain::Rain;
 use harness::simulator::sensor::SensorModel;
 use harness::simulator::{Street, StreetKind};
 
 const N_SCANS: u32 = 20;
 const TURNS_PER_SCAN: u32 = 10;
+const RAIN_MM_PER_H: f32 = 10.0;
 
 fn main() {
     let sensor = SensorModel::hdl_64e_s2();
     println!(
-        "{:<24} {:>12} {:>10} {:>10} {:>8}",
+        "{:<32} {:>12} {:>10} {:>10} {:>8}",
         "street (simulated)", "points", "p50 ms", "p90 ms", "scans/s"
     );
     for kind in StreetKind::ALL {
-        let street = Street::new(kind, 1);
-        let mut n_points = 0;
-        let durations: Vec<Duration> = (0..N_SCANS)
-            .map(|scan| {
-                let started = Instant::now();
-                n_points += street.scan(&sensor, scan * TURNS_PER_SCAN).cloud.len();
-                started.elapsed()
-            })
-            .collect();
-        let latencies = Latencies::new(durations);
-        let ms = |percent| latencies.percentile(percent).map_or(f64::NAN, |it| it.as_secs_f64() * 1e3);
-        let fps = latencies.fps_mean().unwrap_or(f64::NAN);
-        println!(
-            "{:<24} {:>12} {:>10.1} {:>10.1} {fps:>8.2}",
-            kind.name(),
-            n_points / N_SCANS as usize,
-            ms(50),
-            ms(90)
-        );
+        let dry = Street::new(kind, 1);
+        let wet = dry.clone().in_rain(Rain::new(RAIN_MM_PER_H));
+        measure(kind.name(), &dry, &sensor);
+        measure(&format!("{}, {RAIN_MM_PER_H} mm/h", kind.name()), &wet, &sensor);
     }
+}
+
+fn measure(name: &str, street: &Street, sensor: &SensorModel) {
+    let mut n_points = 0;
+    let durations: Vec<Duration> = (0..N_SCANS)
+        .map(|scan| {
+            let started = Instant::now();
+            n_points += street.scan(sensor, scan * TURNS_PER_SCAN).cloud.len();
+            started.elapsed()
+        })
+        .collect();
+    let latencies = Latencies::new(durations);
+    let ms = |percent| latencies.percentile(percent).map_or(f64::NAN, |it| it.as_secs_f64() * 1e3);
+    let fps = latencies.fps_mean().unwrap_or(f64::NAN);
+    println!("{name:<32} {:>12} {:>10.1} {:>10.1} {fps:>8.2}", n_points / N_SCANS as usize, ms(50), ms(90));
 }

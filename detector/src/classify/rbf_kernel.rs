@@ -29,13 +29,13 @@ pub(super) fn rbf_kernel<const D: usize>(
             squared_distance[lane] += difference * difference;
         }
     }
-    squared_distance.map(|it| exp_of_negative(gamma * it))
+    exp_of_negative(squared_distance.map(|it| gamma * it))
 }
 
 /// exp(−x) for x ≥ 0, to seven digits; nought from x = 86 on.
 ///
 /// The platform's own differs from machine to machine in the last bit, and serves one number at a time.
-fn exp_of_negative(x: f32) -> f32 {
+fn exp_of_negative(x: [f32; LANES]) -> [f32; LANES] {
     use std::f32::consts::LOG2_E;
     const LEAST_WITHOUT_VALUE: f32 = 86.0;
     // A number added to it is rounded to a whole one, which then stands in the last bits of the sum.
@@ -45,16 +45,22 @@ fn exp_of_negative(x: f32) -> f32 {
     const LN_2_LOW: f32 = -2.121_944_4e-4;
     // The series of exp: |rest| ≤ ½ ln 2, so that the next term is below 10⁻⁷ of the sum.
     const TERMS: [f32; 7] = [1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0];
-    let is_nought = x >= LEAST_WITHOUT_VALUE;
-    let bounded = if is_nought { LEAST_WITHOUT_VALUE } else { x };
-    let rounded = bounded * LOG2_E + ROUNDING;
-    let halvings = rounded - ROUNDING;
-    let rest = (halvings * LN_2_HIGH - bounded) + halvings * LN_2_LOW;
-    let mantissa = TERMS.iter().fold(0.0, |sum, term| sum * rest + term);
-    // At most 124 are taken from an exponent of 127.
-    let n_halvings = rounded.to_bits() - ROUNDING.to_bits();
-    let power = f32::from_bits(1.0_f32.to_bits() - (n_halvings << 23));
-    if is_nought { 0.0 } else { mantissa * power }
+    let mut exp = [0.0; LANES];
+    for lane in 0..LANES {
+        let bounded = if x[lane] < LEAST_WITHOUT_VALUE { x[lane] } else { LEAST_WITHOUT_VALUE };
+        let rounded = bounded * LOG2_E + ROUNDING;
+        let halvings = rounded - ROUNDING;
+        let rest = (halvings * LN_2_HIGH - bounded) + halvings * LN_2_LOW;
+        let mut mantissa = 0.0;
+        for term in TERMS {
+            mantissa = mantissa * rest + term;
+        }
+        // At most 124 are taken from an exponent of 127.
+        let n_halvings = rounded.to_bits().wrapping_sub(ROUNDING.to_bits());
+        let power = f32::from_bits(1.0_f32.to_bits().wrapping_sub(n_halvings << 23));
+        exp[lane] = if x[lane] < LEAST_WITHOUT_VALUE { mantissa * power } else { 0.0 };
+    }
+    exp
 }
 
 #[cfg(test)]
@@ -64,16 +70,15 @@ mod tests {
 
     #[test]
     fn the_ends_are_exact() {
-        assert_eq!(exp_of_negative(0.0), 1.0);
-        assert_eq!(exp_of_negative(1e9), 0.0);
-        assert_eq!(exp_of_negative(f32::INFINITY), 0.0);
+        let x = [0.0, 86.0, 1e9, f32::INFINITY, 0.0, 0.0, 0.0, 0.0];
+        assert_eq!(exp_of_negative(x), [1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
     }
 
     proptest! {
         #[test]
         fn it_is_the_exponential_function(x in 0.0_f32..86.0) {
             let expected = (-f64::from(x)).exp();
-            let relative = (f64::from(exp_of_negative(x)) - expected).abs() / expected;
+            let relative = (f64::from(exp_of_negative([x; LANES])[3]) - expected).abs() / expected;
             prop_assert!(relative < 3e-7, "exp(-{x}): {relative:e}");
         }
 

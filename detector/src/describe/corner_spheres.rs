@@ -31,26 +31,29 @@ impl CornerSpheres {
     pub fn around(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<Self> {
         let [_, top_m] = extent_m(points.up_m())?;
         let corner_m = [length_m / 2.0, width_m / 2.0];
-        let mut nearest = [[f32::INFINITY; LANES]; 4];
         let (along, rest_along) = points.along_m().as_chunks::<LANES>();
         let (across, rest_across) = points.across_m().as_chunks::<LANES>();
         let (up, rest_up) = points.up_m().as_chunks::<LANES>();
+        let mut front_left = [f32::INFINITY; LANES];
+        let (mut back_left, mut back_right, mut front_right) = (front_left, front_left, front_left);
         for ((along, across), up) in along.iter().zip(across).zip(up) {
             for lane in 0..LANES {
-                let squared = squared_distances([along[lane], across[lane], up[lane] - top_m], corner_m);
-                for corner in 0..4 {
-                    nearest[corner][lane] = lesser(squared[corner], nearest[corner][lane]);
-                }
+                let [a, b, c, d] = squared_distances([along[lane], across[lane], up[lane] - top_m], corner_m);
+                front_left[lane] = lesser(a, front_left[lane]);
+                back_left[lane] = lesser(b, back_left[lane]);
+                back_right[lane] = lesser(c, back_right[lane]);
+                front_right[lane] = lesser(d, front_right[lane]);
             }
         }
+        let mut nearest = [front_left, back_left, back_right, front_right]
+            .map(|lanes| lanes.into_iter().fold(f32::INFINITY, lesser));
         for ((&along, &across), &up) in rest_along.iter().zip(rest_across).zip(rest_up) {
             let squared = squared_distances([along, across, up - top_m], corner_m);
             for corner in 0..4 {
-                nearest[corner][0] = lesser(squared[corner], nearest[corner][0]);
+                nearest[corner] = lesser(squared[corner], nearest[corner]);
             }
         }
-        let radii_m = nearest.map(|lanes| lanes.into_iter().fold(f32::INFINITY, f32::min).sqrt());
-        Some(Self { radii_m })
+        Some(Self { radii_m: nearest.map(f32::sqrt) })
     }
 
     /// The radii by the object's own front and near side.

@@ -3,10 +3,7 @@
 use std::f32::consts::{PI, TAU};
 
 /// Parts of equal length that a contour is divided into.
-const N_PARTS: usize = 64;
-/// Neighbouring parts that are compared by their mean first.
-const N_GROUPED: usize = 8;
-const N_GROUPS: usize = N_PARTS / N_GROUPED;
+const N_PARTS: usize = 32;
 /// Contours are shifted against each other by up to half a turn to either side.
 const MAX_SHIFT: i32 = N_PARTS as i32 / 2;
 
@@ -18,8 +15,6 @@ pub struct TurningFunction {
     /// Mean direction within each part in radians, counter-clockwise from the first axis; adds up over the turns. From
     /// half a turn before the start to half a turn after the end, so that shifting needs no wrapping.
     directions_rad: [f32; 2 * N_PARTS],
-    /// Mean of the directions in a group of parts: group `g` at phase `p` begins with part `N_GROUPED * g + p` of the above.
-    group_means_rad: [[f32; 2 * N_GROUPS]; N_GROUPED],
     /// Mean direction from start to end.
     mean_rad: f32,
 }
@@ -80,13 +75,7 @@ impl TurningFunction {
             let turns = place.div_euclid(N_PARTS as i32);
             directions_rad[place.rem_euclid(N_PARTS as i32) as usize] + turns as f32 * TAU
         });
-        let group_means_rad = std::array::from_fn(|phase| {
-            std::array::from_fn(|group| {
-                let parts_rad = &directions_rad[(N_GROUPED * group + phase).min(N_PARTS * 2)..];
-                parts_rad.iter().take(N_GROUPED).sum::<f32>() / N_GROUPED as f32
-            })
-        });
-        Some(Self { directions_rad, group_means_rad, mean_rad })
+        Some(Self { directions_rad, mean_rad })
     }
 
     /// The difference of two contours in 0 to 1: the root mean square of the angle between their directions, as a share
@@ -107,20 +96,22 @@ impl TurningFunction {
         let ahead_rad = self.mean_rad - other.mean_rad;
         let middle = (ahead_rad / part_rad).round() as i32;
         for away in 0..=2 * MAX_SHIFT {
-            let is_hopeless = |shift: i32| least_sum(ahead_rad - shift as f32 * part_rad) >= least;
-            if is_hopeless(middle + away) && is_hopeless(middle - away) {
-                break;
-            }
+            let mut is_promising = false;
             for shift in [middle + away, middle - away] {
-                let is_possible = (-MAX_SHIFT..=MAX_SHIFT).contains(&shift);
-                // Nor is it below that of the means of groups.
-                if is_possible && self.sum_of_grouped_squares(other, shift) < least {
+                if least_sum(ahead_rad - shift as f32 * part_rad) >= least {
+                    continue;
+                }
+                is_promising = true;
+                if (-MAX_SHIFT..=MAX_SHIFT).contains(&shift) {
                     let sum = self.sum_of_squares(other, shift);
                     if sum < least {
                         least = sum;
                         found = true;
                     }
                 }
+            }
+            if !is_promising {
+                break;
             }
         }
         found.then(|| ((least / N_PARTS as f32).sqrt() / PI).min(1.0))
@@ -132,17 +123,6 @@ impl TurningFunction {
             &self.directions_rad[ours..ours + N_PARTS],
             &other.directions_rad[theirs..theirs + N_PARTS],
         )
-    }
-
-    fn sum_of_grouped_squares(&self, other: &Self, shift: i32) -> f32 {
-        let (ours, theirs) = (self.group_means_rad(MAX_SHIFT), other.group_means_rad(MAX_SHIFT + shift));
-        N_GROUPED as f32 * squared_difference(ours, theirs)
-    }
-
-    /// The groups of a whole turn from part `from` of `directions_rad` on.
-    fn group_means_rad(&self, from: i32) -> &[f32] {
-        let (group, phase) = (from as usize / N_GROUPED, from as usize % N_GROUPED);
-        &self.group_means_rad[phase][group..group + N_GROUPS]
     }
 }
 
@@ -216,7 +196,7 @@ mod tests {
     fn a_square_turns_by_a_quarter_at_each_quarter() {
         let square = function(&SQUARE);
         for (part, direction_rad) in square.directions_rad[N_PARTS / 2..][..N_PARTS].iter().enumerate() {
-            let quarter = (part / 16) as f32;
+            let quarter = (part / (N_PARTS / 4)) as f32;
             assert!((direction_rad - quarter * TAU / 4.0).abs() < 1e-5, "part {part}: {direction_rad}");
         }
     }
@@ -289,9 +269,6 @@ mod tests {
         fn no_shift_is_better_than_the_one_that_was_found(a in star(), b in star()) {
             let [a, b] = [a, b].map(|it| function(&it));
             let least = (-MAX_SHIFT..=MAX_SHIFT).map(|shift| a.sum_of_squares(&b, shift)).fold(f32::INFINITY, f32::min);
-            for shift in -MAX_SHIFT..=MAX_SHIFT {
-                prop_assert!(a.sum_of_grouped_squares(&b, shift) <= 1.0001 * a.sum_of_squares(&b, shift) + 1e-3);
-            }
             let expected = ((least / N_PARTS as f32).sqrt() / PI).min(1.0);
             prop_assert!((a.distance(&b) - expected).abs() < 1e-5);
             prop_assert_eq!(a.distance_below(&b, 0.5 * expected), None);

@@ -9,57 +9,153 @@
 pub fn convex_hull(points_m: &mut Vec<[f32; 2]>, hull_m: &mut Vec<[f32; 2]>) {
     hull_m.clear();
     drop_inner_points(points_m);
-    points_m.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    points_m.dedup();
-    if points_m.len() < 3 {
-        hull_m.extend_from_slice(points_m);
+    let first_m = points_m.iter().copied().min_by_key(|&it| x_then_y(it));
+    let last_m = points_m.iter().copied().max_by_key(|&it| x_then_y(it));
+    let (Some(first_m), Some(last_m)) = (first_m, last_m) else { return };
+    if first_m == last_m {
+        hull_m.push(first_m);
         return;
     }
-    extend_chain(points_m.iter(), hull_m);
-    extend_chain(points_m.iter().rev(), hull_m);
+    let (below_m, above_m) = split(points_m, first_m, last_m);
+    below_m.sort_unstable_by_key(|&it| x_then_y(it));
+    above_m.sort_unstable_by_key(|&it| x_then_y(it));
+    extend_chain([first_m].iter().chain(&*below_m).chain([&last_m]), hull_m);
+    extend_chain([last_m].iter().chain(above_m.iter().rev()).chain([&first_m]), hull_m);
+}
+
+/// A number for each point that orders them by x, and by y where x is the same, as `total_cmp` does: one comparison of
+/// numbers for two of coordinates.
+fn x_then_y([x, y]: [f32; 2]) -> u64 {
+    let ascending = |value: f32| {
+        let bits = value.to_bits();
+        // Of negative numbers, the greater is the one with the smaller bits.
+        if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+    };
+    u64::from(ascending(x)) << 32 | u64::from(ascending(y))
+}
+
+/// Parts the points below the line from `first_m` to `last_m` from the others.
+fn split(
+    points_m: &mut [[f32; 2]],
+    first_m: [f32; 2],
+    last_m: [f32; 2],
+) -> (&mut [[f32; 2]], &mut [[f32; 2]]) {
+    let mut n_below = 0;
+    for idx in 0..points_m.len() {
+        let is_below = turn(first_m, last_m, points_m[idx]) < 0.0;
+        points_m.swap(n_below, idx);
+        n_below += usize::from(is_below);
+    }
+    points_m.split_at_mut(n_below)
 }
 
 /// Fewer points are sorted sooner than filtered.
 const MIN_POINTS_TO_FILTER: usize = 32;
 
 /// Drops most of the points that cannot be corners: those inside the octagon of the points farthest out in eight
-/// directions (Akl and Toussaint 1978). What is left has the same hull.
+/// directions (Akl and Toussaint 1978), and then those inside of another one, turned by half a step. What is left has the
+/// same hull.
 fn drop_inner_points(points_m: &mut Vec<[f32; 2]>) {
-    if points_m.len() < MIN_POINTS_TO_FILTER {
-        return;
-    }
-    let octagon_m = farthest_in_eight_directions(points_m);
-    // An inner point lies left of every side; repeated corners make sides that nothing is left of, and are skipped.
-    let mut sides = [[[0.0; 2]; 2]; 8];
-    let mut n_sides = 0;
-    for (idx, &from_m) in octagon_m.iter().enumerate() {
-        let to_m = octagon_m[(idx + 1) % 8];
-        if from_m != to_m {
-            sides[n_sides] = [from_m, to_m];
-            n_sides += 1;
+    // The tangents of no turn and of 22.5 degrees.
+    for turned in [0.0, 0.414] {
+        if points_m.len() < MIN_POINTS_TO_FILTER {
+            return;
         }
-    }
-    if n_sides > 2 {
-        points_m.retain(|&point_m| {
-            sides[..n_sides].iter().any(|&[from_m, to_m]| turn(from_m, to_m, point_m) <= 0.0)
-        });
+        let sides = Octagon::around(points_m, turned).sides();
+        let mut n_kept = 0;
+        for idx in 0..points_m.len() {
+            let point_m = points_m[idx];
+            points_m[n_kept] = point_m;
+            // Added, not branched on: which points are kept cannot be foreseen.
+            n_kept += usize::from(!sides.enclose(point_m));
+        }
+        points_m.truncate(n_kept);
     }
 }
 
-/// The points farthest to −y, to +x −y, to +x and so on, counter-clockwise; the first of equally far ones.
-fn farthest_in_eight_directions(points_m: &[[f32; 2]]) -> [[f32; 2]; 8] {
-    let mut farthest = [points_m[0]; 8];
-    let mut reach = [f32::NEG_INFINITY; 8];
-    for &[x, y] in points_m {
-        let reached = [-y, x - y, x, x + y, y, y - x, -x, -x - y];
-        for direction in 0..8 {
-            if reached[direction] > reach[direction] {
-                reach[direction] = reached[direction];
-                farthest[direction] = [x, y];
+const N_DIRECTIONS: usize = 8;
+
+/// The points farthest in eight directions, counter-clockwise.
+struct Octagon {
+    x_m: [f32; N_DIRECTIONS],
+    y_m: [f32; N_DIRECTIONS],
+}
+
+impl Octagon {
+    /// `turned` is the tangent by which the directions are turned away from x.
+    fn around(points_m: &[[f32; 2]], turned: f32) -> Self {
+        // Forward, left, forward left and forward right; and the other way.
+        let mut highest = [f32::NEG_INFINITY; 4];
+        let mut lowest = [f32::INFINITY; 4];
+        let mut highest_idx = [0; 4];
+        let mut lowest_idx = [0; 4];
+        for (point_idx, &[x, y]) in (0_u32..).zip(points_m) {
+            let (u, v) = (x + turned * y, y - turned * x);
+            let reached = [u, v, u + v, u - v];
+            for axis in 0..4 {
+                let (is_higher, is_lower) = (reached[axis] > highest[axis], reached[axis] < lowest[axis]);
+                highest[axis] = if is_higher { reached[axis] } else { highest[axis] };
+                highest_idx[axis] = if is_higher { point_idx } else { highest_idx[axis] };
+                lowest[axis] = if is_lower { reached[axis] } else { lowest[axis] };
+                lowest_idx[axis] = if is_lower { point_idx } else { lowest_idx[axis] };
             }
         }
+        let [forward, left, forward_left, forward_right] = highest_idx;
+        let [backward, right, backward_right, backward_left] = lowest_idx;
+        let counter_clockwise =
+            [right, forward_right, forward, forward_left, left, backward_left, backward, backward_right];
+        let corners_m = counter_clockwise.map(|point_idx| points_m[point_idx as usize]);
+        Self { x_m: corners_m.map(|it| it[0]), y_m: corners_m.map(|it| it[1]) }
     }
-    farthest
+
+    fn sides(&self) -> Sides {
+        let [x_m, y_m] = [self.x_m, self.y_m];
+        let next = |idx: usize| (idx + 1) % N_DIRECTIONS;
+        let along_x_m = std::array::from_fn(|idx| x_m[next(idx)] - x_m[idx]);
+        let along_y_m = std::array::from_fn(|idx| y_m[next(idx)] - y_m[idx]);
+        let length_m = |ends: &[f32; N_DIRECTIONS]| {
+            let low_m = ends.iter().copied().fold(f32::INFINITY, f32::min);
+            ends.iter().copied().fold(f32::NEG_INFINITY, f32::max) - low_m
+        };
+        let size_m = length_m(&x_m).max(length_m(&y_m));
+        let least_turn = std::array::from_fn(|idx: usize| {
+            let length_m: f32 = f32::abs(along_x_m[idx]) + f32::abs(along_y_m[idx]);
+            if size_m == 0.0 {
+                // All points are the same; none is inner.
+                f32::INFINITY
+            } else if length_m == 0.0 {
+                // A repeated corner makes a side of no length, which every point passes.
+                -1.0
+            } else {
+                ROUNDING * size_m * length_m
+            }
+        });
+        Sides { x_m, y_m, along_x_m, along_y_m, least_turn }
+    }
+}
+
+/// Far above what rounding does to a turn, relative to the lengths it is made of, and far below a millimetre in ten metres.
+const ROUNDING: f32 = 1e-5;
+
+/// The sides of an octagon as starts and directions.
+struct Sides {
+    x_m: [f32; N_DIRECTIONS],
+    y_m: [f32; N_DIRECTIONS],
+    along_x_m: [f32; N_DIRECTIONS],
+    along_y_m: [f32; N_DIRECTIONS],
+    least_turn: [f32; N_DIRECTIONS],
+}
+
+impl Sides {
+    /// Whether a point lies clearly to the left of every side.
+    fn enclose(&self, [x, y]: [f32; 2]) -> bool {
+        let mut is_inner = true;
+        for idx in 0..N_DIRECTIONS {
+            let turn = self.along_x_m[idx] * (y - self.y_m[idx]) - self.along_y_m[idx] * (x - self.x_m[idx]);
+            is_inner &= turn > self.least_turn[idx];
+        }
+        is_inner
+    }
 }
 
 /// Appends the chain of left turns through `sorted_m`, without its last corner.

@@ -1,46 +1,97 @@
-//! The dense cells along the edge of each object.
+//! The dense cells along the edge of each object, and their points.
 
 use crate::grid::dense_level::{DenseLevel, NO_BLOCK};
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::segment::dense_separation::NO_OBJECT;
+use crate::segment::object_points::ObjectPoint;
 
-/// Writes for every dense cell whether it is on the outline of its object: it holds points, and not all of its eight
-/// neighbours belong to the same object. The corners of an object's convex hull lie in such cells.
+/// The outlines of the objects of one scan after another.
 ///
-/// `object_of_dense` has one entry for every dense cell of `dense`.
+/// A dense cell is on the outline of its object if it holds points, and not all of its eight neighbours belong to the
+/// same object. The corners of an object's convex hull lie in such cells.
 ///
 /// Paper: VM section 4, boundary cells.
-pub fn mark_outline(
-    grid: &HierarchicalGrid,
-    dense: &DenseLevel,
-    object_of_dense: &[u32],
-    is_outline: &mut Vec<bool>,
-) {
-    is_outline.clear();
-    is_outline.resize(object_of_dense.len(), false);
-    let xi = grid.params().xi as i32;
-    let n_dense = dense.n_dense_per_block();
-    for (block_idx, &cell_idx) in dense.cell_of_block().iter().enumerate() {
-        let blocks = grid.neighborhood(cell_idx).map(|neighbor_idx| dense.block_of_cell(neighbor_idx));
-        let object_at = |column: i32, row: i32| {
-            let across = (column + xi) / xi;
-            let along = (row + xi) / xi;
-            let block_idx = blocks[(along * 3 + across) as usize];
-            let within = row.rem_euclid(xi) * xi + column.rem_euclid(xi);
-            if block_idx == NO_BLOCK {
-                NO_OBJECT
-            } else {
-                object_of_dense[block_idx as usize * n_dense + within as usize]
+#[derive(Debug, Clone)]
+pub struct Outline {
+    xi: usize,
+    // For each of the nine blocks around a block: its dense cells that touch that block, and their places in `around`.
+    touching: [Vec<[usize; 2]>; 9],
+    // Objects of the dense cells of a block and of those that touch it, row by row.
+    around: Vec<u32>,
+    is_edge: Vec<bool>,
+    // With room for all points of a cluster, so that writing needs no branch.
+    points_m: Vec<[f32; 2]>,
+    n_points: usize,
+}
+
+impl Outline {
+    /// No outlines yet; `xi` are the dense cells along the side of a block.
+    pub fn new(xi: u32) -> Self {
+        let side = xi as i32 + 2;
+        let mut touching = [const { Vec::new() }; 9];
+        for place in 0..side * side {
+            let (column, row) = (place % side - 1, place / side - 1);
+            let [across, along] = [column, row].map(|step| step.div_euclid(xi as i32) + 1);
+            let within = row.rem_euclid(xi as i32) * xi as i32 + column.rem_euclid(xi as i32);
+            touching[(3 * along + across) as usize].push([within as usize, place as usize]);
+        }
+        Self {
+            xi: xi as usize,
+            touching,
+            around: vec![NO_OBJECT; (side * side) as usize],
+            is_edge: Vec::new(),
+            points_m: Vec::new(),
+            n_points: 0,
+        }
+    }
+
+    /// Finds the outlines of the objects `object_of_dense`, one entry for every dense cell of `dense`.
+    pub fn mark(&mut self, grid: &HierarchicalGrid, dense: &DenseLevel, object_of_dense: &[u32]) {
+        let n_dense = dense.n_dense_per_block();
+        let side = self.xi + 2;
+        self.is_edge.clear();
+        for &cell_idx in dense.cell_of_block() {
+            self.around.fill(NO_OBJECT);
+            for (neighbor_idx, touching) in grid.neighborhood(cell_idx).into_iter().zip(&self.touching) {
+                let block_idx = dense.block_of_cell(neighbor_idx);
+                if block_idx != NO_BLOCK {
+                    let objects = &object_of_dense[block_idx as usize * n_dense..][..n_dense];
+                    for &[within, place] in touching {
+                        self.around[place] = objects[within];
+                    }
+                }
             }
-        };
-        for within in 0..xi * xi {
-            let (column, row) = (within % xi, within / xi);
-            let object = object_at(column, row);
-            if object != NO_OBJECT {
-                let neighbors = (-1..=1).flat_map(|along| (-1..=1).map(move |across| (across, along)));
-                let is_edge = neighbors.map(|(x, y)| object_at(column + x, row + y)).any(|it| it != object);
-                is_outline[block_idx * n_dense + within as usize] = is_edge;
+            for rows in self.around.windows(3 * side).step_by(side) {
+                for column in 0..self.xi {
+                    let three = |row: usize| [0, 1, 2].map(|step| rows[row * side + column + step]);
+                    let [before, [left, object, right], behind] = [three(0), three(1), three(2)];
+                    let is_same = |neighbors: [u32; 3]| neighbors.map(|it| it == object) == [true; 3];
+                    let is_inner = is_same(before) & is_same([left, object, right]) & is_same(behind);
+                    self.is_edge.push(object != NO_OBJECT && !is_inner);
+                }
             }
         }
+    }
+
+    /// Gathers the points of an object that lie on its outline, see [`Self::points_m`], and returns the elevations of
+    /// its lowest and highest point in metres. `object` are all its points.
+    pub fn gather(&mut self, object: &[ObjectPoint]) -> [f32; 2] {
+        self.points_m.resize(self.points_m.len().max(object.len()), [0.0; 2]);
+        let (is_edge, points_m) = (&self.is_edge[..], &mut self.points_m[..]);
+        let mut n_points = 0;
+        let [mut low_m, mut high_m] = [f32::INFINITY, f32::NEG_INFINITY];
+        for &ObjectPoint { position_m: [x_m, y_m, z_m], dense_idx } in object {
+            low_m = if z_m < low_m { z_m } else { low_m };
+            high_m = if z_m > high_m { z_m } else { high_m };
+            points_m[n_points] = [x_m, y_m];
+            n_points += usize::from(is_edge[dense_idx as usize]);
+        }
+        self.n_points = n_points;
+        [low_m, high_m]
+    }
+
+    /// The points gathered last, on the ground plan in metres.
+    pub fn points_m(&self) -> &[[f32; 2]] {
+        &self.points_m[..self.n_points]
     }
 }

@@ -1,7 +1,6 @@
 //! The dense cells below the foreground.
 
 use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::point_cloud::PointCloud;
 
 /// The dense level of the grid, kept only where there is foreground.
 ///
@@ -15,8 +14,11 @@ pub struct DenseLevel {
     cell_of_block: Vec<u32>,
     // For every coarse cell.
     block_of_cell: Vec<u32>,
+    // For every block.
     z_max_m: Vec<f32>,
+    // For every dense cell.
     n_points: Vec<u32>,
+    first_place: Vec<u32>,
     // For every foreground point.
     dense_of_point: Vec<u32>,
 }
@@ -25,44 +27,43 @@ pub struct DenseLevel {
 pub const NO_BLOCK: u32 = u32::MAX;
 
 impl DenseLevel {
-    /// Replaces the content by the points `point_indices` of `cloud`, which `grid` holds.
-    pub fn fill(&mut self, cloud: &PointCloud, grid: &HierarchicalGrid, point_indices: &[u32]) {
-        self.number_blocks(grid, point_indices);
+    /// Replaces the content by the points `point_indices` of the scan in `grid`: the highest ones of `cells`, which are
+    /// coarse cells in ascending order and hold one of them each at least.
+    pub fn fill(&mut self, grid: &HierarchicalGrid, cells: &[u32], point_indices: &[u32]) {
+        self.number_blocks(grid, cells);
         self.n_dense_per_block = (grid.params().xi * grid.params().xi) as usize;
-        self.z_max_m.clear();
-        self.z_max_m.resize(self.cell_of_block.len(), f32::NEG_INFINITY);
+        let n_dense = self.cell_of_block.len() * self.n_dense_per_block;
         self.n_points.clear();
-        self.n_points.resize(self.cell_of_block.len() * self.n_dense_per_block, 0);
-        self.dense_of_point.clear();
-        for &point_idx in point_indices {
-            let [x_m, y_m, z_m] = cloud.position_m(point_idx as usize);
-            let cell_idx = grid.cell_of_point()[point_idx as usize];
-            let block_idx = self.block_of_cell[cell_idx as usize] as usize;
-            let dense_idx =
-                block_idx * self.n_dense_per_block + grid.dense_cell_within(cell_idx, x_m, y_m) as usize;
-            self.z_max_m[block_idx] = self.z_max_m[block_idx].max(z_m);
-            self.n_points[dense_idx] += 1;
-            self.dense_of_point.push(dense_idx as u32);
+        self.n_points.resize(n_dense, 0);
+        self.first_place.resize(n_dense, 0);
+        self.dense_of_point.resize(point_indices.len(), 0);
+        let (cell_of_point, dense_within) = (grid.cell_of_point(), grid.dense_within_of_point());
+        let block_of_cell = &self.block_of_cell[..];
+        let (n_points, first_place) = (&mut self.n_points[..], &mut self.first_place[..n_dense]);
+        // Backward, so that the first place is the one that is written last.
+        let places = (0..point_indices.len() as u32).rev();
+        let points = point_indices.iter().rev().zip(self.dense_of_point.iter_mut().rev());
+        for (place, (&point_idx, dense_of_point)) in places.zip(points) {
+            let point_idx = point_idx as usize;
+            let block_idx = block_of_cell[cell_of_point[point_idx] as usize] as usize;
+            let dense_idx = block_idx * self.n_dense_per_block + usize::from(dense_within[point_idx]);
+            *dense_of_point = dense_idx as u32;
+            n_points[dense_idx] += 1;
+            first_place[dense_idx] = place;
         }
     }
 
-    fn number_blocks(&mut self, grid: &HierarchicalGrid, point_indices: &[u32]) {
+    fn number_blocks(&mut self, grid: &HierarchicalGrid, cells: &[u32]) {
         self.block_of_cell.resize(grid.cells().len(), NO_BLOCK);
         for &cell_idx in &self.cell_of_block {
             self.block_of_cell[cell_idx as usize] = NO_BLOCK;
         }
         self.cell_of_block.clear();
-        for &point_idx in point_indices {
-            let cell_idx = grid.cell_of_point()[point_idx as usize];
-            let block_idx = &mut self.block_of_cell[cell_idx as usize];
-            if *block_idx == NO_BLOCK {
-                *block_idx = 0;
-                self.cell_of_block.push(cell_idx);
-            }
-        }
-        self.cell_of_block.sort_unstable();
-        for (&cell_idx, block_idx) in self.cell_of_block.iter().zip(0..) {
+        self.cell_of_block.extend_from_slice(cells);
+        self.z_max_m.clear();
+        for (&cell_idx, block_idx) in cells.iter().zip(0..) {
             self.block_of_cell[cell_idx as usize] = block_idx;
+            self.z_max_m.push(grid.cells()[cell_idx as usize].z_max_m);
         }
     }
 
@@ -100,6 +101,11 @@ impl DenseLevel {
     /// Foreground points in each dense cell of all blocks.
     pub fn n_points(&self) -> &[u32] {
         &self.n_points
+    }
+
+    /// The place in the foreground list of the first point of dense cell `dense_idx`, which must not be empty.
+    pub fn first_place(&self, dense_idx: usize) -> u32 {
+        self.first_place[dense_idx]
     }
 
     /// The dense cell of each foreground point, in the order of the foreground list.

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::grid::cell_set::CellSet;
 use crate::point_cloud::PointCloud;
 
 /// Geometry of the grid.
@@ -33,6 +34,14 @@ impl CoarseCell {
     const EMPTY: Self =
         Self { n_points: 0, z_min_m: f32::INFINITY, z_max_m: f32::NEG_INFINITY, z_sum_m: 0.0 };
 
+    /// Adds a point at this elevation, which is finite.
+    fn add(&mut self, z_m: f32) {
+        self.n_points += 1;
+        self.z_min_m = if z_m < self.z_min_m { z_m } else { self.z_min_m };
+        self.z_max_m = if z_m > self.z_max_m { z_m } else { self.z_max_m };
+        self.z_sum_m += z_m;
+    }
+
     /// Mean elevation in metres; NaN for an empty cell.
     pub fn z_mean_m(&self) -> f32 {
         self.z_sum_m / self.n_points as f32
@@ -55,9 +64,9 @@ pub struct HierarchicalGrid {
     // Cells along a side, with the frame.
     n_columns: u32,
     cells: Vec<CoarseCell>,
-    // Ascending.
-    occupied: Vec<u32>,
+    occupied: CellSet,
     cell_of_point: Vec<u32>,
+    dense_within_of_point: Vec<u8>,
 }
 
 /// The cell of points that are NaN, infinite or outside the gridded square.
@@ -73,41 +82,66 @@ impl HierarchicalGrid {
             params,
             n_columns,
             cells: vec![CoarseCell::EMPTY; n_cells],
-            occupied: Vec::new(),
+            occupied: CellSet::new(n_cells),
             cell_of_point: Vec::new(),
+            dense_within_of_point: Vec::new(),
         }
     }
 
     /// Replaces the content by the points of `cloud`. Points that are not finite, or outside the square, belong to [`NO_CELL`].
     pub fn fill(&mut self, cloud: &PointCloud) {
-        for &cell_idx in &self.occupied {
+        for &cell_idx in self.occupied.ascending() {
             self.cells[cell_idx as usize] = CoarseCell::EMPTY;
         }
         self.occupied.clear();
-        self.cell_of_point.clear();
-        self.cell_of_point.reserve(cloud.len());
-        let (extent_m, cells_per_m) = (self.params.extent_m, 1.0 / self.params.cell_size_m);
-        for ((&x_m, &y_m), &z_m) in cloud.x_m().iter().zip(cloud.y_m()).zip(cloud.z_m()) {
-            // NaN fails every comparison.
-            let inside = x_m.abs() < extent_m && y_m.abs() < extent_m && z_m.is_finite();
-            if !inside {
-                self.cell_of_point.push(NO_CELL);
-                continue;
+        self.find_cells(cloud);
+        // A sensor sweeps, so that points which follow each other lie in the same cell more often than not (seven in a row
+        // on average in a scan of an HDL-64E): the cell is kept at hand while they do.
+        let mut current_idx = NO_CELL;
+        let mut cell = CoarseCell::EMPTY;
+        for (&cell_idx, &z_m) in self.cell_of_point.iter().zip(cloud.z_m()) {
+            if cell_idx != current_idx {
+                if let Some(current) = self.cells.get_mut(current_idx as usize) {
+                    *current = cell;
+                    self.occupied.insert(current_idx);
+                }
+                current_idx = cell_idx;
+                cell = self.cells.get(cell_idx as usize).copied().unwrap_or(CoarseCell::EMPTY);
             }
-            let column = ((x_m + extent_m) * cells_per_m) as u32 + 1;
-            let row = ((y_m + extent_m) * cells_per_m) as u32 + 1;
-            let cell_idx = row * self.n_columns + column;
-            self.cell_of_point.push(cell_idx);
-            let cell = &mut self.cells[cell_idx as usize];
-            if cell.n_points == 0 {
-                self.occupied.push(cell_idx);
-            }
-            cell.n_points += 1;
-            cell.z_min_m = cell.z_min_m.min(z_m);
-            cell.z_max_m = cell.z_max_m.max(z_m);
-            cell.z_sum_m += z_m;
+            cell.add(z_m);
         }
-        self.occupied.sort_unstable();
+        if let Some(current) = self.cells.get_mut(current_idx as usize) {
+            *current = cell;
+            self.occupied.insert(current_idx);
+        }
+        self.occupied.sort();
+    }
+
+    /// Writes the cells of every point. A pass of its own without a branch, for several points at a time.
+    fn find_cells(&mut self, cloud: &PointCloud) {
+        let GridParams { cell_size_m, xi, extent_m } = self.params;
+        let (cells_per_m, dense_per_m) = (1.0 / cell_size_m, xi as f32 / cell_size_m);
+        let (n_columns, last_dense) = (self.n_columns, (xi - 1) as f32);
+        self.cell_of_point.resize(cloud.len(), NO_CELL);
+        self.dense_within_of_point.resize(cloud.len(), 0);
+        let positions_m = cloud.x_m().iter().zip(cloud.y_m()).zip(cloud.z_m());
+        let written = self.cell_of_point.iter_mut().zip(&mut self.dense_within_of_point);
+        for (((&x_m, &y_m), &z_m), (cell_idx, dense_within)) in positions_m.zip(written) {
+            // NaN fails every comparison.
+            let inside = (x_m.abs() < extent_m) & (y_m.abs() < extent_m) & (z_m.abs() < f32::INFINITY);
+            let [column, row] = [x_m, y_m].map(|it_m| whole_part((it_m + extent_m) * cells_per_m));
+            let in_frame = number(row + 1.0).wrapping_mul(n_columns).wrapping_add(number(column + 1.0));
+            // A mask rather than a branch; it leaves NO_CELL, all ones, of points that are not inside.
+            *cell_idx = in_frame | u32::from(inside).wrapping_sub(1);
+            let within = |it_m: f32, step: f32| {
+                let corner_m = step * cell_size_m - extent_m;
+                let into_cell = (it_m - corner_m) * dense_per_m;
+                // Rounding may put a point on the border a hair outside.
+                let into_cell = if into_cell > 0.0 { into_cell } else { 0.0 };
+                whole_part(if into_cell < last_dense { into_cell } else { last_dense })
+            };
+            *dense_within = number(within(y_m, row) * (last_dense + 1.0) + within(x_m, column)) as u8;
+        }
     }
 
     /// The geometry.
@@ -127,7 +161,13 @@ impl HierarchicalGrid {
 
     /// Numbers of the cells that hold a point, ascending.
     pub fn occupied(&self) -> &[u32] {
-        &self.occupied
+        self.occupied.ascending()
+    }
+
+    /// The dense cell of each point within its coarse cell, `0..ξ²`, row by row, in scan order; meaningless for points
+    /// outside.
+    pub fn dense_within_of_point(&self) -> &[u8] {
+        &self.dense_within_of_point
     }
 
     /// The cell of each point, in scan order; [`NO_CELL`] for points outside.
@@ -157,17 +197,23 @@ impl HierarchicalGrid {
     pub fn center_m(&self, cell_idx: u32) -> [f32; 2] {
         self.corner_m(cell_idx).map(|corner_m| corner_m + 0.5 * self.params.cell_size_m)
     }
+}
 
-    /// Number of the dense cell within its coarse cell, `0..ξ²`, row by row, for a point of coarse cell `cell_idx`.
-    pub fn dense_cell_within(&self, cell_idx: u32, x_m: f32, y_m: f32) -> u32 {
-        let [corner_x_m, corner_y_m] = self.corner_m(cell_idx);
-        let xi = self.params.xi;
-        let dense_per_m = xi as f32 / self.params.cell_size_m;
-        // Rounding may put a point on the border a hair outside: the cast stops at 0, `min` at the far side.
-        let column = (((x_m - corner_x_m) * dense_per_m) as u32).min(xi - 1);
-        let row = (((y_m - corner_y_m) * dense_per_m) as u32).min(xi - 1);
-        row * xi + column
-    }
+/// From here to its double neighbouring f32 are 1 apart.
+const WHOLE_FROM: f32 = 8_388_608.0;
+
+/// `value` without its fraction, if it is at least 0 and below 2²²; anything otherwise.
+///
+/// The same as casts to and fro. Compilers turn this into vector instructions on every machine, and casts, which saturate,
+/// not.
+fn whole_part(value: f32) -> f32 {
+    let rounded = (value + WHOLE_FROM) - WHOLE_FROM;
+    rounded - f32::from(rounded > value)
+}
+
+/// A whole `value` as a number, if it is at least 0 and below 2²³; anything otherwise.
+fn number(value: f32) -> u32 {
+    (value + WHOLE_FROM).to_bits() & 0x007f_ffff
 }
 
 #[cfg(test)]
@@ -213,16 +259,27 @@ mod tests {
 
     proptest! {
         #[test]
+        fn the_whole_part_is_what_a_cast_gives(
+            value in prop_oneof![0.0_f32..4_194_304.0, 0.0_f32..300.0], whole in 0_u16..1000,
+        ) {
+            let exact = f32::from(whole);
+            for value in [value, exact, exact.next_up(), exact.next_down().max(0.0)] {
+                prop_assert_eq!(whole_part(value), value.trunc());
+                prop_assert_eq!(number(whole_part(value)), value as u32);
+            }
+        }
+
+        #[test]
         fn every_point_lies_in_its_coarse_and_its_dense_cell(
             positions_m in prop::collection::vec([-29.9_f32..29.9, -29.9_f32..29.9, -3.0_f32..3.0], 0..200)
         ) {
             let grid = filled(&positions_m);
-            for (position_m, &cell_idx) in positions_m.iter().zip(grid.cell_of_point()) {
-                let dense = grid.dense_cell_within(cell_idx, position_m[0], position_m[1]);
+            let cells = grid.cell_of_point().iter().zip(grid.dense_within_of_point());
+            for (position_m, (&cell_idx, &dense)) in positions_m.iter().zip(cells) {
                 prop_assert!(dense < 9);
                 let corner_m = grid.corner_m(cell_idx);
                 for (axis, step) in [(0, dense % 3), (1, dense / 3)] {
-                    let into_cell_m = position_m[axis] - corner_m[axis] - step as f32 * 0.2;
+                    let into_cell_m = position_m[axis] - corner_m[axis] - f32::from(step) * 0.2;
                     prop_assert!((-1e-4..=0.2001).contains(&into_cell_m), "{into_cell_m}");
                 }
             }

@@ -65,6 +65,11 @@ impl ForegroundStages {
         &self.classes
     }
 
+    /// The cells that hold foreground points of the latest scan, ascending.
+    pub fn foreground_cells(&self) -> &[u32] {
+        self.foreground.cells()
+    }
+
     /// Indices of the latest scan's foreground points, ascending.
     pub fn point_indices(&self) -> &[u32] {
         self.foreground.point_indices()

@@ -4,16 +4,16 @@ use crate::classify::size_gate::size_gate;
 use crate::detection::Detection;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::fit::convex_hull_box::ConvexHullBox;
-use crate::fit::outline::mark_outline;
+use crate::fit::outline::Outline;
 use crate::grid::dense_level::DenseLevel;
 use crate::grid::density_weighting::DensityWeighting;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::point_cloud::PointCloud;
-use crate::segment::clusters::Clusters;
 use crate::segment::connected_components::connected_components;
 use crate::segment::dense_separation::DenseSeparation;
+use crate::segment::object_points::ObjectPoints;
 use crate::stage_product::{Shape, StageProduct};
 
 /// Objects from a hierarchical grid.
@@ -25,12 +25,11 @@ pub struct HierarchicalDetector {
     dense: DenseLevel,
     links: Vec<[u32; 2]>,
     separation: DenseSeparation,
-    clusters: Clusters,
-    is_outline: Vec<bool>,
+    clusters: ObjectPoints,
+    outline: Outline,
     box_fit: ConvexHullBox,
     objects: Vec<FittedObject>,
     hulls_m: Vec<[f32; 2]>,
-    object_points: Vec<u32>,
 }
 
 /// A cluster that is large enough, with its box.
@@ -47,17 +46,17 @@ impl HierarchicalDetector {
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
         let weighting = DensityWeighting::new(&params.density_weighting);
         let separation = DenseSeparation::new(params.separation.clone(), &params.grid, &weighting);
+        let outline = Outline::new(params.grid.xi);
         Self {
             foreground: ForegroundStages::new(params, sensor_height_m),
             dense: DenseLevel::default(),
             links: Vec::new(),
             separation,
-            clusters: Clusters::default(),
-            is_outline: Vec::new(),
+            clusters: ObjectPoints::default(),
+            outline,
             box_fit: ConvexHullBox::default(),
             objects: Vec::new(),
             hulls_m: Vec::new(),
-            object_points: Vec::new(),
         }
     }
 }
@@ -73,17 +72,15 @@ impl Detector for HierarchicalDetector {
         self.foreground.run(cloud, &mut clock, &mut output.stage_times);
         let grid = self.foreground.grid();
         let params = self.foreground.params();
-        self.dense.fill(cloud, grid, self.foreground.point_indices());
+        self.dense.fill(grid, self.foreground.foreground_cells(), self.foreground.point_indices());
         clock.lap("dense_level", &mut output.stage_times);
         connected_components(grid, &self.dense, &params.merge, &mut self.links);
         clock.lap("merge", &mut output.stage_times);
         self.separation.separate(grid, &self.dense, &self.links);
-        let object_of_dense = self.separation.object_of_dense();
-        let labels = self.dense.dense_of_point().iter().map(|&dense_idx| object_of_dense[dense_idx as usize]);
-        self.clusters.group(labels, self.separation.n_parts());
+        self.clusters.fill(cloud, self.foreground.point_indices(), &self.dense, &self.separation);
         clock.lap("separation", &mut output.stage_times);
-        mark_outline(grid, &self.dense, object_of_dense, &mut self.is_outline);
-        self.fit_boxes(cloud, output);
+        self.outline.mark(grid, &self.dense, self.separation.object_of_dense());
+        self.fit_boxes(output);
         clock.lap("boxes", &mut output.stage_times);
         self.classify(output);
         clock.lap("classify", &mut output.stage_times);
@@ -109,24 +106,18 @@ impl Detector for HierarchicalDetector {
 }
 
 impl HierarchicalDetector {
-    fn fit_boxes(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+    fn fit_boxes(&mut self, output: &mut DetectorOutput) {
         self.objects.clear();
         self.hulls_m.clear();
-        let point_indices = self.foreground.point_indices();
-        let dense_of_point = self.dense.dense_of_point();
-        for (cluster_idx, members) in self.clusters.iter().enumerate() {
-            if members.len() < self.foreground.params().cluster.min_points {
+        for cluster_idx in 0..self.clusters.n_objects() {
+            let points = self.clusters.points(cluster_idx);
+            if points.len() < self.foreground.params().cluster.min_points {
                 let reason = DropReason::TooFewPoints;
-                output.dropped_clusters.push(DroppedCluster { n_points: members.len(), reason });
+                output.dropped_clusters.push(DroppedCluster { n_points: points.len(), reason });
                 continue;
             }
-            let position_m = |&place: &u32| cloud.position_m(point_indices[place as usize] as usize);
-            let is_outline = |&&place: &&u32| self.is_outline[dense_of_point[place as usize] as usize];
-            let outline_m = members.iter().filter(is_outline).map(position_m).map(|[x, y, _]| [x, y]);
-            let z_range_m = members
-                .iter()
-                .map(position_m)
-                .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], [_, _, z]| [low.min(z), high.max(z)]);
+            let z_range_m = self.outline.gather(points);
+            let outline_m = self.outline.points_m().iter().copied();
             let bounding_box =
                 self.box_fit.fit(outline_m, z_range_m).expect("every object has cells on its outline");
             let hull_start = self.hulls_m.len();
@@ -141,15 +132,13 @@ impl HierarchicalDetector {
 
     /// The vehicle model (VM sections 4 and 5) takes the place of the size gate here.
     fn classify(&mut self, output: &mut DetectorOutput) {
-        let point_indices = self.foreground.point_indices();
         for object in &self.objects {
-            let members = self.clusters.members(object.cluster_idx);
-            self.object_points.clear();
-            self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
+            let point_indices = self.clusters.point_indices(object.cluster_idx);
+            let sizes = &self.foreground.params().vehicle_size;
             output.detections.push(Detection {
-                point_indices: &self.object_points,
+                point_indices,
                 bounding_box: object.bounding_box,
-                class: size_gate(members.len(), &object.bounding_box, &self.foreground.params().vehicle_size),
+                class: size_gate(point_indices.len(), &object.bounding_box, sizes),
                 score: None,
             });
         }
@@ -175,10 +164,9 @@ impl HierarchicalDetector {
 
     fn cluster_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
         let mut cluster_of_point = vec![None; n_points];
-        for (members, cluster_idx) in self.clusters.iter().zip(0..) {
-            for &place in members {
-                cluster_of_point[self.foreground.point_indices()[place as usize] as usize] =
-                    Some(cluster_idx);
+        for cluster_idx in 0..self.clusters.n_objects() {
+            for &point_idx in self.clusters.point_indices(cluster_idx) {
+                cluster_of_point[point_idx as usize] = Some(cluster_idx as u32);
             }
         }
         cluster_of_point

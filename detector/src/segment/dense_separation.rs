@@ -255,7 +255,7 @@ mod tests {
         grid.fill(&cloud);
         let point_indices: Vec<u32> = (0..cloud.len() as u32).collect();
         let mut dense = DenseLevel::default();
-        dense.fill(&cloud, &grid, &point_indices);
+        dense.fill(&grid, grid.occupied(), &point_indices);
         let mut links = Vec::new();
         connected_components(
             &grid,

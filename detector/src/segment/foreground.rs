@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
+use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::point_cloud::PointCloud;
 use crate::segment::terrain::Terrain;
 use crate::stage_product::SurfaceClass;
@@ -24,15 +24,18 @@ pub struct ForegroundParams {
 #[derive(Debug, Clone)]
 pub struct Foreground {
     params: ForegroundParams,
-    // Elevation above which a point counts, for every cell; infinite where none does.
+    // Elevation above which a point counts, infinite where none does; of an earlier scan for cells that are not occupied.
     cut_m: Vec<f32>,
+    cells: Vec<u32>,
+    // With room for every point of the scan, so that writing needs no branch.
     point_indices: Vec<u32>,
+    n_points: usize,
 }
 
 impl Foreground {
     /// No points yet.
     pub fn new(params: ForegroundParams) -> Self {
-        Self { params, cut_m: Vec::new(), point_indices: Vec::new() }
+        Self { params, cut_m: Vec::new(), cells: Vec::new(), point_indices: Vec::new(), n_points: 0 }
     }
 
     /// Replaces the content by the foreground of `cloud`, which `grid` holds and `classes` classifies.
@@ -45,27 +48,42 @@ impl Foreground {
         classes: &[SurfaceClass],
         terrain: &Terrain,
     ) {
-        self.cut_m.clear();
         self.cut_m.resize(classes.len(), f32::INFINITY);
+        self.cells.clear();
         for &cell_idx in grid.occupied() {
-            if classes[cell_idx as usize] == SurfaceClass::Short {
-                let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
-                let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
-                let band_m = self.params.ground_band_m;
-                let ground_m = lowest_m.clamp(terrain_m - band_m, terrain_m + band_m);
-                self.cut_m[cell_idx as usize] = ground_m + self.params.clearance_m;
+            let cut_m = match classes[cell_idx as usize] {
+                SurfaceClass::Short => self.cut_of_m(grid, terrain, cell_idx),
+                _ => f32::INFINITY,
+            };
+            self.cut_m[cell_idx as usize] = cut_m;
+            if grid.cells()[cell_idx as usize].z_max_m > cut_m {
+                self.cells.push(cell_idx);
             }
         }
-        self.point_indices.clear();
-        for ((&cell_idx, &z_m), point_idx) in grid.cell_of_point().iter().zip(cloud.z_m()).zip(0_u32..) {
-            if cell_idx != NO_CELL && z_m > self.cut_m[cell_idx as usize] {
-                self.point_indices.push(point_idx);
-            }
+        self.point_indices.resize(self.point_indices.len().max(cloud.len()), 0);
+        let mut n_points = 0;
+        for ((&cell_idx, &z_m), point_idx) in grid.cell_of_point().iter().zip(cloud.z_m()).zip(0..) {
+            let cut_m = self.cut_m.get(cell_idx as usize).copied().unwrap_or(f32::INFINITY);
+            self.point_indices[n_points] = point_idx;
+            n_points += usize::from(z_m > cut_m);
         }
+        self.n_points = n_points;
+    }
+
+    fn cut_of_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {
+        let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
+        let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
+        let band_m = self.params.ground_band_m;
+        lowest_m.clamp(terrain_m - band_m, terrain_m + band_m) + self.params.clearance_m
+    }
+
+    /// The coarse cells that hold foreground points, ascending.
+    pub fn cells(&self) -> &[u32] {
+        &self.cells
     }
 
     /// Indices of the foreground points in the scan, ascending.
     pub fn point_indices(&self) -> &[u32] {
-        &self.point_indices
+        &self.point_indices[..self.n_points]
     }
 }

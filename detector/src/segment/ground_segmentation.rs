@@ -68,10 +68,10 @@ fn neighborhood_mean_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
     let mut n_occupied = 0.0;
     for neighbor_idx in grid.neighborhood(cell_idx) {
         let cell = &grid.cells()[neighbor_idx as usize];
-        if cell.n_points > 0 {
-            sum_m += cell.z_mean_m();
-            n_occupied += 1.0;
-        }
+        // Chosen, not branched on: which neighbours are occupied cannot be foreseen.
+        let is_occupied = cell.n_points > 0;
+        sum_m += if is_occupied { cell.z_mean_m() } else { 0.0 };
+        n_occupied += f32::from(is_occupied);
     }
     sum_m / n_occupied
 }

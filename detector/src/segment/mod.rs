@@ -9,4 +9,5 @@ pub mod connected_components;
 pub mod disjoint_sets;
 pub mod dense_reach;
 pub mod dense_separation;
+pub mod object_points;
 pub mod clusters;

@@ -34,42 +34,74 @@ pub struct TerrainParams {
 pub struct Terrain {
     params: TerrainParams,
     sensor_height_m: f32,
+    // Blocks along a side, with a frame of blocks that are never known around them.
     n_block_columns: usize,
     // Block numbers, nearest to the sensor first.
     outward: Vec<u32>,
     elevation_m: Vec<f32>,
-    // Blocks since the last one that was seen, 0 where it was; meaningless before `is_set`.
-    n_blocks_unseen: Vec<u16>,
-    is_set: Vec<bool>,
-    flat_elevations_m: Vec<f32>,
+    knowledge: Vec<Knowledge>,
+    // Where the centres of cells lie between those of blocks, by column or row.
+    places: Vec<Place>,
+    // Mean elevations of the flat cells, with room for all cells of each block, and how many they are.
+    flat_m: Vec<f32>,
+    n_flat: Vec<u32>,
+}
+
+/// What is known so far of a block.
+#[derive(Debug, Clone, Copy)]
+struct Knowledge {
+    /// Blocks that were seen speak louder than those that were guessed.
+    weight: f32,
+    /// Weight times elevation.
+    weighted_m: f32,
+    /// Blocks since the last one that was seen, 0 where it was.
+    n_unseen: u16,
+}
+
+impl Knowledge {
+    /// Adds nothing to a sum and is never the least.
+    const NONE: Self = Self { weight: 0.0, weighted_m: 0.0, n_unseen: u16::MAX };
+}
+
+/// Where a cell's centre lies along one axis.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// The block that holds the cell.
+    block: u32,
+    /// The blocks with the nearest centres before and behind, the same at the ends.
+    before: u32,
+    behind: u32,
+    /// How much `behind` counts.
+    share: f32,
 }
 
 impl Terrain {
     /// A terrain for grids of the geometry of `grid`, under a sensor `sensor_height_m` above the road.
     pub fn new(params: TerrainParams, grid: &HierarchicalGrid, sensor_height_m: f32) -> Self {
-        let n_block_columns = grid.n_columns().div_ceil(params.block_cells) as usize;
+        let n_inner = grid.n_columns().div_ceil(params.block_cells);
+        let n_block_columns = n_inner as usize + 2;
         let n_blocks = n_block_columns * n_block_columns;
-        // Distances in half blocks, so that they are whole numbers and the order is exact.
-        let middle = i64::from(grid.n_columns());
         let block_cells = i64::from(params.block_cells);
+        // Distances in half cells, so that they are whole numbers and the order is exact.
+        let from_middle = |step: u32| (2 * i64::from(step) - 1) * block_cells - i64::from(grid.n_columns());
         let squared_distance = |block_idx: u32| {
-            let from_middle = |step: i64| (2 * step + 1) * block_cells - middle;
-            let n = n_block_columns as i64;
-            let (across, along) =
-                (from_middle(i64::from(block_idx) % n), from_middle(i64::from(block_idx) / n));
+            let n = n_block_columns as u32;
+            let (across, along) = (from_middle(block_idx % n), from_middle(block_idx / n));
             across * across + along * along
         };
-        let mut outward: Vec<u32> = (0..n_blocks as u32).collect();
+        let inner = |row: u32| (1..=n_inner).map(move |column| row * n_block_columns as u32 + column);
+        let mut outward: Vec<u32> = (1..=n_inner).flat_map(inner).collect();
         outward.sort_by_key(|&block_idx| (squared_distance(block_idx), block_idx));
         Self {
-            params,
             sensor_height_m,
             n_block_columns,
             outward,
             elevation_m: vec![0.0; n_blocks],
-            n_blocks_unseen: vec![0; n_blocks],
-            is_set: vec![false; n_blocks],
-            flat_elevations_m: Vec::new(),
+            knowledge: vec![Knowledge::NONE; n_blocks],
+            places: (0..grid.n_columns()).map(|step| Place::of(step, params.block_cells, n_inner)).collect(),
+            flat_m: vec![0.0; n_blocks * (params.block_cells * params.block_cells) as usize],
+            n_flat: vec![0; n_blocks],
+            params,
         }
     }
 
@@ -79,79 +111,86 @@ impl Terrain {
             self.elevation_m.fill(-self.sensor_height_m);
             return;
         }
-        self.is_set.fill(false);
+        self.gather_flat_cells(grid);
+        self.knowledge.fill(Knowledge::NONE);
         let block_size_m = self.params.block_cells as f32 * grid.params().cell_size_m;
         for order in 0..self.outward.len() {
             let block_idx = self.outward[order] as usize;
-            let (expected_m, n_blocks_unseen) = self.expectation(block_idx);
-            let n_blocks_away = f32::from(n_blocks_unseen + 1);
-            let tolerance_m = self.params.max_step_m + self.params.max_slope * block_size_m * n_blocks_away;
-            let seen_m = self.low_flat_elevation_m(grid, block_idx);
+            let (expected_m, n_unseen) = self.expectation(block_idx);
+            let rise_m = self.params.max_slope * block_size_m * f32::from(n_unseen + 1);
+            let tolerance_m = self.params.max_step_m + rise_m;
+            let seen_m = self.low_flat_elevation_m(block_idx);
             let accepted_m = seen_m.filter(|seen_m| (seen_m - expected_m).abs() <= tolerance_m);
-            self.elevation_m[block_idx] = accepted_m.unwrap_or(expected_m);
-            self.n_blocks_unseen[block_idx] = if accepted_m.is_some() { 0 } else { n_blocks_unseen + 1 };
-            self.is_set[block_idx] = true;
+            let elevation_m = accepted_m.unwrap_or(expected_m);
+            let n_unseen = if accepted_m.is_some() { 0 } else { n_unseen + 1 };
+            let weight = 1.0 / f32::from(1 + n_unseen);
+            self.knowledge[block_idx] = Knowledge { weight, weighted_m: weight * elevation_m, n_unseen };
+            self.elevation_m[block_idx] = elevation_m;
         }
     }
 
     /// Elevation of the ground at the centre of a coarse cell, in metres, between the block centres linearly.
     pub fn elevation_m(&self, column_and_row: [u32; 2]) -> f32 {
-        let last = self.n_block_columns - 1;
-        let [(left, right, x_share), (low, high, y_share)] = column_and_row.map(|step| {
-            let position = (step as f32 + 0.5) / self.params.block_cells as f32 - 0.5;
-            let before = (position.max(0.0) as usize).min(last);
-            (before, (before + 1).min(last), (position - before as f32).clamp(0.0, 1.0))
-        });
-        let at = |column: usize, row: usize| self.elevation_m[row * self.n_block_columns + column];
-        let along_x = |row: usize| at(left, row) + x_share * (at(right, row) - at(left, row));
-        along_x(low) + y_share * (along_x(high) - along_x(low))
+        let [x, y] = column_and_row.map(|step| self.places[step as usize]);
+        let along_x = |row: u32| {
+            let row = &self.elevation_m[row as usize * self.n_block_columns..][..self.n_block_columns];
+            let (before_m, behind_m) = (row[x.before as usize], row[x.behind as usize]);
+            before_m + x.share * (behind_m - before_m)
+        };
+        let (low_m, high_m) = (along_x(y.before), along_x(y.behind));
+        low_m + y.share * (high_m - low_m)
     }
 
     /// What the neighbours that are already known say, and for how many blocks they have not seen the ground.
     fn expectation(&self, block_idx: usize) -> (f32, u16) {
-        let n = self.n_block_columns as isize;
-        let (column, row) = (block_idx as isize % n, block_idx as isize / n);
-        let mut fewest_unseen = u16::MAX;
-        let mut sum_m = 0.0;
-        let mut weight_sum = 0.0;
-        for (across, along) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
-            let (x, y) = (column + across, row + along);
-            if x < 0 || y < 0 || x >= n || y >= n || !self.is_set[(y * n + x) as usize] {
-                continue;
+        let n = self.n_block_columns;
+        let (mut sum_m, mut weight_sum, mut fewest_unseen) = (0.0, 0.0, u16::MAX);
+        for first in [block_idx - n - 1, block_idx - 1, block_idx + n - 1] {
+            // The block itself is not known yet.
+            for it in &self.knowledge[first..first + 3] {
+                sum_m += it.weighted_m;
+                weight_sum += it.weight;
+                fewest_unseen = fewest_unseen.min(it.n_unseen);
             }
-            let neighbor_idx = (y * n + x) as usize;
-            let n_unseen = self.n_blocks_unseen[neighbor_idx];
-            // Blocks that were seen speak louder than those that were guessed.
-            let weight = 1.0 / f32::from(1 + n_unseen);
-            sum_m += weight * self.elevation_m[neighbor_idx];
-            weight_sum += weight;
-            fewest_unseen = fewest_unseen.min(n_unseen);
         }
         if weight_sum > 0.0 { (sum_m / weight_sum, fewest_unseen) } else { (-self.sensor_height_m, 0) }
     }
 
-    fn low_flat_elevation_m(&mut self, grid: &HierarchicalGrid, block_idx: usize) -> Option<f32> {
-        let block_cells = self.params.block_cells as usize;
-        let n_columns = grid.n_columns() as usize;
-        let first_column = block_idx % self.n_block_columns * block_cells;
-        let first_row = block_idx / self.n_block_columns * block_cells;
-        self.flat_elevations_m.clear();
-        for row in first_row..(first_row + block_cells).min(n_columns) {
-            let columns = first_column..(first_column + block_cells).min(n_columns);
-            for cell in &grid.cells()[row * n_columns + columns.start..row * n_columns + columns.end] {
-                if cell.n_points >= self.params.min_points && cell.z_extent_m() < self.params.flat_extent_m {
-                    self.flat_elevations_m.push(cell.z_mean_m());
-                }
+    fn gather_flat_cells(&mut self, grid: &HierarchicalGrid) {
+        let room = (self.params.block_cells * self.params.block_cells) as usize;
+        self.n_flat.fill(0);
+        for &cell_idx in grid.occupied() {
+            let cell = &grid.cells()[cell_idx as usize];
+            if cell.n_points >= self.params.min_points && cell.z_extent_m() < self.params.flat_extent_m {
+                let [x, y] = grid.column_and_row(cell_idx).map(|step| self.places[step as usize].block);
+                let block_idx = y as usize * self.n_block_columns + x as usize;
+                self.flat_m[block_idx * room + self.n_flat[block_idx] as usize] = cell.z_mean_m();
+                self.n_flat[block_idx] += 1;
             }
         }
-        let n_flat = self.flat_elevations_m.len();
+    }
+
+    fn low_flat_elevation_m(&mut self, block_idx: usize) -> Option<f32> {
+        let n_flat = self.n_flat[block_idx] as usize;
         if n_flat == 0 {
             return None;
         }
+        let room = (self.params.block_cells * self.params.block_cells) as usize;
+        let flat_m = &mut self.flat_m[block_idx * room..][..n_flat];
         let rank = (self.params.low_quantile * n_flat as f32) as usize;
-        let (_, elevation_m, _) =
-            self.flat_elevations_m.select_nth_unstable_by(rank.min(n_flat - 1), f32::total_cmp);
+        let (_, elevation_m, _) = flat_m.select_nth_unstable_by(rank.min(n_flat - 1), f32::total_cmp);
         Some(*elevation_m)
+    }
+}
+
+impl Place {
+    fn of(step: u32, block_cells: u32, n_inner: u32) -> Self {
+        let last = n_inner - 1;
+        let position = (step as f32 + 0.5) / block_cells as f32 - 0.5;
+        let before = (position.max(0.0) as u32).min(last);
+        let share = (position - before as f32).clamp(0.0, 1.0);
+        // Behind the frame.
+        Self { block: step / block_cells + 1, before: before + 1, behind: (before + 1).min(last) + 1, share }
     }
 }
 

@@ -1,12 +1,11 @@
 //! Once the first scan has sized the buffers, detecting allocates nothing.
 
-use std::path::Path;
-
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
+use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
 /// Checks that a detector that has seen `first` allocates nothing on `second`.
 #[track_caller]
@@ -33,30 +32,13 @@ fn a_smaller_scan_allocates_nothing() {
     check(&main_road(), &PointCloud::default());
 }
 
-/// The points of a KITTI scan.
-fn read_velodyne_bin(path: &Path) -> PointCloud {
-    let bytes = std::fs::read(path).expect("a scan");
-    let mut cloud = PointCloud::default();
-    for point in bytes.as_chunks::<16>().0 {
-        let (values, _) = point.as_chunks::<4>();
-        let [x_m, y_m, z_m, intensity] = std::array::from_fn(|column| f32::from_le_bytes(values[column]));
-        cloud.push([x_m, y_m, z_m], intensity);
-    }
-    cloud
-}
-
 #[test]
 fn a_drive_seen_before_allocates_nothing() {
-    let drive = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/data/kitti_tracking/training/velodyne/0000"
-    ));
-    let Ok(entries) = std::fs::read_dir(drive) else {
-        eprintln!("skipped a_drive_seen_before_allocates_nothing: no kitti_tracking");
+    let test = "a_drive_seen_before_allocates_nothing";
+    let paths = velodyne_paths("kitti_tracking/training/velodyne/0000", test);
+    if paths.is_empty() {
         return;
-    };
-    let mut paths: Vec<_> = entries.map(|it| it.expect("an entry").path()).collect();
-    paths.sort();
+    }
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
     let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);

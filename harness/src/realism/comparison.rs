@@ -7,6 +7,7 @@ use super::clusters_per_scan::clusters_per_scan;
 use super::ground_share::ground_share;
 use super::height_histogram::height_histogram;
 use super::points_per_car::points_per_car;
+use super::points_per_track::points_per_track;
 use super::returns_per_scan::returns_per_scan;
 use super::ring_density::ring_density;
 use super::survey::SurveyedScan;
@@ -18,6 +19,7 @@ pub fn compare(scans: &Sides<Vec<SurveyedScan>>) -> Vec<CurvePair> {
         ground_share(&of_scans(scans, |it| it.ground)),
         ring_density(&of_scans(scans, |it| it.rings.clone())),
         points_per_car(&of_scans(scans, |it| it.cars.clone())),
+        points_per_track(&of_scans(scans, |it| it.cars.clone())),
         clusters_per_scan(&of_scans(scans, |it| it.n_clusters)),
         height_histogram(&of_scans(scans, |it| it.heights.clone())),
         cell_classes(&of_scans(scans, |it| it.cells)),

@@ -9,6 +9,7 @@ pub mod returns_per_scan;
 pub mod ground_share;
 pub mod ring_density;
 pub mod points_per_car;
+pub mod points_per_track;
 pub mod clusters_per_scan;
 pub mod height_histogram;
 pub mod cell_classes;

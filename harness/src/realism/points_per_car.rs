@@ -17,6 +17,8 @@ const HALF_VIEW_DEG: f64 = 40.0;
 /// The cars of one scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CarsInScan {
+    /// The drive the scan is of; tracks are numbered within it.
+    pub sequence: String,
     /// Those with a box that holds at least one point.
     pub cars: Vec<SeenCar>,
     /// Whether the labels cover a part of the scan only, as where they come from a camera.
@@ -34,6 +36,8 @@ pub struct SeenCar {
     pub n_points: u64,
     /// How much of it is hidden, where that is known.
     pub occlusion: Option<Occlusion>,
+    /// Which car of the drive it is, where that is known.
+    pub track: Option<u32>,
 }
 
 impl CarsInScan {
@@ -49,42 +53,36 @@ impl CarsInScan {
                 off_forward_deg: y_m.atan2(x_m).abs().to_degrees(),
                 n_points,
                 occlusion: annotation.occlusion,
+                track: annotation.track,
             })
         });
-        Self { cars: cars.collect(), is_view_limited: scan.point_regions.contains(&PointRegion::Outside) }
+        Self {
+            sequence: scan.id.sequence.clone(),
+            cars: cars.collect(),
+            is_view_limited: scan.point_regions.contains(&PointRegion::Outside),
+        }
     }
 }
 
 /// Which cars of both sides are comparable.
+///
+/// Where one side labels only what a camera sees, cars within 40° of forward are taken on both. Where both sides
+/// know how much of a car is hidden, cars more than half hidden are left out on both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Comparable {
+pub struct Comparable {
     in_view_only: bool,
     seen_well_only: bool,
 }
 
-/// Median number of points of the cars in every range bin.
-///
-/// Where one side labels only what a camera sees, cars within 40° of forward are taken on both. Where both sides
-/// know how much of a car is hidden, cars more than half hidden are left out on both.
+/// Median number of points of the [`Comparable`] cars in every range bin.
 pub fn points_per_car(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
-    let knows_occlusion =
-        |scans: &Vec<CarsInScan>| scans.iter().flat_map(|it| &it.cars).any(|car| car.occlusion.is_some());
-    let is_limited = |scans: &Vec<CarsInScan>| scans.iter().any(|it| it.is_view_limited);
-    let comparable = Comparable {
-        in_view_only: is_limited(&scans.left) || is_limited(&scans.right),
-        seen_well_only: knows_occlusion(&scans.left) && knows_occlusion(&scans.right),
-    };
+    let comparable = Comparable::of(scans);
     let by_bin = scans.as_ref().map(|scans| points_by_bin(scans, comparable));
-    let bin = |bin_idx: usize| {
-        let from_m = BIN_M * bin_idx as f64;
-        CurveBin {
-            name: format!("{from_m}-{} m", from_m + BIN_M),
-            ends_m: Some([from_m, from_m + BIN_M]),
-            measured: by_bin.as_ref().map(|by_bin| {
-                let n_points = &by_bin[bin_idx];
-                Measured { value: median_of_sorted(n_points), n: n_points.len() as u64 }
-            }),
-        }
+    let measured = |bin_idx: usize| {
+        by_bin.as_ref().map(|by_bin| {
+            let n_points = &by_bin[bin_idx];
+            Measured { value: median_of_sorted(n_points), n: n_points.len() as u64 }
+        })
     };
     CurvePair {
         statistic: "points_per_car",
@@ -94,16 +92,29 @@ pub fn points_per_car(scans: &Sides<Vec<CarsInScan>>) -> CurvePair {
         unit: "points",
         counted: "cars",
         least_n: Sides { left: LEAST_CARS, right: LEAST_CARS },
-        bins: (0..N_BINS).map(bin).collect(),
+        bins: range_bins(measured),
     }
+}
+
+/// The bins of range, each with what was `measured` in it.
+pub fn range_bins(measured: impl Fn(usize) -> Sides<Measured>) -> Vec<CurveBin> {
+    let bin = |bin_idx: usize| {
+        let from_m = BIN_M * bin_idx as f64;
+        CurveBin {
+            name: format!("{from_m}-{} m", from_m + BIN_M),
+            ends_m: Some([from_m, from_m + BIN_M]),
+            measured: measured(bin_idx),
+        }
+    };
+    (0..N_BINS).map(bin).collect()
 }
 
 /// For every bin the numbers of points of its cars, ascending.
 fn points_by_bin(scans: &[CarsInScan], comparable: Comparable) -> Vec<Vec<f64>> {
     let mut by_bin = vec![Vec::new(); N_BINS];
     for car in scans.iter().flat_map(|it| &it.cars).filter(|car| comparable.takes(car)) {
-        if let Some(n_points) = by_bin.get_mut((car.range_m / BIN_M) as usize) {
-            n_points.push(car.n_points as f64);
+        if let Some(bin_idx) = car.bin_idx() {
+            by_bin[bin_idx].push(car.n_points as f64);
         }
     }
     for n_points in &mut by_bin {
@@ -112,8 +123,27 @@ fn points_by_bin(scans: &[CarsInScan], comparable: Comparable) -> Vec<Vec<f64>> 
     by_bin
 }
 
+impl SeenCar {
+    /// The bin of range it is in; `None` if it is farther than all of them.
+    pub fn bin_idx(&self) -> Option<usize> {
+        Some((self.range_m / BIN_M) as usize).filter(|&bin_idx| bin_idx < N_BINS)
+    }
+}
+
 impl Comparable {
-    fn takes(self, car: &SeenCar) -> bool {
+    /// What is comparable between both sides of `scans`.
+    pub fn of(scans: &Sides<Vec<CarsInScan>>) -> Self {
+        let knows_occlusion =
+            |scans: &Vec<CarsInScan>| scans.iter().flat_map(|it| &it.cars).any(|car| car.occlusion.is_some());
+        let is_limited = |scans: &Vec<CarsInScan>| scans.iter().any(|it| it.is_view_limited);
+        Self {
+            in_view_only: is_limited(&scans.left) || is_limited(&scans.right),
+            seen_well_only: knows_occlusion(&scans.left) && knows_occlusion(&scans.right),
+        }
+    }
+
+    /// Whether `car` is compared.
+    pub fn takes(self, car: &SeenCar) -> bool {
         let is_seen_well = matches!(car.occlusion, Some(Occlusion::None | Occlusion::Partly));
         (!self.in_view_only || car.off_forward_deg <= HALF_VIEW_DEG) && (!self.seen_well_only || is_seen_well)
     }
@@ -125,11 +155,11 @@ mod tests {
     use crate::realism::drawn_scan;
 
     fn car(range_m: f64, n_points: u64) -> SeenCar {
-        SeenCar { range_m, off_forward_deg: 0.0, n_points, occlusion: Some(Occlusion::None) }
+        SeenCar { range_m, off_forward_deg: 0.0, n_points, occlusion: Some(Occlusion::None), track: None }
     }
 
     fn all_round(cars: &[SeenCar]) -> CarsInScan {
-        CarsInScan { cars: cars.to_vec(), is_view_limited: false }
+        CarsInScan { sequence: String::new(), cars: cars.to_vec(), is_view_limited: false }
     }
 
     /// The median and the number of cars of the left side in the bin from 10 to 15 m.
@@ -171,7 +201,7 @@ mod tests {
         let ahead = SeenCar { off_forward_deg: 40.0, ..car(12.0, 5) };
         let scans = || vec![all_round(&[aside, ahead])];
         check(scans(), scans(), Some(5.0), 2);
-        check(scans(), vec![CarsInScan { cars: Vec::new(), is_view_limited: true }], Some(5.0), 1);
+        check(scans(), vec![CarsInScan { is_view_limited: true, ..all_round(&[]) }], Some(5.0), 1);
     }
 
     #[test]

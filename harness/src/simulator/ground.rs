@@ -2,6 +2,8 @@
 
 use parry3d::math::Vector;
 use parry3d::query::Ray;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 use super::road_axis::{RoadAxis, RoadPosition};
 use super::scene::{GROUND_LEAF, chance};
@@ -19,6 +21,15 @@ pub struct CrossSection {
     pub kerb_height_m: f32,
 }
 
+/// How the land lies beside a road, and with it whatever crosses it there: it falls away, evenly after a round beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Banks {
+    /// Distance from the axis at which the land begins to fall, in metres.
+    pub from_axis_m: f32,
+    /// Fall per metre to the left and to the right.
+    pub fall: [f32; 2],
+}
+
 /// A road with its axis and cross-section.
 #[derive(Debug, Clone)]
 pub struct Road {
@@ -26,6 +37,8 @@ pub struct Road {
     pub axis: RoadAxis,
     /// What it looks like cut across.
     pub section: CrossSection,
+    /// What the land does beside it.
+    pub banks: Banks,
 }
 
 /// The ground everywhere: roads, and raised ground beside them.
@@ -67,6 +80,28 @@ const GROWN_SHARE: f32 = 0.25;
 /// Where the patches begin and end, as metres beyond the kerb, and how wide a pavement must be to have any.
 const PATCH_FROM_KERB_M: std::ops::Range<f32> = 0.25..1.05;
 const LEAST_PAVEMENT_WITH_GRASS_M: f32 = 2.8;
+
+/// Over how many metres the land beside a road bends until it falls evenly.
+const BEND_M: f32 = 4.0;
+
+impl Banks {
+    /// Level land.
+    pub const LEVEL: Self = Self { from_axis_m: 0.0, fall: [0.0; 2] };
+
+    /// Draws how the land falls beyond `from_axis_m`: to either side or to none, as steeply as streets do.
+    pub fn any(from_axis_m: f32, rng: &mut ChaCha8Rng) -> Self {
+        let mut fall = || if rng.random_bool(0.75) { rng.random_range(0.04..0.15) } else { 0.0 };
+        Self { from_axis_m, fall: [fall(), fall()] }
+    }
+
+    /// How far the land has fallen `left_m` to the left of the axis, in metres.
+    fn fall_m(&self, left_m: f32) -> f32 {
+        let beyond_m = (left_m.abs() - self.from_axis_m).max(0.0);
+        let fall = if left_m > 0.0 { self.fall[0] } else { self.fall[1] };
+        let bent_m = beyond_m.min(BEND_M);
+        fall * (bent_m * bent_m / (2.0 * BEND_M) + beyond_m - bent_m)
+    }
+}
 
 const MARKING_REFLECTIVITY: f32 = 0.6;
 const ASPHALT_REFLECTIVITY: f32 = 0.25;
@@ -136,8 +171,8 @@ impl Ground {
 
     fn slope_height_m(&self, plan: [f32; 2]) -> f32 {
         let heights = self.roads.iter().map(|road| {
-            let along_m = road.axis.road_position(plan).along_m;
-            road.axis.height_and_gradient(along_m).0
+            let position = road.axis.road_position(plan);
+            road.axis.height_and_gradient(position.along_m).0 - road.banks.fall_m(position.left_m)
         });
         heights.sum()
     }
@@ -150,6 +185,7 @@ impl Ground {
         for road in &self.roads {
             let position = road.axis.road_position(plan);
             slope_height_m += road.axis.height_and_gradient(position.along_m).0;
+            slope_height_m -= road.banks.fall_m(position.left_m);
             let half_m = road.section.left_kerb_m.min(road.section.right_kerb_m);
             fall_m = fall_m.min(position.left_m.abs().min(half_m) * road.section.crown);
             kerb_height_m = road.section.kerb_height_m;
@@ -202,20 +238,25 @@ impl Ground {
             return None;
         }
         let mut range_m = from_m + last.1 / gradient;
+        let farthest_m = max_range_m * 1.5 + 10.0;
+        // Land falls away beside roads: what does not come down to the plane below in time does not at all.
+        if range_m > farthest_m {
+            return None;
+        }
         for _ in 0..8 {
-            if !(0.0..=max_range_m * 1.5 + 10.0).contains(&range_m) {
-                return None;
+            if !(0.0..=farthest_m).contains(&range_m) {
+                break;
             }
             let clearance = clearance_m(range_m);
             if clearance.abs() < 5e-4 {
-                break;
+                return (range_m <= max_range_m).then_some(range_m);
             }
             let secant = (last.1 - clearance) / (range_m - last.0);
             let step = clearance / if secant > 1e-4 { secant } else { gradient };
             last = (range_m, clearance);
             range_m += step;
         }
-        (range_m <= max_range_m).then_some(range_m)
+        first_below_m(clearance_m, [from_m, max_range_m.min(LONGEST_MARCH_M)])
     }
 
     /// How fast the ray approaches the slope below its origin, in metres per length of its direction.
@@ -251,6 +292,31 @@ fn road_reflectivity(from_axis_m: f32) -> f32 {
     if from_axis_m.abs() < 0.06 { MARKING_REFLECTIVITY } else { ASPHALT_REFLECTIVITY }
 }
 
+/// How far a ray is followed step by step where the secant finds nothing, in metres: farther than any sensor sees ground.
+const LONGEST_MARCH_M: f32 = 200.0;
+/// Length of such a step in metres.
+const MARCH_STEP_M: f32 = 3.0;
+
+/// Where `clearance_m` first falls below 0: step by step, for where the land falls nearly as steeply as the ray.
+fn first_below_m(clearance_m: impl Fn(f32) -> f32, [from_m, to_m]: [f32; 2]) -> Option<f32> {
+    let mut above_m = from_m;
+    let mut below_m = loop {
+        let next_m = (above_m + MARCH_STEP_M).min(to_m);
+        if clearance_m(next_m) < 0.0 {
+            break next_m;
+        }
+        if next_m >= to_m {
+            return None;
+        }
+        above_m = next_m;
+    };
+    for _ in 0..16 {
+        let middle_m = f32::midpoint(above_m, below_m);
+        if clearance_m(middle_m) < 0.0 { below_m = middle_m } else { above_m = middle_m }
+    }
+    Some(below_m)
+}
+
 #[derive(Debug, Clone, Copy)]
 enum Level {
     Road,
@@ -277,7 +343,8 @@ mod tests {
             hills: Wave { amplitude_m: 0.5, length_m: 200.0, phase: 0.2 },
         });
         let section = CrossSection { left_kerb_m: 5.0, right_kerb_m: 7.0, crown: 0.02, kerb_height_m: 0.12 };
-        Ground { roads: vec![Road { axis, section }], pavement_width_m: 3.0, corner_radius_m: 0.0 }
+        let banks = Banks { from_axis_m: 11.0, fall: [0.05, 0.12] };
+        Ground { roads: vec![Road { axis, section, banks }], pavement_width_m: 3.0, corner_radius_m: 0.0 }
     }
 
     proptest! {
@@ -293,9 +360,17 @@ mod tests {
             let slope = ground.normal([0.0, 0.0]);
             let along_slope = (level - slope * level.dot(slope)).normalize();
             let ray = Ray::new(origin, (along_slope - slope * fall).normalize());
-            let hit = ground.cast(&ray, 120.0).expect("the ray falls");
-            let place = ray.point_at(hit.range_m);
-            let above_m = place.z - ground.height_m([place.x, place.y]);
+            let above_m = |range_m: f32| {
+                let place = ray.point_at(range_m);
+                place.z - ground.height_m([place.x, place.y])
+            };
+            // Where the land falls more steeply than the ray, they never meet.
+            let Some(hit) = ground.cast(&ray, 120.0) else {
+                let is_above = (0..120).all(|range_m| above_m(range_m as f32) > -0.01);
+                prop_assert!(is_above, "missed");
+                return Ok(());
+            };
+            let above_m = above_m(hit.range_m);
             let on_kerb = (-0.002..0.122).contains(&above_m) && hit.reflectivity == KERB_REFLECTIVITY;
             prop_assert!(above_m.abs() < 0.002 || on_kerb, "{above_m} {hit:?}");
             prop_assert!(hit.normal.dot(ray.dir) < 0.0);
@@ -331,6 +406,14 @@ mod tests {
         assert_eq!(n_grown(7.0), 0, "not where people walk");
         assert_eq!(n_grown(9.0), 180, "all over gardens");
         assert!((15..90).contains(&n_grown(5.6)), "{} of 180 along the kerb", n_grown(5.6));
+    }
+
+    #[test]
+    fn the_land_beside_the_road_falls_away() {
+        let banks = Banks { from_axis_m: 10.0, fall: [0.1, 0.0] };
+        let falls_m = [0.0, 10.0, 13.0, 16.0, 26.0, -26.0].map(|left_m| banks.fall_m(left_m));
+        let expected_m = [0.0, 0.0, 0.1125, 0.4, 1.4, 0.0];
+        assert!(falls_m.iter().zip(expected_m).all(|(a, b)| (a - b).abs() < 1e-5), "{falls_m:?}");
     }
 
     #[test]

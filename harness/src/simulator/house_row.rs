@@ -18,9 +18,14 @@ use super::world::{World, rotation_from_axes};
 pub struct HouseRowParams {
     /// Chance that a gap follows a house.
     pub gap: f64,
+    /// Least and greatest width of a gap, in metres.
+    pub gap_m: [f32; 2],
     /// Chance that a house stands back behind a front garden.
     pub set_back: f64,
 }
+
+/// How far gardens reach back from the building line, in metres.
+const GARDEN_DEPTH_M: f32 = 24.0;
 
 /// Builds houses along `roadside`, and plants and fences the gaps and gardens.
 pub fn house_row(world: &mut World, roadside: &Roadside, params: &HouseRowParams, rng: &mut ChaCha8Rng) {
@@ -38,13 +43,13 @@ pub fn house_row(world: &mut World, roadside: &Roadside, params: &HouseRowParams
         }
         along_m += length_m;
         if rng.random_bool(params.gap) {
-            let gap_m = rng.random_range(3.0_f32..9.0).min(end_m - along_m);
+            let gap_m = rng.random_range(params.gap_m[0]..params.gap_m[1]).min(end_m - along_m);
             garden_border(world, roadside, [along_m, along_m + gap_m], rng);
-            garden_plants(world, roadside, [along_m, along_m + gap_m], 12.0, rng);
+            garden_plants(world, roadside, [along_m, along_m + gap_m], GARDEN_DEPTH_M, rng);
             along_m += gap_m;
         }
     }
-    let beyond = Roadside { building_line_m: roadside.building_line_m + 28.0, ..*roadside };
+    let beyond = Roadside { building_line_m: roadside.building_line_m + GARDEN_DEPTH_M + 4.0, ..*roadside };
     back_row(world, &beyond, rng);
 }
 
@@ -100,12 +105,16 @@ fn house(world: &mut World, roadside: &Roadside, reach_m: [f32; 2], set_back_m: 
         let form = LeafForm::Solid(solid.placed(&frame));
         world.walls.push(Leaf { form, material, object_idx: None });
     };
-    wall(Solid::cuboid([0.0, 0.001, 0.0], [0.2, depth_m, height_m]), masonry);
-    wall(Solid::cuboid([length_m - 0.2, 0.001, 0.0], [length_m, depth_m, height_m]), masonry);
+    // Down into the ground, which may fall toward the back.
+    wall(Solid::cuboid([0.0, 0.001, -3.0], [0.2, depth_m, height_m]), masonry);
+    wall(Solid::cuboid([length_m - 0.2, 0.001, -3.0], [length_m, depth_m, height_m]), masonry);
     // Curtains, blinds and the rooms behind the panes.
     wall(Solid::cuboid([0.2, 0.6, 0.0], [length_m - 0.2, depth_m, height_m]), Material::solid(0.25));
     for solid in relief(length_m, &pattern, rng) {
         wall(solid, masonry);
+    }
+    for (solid, leaves) in climbing_plants(length_m, rng) {
+        wall(solid, leaves);
     }
     // Only where nobody walks.
     if set_back_m > 2.0 && rng.random_bool(0.08) {
@@ -164,6 +173,22 @@ fn relief(length_m: f32, pattern: &FacadePattern, rng: &mut ChaCha8Rng) -> Vec<S
     solids
 }
 
+/// Ivy, espaliers and shrubs against a façade, some metres apart.
+fn climbing_plants(length_m: f32, rng: &mut ChaCha8Rng) -> Vec<(Solid, Material)> {
+    let mut plants = Vec::new();
+    let mut at_m = rng.random_range(0.5_f32..9.0);
+    while at_m < length_m - 0.5 {
+        let half_width_m = rng.random_range(0.2_f32..0.9);
+        let half_height_m = rng.random_range(0.3_f32..1.6);
+        let leaves = Material::foliage(rng.random_range(0.05..0.2));
+        let upright =
+            Solid::spheroid([at_m, 0.0, 0.3 + half_height_m], half_width_m.min(0.45), half_height_m);
+        plants.push((upright, leaves));
+        at_m += rng.random_range(2.0_f32..12.0);
+    }
+    plants
+}
+
 /// A hedge, a fence or nothing along the building line.
 fn garden_border(world: &mut World, roadside: &Roadside, [from_m, to_m]: [f32; 2], rng: &mut ChaCha8Rng) {
     let length_m = to_m - from_m - rng.random_range(0.6_f32..1.6);
@@ -179,6 +204,7 @@ fn garden_border(world: &mut World, roadside: &Roadside, [from_m, to_m]: [f32; 2
     world.stand(shape, &placement);
 }
 
+/// Trees, bushes and shrubs in rows one behind the other.
 fn garden_plants(
     world: &mut World,
     roadside: &Roadside,
@@ -186,12 +212,19 @@ fn garden_plants(
     depth_m: f32,
     rng: &mut ChaCha8Rng,
 ) {
-    let mut along_m = from_m + 1.2;
-    while along_m < to_m - 1.2 {
-        let shape =
-            if rng.random_bool(0.4) { vegetation_shape::tree(rng) } else { vegetation_shape::bush(rng) };
-        let into_garden_m = rng.random_range(1.4..depth_m.max(2.2));
-        world.stand(shape, &roadside.facing_road(along_m, roadside.building_line_m + into_garden_m));
-        along_m += rng.random_range(2.2..6.0);
+    let mut row_m = rng.random_range(1.3_f32..2.2);
+    while row_m < depth_m {
+        let mut along_m = from_m + rng.random_range(0.8_f32..3.0);
+        while along_m < to_m - 0.8 {
+            let shape = match rng.random_range(0..100_u32) {
+                0..18 => vegetation_shape::tree(rng),
+                18..34 => vegetation_shape::bush(rng),
+                _ => vegetation_shape::shrub(rng),
+            };
+            let into_garden_m = row_m + rng.random_range(-0.7_f32..0.7);
+            world.stand(shape, &roadside.facing_road(along_m, roadside.building_line_m + into_garden_m));
+            along_m += rng.random_range(1.4_f32..4.5);
+        }
+        row_m += rng.random_range(2.0_f32..5.0);
     }
 }

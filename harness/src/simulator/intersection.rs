@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::furniture_shape;
-use super::ground::{Ground, Road};
+use super::ground::{Banks, Ground, Road};
 use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
@@ -13,9 +13,9 @@ use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
 use super::street_conditions::StreetConditions;
-use super::traffic::{Lane, lane_traffic};
+use super::traffic::{Lane, TurningOff, lane_traffic};
 use super::waiting_queue::{WaitingQueueParams, waiting_queue};
-use super::world::{Course, Stance, World};
+use super::world::{Course, RightTurn, Stance, World};
 
 const DRIVE_DURATION_S: f32 = 20.0;
 const MAIN: usize = 0;
@@ -42,6 +42,7 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
         start: RoadPosition { along_m: 0.0, left_m: -plans.main.lanes_m / 2.0 },
         speed_m_per_s,
         reach_m: plans.main.reach_m,
+        right_turn: None,
         stance: Stance::OnSlope,
     };
     let mut world = World::new(ground(&plans, conditions, rng), ego, DRIVE_DURATION_S);
@@ -81,22 +82,26 @@ fn ground(plans: &Plans, conditions: &StreetConditions, rng: &mut ChaCha8Rng) ->
         reach_m: plans.main.reach_m,
         bends: Wave::FLAT,
         gradient: rng.random_range(-0.05..0.05),
-        hills: Wave::any(0.0..0.8, 180.0..400.0, rng),
+        hills: Wave::any(0.2..1.5, 160.0..350.0, rng),
     }));
     let crossing = RoadAxis::new(&conditions.road(RoadAxisShape {
         origin_m: [plans.crossed_at_m, 0.0],
         heading_rad: std::f32::consts::FRAC_PI_2,
         reach_m: plans.crossing.reach_m,
         bends: Wave::FLAT,
-        gradient: rng.random_range(-0.05..0.05),
+        gradient: rng.random_range(-0.03..0.03),
         hills: Wave::FLAT,
     }));
     let main_section = conditions.section(plans.main.cross_section(rng));
     let mut crossing_section = plans.crossing.cross_section(rng);
     crossing_section.kerb_height_m = main_section.kerb_height_m;
     crossing_section.crown = main_section.crown;
-    let roads =
-        vec![Road { axis: main, section: main_section }, Road { axis: crossing, section: crossing_section }];
+    // The crossing road falls away with the land.
+    let banks = Banks::any(main_section.left_kerb_m + plans.main.pavement_width_m, rng);
+    let roads = vec![
+        Road { axis: main, section: main_section, banks },
+        Road { axis: crossing, section: crossing_section, banks: Banks::LEVEL },
+    ];
     Ground {
         roads,
         pavement_width_m: plans.main.pavement_width_m,
@@ -124,11 +129,15 @@ fn furnish(
         person_beside: 0.1,
     };
     let furniture = PavementFurnitureParams {
-        spacing_m: rng.random_range(4.0..9.0),
+        spacing_m: rng.random_range(3.5..7.5),
         from_kerb_m: 0.6,
         tree_share: rng.random_range(0.1..0.4),
     };
-    let houses = HouseRowParams { gap: rng.random_range(0.1..0.5), set_back: rng.random_range(0.0..0.4) };
+    let houses = HouseRowParams {
+        gap: rng.random_range(0.2..0.7),
+        gap_m: [4.0, 16.0],
+        set_back: rng.random_range(0.1..0.6),
+    };
     let corner_m = kerb_m + CORNER_CLEARANCE_M;
     for (clear, built) in [(before(corner_m), before(houses_m)), (after(corner_m), after(houses_m))] {
         parked_row(world, &clear, &parked, rng);
@@ -158,6 +167,17 @@ fn corner_posts(world: &mut World, plans: &Plans, rng: &mut ChaCha8Rng) {
     }
 }
 
+/// Cars that go along the main road in `direction` turn right round the corner, at an even distance from the kerb, into the
+/// lane of the crossing road that leads away.
+fn turning_off(world: &World, plans: &Plans, direction: f32) -> TurningOff {
+    let [to_main_kerb_m, to_crossing_kerb_m] =
+        [&plans.main, &plans.crossing].map(|plan| plan.roadside(Side::Right).kerb_m - plan.lanes_m / 2.0);
+    let radius_m = world.ground.corner_radius_m + to_main_kerb_m.min(to_crossing_kerb_m);
+    let ends_m = plans.crossed_at_m - direction * plans.crossing.lanes_m / 2.0;
+    let right_turn = RightTurn { from_m: ends_m - direction * radius_m, radius_m };
+    TurningOff { share: 0.3, right_turn }
+}
+
 fn traffic(world: &mut World, plans: &Plans, rng: &mut ChaCha8Rng) {
     let with_ego = Lane {
         road_idx: MAIN,
@@ -165,10 +185,15 @@ fn traffic(world: &mut World, plans: &Plans, rng: &mut ChaCha8Rng) {
         speed_m_per_s: world.ego.speed_m_per_s,
         reach_m: plans.main.reach_m,
         spacing_m: rng.random_range(18.0..45.0),
+        turning_off: Some(turning_off(world, plans, 1.0)),
     };
     lane_traffic(world, &with_ego, [-6.0, 9.0], DRIVE_DURATION_S, rng);
-    let oncoming =
-        Lane { left_m: -with_ego.left_m, speed_m_per_s: -rng.random_range(5.0_f32..10.0), ..with_ego };
+    let oncoming = Lane {
+        left_m: -with_ego.left_m,
+        speed_m_per_s: -rng.random_range(5.0_f32..10.0),
+        turning_off: Some(turning_off(world, plans, -1.0)),
+        ..with_ego
+    };
     lane_traffic(world, &oncoming, [0.0, 0.0], DRIVE_DURATION_S, rng);
     for side in [Side::Left, Side::Right] {
         let queue = WaitingQueueParams {

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::ground::{Ground, Road};
+use super::ground::{Banks, Ground, Road};
 use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row, second_row_dice};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
@@ -35,6 +35,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
         start: RoadPosition { along_m: 0.0, left_m: lanes.with_ego[0].left_m },
         speed_m_per_s,
         reach_m: plan.reach_m,
+        right_turn: None,
         stance: Stance::OnSlope,
     };
     let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S);
@@ -67,24 +68,30 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
         heading_rad: 0.0,
         reach_m: plan.reach_m,
         bends: Wave::any(0.0..7.0, 350.0..700.0, rng),
-        gradient: rng.random_range(-0.06..0.06),
-        hills: Wave::any(0.0..1.5, 180.0..400.0, rng),
+        gradient: rng.random_range(-0.05..0.05),
+        hills: Wave::any(0.3..2.2, 160.0..350.0, rng),
     };
     let axis = RoadAxis::new(&conditions.road(shape));
-    let roads = vec![Road { axis, section: conditions.section(plan.cross_section(rng)) }];
+    let section = conditions.section(plan.cross_section(rng));
+    let banks = Banks::any(section.left_kerb_m.max(section.right_kerb_m) + plan.pavement_width_m, rng);
+    let roads = vec![Road { axis, section, banks }];
     Ground { roads, pavement_width_m: plan.pavement_width_m, corner_radius_m: 0.0 }
 }
 
 fn furnish(world: &mut World, roadside: &Roadside, rng: &mut ChaCha8Rng) {
     let furniture = PavementFurnitureParams {
-        spacing_m: rng.random_range(4.0..9.0),
+        spacing_m: rng.random_range(3.5..7.5),
         from_kerb_m: 0.65,
         tree_share: rng.random_range(0.1..0.5),
     };
     pavement_furniture(world, roadside, &furniture, rng);
     let people = PavementPeopleParams { spacing_m: rng.random_range(8.0..25.0), from_kerb_m: 1.3 };
     pavement_people(world, roadside, &people, rng);
-    let houses = HouseRowParams { gap: rng.random_range(0.2..0.6), set_back: rng.random_range(0.0..0.6) };
+    let houses = HouseRowParams {
+        gap: rng.random_range(0.3..0.8),
+        gap_m: [4.0, 16.0],
+        set_back: rng.random_range(0.1..0.7),
+    };
     house_row(world, roadside, &houses, rng);
 }
 
@@ -104,6 +111,7 @@ fn lanes(plan: &RoadPlan, n_lanes_each_way: u32, ego_speed_m_per_s: f32, rng: &m
         speed_m_per_s,
         reach_m: plan.reach_m,
         spacing_m,
+        turning_off: None,
     };
     // Vehicles keep to the inner side of their lanes and leave the edge to bicycles.
     let lane_width_m = plan.lanes_m / n_lanes_each_way as f32;

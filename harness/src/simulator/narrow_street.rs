@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::ground::{Ground, Road};
+use super::ground::{Banks, Ground, Road};
 use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
@@ -32,6 +32,7 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
         start: RoadPosition { along_m: 0.0, left_m: 0.0 },
         speed_m_per_s,
         reach_m: plan.reach_m,
+        right_turn: None,
         stance: Stance::OnSlope,
     };
     let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S);
@@ -62,7 +63,9 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
         hills: Wave::any(0.0..1.0, 150.0..300.0, rng),
     };
     let axis = RoadAxis::new(&conditions.road(shape));
-    let roads = vec![Road { axis, section: conditions.section(plan.cross_section(rng)) }];
+    let section = conditions.section(plan.cross_section(rng));
+    let banks = Banks::any(section.left_kerb_m.max(section.right_kerb_m) + plan.pavement_width_m, rng);
+    let roads = vec![Road { axis, section, banks }];
     Ground { roads, pavement_width_m: plan.pavement_width_m, corner_radius_m: 0.0 }
 }
 
@@ -82,7 +85,11 @@ fn furnish(world: &mut World, plan: &RoadPlan, side: Side, rng: &mut ChaCha8Rng)
     pavement_furniture(world, &roadside, &furniture, rng);
     let people = PavementPeopleParams { spacing_m: rng.random_range(10.0..30.0), from_kerb_m: 0.85 };
     pavement_people(world, &roadside, &people, rng);
-    let houses = HouseRowParams { gap: rng.random_range(0.0..0.3), set_back: rng.random_range(0.0..0.3) };
+    let houses = HouseRowParams {
+        gap: rng.random_range(0.0..0.3),
+        gap_m: [3.0, 9.0],
+        set_back: rng.random_range(0.0..0.3),
+    };
     house_row(world, &roadside, &houses, rng);
 }
 
@@ -93,6 +100,7 @@ fn traffic(world: &mut World, plan: &RoadPlan, rng: &mut ChaCha8Rng) {
         speed_m_per_s: world.ego.speed_m_per_s,
         reach_m: plan.reach_m,
         spacing_m: rng.random_range(25.0..70.0),
+        turning_off: None,
     };
     lane_traffic(world, &vehicles, [-6.0, 9.0], DRIVE_DURATION_S, rng);
     // Bicycles may go against the traffic; they pass at its edge.

@@ -72,24 +72,29 @@ fn row_along_kerb(world: &mut World, roadside: &Roadside, params: &ParkedRowPara
         let middle_m = along_m + size.x / 2.0;
         along_m += size.x + rng.random_range(0.3..1.0);
         if along_m > end_m {
-            return;
+            break;
         }
         let from_kerb_m = rng.random_range(0.12..0.35) + size.y / 2.0;
         let from_axis_m = roadside.kerb_m - from_kerb_m;
         let mut placement = roadside.along_traffic(middle_m, from_axis_m, Stance::OnSlope);
         placement.turned_rad += rng.random_range(-0.02..0.02);
         world.stand(shape, &placement);
-        second_row.block(world, roadside, [middle_m, from_axis_m - size.y / 2.0]);
+        second_row.at_kerb.push(AtKerb {
+            along_m: [middle_m - size.x / 2.0, middle_m + size.x / 2.0],
+            side_m: from_axis_m - size.y / 2.0,
+        });
         if rng.random_bool(params.person_beside) {
             let gap_m = rng.random_range(0.35..0.75);
-            let is_on_road = rng.random_bool(0.5);
+            let toward_road = if rng.random_bool(0.5) { -1.0 } else { 1.0 };
             let stands_at_m = middle_m + rng.random_range(-1.5..1.5);
-            // Who would stand in a vehicle of the second row stands on the pavement instead.
-            let toward_road = if is_on_road && second_row.keep_free(stands_at_m) { -1.0 } else { 1.0 };
+            if toward_road < 0.0 {
+                second_row.people_m.push(stands_at_m);
+            }
             let beside_m = from_axis_m + toward_road * (size.y / 2.0 + gap_m);
             stand_person(world, roadside, [stands_at_m, beside_m], rng);
         }
     }
+    second_row.stop(world, roadside);
 }
 
 /// Dice for second rows, apart from those for everything else, so that the rest of a street does not depend on them.
@@ -107,8 +112,19 @@ struct SecondRow {
     blocked_share: f64,
     /// Distance from the axis beyond which the lanes for traffic end, in metres.
     lanes_m: f32,
-    /// How far along the road the row is taken, in metres.
-    taken_to_m: f32,
+    /// The vehicles at the kerb, in their order along the road.
+    at_kerb: Vec<AtKerb>,
+    /// Where people stand on the side of the road, in metres along it: nobody stops there.
+    people_m: Vec<f32>,
+}
+
+/// A vehicle at the kerb.
+#[derive(Debug, Clone, Copy)]
+struct AtKerb {
+    /// From where to where along the road, in metres.
+    along_m: [f32; 2],
+    /// Distance of its side toward the road from the axis, in metres.
+    side_m: f32,
 }
 
 impl SecondRow {
@@ -118,41 +134,39 @@ impl SecondRow {
             Parking::Nowhere | Parking::AlongKerb { .. } | Parking::Askew { .. } => 0.0,
         };
         let lanes_m = roadside.kerb_m - parking.width_m();
-        Self { dice, blocked_share, lanes_m, taken_to_m: f32::NEG_INFINITY }
+        Self { dice, blocked_share, lanes_m, at_kerb: Vec::new(), people_m: Vec::new() }
     }
 
-    /// Lets a car stop beside a parked vehicle whose middle is `along_m` along the road and whose side toward the road
-    /// is `side_m` from the axis, if chance and the traffic allow it. The gap is one a person just gets through, so
-    /// that from afar both look like one thing.
-    fn block(&mut self, world: &mut World, roadside: &Roadside, [along_m, side_m]: [f32; 2]) {
+    /// Lets cars stop beside vehicles at the kerb where chance, the traffic and people allow it. The gap to the nearest of
+    /// those is one a person just gets through, so that from afar both look like one thing.
+    fn stop(mut self, world: &mut World, roadside: &Roadside) {
         let rng = &mut self.dice;
-        if self.blocked_share == 0.0 || !rng.random_bool(self.blocked_share) {
-            return;
+        let mut taken_to_m = f32::NEG_INFINITY;
+        for blocked in &self.at_kerb {
+            if self.blocked_share == 0.0 || !rng.random_bool(self.blocked_share) {
+                continue;
+            }
+            let shape = vehicle_shape::car(rng);
+            let size = shape.bounds().extents();
+            let middle_m =
+                f32::midpoint(blocked.along_m[0], blocked.along_m[1]) + rng.random_range(-1.0..1.0);
+            let [rear_m, front_m] = [middle_m - size.x / 2.0, middle_m + size.x / 2.0];
+            let beside = self.at_kerb.iter().filter(|it| it.along_m[0] < front_m && it.along_m[1] > rear_m);
+            let side_m = beside.map(|it| it.side_m).fold(blocked.side_m, f32::min);
+            let from_axis_m = side_m - SECOND_ROW_GAP_M.start - size.y / 2.0;
+            let spare_m = from_axis_m - size.y / 2.0 - self.lanes_m;
+            let is_person_there = self.people_m.iter().any(|it| (rear_m - 0.4..front_m + 0.4).contains(it));
+            let is_free = rear_m > taken_to_m + 0.4 && !is_person_there;
+            if spare_m < 0.0 || !is_free || front_m > roadside.reach_m[1] {
+                continue;
+            }
+            let widest_m = SECOND_ROW_GAP_M.end - SECOND_ROW_GAP_M.start;
+            let from_axis_m = from_axis_m - rng.random_range(0.0..=1.0) * spare_m.min(widest_m);
+            let mut placement = roadside.along_traffic(middle_m, from_axis_m, Stance::OnSlope);
+            placement.turned_rad += rng.random_range(-0.02..0.02);
+            world.stand(shape, &placement);
+            taken_to_m = front_m;
         }
-        let shape = vehicle_shape::car(rng);
-        let size = shape.bounds().extents();
-        let middle_m = along_m + rng.random_range(-1.0_f32..1.0);
-        let from_axis_m = side_m - SECOND_ROW_GAP_M.start - size.y / 2.0;
-        let spare_m = from_axis_m - size.y / 2.0 - self.lanes_m;
-        let is_free = middle_m - size.x / 2.0 > self.taken_to_m + 0.4;
-        if spare_m < 0.0 || !is_free || middle_m + size.x / 2.0 > roadside.reach_m[1] {
-            return;
-        }
-        let widest_m = SECOND_ROW_GAP_M.end - SECOND_ROW_GAP_M.start;
-        let from_axis_m = from_axis_m - rng.random_range(0.0..=1.0) * spare_m.min(widest_m);
-        let mut placement = roadside.along_traffic(middle_m, from_axis_m, Stance::OnSlope);
-        placement.turned_rad += rng.random_range(-0.02..0.02);
-        world.stand(shape, &placement);
-        self.taken_to_m = middle_m + size.x / 2.0;
-    }
-
-    /// Whether a person may stand on the side of the road `along_m` along it; no vehicle then stops there any more.
-    fn keep_free(&mut self, along_m: f32) -> bool {
-        let is_free = along_m > self.taken_to_m + 0.4;
-        if is_free {
-            self.taken_to_m = along_m;
-        }
-        is_free
     }
 }
 
@@ -173,7 +187,7 @@ fn stand_person(
 
 #[cfg(test)]
 mod tests {
-    use super::super::ground::{CrossSection, Ground, Road};
+    use super::super::ground::{Banks, CrossSection, Ground, Road};
     use super::super::object_shape::ObjectShape;
     use super::super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
     use super::super::roadside::Side;
@@ -198,13 +212,14 @@ mod tests {
         });
         let section =
             CrossSection { left_kerb_m: kerb_m, right_kerb_m: kerb_m, crown: 0.0, kerb_height_m: 0.1 };
-        let roads = vec![Road { axis, section }];
+        let roads = vec![Road { axis, section, banks: Banks::LEVEL }];
         let ground = Ground { roads, pavement_width_m: 3.0, corner_radius_m: 0.0 };
         let ego = Course {
             road_idx: 0,
             start: RoadPosition { along_m: 0.0, left_m: 0.0 },
             speed_m_per_s: 1.0,
             reach_m: REACH_M,
+            right_turn: None,
             stance: Stance::OnSlope,
         };
         let mut world = World::new(ground, ego, 1.0);
@@ -261,7 +276,6 @@ mod tests {
     fn cars_in_the_second_row_leave_a_narrow_gap() {
         let gaps_m = second_row_gaps_m(Parking::InTwoRows { width_m: 4.8, blocked_share: 0.3 });
         assert!(gaps_m.len() > 30, "{}", gaps_m.len());
-        // A wider neighbour may stand nearer than the one that is blocked.
         let n_narrow = gaps_m.iter().filter(|it| (0.25..0.75).contains(*it)).count();
         assert!(n_narrow * 10 >= gaps_m.len() * 7, "{gaps_m:?}");
         assert!(gaps_m.iter().all(|it| (0.0..1.3).contains(it)), "{gaps_m:?}");

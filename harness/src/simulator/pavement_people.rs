@@ -67,6 +67,7 @@ fn person(
         start: roadside.position(along_m, from_axis_m),
         speed_m_per_s,
         reach_m: roadside.reach_m,
+        right_turn: None,
         stance: Stance::Upright,
     };
     world.follow(Body::Walker(build), course);

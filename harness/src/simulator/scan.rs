@@ -162,10 +162,18 @@ fn mixed_range_m(sensor: &SensorModel, previous: Option<&PulseEnd>, hit: &Hit, c
 
 /// Whether a hit is strong enough to be noticed; `chance` is in 0 to 1.
 fn is_detected(sensor: &SensorModel, hit: &Hit, chance: f32) -> bool {
-    let ratio = hit.signal_per_m2() / sensor.half_detected_signal_per_m2;
+    let ratio = overlap(sensor, hit.range_m) * hit.signal_per_m2() / sensor.half_detected_signal_per_m2;
     // Falls from nearly 1 to nearly 0 within a factor of four about the half.
     let probability = ratio * ratio / (1.0 + ratio * ratio);
     chance < probability * (1.0 - sensor.random_loss)
+}
+
+/// The share of the lit spot that the receiver sees at `range_m`: next to nothing before the housing, all of it from afar.
+fn overlap(sensor: &SensorModel, range_m: f32) -> f32 {
+    let (range_m2, near_m2) = (range_m * range_m, sensor.near_field_m * sensor.near_field_m);
+    let range_m4 = range_m2 * range_m2;
+    // A hit at the very sensor is seen by nobody, however wide the near field.
+    if range_m4 == 0.0 { 0.0 } else { range_m4 / (range_m4 + near_m2 * near_m2) }
 }
 
 /// What the sensor reports as intensity, in hundredths of 0 to 1.
@@ -202,6 +210,20 @@ mod tests {
         let sensor = SensorModel::hdl_64e_s2();
         let n = (0..1000).filter(|chance| is_detected(&sensor, &hit, *chance as f32 / 1000.0)).count();
         assert!(expected.contains(&(n as f32 / 1000.0)), "{n}");
+    }
+
+    #[test]
+    fn the_receiver_sees_half_of_the_spot_at_the_end_of_the_near_field() {
+        let sensor = SensorModel { near_field_m: 15.0, ..SensorModel::hdl_64e_s2() };
+        assert_eq!(overlap(&sensor, 15.0), 0.5);
+        assert!(overlap(&sensor, 3.0) < 0.01 && overlap(&sensor, 60.0) > 0.99);
+        assert_eq!(overlap(&SensorModel { near_field_m: 0.0, ..sensor }, 0.5), 1.0);
+    }
+
+    #[test]
+    fn black_paint_is_lost_when_met_flat_or_near() {
+        check_share_detected(12.0, 0.002, 0.5..0.9);
+        check_share_detected(5.0, 0.002, 0.0..0.3);
     }
 
     #[test]

@@ -35,6 +35,9 @@ pub struct SensorModel {
     pub beam_divergence_deg: f32,
     /// Reflectivity times cosine of incidence over squared range at which half of the hits return.
     pub half_detected_signal_per_m2: f32,
+    /// Emitter and receiver look side by side: at this range the receiver sees half of the lit spot, and less the nearer it
+    /// is, so that what is nearer returns weaker. 0 if they look through the same optics.
+    pub near_field_m: f32,
     /// Share of hits that are lost whatever they hit, 0 to 1.
     pub random_loss: f32,
     /// The beams, from the top.
@@ -162,6 +165,7 @@ impl SensorModel {
         within("beam_azimuth_error_sigma_deg", self.beam_azimuth_error_sigma_deg.into(), 0.0, 5.0)?;
         within("beam_divergence_deg", self.beam_divergence_deg.into(), 0.0, 5.0)?;
         within("half_detected_signal_per_m2", self.half_detected_signal_per_m2.into(), 1e-12, 1.0)?;
+        within("near_field_m", self.near_field_m.into(), 0.0, 100.0)?;
         within("random_loss", self.random_loss.into(), 0.0, 1.0)?;
         let n_beams = self.blocks.iter().map(|block| f64::from(block.n_beams)).sum();
         within("number of beams", n_beams, 1.0, 1024.0)?;

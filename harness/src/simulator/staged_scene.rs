@@ -4,7 +4,7 @@ use parry3d::math::{Pose, Vector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::ground::{CrossSection, Ground, Road};
+use super::ground::{Banks, CrossSection, Ground, Road};
 use super::labeling::{VisibleObject, annotation};
 use super::object_shape::ObjectShape;
 use super::pulse_path::Surroundings;
@@ -85,7 +85,11 @@ fn level_road() -> Ground {
     });
     let section =
         CrossSection { left_kerb_m: REACH_M, right_kerb_m: REACH_M, crown: 0.0, kerb_height_m: 0.0 };
-    Ground { roads: vec![Road { axis, section }], pavement_width_m: 1.0, corner_radius_m: 0.0 }
+    Ground {
+        roads: vec![Road { axis, section, banks: Banks::LEVEL }],
+        pavement_width_m: 1.0,
+        corner_radius_m: 0.0,
+    }
 }
 
 #[cfg(test)]

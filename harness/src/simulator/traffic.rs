@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::person_shape;
 use super::road_axis::RoadPosition;
 use super::vehicle_shape;
-use super::world::{Body, Course, Stance, World};
+use super::world::{Body, Course, RightTurn, Stance, World};
 
 /// One lane and how it is used.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,7 +22,21 @@ pub struct Lane {
     pub reach_m: [f32; 2],
     /// Mean distance between vehicles in metres.
     pub spacing_m: f32,
+    /// Where some of the cars and vans turn off, if any do.
+    pub turning_off: Option<TurningOff>,
 }
+
+/// Where vehicles turn off a lane, and how many.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TurningOff {
+    /// Share of the cars and vans that do, 0 to 1.
+    pub share: f64,
+    /// Where they go.
+    pub right_turn: RightTurn,
+}
+
+/// Longer vehicles do not turn, in metres: they would need more room.
+const LONGEST_TURNING_M: f32 = 6.5;
 
 /// Fills `lane` with vehicles for `duration_s`, leaving `kept_free_m` along the road at the start empty.
 pub fn lane_traffic(
@@ -42,7 +56,12 @@ pub fn lane_traffic(
         if middle_m + half_m > kept_free_m[0] && middle_m - half_m < kept_free_m[1] {
             return;
         }
-        world.follow(Body::Rigid(shape), course(lane, middle_m));
+        let turning_off = lane.turning_off.filter(|it| {
+            let is_before = (it.right_turn.from_m - middle_m) * lane.speed_m_per_s > 0.0;
+            2.0 * half_m < LONGEST_TURNING_M && is_before && rng.random_bool(it.share)
+        });
+        let right_turn = turning_off.map(|it| it.right_turn);
+        world.follow(Body::Rigid(shape), Course { right_turn, ..course(lane, middle_m) });
     });
 }
 
@@ -79,6 +98,7 @@ fn course(lane: &Lane, start_m: f32) -> Course {
         start: RoadPosition { along_m: start_m, left_m: lane.left_m },
         speed_m_per_s: lane.speed_m_per_s,
         reach_m: lane.reach_m,
+        right_turn: None,
         stance: Stance::OnSlope,
     }
 }

@@ -36,20 +36,52 @@ pub fn tree(rng: &mut ChaCha8Rng) -> ObjectShape {
     ObjectShape::new(AnnotationClass::Tree, parts)
 }
 
-/// A clipped hedge along x, `length_m` long.
+/// A hedge along x, `length_m` long: no two metres of it are of the same height and depth, and shoots stand out of the
+/// top.
 pub fn hedge(length_m: f32, rng: &mut ChaCha8Rng) -> ObjectShape {
     let height_m = rng.random_range(0.8_f32..1.9);
     let half_depth_m = rng.random_range(0.25_f32..0.5);
     let leaves = Material::foliage(rng.random_range(0.05..0.12));
-    let body = Solid::cuboid([-length_m / 2.0, -half_depth_m, 0.0], [length_m / 2.0, half_depth_m, height_m]);
-    ObjectShape::new(AnnotationClass::Hedge, [(body, leaves)])
+    let shoots = Material::foliage(rng.random_range(0.2..0.6));
+    let n_pieces = (length_m / 1.2).ceil();
+    let piece_m = length_m / n_pieces;
+    let mut parts = Vec::new();
+    for piece in 0..n_pieces as u32 {
+        let from_m = piece as f32 * piece_m - length_m / 2.0;
+        let to_m = from_m + piece_m;
+        let top_m = height_m * rng.random_range(0.86_f32..1.05);
+        let depth_m = half_depth_m * rng.random_range(0.75_f32..1.1);
+        parts.push((Solid::cuboid([from_m, -depth_m, 0.0], [to_m, depth_m, top_m]), leaves));
+        if rng.random_bool(0.6) {
+            let middle_m = [f32::midpoint(from_m, to_m), 0.0, top_m];
+            let tuft = Solid::spheroid(middle_m, piece_m / 2.0, rng.random_range(0.1_f32..0.35));
+            parts.push((tuft, shoots));
+        }
+    }
+    ObjectShape::new(AnnotationClass::Hedge, parts)
 }
 
-/// A bush.
+/// A bush that branches into several tufts.
 pub fn bush(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let radius_m = rng.random_range(0.4_f32..1.0);
+    let radius_m = rng.random_range(0.4_f32..0.9);
     let half_height_m = rng.random_range(0.4_f32..0.9);
-    let leaves = Material::foliage(rng.random_range(0.1..0.3));
+    let leaves = Material::foliage(rng.random_range(0.1..0.4));
+    let body = Solid::spheroid([0.0, 0.0, half_height_m], radius_m * 0.8, half_height_m);
+    let mut parts = vec![(body, leaves)];
+    for _ in 0..rng.random_range(1..4_u32) {
+        let offset = |rng: &mut ChaCha8Rng| radius_m * rng.random_range(-0.55_f32..0.55);
+        let tuft_m = half_height_m * rng.random_range(0.3_f32..0.6);
+        let center_m = [offset(rng), offset(rng), half_height_m * rng.random_range(1.0_f32..1.9)];
+        parts.push((Solid::spheroid(center_m, radius_m * 0.4, tuft_m), leaves));
+    }
+    ObjectShape::new(AnnotationClass::Hedge, parts)
+}
+
+/// A shrub, a tall perennial or a potted plant.
+pub fn shrub(rng: &mut ChaCha8Rng) -> ObjectShape {
+    let radius_m = rng.random_range(0.18_f32..0.45);
+    let half_height_m = rng.random_range(0.25_f32..0.8);
+    let leaves = Material::foliage(rng.random_range(0.08..0.3));
     let body = Solid::spheroid([0.0, 0.0, half_height_m], radius_m, half_height_m);
     ObjectShape::new(AnnotationClass::Hedge, [(body, leaves)])
 }
@@ -75,5 +107,6 @@ mod tests {
         let mut rng = ChaCha8Rng::from_seed([5; 32]);
         assert!((hedge(8.0, &mut rng).length_m() - 8.0).abs() < 1e-4);
         assert!(bush(&mut rng).length_m() < 2.1);
+        assert!(shrub(&mut rng).length_m() < 1.0);
     }
 }

@@ -25,8 +25,11 @@ pub fn parked_vehicle(rng: &mut ChaCha8Rng) -> ObjectShape {
 
 /// Where the cabin of a car begins and ends, as shares of the length from the front.
 struct BodyStyle {
+    /// How many of a hundred cars are like this.
+    percent: u32,
     length_m: std::ops::Range<f32>,
     height_m: std::ops::Range<f32>,
+    width_m: std::ops::Range<f32>,
     windscreen_foot: f32,
     roof_front: f32,
     roof_rear: f32,
@@ -35,11 +38,26 @@ struct BodyStyle {
     tail: f32,
 }
 
-const BODY_STYLES: [BodyStyle; 5] = [
+/// What stands in the streets of a European town: mostly small cars.
+const BODY_STYLES: [BodyStyle; 6] = [
+    // Small hatchback.
+    BodyStyle {
+        percent: 34,
+        length_m: 3.5..4.0,
+        height_m: 1.42..1.55,
+        width_m: 1.58..1.68,
+        windscreen_foot: 0.25,
+        roof_front: 0.43,
+        roof_rear: 0.89,
+        rear_window_foot: 0.99,
+        tail: 0.98,
+    },
     // Hatchback.
     BodyStyle {
-        length_m: 3.6..4.3,
-        height_m: 1.42..1.55,
+        percent: 26,
+        length_m: 3.95..4.3,
+        height_m: 1.42..1.52,
+        width_m: 1.68..1.77,
         windscreen_foot: 0.27,
         roof_front: 0.44,
         roof_rear: 0.88,
@@ -48,8 +66,10 @@ const BODY_STYLES: [BodyStyle; 5] = [
     },
     // Saloon.
     BodyStyle {
-        length_m: 4.3..5.0,
-        height_m: 1.40..1.50,
+        percent: 12,
+        length_m: 4.3..4.85,
+        height_m: 1.40..1.48,
+        width_m: 1.70..1.82,
         windscreen_foot: 0.28,
         roof_front: 0.44,
         roof_rear: 0.70,
@@ -58,8 +78,10 @@ const BODY_STYLES: [BodyStyle; 5] = [
     },
     // Estate.
     BodyStyle {
-        length_m: 4.4..4.9,
+        percent: 13,
+        length_m: 4.3..4.8,
         height_m: 1.42..1.52,
+        width_m: 1.70..1.80,
         windscreen_foot: 0.27,
         roof_front: 0.43,
         roof_rear: 0.92,
@@ -68,8 +90,10 @@ const BODY_STYLES: [BodyStyle; 5] = [
     },
     // Off-roader.
     BodyStyle {
-        length_m: 4.2..4.9,
-        height_m: 1.62..1.85,
+        percent: 5,
+        length_m: 4.0..4.7,
+        height_m: 1.62..1.80,
+        width_m: 1.74..1.86,
         windscreen_foot: 0.27,
         roof_front: 0.41,
         roof_rear: 0.92,
@@ -78,8 +102,10 @@ const BODY_STYLES: [BodyStyle; 5] = [
     },
     // People carrier.
     BodyStyle {
-        length_m: 4.1..4.8,
-        height_m: 1.58..1.78,
+        percent: 10,
+        length_m: 3.9..4.6,
+        height_m: 1.56..1.72,
+        width_m: 1.68..1.80,
         windscreen_foot: 0.17,
         roof_front: 0.38,
         roof_rear: 0.92,
@@ -88,18 +114,32 @@ const BODY_STYLES: [BodyStyle; 5] = [
     },
 ];
 
-/// Paints from black to white; dark ones hardly return anything from afar.
+fn any_body_style(rng: &mut ChaCha8Rng) -> &'static BodyStyle {
+    let mut drawn = rng.random_range(0..BODY_STYLES.iter().map(|it| it.percent).sum::<u32>());
+    let is_drawn = |style: &&BodyStyle| {
+        let is_it = drawn < style.percent;
+        drawn = drawn.saturating_sub(style.percent);
+        is_it
+    };
+    BODY_STYLES.iter().find(is_drawn).unwrap_or(&BODY_STYLES[0])
+}
+
+/// Paints from black to white.
+///
+/// Under clear coat the light that is not sent back diffusely is mirrored away. What dark pigments send back diffusely is
+/// next to nothing: of a black car a scan shows what faces the sensor, lamps, plates and rims, and little of its
+/// sides and bonnet.
 fn paint(rng: &mut ChaCha8Rng) -> Material {
-    const REFLECTIVITIES: [f32; 8] = [0.03, 0.06, 0.10, 0.18, 0.25, 0.4, 0.55, 0.7];
+    const REFLECTIVITIES: [f32; 10] = [0.002, 0.002, 0.005, 0.012, 0.05, 0.12, 0.2, 0.3, 0.45, 0.65];
     Material::solid(REFLECTIVITIES[rng.random_range(0..REFLECTIVITIES.len())] * rng.random_range(0.8..1.2))
 }
 
 /// A passenger car.
 pub fn car(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let style = &BODY_STYLES[rng.random_range(0..BODY_STYLES.len())];
+    let style = any_body_style(rng);
     let length_m = rng.random_range(style.length_m.clone());
     let height_m = rng.random_range(style.height_m.clone());
-    let half_width_m = rng.random_range(0.83_f32..0.93);
+    let half_width_m = rng.random_range(style.width_m.clone()) / 2.0;
     let waist_m = height_m * rng.random_range(0.60..0.66);
     let clearance_m = height_m * rng.random_range(0.13..0.17);
     let paint = paint(rng);
@@ -150,7 +190,8 @@ pub fn car(rng: &mut ChaCha8Rng) -> ObjectShape {
     ] {
         parts.extend(pillars([x(foot), x(top)], heights_m, half_widths_m).map(|pillar| (pillar, paint)));
     }
-    let wheel_radius_m = rng.random_range(0.29..0.34);
+    parts.extend(lamps_and_plates([x(1.0), x(0.0)], waist_m, half_width_m));
+    let wheel_radius_m = rng.random_range(0.28..0.33);
     parts.extend(wheels([x(0.19), x(0.80)], wheel_radius_m, half_width_m));
     ObjectShape::new(AnnotationClass::Car, parts)
 }
@@ -291,6 +332,31 @@ fn pillars(
     })
 }
 
+/// A lamp in each corner of front and rear, and a number plate between: they flash back at any laser.
+fn lamps_and_plates(
+    [rear, front]: [f32; 2],
+    waist_m: f32,
+    half_width_m: f32,
+) -> impl Iterator<Item = (Solid, Material)> {
+    [(rear, -1.0_f32), (front, 1.0)].into_iter().flat_map(move |(end, outward)| {
+        // A finger's breadth before the sheet metal, flush with the bumper.
+        let [inner, outer] = [end - outward * 0.12, end + outward * 0.01];
+        let slab = |side_m: [f32; 2], height_m: [f32; 2]| {
+            Solid::cuboid(
+                [inner.min(outer), side_m[0], height_m[0]],
+                [inner.max(outer), side_m[1], height_m[1]],
+            )
+        };
+        let lamp_m = [waist_m * 0.58, waist_m * 0.74];
+        [
+            slab([half_width_m * 0.58, half_width_m * 0.95], lamp_m),
+            slab([half_width_m * -0.95, half_width_m * -0.58], lamp_m),
+            slab([-0.26, 0.26], [waist_m * 0.4, waist_m * 0.4 + 0.11]),
+        ]
+        .map(|solid| (solid, Material::RETROREFLECTOR))
+    })
+}
+
 /// Four wheels that stand a little proud of the body.
 fn wheels(
     axles_x: [f32; 2],
@@ -325,7 +391,7 @@ mod tests {
             let bounds = shape.bounds();
             let size = bounds.extents();
             assert!((lengths_m[0]..lengths_m[1]).contains(&size.x), "length {}", size.x);
-            assert!((1.6..2.6).contains(&size.y), "width {}", size.y);
+            assert!((1.55..2.6).contains(&size.y), "width {}", size.y);
             assert!((heights_m[0]..heights_m[1]).contains(&size.z), "height {}", size.z);
             assert!(bounds.mins.z.abs() < 1e-3, "wheels stand on the road");
         }
@@ -333,7 +399,7 @@ mod tests {
 
     #[test]
     fn cars_are_as_large_as_cars() {
-        check(car, [3.5, 5.1], [1.35, 1.9]);
+        check(car, [3.5, 4.9], [1.35, 1.85]);
     }
 
     #[test]

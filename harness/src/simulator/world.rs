@@ -55,6 +55,15 @@ pub enum Motion {
     Following(Course),
 }
 
+/// A turn to the right into a road that crosses at a right angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RightTurn {
+    /// Where on the road it begins, in metres along it.
+    pub from_m: f32,
+    /// Radius of the quarter of a circle, in metres.
+    pub radius_m: f32,
+}
+
 /// An even course along a road.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
@@ -64,8 +73,10 @@ pub struct Course {
     pub start: RoadPosition,
     /// Speed along the road, negative against it, in metres per second.
     pub speed_m_per_s: f32,
-    /// Where on the road it appears and disappears, in metres along it.
+    /// Where on the road it appears and disappears, in metres along it; after a turn, as if it had gone straight on.
     pub reach_m: [f32; 2],
+    /// Where it turns off, if it does. Its position is still told by the road that it left.
+    pub right_turn: Option<RightTurn>,
     /// Whether it leans with the ground.
     pub stance: Stance,
 }
@@ -143,12 +154,32 @@ impl Course {
     pub fn placement_at(&self, time_s: f32) -> Option<Placement> {
         let along_m = self.start.along_m + self.speed_m_per_s * time_s;
         let turned_rad = if self.speed_m_per_s < 0.0 { std::f32::consts::PI } else { 0.0 };
-        (self.reach_m[0]..=self.reach_m[1]).contains(&along_m).then_some(Placement {
+        let straight_on = (self.reach_m[0]..=self.reach_m[1]).contains(&along_m).then_some(Placement {
             road_idx: self.road_idx,
             position: RoadPosition { along_m, left_m: self.start.left_m },
             turned_rad,
             stance: self.stance,
-        })
+        })?;
+        Some(self.right_turn.map_or(straight_on, |turn| self.turned_off(straight_on, turn)))
+    }
+
+    /// Where it is after `turn` instead of `straight_on`; the same before.
+    fn turned_off(&self, straight_on: Placement, turn: RightTurn) -> Placement {
+        let direction = self.speed_m_per_s.signum();
+        let past_m = direction * (straight_on.position.along_m - turn.from_m);
+        if past_m <= 0.0 {
+            return straight_on;
+        }
+        let angle_rad = (past_m / turn.radius_m).min(std::f32::consts::FRAC_PI_2);
+        let (sine, cosine) = portable_math::sin_cos(f64::from(angle_rad));
+        let after_m = past_m - angle_rad * turn.radius_m;
+        let ahead_m = turn.radius_m * sine as f32;
+        let aside_m = turn.radius_m * (1.0 - cosine as f32) + after_m;
+        let position = RoadPosition {
+            along_m: turn.from_m + direction * ahead_m,
+            left_m: straight_on.position.left_m - direction * aside_m,
+        };
+        Placement { position, turned_rad: straight_on.turned_rad - angle_rad, ..straight_on }
     }
 }
 
@@ -170,4 +201,37 @@ pub fn world_from_placement(ground: &Ground, placement: &Placement) -> Pose {
 /// The rotation whose x, y and z axes are these unit vectors.
 pub fn rotation_from_axes(x: Vector, y: Vector, z: Vector) -> Rotation {
     Rotation::from_mat3(&parry3d::math::Matrix::from_cols(x, y, z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a car is that turns right at 20 m along the road, with a radius of 8 m, and its heading.
+    #[track_caller]
+    fn check(speed_m_per_s: f32, time_s: f32, expected: [f32; 3]) {
+        let course = Course {
+            road_idx: 0,
+            start: RoadPosition { along_m: if speed_m_per_s > 0.0 { 10.0 } else { 30.0 }, left_m: -2.0 },
+            speed_m_per_s,
+            reach_m: [0.0, 100.0],
+            right_turn: Some(RightTurn { from_m: 20.0, radius_m: 8.0 }),
+            stance: Stance::OnSlope,
+        };
+        let Placement { position, turned_rad, .. } = course.placement_at(time_s).unwrap();
+        let found = [position.along_m, position.left_m, turned_rad];
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}");
+    }
+
+    #[test]
+    fn a_car_turns_off_to_its_right() {
+        use std::f32::consts::{FRAC_PI_2, PI};
+        check(10.0, 1.0, [20.0, -2.0, 0.0]);
+        let quarter_s = 0.8 * FRAC_PI_2;
+        check(10.0, 1.0 + quarter_s, [28.0, -10.0, -FRAC_PI_2]);
+        check(10.0, 2.0 + quarter_s, [28.0, -20.0, -FRAC_PI_2]);
+        // Against the axis, right is where left is positive.
+        check(-10.0, 0.5, [25.0, -2.0, PI]);
+        check(-10.0, 1.0 + quarter_s, [12.0, 6.0, FRAC_PI_2]);
+    }
 }

@@ -3,6 +3,9 @@
 // What the tests of the program share.
 mod drawn_dataset;
 mod program;
+// The detector's own tests hold it against this too, but know no simulator.
+#[path = "../../../detector/tests/suite/reference/mod.rs"]
+mod reference;
 
 mod bad_input;
 mod command_line;
@@ -14,4 +17,5 @@ mod kitti_real_scans;
 mod layers;
 mod run_directory;
 mod realism;
+mod simulated_reference;
 mod fit_density;

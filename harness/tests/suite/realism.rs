@@ -4,11 +4,12 @@
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace, real_data};
 
-const STATISTICS: [&str; 7] = [
+const STATISTICS: [&str; 8] = [
     "returns_per_scan",
     "ground_share",
     "ring_density",
     "points_per_car",
+    "points_per_track",
     "clusters_per_scan",
     "height_histogram",
     "cell_classes",

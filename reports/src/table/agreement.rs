@@ -20,6 +20,9 @@ pub fn agreement_table(names: Sides<&str>, curves: &[CurvePair]) -> String {
          one whose ratio is farthest from 1."
     )));
     text.push_str(&wrapped(&format!("A bin has a ratio if it is made of at least {}.", thresholds(curves))));
+    if let Some(left_out) = left_out(curves) {
+        text.push_str(&wrapped(&format!("Left out, as one side has too few: {left_out}.")));
+    }
     text
 }
 
@@ -89,10 +92,42 @@ fn thresholds(curves: &[CurvePair]) -> String {
     in_words.collect::<Vec<_>>().join("; ")
 }
 
+/// The bins that both sides have something in, but one of them too little to be compared, with what they have;
+/// `None` if there are none.
+fn left_out(curves: &[CurvePair]) -> Option<String> {
+    let of_pair = |pair: &CurvePair| {
+        let too_few = pair.bins.iter().filter(|bin| {
+            let Sides { left, right } = bin.measured;
+            let is_enough = left.n >= pair.least_n.left && right.n >= pair.least_n.right;
+            left.n > 0 && right.n > 0 && !is_enough
+        });
+        let in_words = too_few.map(|bin| {
+            let Sides { left, right } = bin.measured;
+            format!("{} ({} against {} {})", bin.name, left.n, right.n, pair.counted)
+        });
+        let bins: Vec<String> = in_words.collect();
+        (!bins.is_empty()).then(|| format!("{} {}", pair.statistic, bins.join(", ")))
+    };
+    let pairs: Vec<String> = curves.iter().filter_map(of_pair).collect();
+    (!pairs.is_empty()).then(|| pairs.join("; "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::curve_pair::tests::pair;
+
+    #[test]
+    fn bins_of_too_little_are_told() {
+        let mut tracks = pair(&[(120.0, 100.0), (3.0, 1.0), (5.0, 4.0)]);
+        tracks.statistic = "points_per_track";
+        tracks.counted = "tracks";
+        tracks.bins[1].measured.right.n = 3;
+        // Nothing on one side is not too little of it.
+        tracks.bins[2].measured.left.n = 0;
+        assert_eq!(left_out(&[tracks]).as_deref(), Some("points_per_track 1-2 (10 against 3 tracks)"));
+        assert_eq!(left_out(&[pair(&[(1.0, 1.0)])]), None);
+    }
 
     #[test]
     fn every_statistic_has_a_row_with_its_worst_bin() {

@@ -1,0 +1,37 @@
+//! The detector finds what the reference finds, to the bit.
+
+use detector::PointCloud;
+use detector::params::HierarchicalParams;
+
+use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
+use crate::reference::twins::Twins;
+use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
+
+#[test]
+fn on_drawn_streets() {
+    let mut twins = Twins::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    assert_eq!(twins.check(&main_road(), "the main road"), 3);
+    let one_car = DrawnStreet::road().block([4.1, 8.3], [2.1, 3.9], 1.5).cloud();
+    assert_eq!(twins.check(&one_car, "one car"), 1);
+    assert_eq!(twins.check(&DrawnStreet::road().cloud(), "an empty road"), 0);
+    assert_eq!(twins.check(&PointCloud::default(), "nothing"), 0);
+    assert_eq!(twins.check(&main_road(), "the main road after nothing"), 3);
+}
+
+#[test]
+fn on_real_scans() {
+    let drives = [
+        "kitti_tracking/training/velodyne/0000",
+        "kitti_object/training/velodyne",
+        "semantic_kitti/sequences/00/velodyne",
+    ];
+    let mut twins = Twins::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    for drive in drives {
+        // The scans of the object drive are those of the tracking drive, written once more.
+        let paths = velodyne_paths(drive, "on_real_scans");
+        for path in paths.iter().step_by(if paths.len() > 8 { 5 } else { 2 }) {
+            let n_objects = twins.check(&read_velodyne_bin(path), &path.display().to_string());
+            assert!(n_objects > 50, "{n_objects} objects in {}", path.display());
+        }
+    }
+}
