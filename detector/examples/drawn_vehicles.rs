@@ -206,11 +206,12 @@ pub fn drawn_vehicles() -> Result<PrototypeLibrary, Box<dyn std::error::Error>> 
     let params = HierarchicalParams::paper();
     let mut profile = SideProfile::new(COLUMN_M);
     let prototypes = SILHOUETTES.iter().map(|silhouette| {
-        let seen = silhouette.points_m().into_iter().filter(|it| it[1] >= params.foreground.clearance_m);
+        let mut seen_m = silhouette.points_m();
+        seen_m.retain(|&[_, up_m]| up_m >= params.foreground.clearance_m);
         let length_width_height_m = [silhouette.length_m, 1.8, 2.0];
         let frame = OrientedBox { center_m: [0.0; 3], length_width_height_m, yaw_rad: 0.0 };
         let mut points = BoxFramePoints::default();
-        points.fill(&frame, seen.map(|[along_m, up_m]| [along_m, 0.0, up_m]));
+        points.fill(&frame, seen_m.iter().map(|&[along_m, up_m]| [along_m, 0.0, up_m]));
         // Millimetres, so that the file can be read.
         let in_millimetres = |it: f32| (it * 1000.0).round() / 1000.0;
         let contour_m = profile.concave_contour(&points).iter().map(|it| it.map(in_millimetres)).collect();
