@@ -202,6 +202,10 @@ fn between(from_m: [f32; 2], to_m: [f32; 2]) -> impl Iterator<Item = [f32; 2]> {
 }
 
 /// The library of all of them.
+///
+/// # Errors
+///
+/// If a silhouette is drawn so that it goes around nothing.
 pub fn drawn_vehicles() -> Result<PrototypeLibrary, Box<dyn std::error::Error>> {
     let params = HierarchicalParams::paper();
     let mut profile = SideProfile::new(COLUMN_M);

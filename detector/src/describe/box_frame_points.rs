@@ -5,10 +5,8 @@ use crate::oriented_box::OrientedBox;
 /// Columns of coordinates in metres relative to the centre of a box: along its length, across to the left, and up.
 #[derive(Debug, Clone, Default)]
 pub struct BoxFramePoints {
-    // Invariant: the columns have the same length.
-    along_m: Vec<f32>,
-    across_m: Vec<f32>,
-    up_m: Vec<f32>,
+    // Invariant: the three have the same length.
+    columns_m: [Vec<f32>; 3],
 }
 
 impl BoxFramePoints {
@@ -16,10 +14,11 @@ impl BoxFramePoints {
     pub fn fill(&mut self, bounding_box: &OrientedBox, positions_m: impl ExactSizeIterator<Item = [f32; 3]>) {
         let (sin, cos) = bounding_box.yaw_rad.sin_cos();
         let [center_x, center_y, center_z] = bounding_box.center_m;
-        for column in [&mut self.along_m, &mut self.across_m, &mut self.up_m] {
-            column.resize(positions_m.len(), 0.0);
+        for column_m in &mut self.columns_m {
+            column_m.resize(positions_m.len(), 0.0);
         }
-        let columns = self.along_m.iter_mut().zip(&mut self.across_m).zip(&mut self.up_m);
+        let [along_m, across_m, up_m] = &mut self.columns_m;
+        let columns = along_m.iter_mut().zip(across_m).zip(up_m);
         for (((along_m, across_m), up_m), [x, y, z]) in columns.zip(positions_m) {
             let (dx, dy) = (x - center_x, y - center_y);
             *along_m = cos * dx + sin * dy;
@@ -30,17 +29,17 @@ impl BoxFramePoints {
 
     /// Coordinates along the length.
     pub fn along_m(&self) -> &[f32] {
-        &self.along_m
+        &self.columns_m[0]
     }
 
     /// Coordinates across, to the left.
     pub fn across_m(&self) -> &[f32] {
-        &self.across_m
+        &self.columns_m[1]
     }
 
     /// Coordinates upward.
     pub fn up_m(&self) -> &[f32] {
-        &self.up_m
+        &self.columns_m[2]
     }
 }
 

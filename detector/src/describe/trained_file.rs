@@ -70,7 +70,7 @@ pub fn head_and_provenance(
 ) -> String {
     let quoted = |text: &str| toml::Value::from(text).to_string();
     let data: Vec<String> = made.data.iter().map(|it| quoted(it)).collect();
-    let values: String = values.iter().map(|(name, value)| format!("{name} = {value}\n")).collect();
+    let values: String = values.iter().flat_map(|(name, value)| [name, " = ", value, "\n"]).collect();
     format!(
         "format = {}\nversion = {version}\n{values}\n[made]\ncommand = {}\ndata = [{}]\nseed = {}\nsplit = {}\n",
         quoted(format),

@@ -29,7 +29,7 @@ struct Solution {
 
 impl Reference {
     fn read() -> Self {
-        toml::from_str(include_str!("../fixtures/nu_svc.toml")).unwrap()
+        toml::from_str(include_str!("../fixtures/nu_svc.toml")).expect("what the script wrote")
     }
 
     fn is_first(&self) -> Vec<bool> {
@@ -43,7 +43,7 @@ impl Reference {
 
 /// The solution as a model of values that are standardised already.
 fn unscaled_model(reference: &Reference, params: &NuSvcParams) -> SvmModel<8> {
-    let solution = solve_nu_svc(&reference.vectors, &reference.is_first(), params).unwrap();
+    let solution = solve_nu_svc(&reference.vectors, &reference.is_first(), params).expect("a solution");
     SvmModel {
         made: provenance(),
         gamma: params.gamma,

@@ -37,7 +37,7 @@ pub fn vehicle_model() -> VehicleModel {
         seed: 0,
         split: "nothing held out".to_owned(),
     };
-    let svm = train_svm(&vectors, &is_vehicle, VehicleFeatures::NAMES, &params, made).unwrap();
+    let svm = train_svm(&vectors, &is_vehicle, VehicleFeatures::NAMES, &params, made).expect("a classifier");
     VehicleModel::new(library, &svm)
 }
 
@@ -61,5 +61,5 @@ fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m
             positions_m.extend([-1.0, 0.0, 1.0].map(|side| [along, side * width_m / 2.0, up]));
         }
     }
-    describer.describe(&bounding_box, positions_m.into_iter()).unwrap().values()
+    describer.describe(&bounding_box, positions_m.into_iter()).expect("features").values()
 }
