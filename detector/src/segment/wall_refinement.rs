@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::segment::hough_lines::{HoughLines, HoughParams, Segment};
 use crate::segment::terrain::Terrain;
 use crate::stage_product::SurfaceClass;
@@ -41,6 +41,7 @@ pub struct WallRefinement {
     supports: Vec<u32>,
     is_support: Vec<bool>,
     walls: Vec<Segment>,
+    shadows: Vec<Shadow>,
     // Cells that became tall and whose neighbours are still to be looked at.
     front: Vec<u32>,
 }
@@ -63,6 +64,7 @@ impl WallRefinement {
             supports: Vec::new(),
             is_support,
             walls: Vec::new(),
+            shadows: Vec::new(),
             front: Vec::new(),
         }
     }
@@ -70,6 +72,7 @@ impl WallRefinement {
     /// Turns the short cells among `classes` that lie on walls into tall ones.
     pub fn refine(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
         self.walls.clear();
+        self.shadows.clear();
         if !self.params.enabled {
             return;
         }
@@ -78,6 +81,7 @@ impl WallRefinement {
         for &segment in segments {
             if support_share(segment, grid, &self.is_support) >= self.params.min_support {
                 self.walls.push(segment);
+                self.shadows.push(Shadow::of(segment, grid));
             }
         }
         self.front.clear();
@@ -96,6 +100,19 @@ impl WallRefinement {
             }
         }
         self.spread(grid, classes);
+        self.clear_behind(grid, classes);
+    }
+
+    /// What lies behind a wall is seen through its windows and doors, and stands in no street.
+    fn clear_behind(&self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
+        for &cell_idx in grid.occupied() {
+            if classes[cell_idx as usize] == SurfaceClass::Short {
+                let place_m = grid.center_m(cell_idx);
+                if self.shadows.iter().any(|it| it.covers(place_m)) {
+                    classes[cell_idx as usize] = SurfaceClass::Tall;
+                }
+            }
+        }
     }
 
     /// Bays, reliefs and side walls: what supports a wall and touches one is wall.
@@ -147,6 +164,37 @@ impl WallRefinement {
     }
 }
 
+/// The part of the ground plan that a wall hides from the sensor.
+#[derive(Debug, Clone, Copy)]
+struct Shadow {
+    // Metres; seen from the sensor, the end is counter-clockwise of the start.
+    start_m: [f32; 2],
+    end_m: [f32; 2],
+}
+
+impl Shadow {
+    fn of(wall: Segment, grid: &HierarchicalGrid) -> Self {
+        let [start_m, end_m] = [wall.start, wall.end].map(|place| center_m(grid, place));
+        if cross(start_m, end_m) >= 0.0 {
+            Self { start_m, end_m }
+        } else {
+            Self { start_m: end_m, end_m: start_m }
+        }
+    }
+
+    fn covers(self, place_m: [f32; 2]) -> bool {
+        let minus = |a: [f32; 2], b: [f32; 2]| [a[0] - b[0], a[1] - b[1]];
+        cross(self.start_m, place_m) > 0.0
+            && cross(place_m, self.end_m) > 0.0
+            && cross(minus(self.end_m, self.start_m), minus(place_m, self.start_m)) < 0.0
+    }
+}
+
+/// Twice the signed area of the triangle with the sensor; positive if `b` is counter-clockwise of `a`.
+fn cross(a: [f32; 2], b: [f32; 2]) -> f32 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
 /// The cells along a segment, each with its two neighbours across.
 fn corridor(segment: Segment) -> impl Iterator<Item = [[i32; 2]; 3]> {
     let [dx, dy] = [0, 1].map(|axis| segment.end[axis] - segment.start[axis]);
@@ -175,6 +223,12 @@ fn cell_at(grid: &HierarchicalGrid, [column, row]: [i32; 2]) -> Option<u32> {
     let n = grid.n_columns() as i32;
     let inside = [column, row].iter().all(|it| (1..n - 1).contains(it));
     inside.then(|| (row * n + column) as u32)
+}
+
+/// The centre of the cell at a column and row, in metres.
+fn center_m(grid: &HierarchicalGrid, place: [i32; 2]) -> [f32; 2] {
+    let GridParams { cell_size_m, extent_m, .. } = *grid.params();
+    place.map(|step| (step as f32 - 0.5) * cell_size_m - extent_m)
 }
 
 fn range_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
@@ -271,6 +325,15 @@ mod tests {
         let street = cars.surface([-12.0, 9.1], [12.0, 9.1], 12.0);
         assert_eq!(street.class_at([3.1, 4.1], true), SurfaceClass::Short);
         assert_eq!(street.class_at([3.1, 9.1], true), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn what_is_seen_through_a_window_is_not_on_the_street() {
+        let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        let shop = street.surface([1.5, 12.1], [2.5, 12.1], 1.0).surface([18.5, 12.1], [19.5, 12.1], 1.0);
+        assert_eq!(shop.class_at([2.1, 12.1], true), SurfaceClass::Tall);
+        // Past the end of the wall.
+        assert_eq!(shop.class_at([19.0, 12.1], true), SurfaceClass::Short);
     }
 
     #[test]

@@ -19,6 +19,8 @@ fn params(cell_size_m: f32, xi: u32) -> HierarchicalParams {
     params.terrain.min_points = 2;
     // So that some dense cells are near-empty.
     params.separation.low_density_share = 0.6;
+    // Of four hundred points few clusters have as many as in a scan.
+    params.cluster.min_points = 5;
     params
 }
 

@@ -76,9 +76,9 @@ fn rounded(value: f32) -> String {
 #[test]
 fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     insta::assert_snapshot!(described(&main_road()), @r"
-    walls/cells: 84 clutter, 1406 ground, 141 short object, 103 tall
+    walls/cells: 84 clutter, 1406 ground, 117 short object, 127 tall
     walls/segments: 1 segments
-    foreground/points: 249 clutter, 13824 ground, 5135 short object, 41085 tall
+    foreground/points: 249 clutter, 13608 ground, 5135 short object, 41301 tall
     separation/cuts: 10 segments
     separation/clusters: 3 of 2492, 2287, 356 points
     boxes/hulls: 3 of 4, 4, 4 corners
