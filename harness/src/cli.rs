@@ -398,9 +398,12 @@ pub struct TrainArgs {
     /// Hold out the last of every N drives of each data set to judge by
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub hold_out_every: u32,
-    /// Most vehicles to train on; there will be as many other objects
-    #[arg(long, value_name = "N", default_value_t = 2500, value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    /// Most vehicles to train on
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
     pub vehicles: u32,
+    /// Most other objects to train on, for each vehicle
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=20))]
+    pub others: u32,
     /// Most side profiles of each kind of vehicle to compare with
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=20))]
     pub prototypes: u32,
@@ -426,9 +429,10 @@ Examples:
 
 Objects are what the hierarchical detector finds: those that match an annotated
 car, van, truck or bus, and those without points of any, with regions cut out
-anywhere. Leaves in the directory model.toml, prototypes.toml, objects.csv with
-every held-out object, importance.csv, curves.csv and curves.svg. The same scans
-and options give the same bytes.";
+anywhere. Leaves in the directory model.toml and prototypes.toml, which a run takes
+with -P vehicle_model.directory=DIR, objects.csv with every held-out object,
+importance.csv, curves.csv, curves.svg and manifest.json. The same scans and options
+give the same bytes, but for the date in the manifest.";
 
 /// Arguments of `scanbench data realism`.
 #[derive(Debug, Args)]

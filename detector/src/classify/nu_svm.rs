@@ -6,7 +6,7 @@ use super::svm_model::SvmModel;
 /// A ν support vector classifier of `D` values with a Gaussian kernel, ready to decide.
 ///
 /// The time of a decision grows with the number of support vectors.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct NuSvm<const D: usize> {
     means: [f32; D],
     deviations: [f32; D],

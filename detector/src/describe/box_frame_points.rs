@@ -3,7 +3,7 @@
 use crate::oriented_box::OrientedBox;
 
 /// Columns of coordinates in metres relative to the centre of a box: along its length, across to the left, and up.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct BoxFramePoints {
     // Invariant: the three have the same length.
     columns_m: [Vec<f32>; 3],

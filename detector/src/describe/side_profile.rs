@@ -9,7 +9,7 @@ use crate::fit::convex_hull::convex_hull;
 /// A general concave hull of the same resolution would come apart where the rings of the sensor are farther apart than
 /// that, from some 30 m on; and no vehicle overhangs by more than a mirror, which is all that columns cannot show. It
 /// takes one pass over the points.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SideProfile {
     column_m: f32,
     columns: Vec<[f32; 2]>,

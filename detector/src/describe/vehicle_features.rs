@@ -52,7 +52,7 @@ impl VehicleFeatures {
 }
 
 /// Buffers for describing one object after another.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VehicleDescriber {
     library: PrototypeLibrary,
     points: BoxFramePoints,

@@ -1,7 +1,6 @@
 //! The detector of the paper.
 
-use crate::classify::size_gate::size_gate;
-use crate::detection::{DetectedClass, Detection};
+use crate::detection::Detection;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::Outline;
@@ -10,7 +9,7 @@ use crate::grid::density_weighting::DensityWeighting;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
-use crate::pipeline::vehicle_model::VehicleModel;
+use crate::pipeline::vehicle_model::{VehicleModel, classify_object};
 use crate::point_cloud::PointCloud;
 use crate::segment::connected_components::connected_components;
 use crate::segment::dense_separation::DenseSeparation;
@@ -151,15 +150,10 @@ impl HierarchicalDetector {
         for object in &self.objects {
             let point_indices = self.clusters.point_indices(object.cluster_idx);
             let bounding_box = object.bounding_box;
-            let (class, score) = if let Some(model) = &mut self.vehicle_model {
-                let positions_m = self.clusters.points(object.cluster_idx).iter().map(|it| it.position_m);
-                let decision = model.decision(&bounding_box, positions_m).expect("every object has points");
-                let class = if decision > 0.0 { DetectedClass::Vehicle } else { DetectedClass::Object };
-                (class, Some(decision))
-            } else {
-                let sizes = &self.foreground.params().vehicle_size;
-                (size_gate(point_indices.len(), &bounding_box, sizes), None)
-            };
+            let positions_m = self.clusters.points(object.cluster_idx).iter().map(|it| it.position_m);
+            let sizes = &self.foreground.params().vehicle_size;
+            let (class, score) =
+                classify_object(self.vehicle_model.as_mut(), &bounding_box, positions_m, sizes);
             output.detections.push(Detection { point_indices, bounding_box, class, score });
         }
     }

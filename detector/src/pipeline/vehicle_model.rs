@@ -1,9 +1,11 @@
 //! From an object to how surely it is a vehicle. Shared with baselines that classify as the paper does.
 
 use crate::classify::nu_svm::NuSvm;
-use crate::classify::svm_model::SvmModel;
-use crate::describe::prototype_library::PrototypeLibrary;
+use crate::classify::size_gate::{SizeGateParams, size_gate};
+use crate::classify::svm_model::{SvmModel, SvmModelError};
+use crate::describe::prototype_library::{PrototypeLibrary, PrototypeLibraryError};
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
+use crate::detection::DetectedClass;
 use crate::oriented_box::OrientedBox;
 use crate::stage_product::{Shape, StageProduct};
 
@@ -13,13 +15,43 @@ pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
 /// Features and their classifier, with buffers for one object after another.
 ///
 /// Paper: VM sections 4 and 5.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModel {
     describer: VehicleDescriber,
     svm: NuSvm<N_FEATURES>,
 }
 
+/// Why there is no model.
+#[derive(Debug, thiserror::Error)]
+pub enum VehicleModelError {
+    /// The prototypes cannot be used.
+    #[error("prototypes: {0}")]
+    Prototypes(#[from] PrototypeLibraryError),
+    /// The classifier cannot be used.
+    #[error("model: {0}")]
+    Svm(#[from] SvmModelError),
+}
+
 impl VehicleModel {
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again.
+    pub fn shipped() -> Self {
+        let [prototypes, svm] = [
+            include_str!("../params/vehicle_model/prototypes.toml"),
+            include_str!("../params/vehicle_model/model.toml"),
+        ];
+        Self::from_toml(prototypes, svm).expect("the embedded files are tested")
+    }
+
+    /// A model from the text of both of its files.
+    ///
+    /// # Errors
+    ///
+    /// [`VehicleModelError`] if one of them is of another kind or version, or damaged.
+    pub fn from_toml(prototypes: &str, svm: &str) -> Result<Self, VehicleModelError> {
+        let library = PrototypeLibrary::from_toml(prototypes)?;
+        Ok(Self::new(library, &SvmModel::from_toml(svm, VehicleFeatures::NAMES)?))
+    }
+
     /// A model from the prototypes and the classifier that was trained with them.
     pub fn new(library: PrototypeLibrary, svm: &SvmModel<N_FEATURES>) -> Self {
         Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm) }
@@ -58,4 +90,19 @@ impl VehicleModel {
             product("nearest_prototypes", Shape::Contours(nearest)),
         ]
     }
+}
+
+/// What an object with these points is, by `model` (VM sections 4 and 5), with how sure that is; by its size if there is
+/// no model. What has fewer points than a vehicle has by `sizes` is none either way: no model is trained on such.
+pub fn classify_object(
+    model: Option<&mut VehicleModel>,
+    bounding_box: &OrientedBox,
+    positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    sizes: &SizeGateParams,
+) -> (DetectedClass, Option<f32>) {
+    let n_points = positions_m.len();
+    let Some(model) = model else { return (size_gate(n_points, bounding_box, sizes), None) };
+    let decision = model.decision(bounding_box, positions_m);
+    let is_vehicle = n_points >= sizes.min_points && decision.is_some_and(|it| it > 0.0);
+    (if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }, decision)
 }

@@ -11,9 +11,11 @@ use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use detector::pipeline::vehicle_model::N_FEATURES;
 use jiff::Timestamp;
+use reports::archive::SCHEMA;
 use reports::csv_rows::CsvRowWriter;
 use reports::operating_curve::OperatingRow;
-use reports::run_directory::{LatestPointer, RunDirectory};
+use reports::plot::operating_plot::operating_plot;
+use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
 use reports::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjectRow};
 
 use crate::cli::TrainArgs;
@@ -22,9 +24,10 @@ use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
-use crate::commands::provenance::compact_utc;
+use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_directory::begin_run_directory;
+use crate::commands::run_manifest::dataset_entry;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::run::config::RunConfig;
 use crate::training::candidates::{Candidate, CandidateKind, collect_candidates};
@@ -34,8 +37,8 @@ use crate::training::prototypes::{COLUMN_M, find_prototypes};
 use crate::training::selection::select;
 
 /// What training ends at: decision values this near to where they should be, or so many steps.
-const TOLERANCE: f64 = 1e-3;
-const MOST_STEPS: usize = 5_000_000;
+const TOLERANCE: f64 = 0.1;
+const MOST_STEPS: usize = 500_000;
 
 /// Trains a vehicle model, judges it by drives it has not seen, and writes and prints the result.
 ///
@@ -58,7 +61,8 @@ pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
     let (held_out, trained): (Vec<_>, Vec<_>) =
         candidates.iter().partition(|(dataset, it)| parted.is_held_out(dataset, &it.sequence));
     let trained: Vec<&Candidate> = trained.into_iter().map(|(_, it)| it).collect();
-    let selected = select(&trained, arguments.vehicles as usize, arguments.choice_seed);
+    let numbers = (arguments.vehicles as usize, arguments.others as usize);
+    let selected = select(&trained, numbers, arguments.choice_seed);
     let made = provenance(arguments, &opened, &parted);
     let (library, model) = fit(arguments, &trained, &selected, &made)?;
     let mut describer = VehicleDescriber::new(library.clone());
@@ -69,9 +73,11 @@ pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
     let objects: Vec<JudgedObject> = judged.iter().map(|&(_, _, object)| object).collect();
     let svm = NuSvm::new(&model);
     let evaluation = evaluate(&svm, &objects, arguments.choice_seed);
+    let manifest = manifest(arguments, &opened, &parted, started);
+    directory.write_file(MANIFEST_JSON, format!("{manifest:#}\n").as_bytes())?;
     directory.write_file("model.toml", model.to_toml().as_bytes())?;
     directory.write_file("prototypes.toml", library.to_toml().as_bytes())?;
-    write_rows(&directory, &judged, &svm, &evaluation)?;
+    write_rows(&directory, &judged, &svm, &evaluation, &title(&opened, &evaluation))?;
     let finished = directory.finish()?;
     let printed = print_result(summary(&parted, &selected, &library, &model, &evaluation));
     print_diagnostic(format_args!("Model: {}", finished.display()));
@@ -99,11 +105,33 @@ fn collect_all<'a>(
     Ok(candidates)
 }
 
+/// Everything that decides the model.
+fn manifest(
+    arguments: &TrainArgs,
+    opened: &[OpenedDataset],
+    parted: &HeldOut,
+    started: Timestamp,
+) -> serde_json::Value {
+    let datasets: Vec<_> = opened.iter().map(|it| dataset_entry(it, &arguments.data)).collect();
+    serde_json::json!({
+        "schema": SCHEMA,
+        "scanbench_version": env!("CARGO_PKG_VERSION"),
+        "created": rfc3339_utc(started),
+        "argv": command_line(),
+        "datasets": datasets,
+        "trained": parted.trained,
+        "held_out": parted.held_out,
+        "git": git_state(),
+        "rustc_version": rustc_version(),
+    })
+}
+
 fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut) -> Provenance {
     let unless_standard = |value: String, standard: String| (value != standard).then_some(value);
     let options = [
         ("--hold-out-every", unless_standard(arguments.hold_out_every.to_string(), "4".to_owned())),
-        ("--vehicles", unless_standard(arguments.vehicles.to_string(), "2500".to_owned())),
+        ("--vehicles", unless_standard(arguments.vehicles.to_string(), "2000".to_owned())),
+        ("--others", unless_standard(arguments.others.to_string(), "2".to_owned())),
         ("--prototypes", unless_standard(arguments.prototypes.to_string(), "2".to_owned())),
         ("--gamma", unless_standard(arguments.gamma.to_string(), crate::training::PAPER_GAMMA.to_string())),
         ("--nu", unless_standard(arguments.nu.to_string(), crate::training::PAPER_NU.to_string())),
@@ -122,6 +150,18 @@ fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut)
         seed: arguments.choice_seed,
         split: format!("held out: {}", HeldOut::names(&parted.held_out)),
     }
+}
+
+/// What was judged, and whether it is simulated.
+fn title(opened: &[OpenedDataset], evaluation: &Evaluation) -> String {
+    let n_simulated = opened.iter().filter(|it| it.dataset.description().is_simulated()).count();
+    let simulated = match n_simulated {
+        0 => "",
+        n if n == opened.len() => " (simulated)",
+        _ => " (partly simulated)",
+    };
+    let [n_vehicles, n_others] = evaluation.curves.totals();
+    format!("Held-out drives{simulated}: {n_vehicles} vehicles, {n_others} others")
 }
 
 fn fit(
@@ -165,6 +205,7 @@ fn write_rows(
     judged: &[(&str, &Candidate, JudgedObject)],
     svm: &NuSvm<N_FEATURES>,
     evaluation: &Evaluation,
+    title: &str,
 ) -> anyhow::Result<()> {
     let mut rows = CsvRowWriter::new(directory.begin_file("objects.csv")?)?;
     for (dataset, candidate, object) in judged {
@@ -186,11 +227,15 @@ fn write_rows(
     }
     rows.finish()?;
     let totals = evaluation.curves.totals();
+    let points = evaluation.curves.points().iter();
+    let curve: Vec<OperatingRow> =
+        points.map(|it| OperatingRow::new(it.threshold, [it.n_true, it.n_false], totals)).collect();
     let mut rows = CsvRowWriter::new(directory.begin_file("curves.csv")?)?;
-    for it in evaluation.curves.points() {
-        rows.write(&OperatingRow::new(it.threshold, [it.n_true, it.n_false], totals))?;
+    for row in &curve {
+        rows.write(row)?;
     }
     rows.finish()?;
+    directory.write_file("curves.svg", operating_plot(&curve, title).as_bytes())?;
     Ok(())
 }
 

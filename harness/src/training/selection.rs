@@ -1,4 +1,4 @@
-//! Which candidates a model is trained on: as many vehicles as background, and not more than the solver takes.
+//! Which candidates a model is trained on: vehicles and background, and not more than the solver takes.
 
 use rand::seq::SliceRandom as _;
 use rand::SeedableRng as _;
@@ -10,10 +10,15 @@ use super::candidates::{Candidate, CandidateKind};
 /// rectangles that nobody put there.
 const MOST_CUT_REGIONS: f64 = 0.25;
 
-/// Up to `most_vehicles` vehicles of `candidates`, drawn from `seed`, and as many others, in the order they have there.
+/// Up to `most_vehicles` vehicles of `candidates`, drawn from `seed`, and up to `others_per_vehicle` times as many others,
+/// in the order they have there.
 ///
-/// Paper: VM section 6, which trains on about as many of either.
-pub fn select<'a>(candidates: &[&'a Candidate], most_vehicles: usize, seed: u64) -> Vec<&'a Candidate> {
+/// Paper: VM section 6.
+pub fn select<'a>(
+    candidates: &[&'a Candidate],
+    (most_vehicles, others_per_vehicle): (usize, usize),
+    seed: u64,
+) -> Vec<&'a Candidate> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut drawn = |is_wanted: fn(&CandidateKind) -> bool, most: usize| {
         let mut places: Vec<usize> =
@@ -23,10 +28,10 @@ pub fn select<'a>(candidates: &[&'a Candidate], most_vehicles: usize, seed: u64)
         places
     };
     let mut places = drawn(CandidateKind::is_vehicle, most_vehicles);
-    let n_vehicles = places.len();
-    let most_cut = (MOST_CUT_REGIONS * n_vehicles as f64) as usize;
+    let most_others = others_per_vehicle * places.len();
+    let most_cut = (MOST_CUT_REGIONS * most_others as f64) as usize;
     let cut = drawn(|it| *it == CandidateKind::CutRegion, most_cut);
-    places.extend(drawn(|it| *it == CandidateKind::Cluster, n_vehicles - cut.len()));
+    places.extend(drawn(|it| *it == CandidateKind::Cluster, most_others - cut.len()));
     places.extend(cut);
     places.sort_unstable();
     places.into_iter().map(|place| candidates[place]).collect()
