@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::run::config::override_option::OverrideOption;
 use crate::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 use crate::simulator::sensor::EMBEDDED_SENSORS;
-use crate::training::{PAPER_GAMMA, PAPER_NU};
+use crate::training::{CHOICE_SEED, GAMMA, HOLD_OUT_EVERY, NU, PROTOTYPES};
 
 /// Evaluates and benchmarks LiDAR object detectors side by side.
 #[derive(Debug, Parser)]
@@ -396,25 +396,25 @@ pub struct TrainArgs {
     #[command(flatten)]
     pub data: DatasetArgs,
     /// Hold out the last of every N drives of each data set to judge by
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    #[arg(long, value_name = "N", default_value_t = HOLD_OUT_EVERY, value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub hold_out_every: u32,
     /// Most vehicles to train on
-    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
     pub vehicles: u32,
     /// Most other objects to train on, for each vehicle
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=20))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
     pub others: u32,
     /// Most side profiles of each kind of vehicle to compare with
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=20))]
+    #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
     pub prototypes: u32,
-    /// Width of the Gaussian kernel over standardised values; the default is the paper's
-    #[arg(long, value_name = "X", default_value_t = PAPER_GAMMA)]
+    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078
+    #[arg(long, value_name = "X", default_value_t = GAMMA)]
     pub gamma: f32,
-    /// Share of vehicles and background that may lie inside the margin; the default is the paper's
-    #[arg(long, value_name = "X", default_value_t = PAPER_NU)]
+    /// Share of vehicles and background that may lie inside the margin; the paper has 0.0377
+    #[arg(long, value_name = "X", default_value_t = NU)]
     pub nu: f64,
     /// Seed of the choice among objects, and of the regions that are cut out
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = CHOICE_SEED)]
     pub choice_seed: u64,
     /// Where model, prototypes, curves and plots are written.
     #[command(flatten)]
@@ -423,9 +423,9 @@ pub struct TrainArgs {
 
 const TRAIN_EXAMPLES: &str = "\
 Examples:
-  scanbench train streets --seed 2000 --simulated-scans 240 -o model
+  scanbench train streets --seed 2000 --simulated-scans 300 --scans 0..300:6 -o model
   scanbench train ~/data/kitti_tracking -o model
-  scanbench train streets --seed 2000 --nu 0.1 --gamma 0.2
+  scanbench train streets --seed 3000 --nu 0.3 --gamma 0.1078
 
 Objects are what the hierarchical detector finds: those that match an annotated
 car, van, truck or bus, and those without points of any, with regions cut out

@@ -106,3 +106,30 @@ pub fn classify_object(
     let is_vehicle = n_points >= sizes.min_points && decision.is_some_and(|it| it > 0.0);
     (if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }, decision)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::HierarchicalParams;
+
+    #[test]
+    fn the_shipped_files_are_a_model() {
+        let library = VehicleModel::shipped().describer;
+        assert_ne!(library, VehicleDescriber::new(PrototypeLibrary::drawn()));
+    }
+
+    #[test]
+    fn too_few_points_are_no_vehicle_whatever_they_look_like() {
+        let sizes = HierarchicalParams::paper().vehicle_size;
+        let bounding_box =
+            OrientedBox { center_m: [9.0, 0.0, -1.0], length_width_height_m: [4.2, 1.7, 1.3], yaw_rad: 0.0 };
+        let points_m = |n: usize| (0..n).map(|it| [7.0 + 4.0 * it as f32 / n as f32, 0.85, -1.0]);
+        let mut model = VehicleModel::shipped();
+        let few = points_m(sizes.min_points - 1);
+        let (class, score) = classify_object(Some(&mut model), &bounding_box, few, &sizes);
+        assert_eq!(class, DetectedClass::Object);
+        assert!(score.is_some_and(f32::is_finite));
+        let (class, score) = classify_object(None, &bounding_box, points_m(100), &sizes);
+        assert_eq!((class, score), (DetectedClass::Vehicle, None));
+    }
+}

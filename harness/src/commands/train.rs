@@ -35,8 +35,10 @@ use crate::training::evaluation::{Evaluation, JudgedObject, evaluate};
 use crate::training::held_out::HeldOut;
 use crate::training::prototypes::{COLUMN_M, find_prototypes};
 use crate::training::selection::select;
+use crate::training::{CHOICE_SEED, HOLD_OUT_EVERY, PROTOTYPES};
 
-/// What training ends at: decision values this near to where they should be, or so many steps.
+/// Training ends with decision values this near to where they should be, where the margin is 1; or gives up after so many
+/// steps, which a ν below the share of objects that look like the other class needs.
 const TOLERANCE: f64 = 0.1;
 const MOST_STEPS: usize = 500_000;
 
@@ -127,15 +129,15 @@ fn manifest(
 }
 
 fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut) -> Provenance {
-    let unless_standard = |value: String, standard: String| (value != standard).then_some(value);
+    let unless = |value: u64, standard: u64| (value != standard).then(|| value.to_string());
     let options = [
-        ("--hold-out-every", unless_standard(arguments.hold_out_every.to_string(), "4".to_owned())),
-        ("--vehicles", unless_standard(arguments.vehicles.to_string(), "2000".to_owned())),
-        ("--others", unless_standard(arguments.others.to_string(), "2".to_owned())),
-        ("--prototypes", unless_standard(arguments.prototypes.to_string(), "2".to_owned())),
-        ("--gamma", unless_standard(arguments.gamma.to_string(), crate::training::PAPER_GAMMA.to_string())),
-        ("--nu", unless_standard(arguments.nu.to_string(), crate::training::PAPER_NU.to_string())),
-        ("--choice-seed", unless_standard(arguments.choice_seed.to_string(), "1".to_owned())),
+        ("--hold-out-every", unless(arguments.hold_out_every.into(), HOLD_OUT_EVERY.into())),
+        ("--vehicles", Some(arguments.vehicles.to_string())),
+        ("--others", Some(arguments.others.to_string())),
+        ("--prototypes", unless(arguments.prototypes.into(), PROTOTYPES.into())),
+        ("--gamma", Some(arguments.gamma.to_string())),
+        ("--nu", Some(arguments.nu.to_string())),
+        ("--choice-seed", unless(arguments.choice_seed, CHOICE_SEED)),
     ];
     let name = |it: &OpenedDataset| {
         let description = it.dataset.description();
@@ -180,12 +182,8 @@ fn fit(
         selected.iter().filter_map(|it| judged_object(&mut describer, it)).collect();
     let vectors: Vec<[f32; N_FEATURES]> = objects.iter().map(|it| it.features).collect();
     let is_vehicle: Vec<bool> = objects.iter().map(|it| it.is_vehicle).collect();
-    let params = NuSvcParams {
-        gamma: arguments.gamma,
-        nu: arguments.nu,
-        tolerance: TOLERANCE,
-        max_steps: MOST_STEPS,
-    };
+    let params =
+        NuSvcParams { gamma: arguments.gamma, nu: arguments.nu, tolerance: TOLERANCE, max_steps: MOST_STEPS };
     let model = train_svm(&vectors, &is_vehicle, VehicleFeatures::NAMES, &params, made.clone())
         .map_err(|error| nothing(&error))?;
     Ok((library, model))

@@ -53,7 +53,9 @@ pub fn find_prototypes(candidates: &[&Candidate], n_per_kind: usize) -> Vec<Prot
 }
 
 fn is_seen_well(candidate: &Candidate, kind: AnnotationClass) -> bool {
-    let CandidateKind::Vehicle { class, whole: Some(whole), occlusion } = candidate.kind else { return false };
+    let CandidateKind::Vehicle { class, whole: Some(whole), occlusion } = candidate.kind else {
+        return false;
+    };
     let [length_m, _, height_m] = candidate.bounding_box.length_width_height_m;
     let [whole_length_m, _, whole_height_m] = whole.length_width_height_m;
     class == kind

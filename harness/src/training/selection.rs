@@ -1,7 +1,7 @@
 //! Which candidates a model is trained on: vehicles and background, and not more than the solver takes.
 
-use rand::seq::SliceRandom as _;
 use rand::SeedableRng as _;
+use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 
 use super::candidates::{Candidate, CandidateKind};

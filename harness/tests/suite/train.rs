@@ -5,6 +5,7 @@ use crate::program::{Ended, Workplace};
 /// Three simulated drives, of which the last is held out.
 const TRAIN: [&str; 10] =
     ["train", "streets", "--seed", "7", "--simulated-scans", "4", "--nu", "0.3", "-o", "model"];
+/// But for the manifest, which has a date.
 const FILES: [&str; 6] =
     ["curves.csv", "curves.svg", "importance.csv", "model.toml", "objects.csv", "prototypes.toml"];
 
@@ -20,7 +21,7 @@ fn a_model_says_what_it_was_made_of_and_what_was_held_out() {
     let (workplace, ended) = trained();
     let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
     let made = &model["made"];
-    let command = "scanbench train streets --seed 7 --simulated-scans 4 --nu 0.3";
+    let command = "scanbench train streets --seed 7 --simulated-scans 4 --vehicles 3000 --others 1 --gamma 0.5 --nu 0.3";
     assert_eq!(made["command"].as_str(), Some(command));
     assert_eq!(made["data"][0].as_str(), Some("street-main-road (simulated, seeds from 7)"));
     let split = made["split"].as_str().expect("text");
@@ -65,8 +66,17 @@ fn a_run_takes_the_model() {
     let (workplace, _) = trained();
     let n_vehicles = |option: &str, name: &str| {
         workplace.succeed(&[
-            "run", "street-narrow", "--simulated-scans", "2", "-d", "hierarchical", "--no-rrd", "-P", option,
-            "-o", name,
+            "run",
+            "street-narrow",
+            "--simulated-scans",
+            "2",
+            "-d",
+            "hierarchical",
+            "--no-rrd",
+            "-P",
+            option,
+            "-o",
+            name,
         ]);
         let manifest: serde_json::Value =
             serde_json::from_str(&workplace.read(&format!("{name}/manifest.json"))).expect("JSON");

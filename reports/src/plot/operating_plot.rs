@@ -4,8 +4,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use super::style::{
-    Area, Drawn, LEFT_COLOR, LEFT_MARGIN_PX, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_ROOM_PX, TEXT_PX,
-    axis_text, text,
+    Area, Drawn, LEFT_COLOR, LEFT_MARGIN_PX, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_ROOM_PX,
+    TEXT_PX, axis_text, text,
 };
 use crate::operating_curve::OperatingRow;
 
@@ -68,8 +68,8 @@ mod tests {
 
     #[test]
     fn both_panels_have_axes_and_the_title_says_what_was_judged() {
-        let rows =
-            [([1, 0], 0.5), ([1, 2], -0.5)].map(|(told, threshold)| OperatingRow::new(threshold, told, [1, 2]));
+        let rows = [([1, 0], 0.5), ([1, 2], -0.5)]
+            .map(|(told, threshold)| OperatingRow::new(threshold, told, [1, 2]));
         let svg = operating_plot(&rows, "Held out (simulated)");
         for part in ["false-positive rate", "recall", "precision", "Held out (simulated)"] {
             assert!(svg.contains(part), "no {part} in {svg}");

@@ -10,7 +10,7 @@ use super::value_problem::ValueProblem;
 
 /// The model that comes with the program, unless something else is said.
 pub(super) const VEHICLE_MODEL_TOML: &str = r#"
-enabled = false
+enabled = true
 directory = ""
 "#;
 
