@@ -38,7 +38,7 @@ pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
     for target in [Some(path), arguments.figures.as_deref()].into_iter().flatten() {
         anyhow::ensure!(
             arguments.overwrite || !target.exists(),
-            Usage(format!("{target:?} exists; choose another name or replace it with --overwrite"))
+            Usage(format!("{} exists; choose another name or replace it with --overwrite", target.display()))
         );
     }
     let opened = open_datasets(&arguments.data)?;
