@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use detector::classify::size_gate::size_gate;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock, StageTime};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::vehicle_model::{VehicleModel, classify_object};
 use detector::segment::clusters::Clusters;
 use detector::stage_product::{Shape, SurfaceClass};
 use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
@@ -34,6 +34,7 @@ pub struct KdTreeDetector {
     objects: Vec<FittedObject>,
     hulls_m: Vec<[f32; 2]>,
     object_points: Vec<u32>,
+    vehicle_model: Option<VehicleModel>,
 }
 
 /// A cluster whose size is right, with its box.
@@ -63,7 +64,14 @@ impl KdTreeDetector {
             objects: Vec::new(),
             hulls_m: Vec::new(),
             object_points: Vec::new(),
+            vehicle_model: None,
         }
+    }
+
+    /// The same detector, which tells vehicles by `model` instead of by their size.
+    pub fn with_vehicle_model(mut self, model: VehicleModel) -> Self {
+        self.vehicle_model = Some(model);
+        self
     }
 }
 
@@ -176,18 +184,23 @@ impl KdTreeDetector {
 
     fn classify(&mut self, output: &mut DetectorOutput) {
         let mut object_points = std::mem::take(&mut self.object_points);
+        let mut model = self.vehicle_model.take();
         for FittedObject { cluster_idx, bounding_box, .. } in &self.objects {
             let members = self.clusters.members(*cluster_idx);
             object_points.clear();
             object_points.extend(members.iter().map(|&place| self.foreground_points()[place as usize]));
+            let positions_m = members.iter().map(|&place| self.positions_m[place as usize]);
+            let sizes = &self.short_objects.params().vehicle_size;
+            let (class, score) = classify_object(model.as_mut(), bounding_box, positions_m, sizes);
             output.detections.push(Detection {
                 point_indices: &object_points,
                 bounding_box: *bounding_box,
-                class: size_gate(members.len(), bounding_box, &self.short_objects.params().vehicle_size),
-                score: None,
+                class,
+                score,
             });
         }
         self.object_points = object_points;
+        self.vehicle_model = model;
     }
 
     fn finite_point_classes(&self, n_points: usize) -> Vec<SurfaceClass> {

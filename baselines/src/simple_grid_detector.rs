@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use detector::classify::size_gate::size_gate;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::fit::outline::Outline;
 use detector::grid::dense_level::DenseLevel;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::vehicle_model::{VehicleModel, classify_object};
 use detector::segment::clusters::Clusters;
 use detector::segment::connected_components::connected_components;
 use detector::segment::disjoint_sets::DisjointSets;
@@ -37,6 +37,7 @@ pub struct SimpleGridDetector {
     objects: Vec<FittedObject>,
     hulls_m: Vec<[f32; 2]>,
     object_points: Vec<u32>,
+    vehicle_model: Option<VehicleModel>,
 }
 
 /// A cluster that is large enough, with its box.
@@ -65,7 +66,14 @@ impl SimpleGridDetector {
             objects: Vec::new(),
             hulls_m: Vec::new(),
             object_points: Vec::new(),
+            vehicle_model: None,
         }
+    }
+
+    /// The same detector, which tells vehicles by `model` instead of by their size.
+    pub fn with_vehicle_model(mut self, model: VehicleModel) -> Self {
+        self.vehicle_model = Some(model);
+        self
     }
 }
 
@@ -83,7 +91,7 @@ impl Detector for SimpleGridDetector {
         self.outline.mark(self.foreground.grid(), &self.cells, &self.blob_of_cell);
         self.fit_boxes(cloud, output);
         clock.lap("boxes", &mut output.stage_times);
-        self.classify(output);
+        self.classify(cloud, output);
         clock.lap("classify", &mut output.stage_times);
     }
 
@@ -144,17 +152,21 @@ impl SimpleGridDetector {
         }
     }
 
-    fn classify(&mut self, output: &mut DetectorOutput) {
+    fn classify(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
         let point_indices = self.foreground.point_indices();
         for FittedObject { cluster_idx, bounding_box, .. } in &self.objects {
             let members = self.clusters.members(*cluster_idx);
             self.object_points.clear();
             self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
+            let positions_m = self.object_points.iter().map(|&it| cloud.position_m(it as usize));
+            let sizes = &self.foreground.params().vehicle_size;
+            let (class, score) =
+                classify_object(self.vehicle_model.as_mut(), bounding_box, positions_m, sizes);
             output.detections.push(Detection {
                 point_indices: &self.object_points,
                 bounding_box: *bounding_box,
-                class: size_gate(members.len(), bounding_box, &self.foreground.params().vehicle_size),
-                score: None,
+                class,
+                score,
             });
         }
     }

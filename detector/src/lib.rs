@@ -23,6 +23,7 @@ pub use stage_product::StageProduct;
 pub mod grid;
 pub mod segment;
 pub mod fit;
+pub mod describe;
 pub mod classify;
 
 // Their parameters, and how they follow each other.

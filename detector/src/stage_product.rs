@@ -35,6 +35,17 @@ pub enum Shape {
     Boxes(Vec<OrientedBox>),
     /// Closed outlines; the first vertex is not repeated at the end.
     Contours(Vec<Vec<[f32; 3]>>),
+    /// Spheres.
+    Spheres(Vec<ProductSphere>),
+}
+
+/// One sphere of [`Shape::Spheres`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProductSphere {
+    /// Centre in metres.
+    pub center_m: [f32; 3],
+    /// Radius in metres.
+    pub radius_m: f32,
 }
 
 /// One cell of [`Shape::Cells`].

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::run::config::override_option::OverrideOption;
 use crate::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 use crate::simulator::sensor::EMBEDDED_SENSORS;
+use crate::training::{CHOICE_SEED, GAMMA, HOLD_OUT_EVERY, NU, PROTOTYPES};
 
 /// Evaluates and benchmarks LiDAR object detectors side by side.
 #[derive(Debug, Parser)]
@@ -55,6 +56,8 @@ pub enum Command {
     Data(DataCommand),
     /// Learn from scans how the density of points falls with the range, for the weights of the hierarchical detector
     FitDensity(Box<FitDensityArgs>),
+    /// Train the model that tells vehicles from background, and judge it by drives it has not seen
+    Train(Box<TrainArgs>),
     /// Score annotations fed back as detections: everything must come out at exactly 1
     Selftest(SelftestArgs),
     /// Simulate pairs of objects with growing gaps and measure which detectors tell them apart
@@ -384,6 +387,52 @@ Examples:
 
 Without such a file, a run takes the curve that comes with the program for the
 sensor of each data set: hdl-64e-s2, hdl-32e, vlp-16 or os1-128.";
+
+/// Arguments of `scanbench train`.
+#[derive(Debug, Args)]
+#[command(after_help = TRAIN_EXAMPLES)]
+pub struct TrainArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Hold out the last of every N drives of each data set to judge by
+    #[arg(long, value_name = "N", default_value_t = HOLD_OUT_EVERY, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub hold_out_every: u32,
+    /// Most vehicles to train on
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    pub vehicles: u32,
+    /// Most other objects to train on, for each vehicle
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
+    pub others: u32,
+    /// Most side profiles of each kind of vehicle to compare with
+    #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
+    pub prototypes: u32,
+    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078
+    #[arg(long, value_name = "X", default_value_t = GAMMA)]
+    pub gamma: f32,
+    /// Share of vehicles and background that may lie inside the margin; the paper has 0.0377
+    #[arg(long, value_name = "X", default_value_t = NU)]
+    pub nu: f64,
+    /// Seed of the choice among objects, and of the regions that are cut out
+    #[arg(long, value_name = "N", default_value_t = CHOICE_SEED)]
+    pub choice_seed: u64,
+    /// Where model, prototypes, curves and plots are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const TRAIN_EXAMPLES: &str = "\
+Examples:
+  scanbench train streets --seed 2000 --simulated-scans 300 --scans 0..300:6 -o model
+  scanbench train ~/data/kitti_tracking -o model
+  scanbench train streets --seed 3000 --nu 0.3 --gamma 0.1078
+
+Objects are what the hierarchical detector finds: those that match an annotated
+car, van, truck or bus, and those without points of any, with regions cut out
+anywhere. Leaves in the directory model.toml and prototypes.toml, which a run takes
+with -P vehicle_model.directory=DIR, objects.csv with every held-out object,
+importance.csv, curves.csv, curves.svg and manifest.json. The same scans and options
+give the same bytes, but for the date in the manifest.";
 
 /// Arguments of `scanbench data realism`.
 #[derive(Debug, Args)]

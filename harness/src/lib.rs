@@ -10,6 +10,7 @@ pub mod matching;
 pub mod metrics;
 pub mod realism;
 pub mod density_survey;
+pub mod training;
 pub mod run;
 #[cfg(feature = "rerun")]
 pub mod stream;

@@ -29,6 +29,8 @@ pub mod box_row;
 pub mod cluster_of_point;
 pub mod gap_row;
 pub mod condition_row;
+pub mod operating_curve;
+pub mod training_row;
 pub mod run_directory;
 
 // Tables.

@@ -1,3 +1,9 @@
-//! What the objects are.
+//! What an object is.
 
 pub mod size_gate;
+mod rbf_kernel;
+mod kernel_rows;
+pub mod nu_svc_solver;
+pub mod svm_model;
+pub mod svm_training;
+pub mod nu_svm;

@@ -1,6 +1,5 @@
 //! The detector of the paper.
 
-use crate::classify::size_gate::size_gate;
 use crate::detection::Detection;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::fit::convex_hull_box::ConvexHullBox;
@@ -10,6 +9,7 @@ use crate::grid::density_weighting::DensityWeighting;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
+use crate::pipeline::vehicle_model::{VehicleModel, classify_object};
 use crate::point_cloud::PointCloud;
 use crate::segment::connected_components::connected_components;
 use crate::segment::dense_separation::DenseSeparation;
@@ -30,6 +30,7 @@ pub struct HierarchicalDetector {
     box_fit: ConvexHullBox,
     objects: Vec<FittedObject>,
     hulls_m: Vec<[f32; 2]>,
+    vehicle_model: Option<VehicleModel>,
 }
 
 /// A cluster that is large enough, with its box.
@@ -57,7 +58,14 @@ impl HierarchicalDetector {
             box_fit: ConvexHullBox::default(),
             objects: Vec::new(),
             hulls_m: Vec::new(),
+            vehicle_model: None,
         }
+    }
+
+    /// The same detector, which tells vehicles by `model` instead of by their size.
+    pub fn with_vehicle_model(mut self, model: VehicleModel) -> Self {
+        self.vehicle_model = Some(model);
+        self
     }
 }
 
@@ -101,6 +109,13 @@ impl Detector for HierarchicalDetector {
             StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
             StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
         ]);
+        if let Some(model) = &self.vehicle_model {
+            let positions_m = |object: &FittedObject| {
+                self.clusters.points(object.cluster_idx).iter().map(|it| it.position_m)
+            };
+            let objects = self.objects.iter().map(|object| (object.bounding_box, positions_m(object)));
+            products.extend(model.stage_products(objects));
+        }
         products
     }
 }
@@ -130,17 +145,16 @@ impl HierarchicalDetector {
         }
     }
 
-    /// The vehicle model (VM sections 4 and 5) takes the place of the size gate here.
+    /// By the vehicle model (VM sections 4 and 5) if there is one, else by size.
     fn classify(&mut self, output: &mut DetectorOutput) {
         for object in &self.objects {
             let point_indices = self.clusters.point_indices(object.cluster_idx);
+            let bounding_box = object.bounding_box;
+            let positions_m = self.clusters.points(object.cluster_idx).iter().map(|it| it.position_m);
             let sizes = &self.foreground.params().vehicle_size;
-            output.detections.push(Detection {
-                point_indices,
-                bounding_box: object.bounding_box,
-                class: size_gate(point_indices.len(), &object.bounding_box, sizes),
-                score: None,
-            });
+            let (class, score) =
+                classify_object(self.vehicle_model.as_mut(), &bounding_box, positions_m, sizes);
+            output.detections.push(Detection { point_indices, bounding_box, class, score });
         }
     }
 

@@ -47,6 +47,22 @@ impl DrawnStreet {
         self
     }
 
+    /// Adds the surface of a vehicle with the side profile `contour_m` (along, up from the road), 1.8 m wide, whose middle
+    /// is at `center_m` and whose front looks forward.
+    pub fn vehicle(mut self, center_m: [f32; 2], contour_m: &[[f32; 2]]) -> Self {
+        for (from_m, to_m) in contour_m.iter().zip(contour_m.iter().cycle().skip(1)) {
+            let length_m = (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1]);
+            for share in steps([0.0, length_m]).iter().map(|it| it / length_m) {
+                let [along, up] = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
+                for &across in &steps([-0.9, 0.9]) {
+                    let position_m = [center_m[0] + along, center_m[1] + across, up - SENSOR_HEIGHT_M];
+                    self.cloud.push(position_m, 0.0);
+                }
+            }
+        }
+        self
+    }
+
     /// The points.
     pub fn cloud(self) -> PointCloud {
         self.cloud

@@ -2,6 +2,10 @@
 
 mod drawn_street;
 mod velodyne_scans;
+mod drawn_vehicles;
+mod nu_svc;
+mod trained_on_drawings;
+mod vehicle_model;
 mod stage_products;
 mod steady_state;
 mod reference;

@@ -41,6 +41,10 @@ fn shape_in_words(shape: &Shape) -> String {
         }
         Shape::Segments(segments) => format!("{} segments", segments.len()),
         Shape::Boxes(boxes) => format!("{} boxes", boxes.len()),
+        Shape::Spheres(spheres) => {
+            let radii_m: Vec<String> = spheres.iter().map(|it| rounded(it.radius_m)).collect();
+            format!("{} with radii {}", spheres.len(), radii_m.join(", "))
+        }
         Shape::Contours(contours) => {
             let n_corners: Vec<String> = contours.iter().map(|it| it.len().to_string()).collect();
             format!("{} of {} corners", contours.len(), n_corners.join(", "))

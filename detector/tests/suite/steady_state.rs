@@ -5,12 +5,19 @@ use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
+use crate::trained_on_drawings::vehicle_model;
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
 /// Checks that a detector that has seen `first` allocates nothing on `second`.
 #[track_caller]
 fn check(first: &PointCloud, second: &PointCloud) {
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    check_detector(detector.clone(), first, second);
+    check_detector(detector.with_vehicle_model(vehicle_model()), first, second);
+}
+
+#[track_caller]
+fn check_detector(mut detector: HierarchicalDetector, first: &PointCloud, second: &PointCloud) {
     let mut output = DetectorOutput::default();
     let sizing = allocation_counter::measure(|| detector.detect(first, &mut output));
     assert!(sizing.count_total > 0, "the counter sees nothing");
@@ -41,7 +48,8 @@ fn a_drive_seen_before_allocates_nothing() {
     }
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+        .with_vehicle_model(vehicle_model());
     let mut output = DetectorOutput::default();
     for scan in &scans {
         detector.detect(scan, &mut output);

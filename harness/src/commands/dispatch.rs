@@ -13,6 +13,7 @@ use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::standard_streams::print_result;
+use crate::commands::train::train;
 
 /// Does what the command line asks for.
 ///
@@ -27,6 +28,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
         Command::FitDensity(arguments) => fit_density(arguments),
+        Command::Train(arguments) => train(arguments),
         Command::Gaps(arguments) => gaps(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Selftest(arguments) => selftest(arguments),

@@ -18,6 +18,7 @@ use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
+use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::density_survey::{count_rings, density_curves};
 
@@ -78,26 +79,8 @@ fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> anyhow::Result<C
         sensor: (*sensor).to_owned(),
         datasets: descriptions().map(|it| it.id.clone()).collect(),
         seeds: descriptions().filter_map(|it| Some(it.simulation.as_ref()?.seed)).collect(),
-        command: command(arguments),
+        command: reproducible_command("fit-density", arguments, &[]),
     })
-}
-
-/// The command line without what says where to write, so that the file is the same wherever it is written.
-fn command(arguments: &DatasetArgs) -> String {
-    let mut words = vec!["scanbench".to_owned(), "fit-density".to_owned()];
-    words.extend(arguments.datasets.iter().cloned());
-    let options = [
-        ("--format", arguments.source.format.clone()),
-        ("--scans", arguments.scans.clone()),
-        ("--seed", arguments.source.seed.map(|it| it.to_string())),
-        ("--simulated-scans", arguments.source.simulated_scans.map(|it| it.to_string())),
-        ("--sensor", arguments.source.sensor.clone()),
-        ("--catalogue", arguments.source.catalogue.catalogue.as_ref().map(|it| it.display().to_string())),
-    ];
-    for (option, value) in options {
-        words.extend(value.into_iter().flat_map(|value| [option.to_owned(), value]));
-    }
-    words.join(" ")
 }
 
 fn name_of(opened: &[OpenedDataset], n_scans: usize) -> String {

@@ -23,5 +23,7 @@ pub mod gaps;
 pub mod robustness;
 pub mod data_list;
 pub mod data_realism;
+pub mod reproducible_command;
 pub mod fit_density;
+pub mod train;
 pub mod dispatch;

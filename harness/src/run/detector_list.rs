@@ -24,7 +24,11 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "hierarchical",
         table: "hierarchical",
         build: |config, sensor_height_m| {
-            Box::new(HierarchicalDetector::new(config.hierarchical.clone(), sensor_height_m))
+            let by_size = HierarchicalDetector::new(config.hierarchical.clone(), sensor_height_m);
+            match &config.vehicle_model {
+                Some(model) => Box::new(by_size.with_vehicle_model(model.clone())),
+                None => Box::new(by_size),
+            }
         },
     },
     ListedDetector {
@@ -32,7 +36,11 @@ pub const DETECTORS: &[ListedDetector] = &[
         table: "kd_tree",
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
-            Box::new(KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m))
+            let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m);
+            match &config.vehicle_model {
+                Some(model) => Box::new(by_size.with_vehicle_model(model.clone())),
+                None => Box::new(by_size),
+            }
         },
     },
     ListedDetector {
@@ -48,7 +56,11 @@ pub const DETECTORS: &[ListedDetector] = &[
         name: "simple-grid",
         table: "hierarchical",
         build: |config, sensor_height_m| {
-            Box::new(SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m))
+            let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m);
+            match &config.vehicle_model {
+                Some(model) => Box::new(by_size.with_vehicle_model(model.clone())),
+                None => Box::new(by_size),
+            }
         },
     },
 ];

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use detector::stage_product::ProductCell;
+use detector::stage_product::{ProductCell, ProductSphere};
 use detector::{OrientedBox, PointCloud};
 use rerun::components::ClassId;
 use rerun::datatypes::Rgba32;
 use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array};
 use rerun::external::arrow::datatypes::{DataType, Field};
 use rerun::{
-    Boxes3D, Component as _, ComponentDescriptor, ComponentIdentifier, FillMode, LineStrips3D, Points2D,
-    Points3D, Quaternion, Radius, SerializedComponentBatch,
+    Boxes3D, Component as _, ComponentDescriptor, ComponentIdentifier, Ellipsoids3D, FillMode, LineStrips3D,
+    Points2D, Points3D, Quaternion, Radius, SerializedComponentBatch,
 };
 
 /// Cells are drawn at least this high, so that a flat one can be seen.
@@ -54,6 +54,13 @@ pub fn boxes(boxes: impl IntoIterator<Item = OrientedBox>) -> Boxes3D {
     }
     Boxes3D::from_centers_and_half_sizes(centers_m, half_sizes_m)
         .with_quaternions(turns)
+        .with_fill_mode(FillMode::MajorWireframe)
+}
+
+/// Outlines of spheres.
+pub fn spheres(spheres: &[ProductSphere]) -> Ellipsoids3D {
+    let centers_m = spheres.iter().map(|it| it.center_m);
+    Ellipsoids3D::from_centers_and_radii(centers_m, spheres.iter().map(|it| it.radius_m))
         .with_fill_mode(FillMode::MajorWireframe)
 }
 

@@ -82,7 +82,7 @@ fn detector_tabs(detector: &str, shown_task: Task, properties: &mut Vec<Property
     }
     let products = |kind| entity_paths::products(detector, kind);
     let below = [ProductKind::Cells, ProductKind::Segments].map(products);
-    let around = [ProductKind::Contours, ProductKind::Boxes].map(products);
+    let around = [ProductKind::Contours, ProductKind::Boxes, ProductKind::Spheres].map(products);
     let cells = scene("cells", &below, None, properties);
     let clusters = scene("clusters", &around, Some(clusters), properties);
     Tabs::new([outcomes, cells, clusters]).into()

@@ -45,11 +45,13 @@ pub enum ProductKind {
     Contours,
     /// Boxes.
     Boxes,
+    /// Spheres.
+    Spheres,
 }
 
 impl ProductKind {
     /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Cells, Self::Segments, Self::Contours, Self::Boxes];
+    pub const ALL: [Self; 5] = [Self::Cells, Self::Segments, Self::Contours, Self::Boxes, Self::Spheres];
 
     fn path_part(self) -> &'static str {
         match self {
@@ -57,6 +59,7 @@ impl ProductKind {
             Self::Segments => "segments",
             Self::Contours => "contours",
             Self::Boxes => "boxes",
+            Self::Spheres => "spheres",
         }
     }
 }

@@ -66,6 +66,13 @@ fn log_entity(
             let path = path(ProductKind::Contours);
             (path.clone(), recording::log(stream, path, &drawn))
         }
+        Shape::Spheres(spheres) => {
+            let drawn = archetypes::spheres(spheres)
+                .with_line_radii([Radius::new_ui_points(LINE_RADIUS_PX)])
+                .with_colors([legend::rgba(palette::ORANGE)]);
+            let path = path(ProductKind::Spheres);
+            (path.clone(), recording::log(stream, path, &drawn))
+        }
         Shape::Boxes(boxes) => {
             let drawn = colored_boxes(archetypes::boxes(boxes.iter().copied()), palette::GREY);
             let path = path(ProductKind::Boxes);
@@ -120,7 +127,11 @@ fn point_ids(cloud: &PointCloud, shape: &Shape) -> Option<Vec<u16>> {
             let id = |point_idx: usize| clusters[point_idx].map_or(no_cluster, legend::cluster_id);
             Some(drawable.map(id).collect())
         }
-        Shape::Cells { .. } | Shape::Segments(_) | Shape::Boxes(_) | Shape::Contours(_) => None,
+        Shape::Cells { .. }
+        | Shape::Segments(_)
+        | Shape::Boxes(_)
+        | Shape::Contours(_)
+        | Shape::Spheres(_) => None,
     }
 }
 
@@ -128,7 +139,11 @@ fn check_length(cloud: &PointCloud, detector: &str, product: &StageProduct) -> R
     let n_labels = match &product.shape {
         Shape::LabeledPoints(classes) => classes.len(),
         Shape::Clusters(cluster_of_point) => cluster_of_point.len(),
-        Shape::Cells { .. } | Shape::Segments(_) | Shape::Boxes(_) | Shape::Contours(_) => cloud.len(),
+        Shape::Cells { .. }
+        | Shape::Segments(_)
+        | Shape::Boxes(_)
+        | Shape::Contours(_)
+        | Shape::Spheres(_) => cloud.len(),
     };
     if n_labels == cloud.len() {
         return Ok(());

@@ -218,7 +218,7 @@ mod tests {
     use std::time::Instant;
 
     use detector::detector::StageTime;
-    use detector::stage_product::{ProductCell, Shape, SurfaceClass};
+    use detector::stage_product::{ProductCell, ProductSphere, Shape, SurfaceClass};
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
     use rerun::external::arrow::array::{Array as _, AsArray as _};
     use rerun::external::arrow::datatypes::UInt16Type;
@@ -286,6 +286,7 @@ mod tests {
             product("walls", Shape::Segments(vec![[[0.0; 3], [1.0; 3]]])),
             product("hulls", Shape::Contours(vec![vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])),
             product("boxes", Shape::Boxes(vec![unit_box(0.0)])),
+            product("spheres", Shape::Spheres(vec![ProductSphere { center_m: [0.0; 3], radius_m: 0.5 }])),
         ]
     }
 
@@ -402,6 +403,7 @@ mod tests {
             ("/world/detectors/kd-tree/segments/grid/walls LineStrips3D:strips", 3),
             ("/world/detectors/kd-tree/contours/grid/hulls LineStrips3D:strips", 3),
             ("/world/detectors/kd-tree/boxes/grid/boxes Boxes3D:half_sizes", 3),
+            ("/world/detectors/kd-tree/spheres/grid/spheres Ellipsoids3D:half_sizes", 3),
         ]);
     }
 

@@ -28,6 +28,7 @@ fn every_verb_has_help_with_an_example() {
         "data list",
         "data realism",
         "fit-density",
+        "train",
     ] {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
@@ -46,6 +47,7 @@ fn help_lists_every_verb_and_exit_code() {
         "robustness ",
         "data ",
         "fit-density ",
+        "train ",
         "selftest ",
         "completions ",
     ] {

@@ -19,3 +19,4 @@ mod run_directory;
 mod realism;
 mod simulated_reference;
 mod fit_density;
+mod train;

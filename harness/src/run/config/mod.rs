@@ -4,6 +4,7 @@ pub mod error;
 mod matching_table;
 mod parameter_tree;
 mod value_problem;
+mod vehicle_model_table;
 mod override_file;
 pub mod override_option;
 pub mod run_config;

@@ -5,6 +5,7 @@ use std::path::Path;
 use baselines::params::{BaselineParams, PARAMS_TOML};
 use detector::grid::density_curve::DensityCurve;
 use detector::params::HierarchicalParams;
+use detector::pipeline::vehicle_model::VehicleModel;
 use toml::{Table, Value};
 
 use super::error::ConfigError;
@@ -12,6 +13,7 @@ use super::matching_table::{MATCHING_TOML, matching_from};
 use super::override_file::OverrideFile;
 use super::override_option::{OverrideOption, OverrideOptions};
 use super::value_problem::ValueProblem;
+use super::vehicle_model_table::{VEHICLE_MODEL_TOML, vehicle_model_from};
 use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
 
@@ -24,6 +26,8 @@ pub struct RunConfig {
     pub baselines: BaselineParams,
     /// How detections are judged.
     pub matching: MatchingParams,
+    /// What tells vehicles of the clusters of grids and kd-tree; their size if there is none.
+    pub vehicle_model: Option<VehicleModel>,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
@@ -34,6 +38,7 @@ fn shipped() -> Table {
     let mut all = parse(PARAMS_TOML);
     all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
     all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::paper_table()));
+    all.insert("vehicle_model".to_owned(), Value::Table(parse(VEHICLE_MODEL_TOML)));
     all
 }
 
@@ -114,8 +119,8 @@ impl RunConfig {
             with_density_curve(table("hierarchical"), &of_paper)
         };
         let (hierarchical, matching) = (hierarchical.to_string(), table("matching").to_string());
-        let of_baselines =
-            resolved.iter().filter(|(name, _)| !["matching", "hierarchical"].contains(&name.as_str()));
+        let of_others = ["matching", "hierarchical", "vehicle_model"];
+        let of_baselines = resolved.iter().filter(|(name, _)| !of_others.contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
         let baselines = baselines.to_string();
         Ok(Self {
@@ -125,6 +130,7 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
             matching: matching_from(&matching)
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
+            vehicle_model: vehicle_model_from(&table("vehicle_model").to_string())?,
             resolved,
         })
     }
@@ -225,7 +231,7 @@ mod tests {
         );
         check_refused(
             "[hirarchical]",
-            "line 1: unknown parameter hirarchical; there are hierarchical, kd_tree, matching, pca",
+            "line 1: unknown parameter hirarchical; there are hierarchical, kd_tree, matching, pca, vehicle_model",
         );
         check_refused(
             "[kd_tree]\ntolerance_m = \"far\"",

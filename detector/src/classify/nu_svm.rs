@@ -1,0 +1,50 @@
+//! The decision of a trained classifier.
+
+use super::rbf_kernel::{LANES, VectorBlock, blocks_of, rbf_kernel};
+use super::svm_model::SvmModel;
+
+/// A ν support vector classifier of `D` values with a Gaussian kernel, ready to decide.
+///
+/// The time of a decision grows with the number of support vectors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NuSvm<const D: usize> {
+    means: [f32; D],
+    deviations: [f32; D],
+    gamma: f32,
+    rho: f32,
+    /// With their coefficients; those that fill up the last block have none.
+    support: Vec<(VectorBlock<D>, [f32; LANES])>,
+}
+
+impl<const D: usize> NuSvm<D> {
+    /// The classifier that `model` describes.
+    pub fn new(model: &SvmModel<D>) -> Self {
+        let coefficients = model
+            .coefficients
+            .chunks(LANES)
+            .map(|chunk| std::array::from_fn(|lane| chunk.get(lane).copied().unwrap_or(0.0)));
+        Self {
+            means: model.means,
+            deviations: model.deviations,
+            gamma: model.gamma,
+            rho: model.rho,
+            support: blocks_of(&model.support_vectors).into_iter().zip(coefficients).collect(),
+        }
+    }
+
+    /// How far `vector` is on the side of the first class: the margin is at 1, the border at 0, and the second class
+    /// below.
+    ///
+    /// Paper: VM section 5.
+    pub fn decision(&self, vector: &[f32; D]) -> f32 {
+        let standardised = std::array::from_fn(|idx| (vector[idx] - self.means[idx]) / self.deviations[idx]);
+        let mut sums = [0.0; LANES];
+        for (block, coefficients) in &self.support {
+            let kernels = rbf_kernel(&standardised, block, self.gamma);
+            for lane in 0..LANES {
+                sums[lane] += coefficients[lane] * kernels[lane];
+            }
+        }
+        sums.iter().sum::<f32>() - self.rho
+    }
+}

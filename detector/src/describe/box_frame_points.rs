@@ -1,0 +1,66 @@
+//! The points of one object in the frame of its box.
+
+use crate::oriented_box::OrientedBox;
+
+/// Columns of coordinates in metres relative to the centre of a box: along its length, across to the left, and up.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BoxFramePoints {
+    // Invariant: the three have the same length.
+    columns_m: [Vec<f32>; 3],
+}
+
+impl BoxFramePoints {
+    /// Takes `positions_m` of the sensor frame over into the frame of `bounding_box`.
+    pub fn fill(&mut self, bounding_box: &OrientedBox, positions_m: impl ExactSizeIterator<Item = [f32; 3]>) {
+        let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+        let [center_x, center_y, center_z] = bounding_box.center_m;
+        for column_m in &mut self.columns_m {
+            column_m.resize(positions_m.len(), 0.0);
+        }
+        let [along_m, across_m, up_m] = &mut self.columns_m;
+        let columns = along_m.iter_mut().zip(across_m).zip(up_m);
+        for (((along_m, across_m), up_m), [x, y, z]) in columns.zip(positions_m) {
+            let (dx, dy) = (x - center_x, y - center_y);
+            *along_m = cos * dx + sin * dy;
+            *across_m = cos * dy - sin * dx;
+            *up_m = z - center_z;
+        }
+    }
+
+    /// Coordinates along the length.
+    pub fn along_m(&self) -> &[f32] {
+        &self.columns_m[0]
+    }
+
+    /// Coordinates across, to the left.
+    pub fn across_m(&self) -> &[f32] {
+        &self.columns_m[1]
+    }
+
+    /// Coordinates upward.
+    pub fn up_m(&self) -> &[f32] {
+        &self.columns_m[2]
+    }
+}
+
+/// Least and greatest of a column. `None` without points.
+pub(super) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
+    const LANES: usize = 8;
+    let mut low = [*column.first()?; LANES];
+    let mut high = low;
+    let (chunks, rest) = column.as_chunks::<LANES>();
+    for chunk in chunks {
+        for lane in 0..LANES {
+            low[lane] = lesser(chunk[lane], low[lane]);
+            high[lane] = -lesser(-chunk[lane], -high[lane]);
+        }
+    }
+    let low = low.iter().chain(rest).copied().reduce(lesser)?;
+    let high = high.iter().chain(rest).copied().reduce(|a, b| -lesser(-a, -b))?;
+    Some([low, high])
+}
+
+/// The lesser of two numbers of which none is NaN; unlike `f32::min` a single instruction.
+pub(super) fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}

@@ -1,0 +1,9 @@
+//! What tells vehicles from other objects.
+
+pub mod box_frame_points;
+pub mod corner_spheres;
+pub mod side_profile;
+pub mod turning_function;
+pub mod trained_file;
+pub mod prototype_library;
+pub mod vehicle_features;

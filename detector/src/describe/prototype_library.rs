@@ -1,0 +1,300 @@
+//! The side profiles of known vehicles, and which of them an object is most like.
+
+use std::fmt::Write as _;
+
+use serde::Deserialize;
+
+use super::trained_file::{Provenance, TrainedFileError, check_head, head_and_provenance};
+use super::turning_function::TurningFunction;
+
+/// What the file calls itself.
+const FORMAT: &str = "scanbench side profiles";
+/// Of the format; other versions are refused.
+const VERSION: i64 = 1;
+
+/// The profile of one vehicle, front forward.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Prototype {
+    /// What it is.
+    pub name: String,
+    /// Its concave contour: corners (along, up) in metres, with the front at the greater end.
+    pub contour_m: Vec<[f32; 2]>,
+}
+
+/// Prototypes that profiles are compared with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrototypeLibrary {
+    // Invariant: `functions` has the turning functions of each prototype, facing forward and backward.
+    made: Provenance,
+    column_m: f32,
+    prototypes: Vec<Prototype>,
+    functions: Vec<[TurningFunction; 2]>,
+}
+
+/// Which way a profile looks, along the axis of its box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Facing {
+    /// The front is at the greater end.
+    Forward,
+    /// The front is at the smaller end.
+    Backward,
+}
+
+/// The prototype that an object is most like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearestPrototype {
+    /// Its place in the library.
+    pub prototype_idx: usize,
+    /// Which way the object looks if it is this.
+    pub facing: Facing,
+    /// Difference of the contours in 0 to 1.
+    pub difference: f32,
+}
+
+/// Why there is no library.
+#[derive(Debug, thiserror::Error)]
+pub enum PrototypeLibraryError {
+    /// Not TOML, or not a library.
+    #[error(transparent)]
+    File(#[from] TrainedFileError),
+    /// Columns that no profile can be made of.
+    #[error("column_m = {column_m} is outside of 0.02 to 2 m")]
+    Column {
+        /// The width it says.
+        column_m: f32,
+    },
+    /// Nothing to compare with.
+    #[error("no prototype")]
+    Empty,
+    /// A file with prototypes missing.
+    #[error("{found} prototypes, where {announced} are announced")]
+    Count {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        announced: usize,
+    },
+    /// A prototype that is no outline.
+    #[error("the contour of prototype {prototype_idx}, {name:?}, does not go around an area once")]
+    Contour {
+        /// Its place.
+        prototype_idx: usize,
+        /// What it is called.
+        name: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(rename = "format")]
+    _format: String,
+    #[serde(rename = "version")]
+    _version: i64,
+    n_prototypes: usize,
+    column_m: f32,
+    made: Provenance,
+    prototype: Vec<Prototype>,
+}
+
+impl PrototypeLibrary {
+    /// The embedded library of drawn silhouettes, which `examples/drawn_vehicles.rs` writes.
+    pub fn drawn() -> Self {
+        Self::from_toml(include_str!("drawn_vehicles.toml")).expect("the embedded file is tested")
+    }
+
+    /// A library of `prototypes`, whose contours are in columns of `column_m`.
+    ///
+    /// # Errors
+    ///
+    /// [`PrototypeLibraryError`] if there is none, or one whose contour has no turning function, or no such columns.
+    pub fn new(
+        made: Provenance,
+        column_m: f32,
+        prototypes: Vec<Prototype>,
+    ) -> Result<Self, PrototypeLibraryError> {
+        if !(0.02..=2.0).contains(&column_m) {
+            return Err(PrototypeLibraryError::Column { column_m });
+        }
+        if prototypes.is_empty() {
+            return Err(PrototypeLibraryError::Empty);
+        }
+        let facings = |(prototype_idx, prototype): (usize, &Prototype)| {
+            let mirrored: Vec<[f32; 2]> =
+                prototype.contour_m.iter().map(|&[along, up]| [-along, up]).collect();
+            TurningFunction::of(&prototype.contour_m)
+                .zip(TurningFunction::of(&mirrored))
+                .map(|(forward, backward)| [forward, backward])
+                .ok_or_else(|| PrototypeLibraryError::Contour { prototype_idx, name: prototype.name.clone() })
+        };
+        let functions = prototypes.iter().enumerate().map(facings).collect::<Result<_, _>>()?;
+        Ok(Self { made, column_m, prototypes, functions })
+    }
+
+    /// A library from the text that [`Self::to_toml`] gives.
+    ///
+    /// # Errors
+    ///
+    /// [`PrototypeLibraryError`] if the text is no library, or one of another version, or damaged.
+    pub fn from_toml(text: &str) -> Result<Self, PrototypeLibraryError> {
+        check_head(text, FORMAT, VERSION)?;
+        let file: File = toml::from_str(text).map_err(TrainedFileError::from)?;
+        let (found, announced) = (file.prototype.len(), file.n_prototypes);
+        if found != announced {
+            return Err(PrototypeLibraryError::Count { found, announced });
+        }
+        Self::new(file.made, file.column_m, file.prototype)
+    }
+
+    /// The library as text. Numbers are written so that they come back to the bit.
+    pub fn to_toml(&self) -> String {
+        let values = [
+            ("n_prototypes", self.prototypes.len().to_string()),
+            ("column_m", format!("{:?}", self.column_m)),
+        ];
+        let mut text = head_and_provenance((FORMAT, VERSION), &values, &self.made);
+        for prototype in &self.prototypes {
+            let name = toml::Value::from(prototype.name.as_str());
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "\n[[prototype]]\nname = {name}");
+            let _ = writeln!(text, "contour_m = {:?}", prototype.contour_m);
+        }
+        text
+    }
+
+    /// Greatest width of a column of the contours, in metres: what is compared with them has to have the same.
+    pub fn column_m(&self) -> f32 {
+        self.column_m
+    }
+
+    /// The prototypes.
+    pub fn prototypes(&self) -> &[Prototype] {
+        &self.prototypes
+    }
+
+    /// The prototype that `contour_m` (corners along, up in metres) differs least from, facing either way; the first of
+    /// equally near ones. `None` if the contour goes around nothing, or differs from all as far as can be.
+    ///
+    /// Paper: VM sections 4 and 5.
+    pub fn nearest(&self, contour_m: &[[f32; 2]]) -> Option<NearestPrototype> {
+        let function = TurningFunction::of(contour_m)?;
+        let mut nearest: Option<NearestPrototype> = None;
+        for (prototype_idx, facings) in self.functions.iter().enumerate() {
+            for (prototype, facing) in facings.iter().zip([Facing::Forward, Facing::Backward]) {
+                let bound = nearest.map_or(1.0, |it| it.difference);
+                if let Some(difference) = function.distance_below(prototype, bound) {
+                    nearest = Some(NearestPrototype { prototype_idx, facing, difference });
+                }
+            }
+        }
+        nearest
+    }
+
+    /// The contour of `nearest`, facing as it does, moved and scaled so that it is as long as `contour_m` and begins
+    /// and stands where that does.
+    pub fn placed(&self, nearest: &NearestPrototype, contour_m: &[[f32; 2]]) -> Vec<[f32; 2]> {
+        let mut prototype_m = self.prototypes[nearest.prototype_idx].contour_m.clone();
+        if nearest.facing == Facing::Backward {
+            for corner in &mut prototype_m {
+                corner[0] = -corner[0];
+            }
+        }
+        let scale = perimeter_m(contour_m) / perimeter_m(&prototype_m);
+        let (from, to) = (least(&prototype_m), least(contour_m));
+        prototype_m.iter().map(|it| [0, 1].map(|axis| to[axis] + scale * (it[axis] - from[axis]))).collect()
+    }
+}
+
+fn perimeter_m(contour_m: &[[f32; 2]]) -> f32 {
+    let closed = contour_m.iter().zip(contour_m.iter().cycle().skip(1));
+    closed.map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+}
+
+fn least(contour_m: &[[f32; 2]]) -> [f32; 2] {
+    [0, 1].map(|axis| contour_m.iter().map(|it| it[axis]).fold(f32::INFINITY, f32::min))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn library() -> PrototypeLibrary {
+        let made = Provenance { command: "test".to_owned(), data: vec![], seed: 0, split: "none".to_owned() };
+        let prototype = |name: &str, contour_m: &[[f32; 2]]| Prototype {
+            name: name.to_owned(),
+            contour_m: contour_m.to_vec(),
+        };
+        let prototypes = vec![
+            prototype("box", &[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]),
+            prototype("wedge", &WEDGE),
+        ];
+        PrototypeLibrary::new(made, 0.2, prototypes).unwrap()
+    }
+
+    const WEDGE: [[f32; 2]; 4] = [[0.0, 0.0], [3.0, 0.0], [3.0, 0.3], [0.0, 1.0]];
+
+    #[test]
+    fn a_library_comes_back_from_its_file_to_the_bit() {
+        assert_eq!(PrototypeLibrary::from_toml(&library().to_toml()).unwrap(), library());
+    }
+
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, message: &str) {
+        let text = library().to_toml();
+        assert!(text.contains(from), "{text}");
+        let error = PrototypeLibrary::from_toml(&text.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_library_says_why() {
+        check_refused("side profiles", "recipe", "format is \"scanbench recipe\"");
+        check_refused("version = 1", "version = 3", "version 3 of the format, this program reads 1");
+        check_refused("column_m = 0.2", "column_m = 0.0", "column_m = 0 is outside");
+        check_refused("n_prototypes = 2", "n_prototypes = 3", "2 prototypes, where 3 are announced");
+        check_refused("[2.0, 1.0]", "[2.0, nan]", "the contour of prototype 0, \"box\"");
+        check_refused("contour_m", "contour", "unknown field `contour`");
+    }
+
+    #[test]
+    fn a_mirrored_wedge_is_a_wedge_that_looks_back() {
+        let library = library();
+        let forward = library.nearest(&WEDGE).unwrap();
+        assert_eq!((forward.prototype_idx, forward.facing), (1, Facing::Forward));
+        assert_eq!(forward.difference, 0.0);
+        let mirrored = WEDGE.map(|[along, up]| [7.0 - 2.0 * along, 2.0 * up - 1.0]);
+        let backward = library.nearest(&mirrored).unwrap();
+        assert_eq!((backward.prototype_idx, backward.facing), (1, Facing::Backward));
+        assert!(backward.difference < 1e-3);
+        let placed = library.placed(&backward, &mirrored);
+        for (corner, wanted) in placed.iter().zip(mirrored) {
+            assert!((0..2).all(|axis| (corner[axis] - wanted[axis]).abs() < 1e-4), "{corner:?} {wanted:?}");
+        }
+    }
+
+    #[test]
+    fn every_drawn_vehicle_is_most_like_itself_either_way() {
+        let drawn = PrototypeLibrary::drawn();
+        for (prototype_idx, prototype) in drawn.prototypes().iter().enumerate() {
+            let nearest = drawn.nearest(&prototype.contour_m).unwrap();
+            let mirrored: Vec<[f32; 2]> =
+                prototype.contour_m.iter().map(|&[along, up]| [-along, up]).collect();
+            for (nearest, facing) in
+                [(nearest, Facing::Forward), (drawn.nearest(&mirrored).unwrap(), Facing::Backward)]
+            {
+                assert_eq!(
+                    (nearest.prototype_idx, nearest.facing),
+                    (prototype_idx, facing),
+                    "{}",
+                    prototype.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_area_is_like_nothing() {
+        assert_eq!(library().nearest(&[[0.0, 0.0], [1.0, 0.0]]), None);
+    }
+}

@@ -1,0 +1,228 @@
+//! The eight values by which a vehicle is told from background.
+
+use super::box_frame_points::{BoxFramePoints, extent_m};
+use super::corner_spheres::{CornerSpheres, OrderedRadii};
+use super::prototype_library::PrototypeLibrary;
+use super::side_profile::{SideProfile, convex_contour};
+use crate::oriented_box::OrientedBox;
+use crate::stage_product::ProductSphere;
+
+/// What the classifier sees of an object.
+///
+/// Paper: VM section 5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VehicleFeatures {
+    /// Length of the box.
+    pub length_m: f32,
+    /// Width of the box.
+    pub width_m: f32,
+    /// Radii of the spheres at the upper corners.
+    pub radii: OrderedRadii,
+    /// Difference to the nearest prototype's side profile in 0 to 1; 1 if the object has no profile.
+    pub profile_difference: f32,
+}
+
+impl VehicleFeatures {
+    /// The names of [`Self::values`], as in files.
+    pub const NAMES: [&'static str; 8] = [
+        "length_m",
+        "width_m",
+        "front_near_radius_m",
+        "front_far_radius_m",
+        "back_near_radius_m",
+        "back_far_radius_m",
+        "radius_difference_m",
+        "profile_difference",
+    ];
+
+    /// The values in the order of [`Self::NAMES`].
+    pub fn values(&self) -> [f32; 8] {
+        let OrderedRadii { front_m: [front_near, front_far], back_m: [back_near, back_far] } = self.radii;
+        [
+            self.length_m,
+            self.width_m,
+            front_near,
+            front_far,
+            back_near,
+            back_far,
+            self.radii.difference_m(),
+            self.profile_difference,
+        ]
+    }
+}
+
+/// Buffers for describing one object after another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VehicleDescriber {
+    library: PrototypeLibrary,
+    points: BoxFramePoints,
+    profile: SideProfile,
+}
+
+impl VehicleDescriber {
+    /// Compares profiles with those of `library`, in the same columns.
+    pub fn new(library: PrototypeLibrary) -> Self {
+        let profile = SideProfile::new(library.column_m());
+        Self { library, points: BoxFramePoints::default(), profile }
+    }
+
+    /// The features of an object with these points, in the sensor frame. `None` without points.
+    pub fn describe(
+        &mut self,
+        bounding_box: &OrientedBox,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<VehicleFeatures> {
+        self.points.fill(bounding_box, positions_m);
+        let [length_m, width_m, _] = bounding_box.length_width_height_m;
+        let spheres = CornerSpheres::around(&self.points, length_m, width_m)?;
+        let nearest = self.library.nearest(self.profile.concave_contour(&self.points));
+        Some(VehicleFeatures {
+            length_m,
+            width_m,
+            radii: spheres.ordered(),
+            profile_difference: nearest.map_or(1.0, |it| it.difference),
+        })
+    }
+    /// What the features of an object with these points were taken from, for drawing. `None` without points.
+    pub fn shapes(
+        &self,
+        bounding_box: &OrientedBox,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<VehicleShapes> {
+        let mut points = BoxFramePoints::default();
+        points.fill(bounding_box, positions_m);
+        let [length_m, width_m, _] = bounding_box.length_width_height_m;
+        let spheres = CornerSpheres::around(&points, length_m, width_m)?;
+        let [_, top_m] = extent_m(points.up_m())?;
+        let corners_m = bounding_box.footprint_m();
+        let at_top = |[x, y]: [f32; 2]| [x, y, bounding_box.center_m[2] + top_m];
+        let mut profile = self.profile.clone();
+        let concave_m = profile.concave_contour(&points);
+        let nearest = self.library.nearest(concave_m);
+        let placed_m = nearest.map(|it| self.library.placed(&it, concave_m));
+        let upright = |contour_m: &[[f32; 2]]| on_main_plane(bounding_box, contour_m);
+        Some(VehicleShapes {
+            spheres: std::array::from_fn(|corner| ProductSphere {
+                center_m: at_top(corners_m[corner]),
+                radius_m: spheres.radii_m[corner],
+            }),
+            convex_m: upright(&convex_contour(&points)),
+            concave_m: upright(concave_m),
+            nearest_prototype_m: placed_m.map(|it| upright(&it)),
+        })
+    }
+}
+
+/// What the features of one object were taken from, in the sensor frame and in metres. The contours stand on the vertical
+/// plane through the middle of the box along its length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VehicleShapes {
+    /// The spheres at the upper corners.
+    pub spheres: [ProductSphere; 4],
+    /// The convex side profile.
+    pub convex_m: Vec<[f32; 3]>,
+    /// The concave side profile.
+    pub concave_m: Vec<[f32; 3]>,
+    /// The prototype it is most like, if it is like any.
+    pub nearest_prototype_m: Option<Vec<[f32; 3]>>,
+}
+
+fn on_main_plane(bounding_box: &OrientedBox, contour_m: &[[f32; 2]]) -> Vec<[f32; 3]> {
+    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let [x, y, z] = bounding_box.center_m;
+    contour_m.iter().map(|&[along, up]| [x + cos * along, y + sin * along, z + up]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Points on the outline of a car, cut out at the height of the silhouette, and the box around them.
+    fn car(yaw_rad: f32, center_m: [f32; 3]) -> (OrientedBox, Vec<[f32; 3]>) {
+        let library = PrototypeLibrary::drawn();
+        let contour_m = library.prototypes()[1].contour_m.clone();
+        let [low, high] = [0, 1].map(|axis| {
+            contour_m
+                .iter()
+                .map(|it| it[axis])
+                .fold([f32::MAX, f32::MIN], |[low, high], it| [low.min(it), high.max(it)])
+        });
+        let length_width_height_m = [low[1] - low[0], 1.8, high[1] - high[0]];
+        let bounding_box = OrientedBox { center_m, length_width_height_m, yaw_rad };
+        let (sin, cos) = yaw_rad.sin_cos();
+        let point = |&[along, up]: &[f32; 2], across: f32| {
+            let [along, up] = [along - 0.5 * (low[0] + low[1]), up - 0.5 * (high[0] + high[1])];
+            [
+                center_m[0] + cos * along - sin * across,
+                center_m[1] + sin * along + cos * across,
+                center_m[2] + up,
+            ]
+        };
+        let sides = [-0.9, 0.9].into_iter();
+        let positions_m =
+            sides.flat_map(|across| contour_m.iter().map(move |it| point(it, across))).collect();
+        (bounding_box, positions_m)
+    }
+
+    #[test]
+    fn names_and_values_belong_together() {
+        let radii = OrderedRadii { front_m: [0.3, 0.5], back_m: [0.1, 0.1] };
+        let it = VehicleFeatures { length_m: 4.0, width_m: 1.8, radii, profile_difference: 0.07 };
+        let value =
+            |name: &str| it.values()[VehicleFeatures::NAMES.iter().position(|it| *it == name).unwrap()];
+        assert_eq!(value("length_m"), it.length_m);
+        assert_eq!(value("front_far_radius_m"), 0.5);
+        assert_eq!(value("back_near_radius_m"), 0.1);
+        assert!((value("radius_difference_m") - 0.3).abs() < 1e-6);
+        assert_eq!(value("profile_difference"), 0.07);
+    }
+
+    #[test]
+    fn no_points_have_no_features() {
+        let (bounding_box, _) = car(0.0, [0.0; 3]);
+        let mut describer = VehicleDescriber::new(PrototypeLibrary::drawn());
+        assert_eq!(describer.describe(&bounding_box, std::iter::empty()), None);
+        assert_eq!(describer.shapes(&bounding_box, std::iter::empty()), None);
+    }
+
+    #[test]
+    fn the_shapes_of_a_car_stand_where_it_is() {
+        let (bounding_box, positions_m) = car(0.7, [12.0, -5.0, -0.9]);
+        let describer = VehicleDescriber::new(PrototypeLibrary::drawn());
+        let shapes = describer.shapes(&bounding_box, positions_m.iter().copied()).unwrap();
+        let mut grown = bounding_box;
+        grown.length_width_height_m = grown.length_width_height_m.map(|side_m| side_m + 0.02);
+        for contour_m in [&shapes.convex_m, &shapes.concave_m, shapes.nearest_prototype_m.as_ref().unwrap()] {
+            assert!(contour_m.iter().all(|&it| grown.contains(it)), "{contour_m:?} in {grown:?}");
+        }
+        for sphere in shapes.spheres {
+            let distance_m = |it: &[f32; 3]| {
+                (0..3).map(|axis| (it[axis] - sphere.center_m[axis]).powi(2)).sum::<f32>().sqrt()
+            };
+            let nearest_m = positions_m.iter().map(distance_m).fold(f32::INFINITY, f32::min);
+            assert!((nearest_m - sphere.radius_m).abs() < 1e-4, "{nearest_m} against {}", sphere.radius_m);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_features_of_a_car_hold_wherever_it_stands(
+            yaw_rad in -1.5_f32..1.5, x in -40.0_f32..40.0, y in -40.0_f32..40.0, turn in any::<bool>(),
+        ) {
+            let mut describer = VehicleDescriber::new(PrototypeLibrary::drawn());
+            let mut describe = |(mut bounding_box, positions_m): (OrientedBox, Vec<[f32; 3]>), turn: bool| {
+                // The box does not know which end is the front.
+                bounding_box.yaw_rad += if turn { std::f32::consts::PI } else { 0.0 };
+                describer.describe(&bounding_box, positions_m.into_iter()).unwrap().values()
+            };
+            let here = describe(car(0.0, [0.0; 3]), false);
+            let there = describe(car(yaw_rad, [x, y, -0.9]), turn);
+            for (name, (a, b)) in VehicleFeatures::NAMES.iter().zip(here.iter().zip(there)) {
+                prop_assert!((a - b).abs() < 0.02, "{name}: {a} against {b}");
+            }
+            prop_assert!(here[7] < 0.03, "unlike itself by {}", here[7]);
+            prop_assert!(here[6] > 0.1, "the bonnet falls away: {}", here[6]);
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The objects that a vehicle model is trained on and judged by.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::params::HierarchicalParams;
+use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::{Detector as _, DetectorOutput, OrientedBox};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::annotation::{Annotation, AnnotationClass, LabeledScan, Occlusion, PointRegion};
+use crate::dataset::Dataset;
+use crate::matching::eligibility::counts_as_vehicle;
+use crate::matching::point_overlap::PointOverlap;
+use crate::realism::survey::SurveyError;
+
+/// Candidates and annotations of fewer points are left out: they are not judged in a run either.
+pub const LEAST_POINTS: usize = 20;
+/// Least intersection over union of the points of a cluster and the vehicle it shows.
+const LEAST_IOU: f64 = 0.5;
+/// Background has no larger share of its points on vehicles, or on what may be one.
+const MOST_ON_VEHICLES: f64 = 0.05;
+/// Rectangles that are cut out of the foreground of a scan.
+const N_CUTS: usize = 4;
+/// Their sides, from that of a motor cycle to that of a van.
+const CUT_LENGTH_M: std::ops::Range<f32> = 2.0..7.0;
+const CUT_WIDTH_M: std::ops::Range<f32> = 0.6..2.6;
+
+/// What a candidate is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CandidateKind {
+    /// A cluster that shows an annotated vehicle.
+    Vehicle {
+        /// What it is.
+        class: AnnotationClass,
+        /// The box around all of it, front forward.
+        whole: Option<OrientedBox>,
+        /// How much of it is hidden.
+        occlusion: Option<Occlusion>,
+    },
+    /// A cluster that shows none.
+    Cluster,
+    /// What lies in a rectangle put anywhere over the foreground.
+    CutRegion,
+}
+
+impl CandidateKind {
+    /// The name used in files and on screens.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Vehicle { class, .. } => class.name(),
+            Self::Cluster => "other cluster",
+            Self::CutRegion => "cut region",
+        }
+    }
+
+    /// Whether it is to be told a vehicle.
+    pub fn is_vehicle(&self) -> bool {
+        matches!(self, Self::Vehicle { .. })
+    }
+}
+
+/// An object to train with or to judge by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The drive it was seen on.
+    pub sequence: String,
+    /// What it is.
+    pub kind: CandidateKind,
+    /// The box around what is seen of it.
+    pub bounding_box: OrientedBox,
+    /// Its points, in the sensor frame.
+    pub positions_m: Vec<[f32; 3]>,
+}
+
+/// The candidates of the scans `scan_indices` of `dataset`, in their order: what the hierarchical detector with `params`
+/// finds in them, and regions cut out of it, drawn from `seed`.
+///
+/// `on_scan` is called after every scan, from several threads.
+///
+/// # Errors
+///
+/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+///
+/// Paper: VM section 6, training set; background regions are cut out as there.
+pub fn collect_candidates(
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
+    (params, seed): (&HierarchicalParams, u64),
+    interrupted: &AtomicBool,
+    on_scan: impl Fn() + Sync,
+) -> Result<Vec<Candidate>, SurveyError> {
+    let sensor_height_m = dataset.description().sensor_height_m;
+    let new_detector = || HierarchicalDetector::new(params.clone(), sensor_height_m);
+    let of_scan = |detector: &mut HierarchicalDetector, &scan_idx: &usize| {
+        if interrupted.load(Ordering::Relaxed) {
+            let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
+            return Err(SurveyError::Interrupted { dataset, n_scans });
+        }
+        let scan = dataset.read_scan(scan_idx)?;
+        let mut output = DetectorOutput::default();
+        detector.detect(&scan.cloud, &mut output);
+        // A stream for every scan, so that the order in which they are looked at does not matter.
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(scan_idx as u64);
+        let mut found = clusters(&scan, &output);
+        found.extend(cut_regions(&scan, &output, &mut rng));
+        on_scan();
+        Ok(found)
+    };
+    // Collected before it is looked through for errors, so that the first in order is reported.
+    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_detector, of_scan).collect();
+    let of_scans: Vec<Vec<Candidate>> = of_scans.into_iter().collect::<Result<_, _>>()?;
+    Ok(of_scans.into_iter().flatten().collect())
+}
+
+fn clusters(scan: &LabeledScan, output: &DetectorOutput) -> Vec<Candidate> {
+    let overlap = PointOverlap::count(scan, &output.detections);
+    let maybe_vehicle = points_of_vehicles(scan);
+    let mut found = Vec::new();
+    for (detection_idx, detection) in output.detections.iter().enumerate() {
+        let n_points = detection.point_indices.len();
+        if n_points < LEAST_POINTS || !is_labeled(scan, detection.point_indices) {
+            continue;
+        }
+        let matched = overlap.of_detection(detection_idx).find_map(|(annotation_idx, n_shared)| {
+            let annotation = &scan.annotations[annotation_idx];
+            let n_annotated = annotation.point_indices.len();
+            let iou = n_shared as f64 / (n_points + n_annotated - n_shared) as f64;
+            let fits = counts_as_vehicle(annotation.class) && n_annotated >= LEAST_POINTS && iou >= LEAST_IOU;
+            fits.then_some(annotation)
+        });
+        let kind = match matched {
+            Some(&Annotation { class, bounding_box, occlusion, .. }) => {
+                CandidateKind::Vehicle { class, whole: bounding_box, occlusion }
+            }
+            None if is_background(&maybe_vehicle, detection.point_indices) => CandidateKind::Cluster,
+            None => continue,
+        };
+        found.push(candidate(scan, kind, detection.bounding_box, detection.point_indices));
+    }
+    found
+}
+
+fn cut_regions(scan: &LabeledScan, output: &DetectorOutput, rng: &mut ChaCha8Rng) -> Vec<Candidate> {
+    let maybe_vehicle = points_of_vehicles(scan);
+    let mut of_clusters: Vec<u32> =
+        output.detections.iter().flat_map(|it| it.point_indices.iter().copied()).collect();
+    of_clusters.sort_unstable();
+    let mut box_fit = ConvexHullBox::default();
+    let mut found = Vec::new();
+    for _ in 0..N_CUTS {
+        if of_clusters.is_empty() {
+            break;
+        }
+        let around = of_clusters[rng.random_range(0..of_clusters.len())];
+        let rectangle = OrientedBox {
+            center_m: scan.cloud.position_m(around as usize),
+            length_width_height_m: [rng.random_range(CUT_LENGTH_M), rng.random_range(CUT_WIDTH_M), 100.0],
+            yaw_rad: rng.random_range(0.0..std::f32::consts::PI),
+        };
+        let is_inside = |&point_idx: &u32| rectangle.contains(scan.cloud.position_m(point_idx as usize));
+        let inside: Vec<u32> = of_clusters.iter().copied().filter(is_inside).collect();
+        let is_usable = inside.len() >= LEAST_POINTS
+            && is_labeled(scan, &inside)
+            && is_background(&maybe_vehicle, &inside);
+        if is_usable && let Some(bounding_box) = box_around(scan, &inside, &mut box_fit) {
+            found.push(candidate(scan, CandidateKind::CutRegion, bounding_box, &inside));
+        }
+    }
+    found
+}
+
+fn box_around(scan: &LabeledScan, point_indices: &[u32], box_fit: &mut ConvexHullBox) -> Option<OrientedBox> {
+    let positions_m = point_indices.iter().map(|&point_idx| scan.cloud.position_m(point_idx as usize));
+    let z_range_m = positions_m
+        .clone()
+        .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], [_, _, z]| [low.min(z), high.max(z)]);
+    box_fit.fit(positions_m.map(|[x, y, _]| [x, y]), z_range_m)
+}
+
+/// For every point whether it is on a vehicle, or on something of which the task does not say whether it is one.
+fn points_of_vehicles(scan: &LabeledScan) -> Vec<bool> {
+    use AnnotationClass::{Misc, Trailer, Tram};
+    let mut is_vehicle = vec![false; scan.cloud.len()];
+    for annotation in &scan.annotations {
+        if counts_as_vehicle(annotation.class) || matches!(annotation.class, Tram | Trailer | Misc) {
+            for &point_idx in &annotation.point_indices {
+                is_vehicle[point_idx as usize] = true;
+            }
+        }
+    }
+    is_vehicle
+}
+
+fn is_background(maybe_vehicle: &[bool], point_indices: &[u32]) -> bool {
+    let n_on_vehicles = point_indices.iter().filter(|&&it| maybe_vehicle[it as usize]).count();
+    n_on_vehicles as f64 <= MOST_ON_VEHICLES * point_indices.len() as f64
+}
+
+/// Whether the labels say something about most of these points.
+fn is_labeled(scan: &LabeledScan, point_indices: &[u32]) -> bool {
+    let labeled = |&&it: &&u32| scan.point_regions[it as usize] == PointRegion::Labeled;
+    2 * point_indices.iter().filter(labeled).count() > point_indices.len()
+}
+
+fn candidate(
+    scan: &LabeledScan,
+    kind: CandidateKind,
+    bounding_box: OrientedBox,
+    point_indices: &[u32],
+) -> Candidate {
+    let positions_m = point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+    Candidate { sequence: scan.id.sequence.clone(), kind, bounding_box, positions_m }
+}

@@ -1,0 +1,71 @@
+//! How good a trained model is on objects of drives it has not seen.
+
+use std::collections::BTreeMap;
+
+use detector::classify::nu_svm::NuSvm;
+use detector::describe::vehicle_features::VehicleFeatures;
+use detector::pipeline::vehicle_model::N_FEATURES;
+use rand::SeedableRng as _;
+use rand::seq::SliceRandom as _;
+use rand_chacha::ChaCha8Rng;
+
+use super::operating_curves::OperatingCurves;
+
+/// An object with what the classifier sees of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedObject {
+    /// What it is, as in files.
+    pub kind: &'static str,
+    /// Whether it is a vehicle.
+    pub is_vehicle: bool,
+    /// The values of [`VehicleFeatures::NAMES`].
+    pub features: [f32; N_FEATURES],
+}
+
+/// How many objects of a kind are told a vehicle, and how many are not.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ToldAs {
+    /// Told a vehicle.
+    pub n_vehicle: usize,
+    /// Told background.
+    pub n_background: usize,
+}
+
+/// What a model does on held-out objects.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evaluation {
+    /// What each kind of object is told, vehicles and others.
+    pub told: BTreeMap<(bool, &'static str), ToldAs>,
+    /// What happens at other thresholds.
+    pub curves: OperatingCurves,
+    /// For each value, what the ROC area loses when that value is mixed up between objects.
+    pub importance: [(&'static str, Option<f64>); N_FEATURES],
+}
+
+/// Judges `svm` by `objects`. What is mixed up is drawn from `seed`.
+pub fn evaluate(svm: &NuSvm<N_FEATURES>, objects: &[JudgedObject], seed: u64) -> Evaluation {
+    let decisions: Vec<f32> = objects.iter().map(|it| svm.decision(&it.features)).collect();
+    let mut told: BTreeMap<_, ToldAs> = BTreeMap::new();
+    for (object, &decision) in objects.iter().zip(&decisions) {
+        // Vehicles first.
+        let counts = told.entry((!object.is_vehicle, object.kind)).or_default();
+        *if decision > 0.0 { &mut counts.n_vehicle } else { &mut counts.n_background } += 1;
+    }
+    let labels = || objects.iter().map(|it| it.is_vehicle);
+    let curves = OperatingCurves::of(decisions.iter().copied().zip(labels()));
+    let importance = std::array::from_fn(|feature_idx| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(feature_idx as u64);
+        let mut mixed: Vec<f32> = objects.iter().map(|it| it.features[feature_idx]).collect();
+        mixed.shuffle(&mut rng);
+        let decisions = objects.iter().zip(mixed).map(|(it, value)| {
+            let mut features = it.features;
+            features[feature_idx] = value;
+            svm.decision(&features)
+        });
+        let area = OperatingCurves::of(decisions.zip(labels())).roc_area();
+        let loss = curves.roc_area().zip(area).map(|(with, without)| with - without);
+        (VehicleFeatures::NAMES[feature_idx], loss)
+    });
+    Evaluation { told, curves, importance }
+}

@@ -1,0 +1,38 @@
+//! Which candidates a model is trained on: vehicles and background, and not more than the solver takes.
+
+use rand::SeedableRng as _;
+use rand::seq::SliceRandom as _;
+use rand_chacha::ChaCha8Rng;
+
+use super::candidates::{Candidate, CandidateKind};
+
+/// Cut regions are at most this share of the background: a street has more clusters to be taken for vehicles than
+/// rectangles that nobody put there.
+const MOST_CUT_REGIONS: f64 = 0.25;
+
+/// Up to `most_vehicles` vehicles of `candidates`, drawn from `seed`, and up to `others_per_vehicle` times as many others,
+/// in the order they have there.
+///
+/// Paper: VM section 6.
+pub fn select<'a>(
+    candidates: &[&'a Candidate],
+    (most_vehicles, others_per_vehicle): (usize, usize),
+    seed: u64,
+) -> Vec<&'a Candidate> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut drawn = |is_wanted: fn(&CandidateKind) -> bool, most: usize| {
+        let mut places: Vec<usize> =
+            (0..candidates.len()).filter(|&it| is_wanted(&candidates[it].kind)).collect();
+        places.shuffle(&mut rng);
+        places.truncate(most);
+        places
+    };
+    let mut places = drawn(CandidateKind::is_vehicle, most_vehicles);
+    let most_others = others_per_vehicle * places.len();
+    let most_cut = (MOST_CUT_REGIONS * most_others as f64) as usize;
+    let cut = drawn(|it| *it == CandidateKind::CutRegion, most_cut);
+    places.extend(drawn(|it| *it == CandidateKind::Cluster, most_others - cut.len()));
+    places.extend(cut);
+    places.sort_unstable();
+    places.into_iter().map(|place| candidates[place]).collect()
+}
