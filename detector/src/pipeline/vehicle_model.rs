@@ -123,7 +123,7 @@ mod tests {
         let sizes = HierarchicalParams::paper().vehicle_size;
         let bounding_box =
             OrientedBox { center_m: [9.0, 0.0, -1.0], length_width_height_m: [4.2, 1.7, 1.3], yaw_rad: 0.0 };
-        let points_m = |n: usize| (0..n).map(|it| [7.0 + 4.0 * it as f32 / n as f32, 0.85, -1.0]);
+        let points_m = |n: usize| (0..n).map(move |it| [7.0 + 4.0 * it as f32 / n as f32, 0.85, -1.0]);
         let mut model = VehicleModel::shipped();
         let few = points_m(sizes.min_points - 1);
         let (class, score) = classify_object(Some(&mut model), &bounding_box, few, &sizes);

@@ -63,7 +63,7 @@ pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) {
         }
     }
     let [whole, floor] = [&of_detector, &of_grid].map(|it| Latencies::new(it.clone()));
-    let rows = [("hierarchical", of_detector), ("plain grid write", of_grid)];
+    let rows = [("hierarchical, objects", of_detector), ("plain grid write", of_grid)];
     print_rows("against the floor", rows.into_iter());
     let [at_min, at_p50] = [0, 50].map(|percent| ms(&whole, percent) / ms(&floor, percent));
     println!("{:<24} {at_min:>10.2} {at_p50:>10.2}", "ratio");

@@ -110,7 +110,7 @@ fn summary(scan: &OpenedScan, detector: &str, result: &SingleScan) -> String {
     let n_vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle).count();
     let mut text = format!(
         "{}: {} points, sensor {} m above the road\n\
-         {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} the size of a vehicle; {} more dropped for \
+         {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} of them vehicles; {} more dropped for \
          their size\n\n",
         scan.name,
         scan.cloud.len(),
