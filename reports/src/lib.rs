@@ -9,6 +9,7 @@ pub mod counts;
 pub mod metric;
 pub mod curve_pair;
 pub mod wilson_interval;
+pub mod rank_correlation;
 pub mod gap_curve;
 pub mod condition_scores;
 mod fixed_decimals;
@@ -36,6 +37,9 @@ pub mod run_directory;
 // Tables.
 pub mod paper_figures;
 pub mod table;
+pub mod sweep_score;
+pub mod sweep_curve;
+pub mod fitness_verdict;
 
 // Pictures.
 pub mod palette;

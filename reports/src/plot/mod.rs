@@ -10,3 +10,5 @@ pub mod curve_plot;
 pub mod gap_plot;
 pub mod operating_plot;
 pub mod plan_plot;
+mod curve_panel;
+pub mod sweep_plot;
