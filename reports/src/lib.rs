@@ -37,9 +37,6 @@ pub mod run_directory;
 // Tables.
 pub mod paper_figures;
 pub mod table;
-pub mod sweep_score;
-pub mod sweep_curve;
-pub mod fitness_verdict;
 
 // Pictures.
 pub mod palette;

@@ -4,7 +4,7 @@
 /// other, −1 if it always falls. `None` of fewer than three pairs, or if either is the same throughout.
 pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     let [left, right] = [ranks(pairs.iter().map(|it| it.0)), ranks(pairs.iter().map(|it| it.1))];
-    let mean = (pairs.len() as f64 + 1.0) / 2.0;
+    let mean = f64::midpoint(pairs.len() as f64, 1.0);
     let products = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>();
     let spread = products(&left, &left) * products(&right, &right);
     (pairs.len() >= 3 && spread > 0.0).then(|| products(&left, &right) / spread.sqrt())
@@ -16,7 +16,7 @@ fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let rank = |value: &f64| {
         let n_below = values.iter().filter(|it| *it < value).count();
         let n_equal = values.iter().filter(|it| *it == value).count();
-        n_below as f64 + (n_equal as f64 + 1.0) / 2.0
+        n_below as f64 + f64::midpoint(n_equal as f64, 1.0)
     };
     values.iter().map(rank).collect()
 }

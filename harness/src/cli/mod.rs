@@ -14,6 +14,7 @@ mod selftest;
 mod experiment;
 mod gaps;
 mod robustness;
+mod sweep;
 mod data;
 mod fit_density;
 mod train;
@@ -34,5 +35,6 @@ pub use scans::{CatalogueArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::StreamArgs;
+pub use sweep::SweepArgs;
 pub use timing::TimingArgs;
 pub use train::TrainArgs;

@@ -7,3 +7,5 @@ pub mod timed_scan;
 pub mod journal;
 pub mod quality_pass;
 pub mod timing_pass;
+pub mod block_resamples;
+pub mod summary;

@@ -1,5 +1,6 @@
 //! Curves with intervals over a parameter, one series for each detector or data set, and the key to them.
 
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -80,6 +81,8 @@ pub(crate) fn panels_svg(panels: &[Panel], title: &str) -> String {
     svg
 }
 
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
 fn draw(root: &Area<'_>, panels: &[Panel], names: &[&str], heading_px: u32, title: &str) -> Drawn {
     root.fill(&WHITE)?;
     let (heading, below) = root.split_vertically(heading_px);
@@ -145,6 +148,11 @@ fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
         .label_style(text(TEXT_PX, HPos::Center))
         .axis_desc_style(text(TEXT_PX, HPos::Center))
         .draw()?;
+    draw_series(&mut chart, panel, [x, y])?;
+    draw_notes(&mut chart, &panel.notes, y)
+}
+
+fn draw_series(chart: &mut Chart<'_, '_>, panel: &Panel, [x, y]: [[f64; 2]; 2]) -> Drawn {
     // A little apart, so that intervals do not hide each other.
     let apart = 0.004 * (x[1] - x[0]);
     for (series_idx, series) in panel.series.iter().enumerate() {
@@ -172,8 +180,12 @@ fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
             chart.draw_series(places.iter().map(|it| mark.marker((it.x + aside, it.y))))?;
         }
     }
+    Ok(())
+}
+
+fn draw_notes(chart: &mut Chart<'_, '_>, notes: &[Note], y: [f64; 2]) -> Drawn {
     let label = text(TEXT_PX - 1, HPos::Center).pos(Pos::new(HPos::Center, VPos::Bottom));
-    for note in &panel.notes {
+    for note in notes {
         let (at_x, at_y) = note.place;
         match note.shape {
             NoteShape::Ring => {

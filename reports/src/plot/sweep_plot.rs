@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
-use crate::sweep_curve::{SweepCurve, highest};
-use crate::sweep_score::{FitnessValue, SweepScores};
+use crate::table::sweep_curve::{SweepCurve, highest};
+use crate::table::sweep_score::{FitnessValue, SweepScores};
 use crate::table::task_table::{Extent, Origin};
 
 /// The rates of `extent` over the first parameter, in percent with 95 % intervals: a panel for each task and each
@@ -26,7 +26,7 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
             notes: Vec::new(),
             y_range: None,
         });
-        let place = |it: &crate::sweep_curve::CurvePoint<'_>| {
+        let place = |it: &crate::table::sweep_curve::CurvePoint<'_>| {
             let percent = |it: f64| 100.0 * it;
             Some(Place {
                 x: it.x,
@@ -267,7 +267,7 @@ impl PanelPlaces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep_score::tests::cell_sizes;
+    use crate::table::sweep_score::tests::cell_sizes;
 
     #[track_caller]
     fn check_holds(svg: &str, parts: &[&str]) {

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::csv_rows::CsvRow;
 use crate::fixed_decimals::Fixed;
 use crate::rank_correlation::rank_correlation;
-use crate::sweep_curve::{SweepCurve, highest};
-use crate::sweep_score::SweepScores;
+use crate::table::sweep_curve::{SweepCurve, highest};
+use crate::table::sweep_score::SweepScores;
 
 /// One reading on one curve: a row of `cell_fitness.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -134,7 +134,7 @@ fn n_poles(values: &[Option<f64>], range: Option<[f64; 2]>) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep_score::tests::cell_sizes;
+    use crate::table::sweep_score::tests::cell_sizes;
 
     #[test]
     fn a_reading_loses_what_lies_between_its_choice_and_the_best() {

@@ -1,6 +1,6 @@
 //! The points of a sweep as curves over its first parameter.
 
-use crate::sweep_score::{SweepScore, SweepScores, SweepTime};
+use crate::table::sweep_score::{SweepScore, SweepScores, SweepTime};
 use crate::table::task_table::Extent;
 
 /// What one detector reaches in one task over the values of the first parameter, all others being the same.
@@ -39,13 +39,10 @@ impl SweepScores {
                     && first.subject.detector == score.subject.detector
                     && first.subject.extent == score.subject.extent
             };
-            let place = match curves.iter().position(fits) {
-                Some(place) => place,
-                None => {
-                    curves.push(SweepCurve { others, points: Vec::new() });
-                    curves.len() - 1
-                }
-            };
+            let place = curves.iter().position(fits).unwrap_or_else(|| {
+                curves.push(SweepCurve { others, points: Vec::new() });
+                curves.len() - 1
+            });
             let x_text = score.subject.values[0].as_str();
             let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[place].points.len() as f64);
             let time = self.times.iter().find(|it| it.subject == score.subject);
@@ -111,7 +108,7 @@ pub(crate) fn highest(values: impl Iterator<Item = Option<f64>>) -> Option<usize
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep_score::tests::cell_sizes;
+    use crate::table::sweep_score::tests::cell_sizes;
 
     #[test]
     fn a_sweep_of_one_parameter_is_one_curve_for_each_detector_and_task() {

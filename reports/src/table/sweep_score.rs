@@ -102,7 +102,7 @@ pub struct SweepTime {
 impl FitnessValue {
     /// The value if it is where it has to be.
     pub fn in_range(&self) -> Option<f64> {
-        let is_within = |value: &f64| self.range.is_none_or(|[low, high]| (low..=high).contains(&value));
+        let is_within = |value: &f64| self.range.is_none_or(|[low, high]| (low..=high).contains(value));
         self.value.filter(is_within)
     }
 

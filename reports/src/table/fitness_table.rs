@@ -1,0 +1,129 @@
+//! The table of what the readings of the cell fitness recommend, and what that costs.
+
+use std::fmt::Write as _;
+
+use crate::fixed_decimals::{Fixed, fixed_decimals};
+use crate::table::fitness_verdict::FitnessVerdict;
+use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::table::markdown::write_grid as write_markdown_grid;
+use crate::table::notes::Notes;
+use crate::table::terminal::{wrapped, write_grid};
+
+const TITLE: &str = "What each reading of the cell fitness recommends.";
+
+const NOTES: [&str; 3] = [
+    "best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell size at which it is \
+     greatest, within its range if it has one; * is an end of what was tried, beyond which it may recommend any other.",
+    "defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost: what is lost there \
+     against the best, in percentage points. rank: Spearman's rank correlation of reading and rate over the cell sizes.",
+    "Where false objects cannot be known the rate is the recall, which large cells that join everything may raise.",
+];
+
+/// The table for a terminal.
+pub fn fitness_to_terminal(verdicts: &[FitnessVerdict]) -> String {
+    let mut text = format!("{TITLE}\n\n");
+    write_grid(&mut text, &grid(verdicts), &Notes::none());
+    text.push('\n');
+    for note in NOTES {
+        text.push_str(&wrapped(note));
+    }
+    text
+}
+
+/// The table for pull requests and pages.
+pub fn fitness_to_markdown(verdicts: &[FitnessVerdict]) -> String {
+    let mut text = format!("**{TITLE}**\n\n");
+    write_markdown_grid(&mut text, &grid(verdicts), &Notes::none());
+    text.push('\n');
+    for note in NOTES {
+        writeln!(text, "- {}", note.replace('*', "\\*")).expect("a string takes all that is written");
+    }
+    text
+}
+
+fn grid(verdicts: &[FitnessVerdict]) -> Grid {
+    let column = |title, alignment| Column { group: None, title, alignment };
+    let names = ["data set, sensor, task, rate", "reading"].map(|title| column(title, Alignment::Left));
+    let numbers = ["NO", "best m", "best %", "defined", "recommends m", "there %", "lost", "rank"];
+    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let mut lines = Vec::new();
+    let mut before = String::new();
+    for verdict in verdicts {
+        let subject = subject(verdict);
+        let is_first = subject != before;
+        lines.push(line(verdict, if is_first { &subject } else { "" }));
+        before = subject;
+    }
+    Grid { columns, lines }
+}
+
+/// What all readings of a curve have in common.
+fn subject(verdict: &FitnessVerdict) -> String {
+    let FitnessVerdict { dataset, origin, sensor, detector, others, task, rate, .. } = verdict;
+    let origin = if origin == "recorded" { String::new() } else { format!(" ({origin})") };
+    let others = if others.is_empty() { String::new() } else { format!(", {others}") };
+    format!("{dataset}{origin}, {sensor}, {detector}{others}, {task}, {rate}")
+}
+
+fn line(verdict: &FitnessVerdict, subject: &str) -> Line {
+    let number = |value: Option<f64>, decimals: usize| {
+        value.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, decimals))
+    };
+    let percent = |value: Option<Fixed<6>>| number(value.map(|it| 100.0 * it.0), 1);
+    let size = |value: Option<Fixed<3>>| number(value.map(|it| it.0), 2);
+    let mark = if verdict.recommends_an_end == Some(true) { "*" } else { "" };
+    let of_curve = |text: String| if subject.is_empty() { String::new() } else { text };
+    let cells = [
+        subject.to_owned(),
+        verdict.reading.clone(),
+        of_curve(verdict.no.to_string()),
+        of_curve(size(verdict.best_cell_size_m)),
+        of_curve(percent(verdict.best_rate)),
+        format!("{}/{}", verdict.n_defined, verdict.n_points),
+        format!("{}{mark}", size(verdict.recommended_cell_size_m)),
+        percent(verdict.rate_there),
+        percent(verdict.loss),
+        number(verdict.rank_correlation.map(|it| it.0), 2),
+    ];
+    Line { kind: LineKind::Dataset, cells: cells.map(Cell::new).to_vec() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::fitness_verdict::fitness_verdicts;
+    use crate::table::sweep_score::tests::cell_sizes;
+
+    #[test]
+    fn readings_stand_below_each_other() {
+        let sweep = cell_sizes(&[
+            (4, Some(6), Some(-0.1), 0.1),
+            (8, Some(2), Some(-0.4), 0.3),
+            (6, Some(4), Some(3.0), 0.4),
+            (5, Some(5), Some(0.9), 0.2),
+        ]);
+        let verdicts = fitness_verdicts(&sweep);
+        insta::assert_snapshot!(fitness_to_terminal(&verdicts), @r"
+        What each reading of the cell fitness recommends.
+
+        data set, sensor, task, rate                               reading      NO  best m  best %  defined  recommends m  there %  lost  rank
+        ──────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated), vlp-16, hierarchical, objects, F-rate  printed      10    0.40    80.0      1/4         0.80*     50.0  30.0  –
+                                                                   dense-share                          4/4         0.60      60.0  20.0  0.80
+
+        best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell
+          size at which it is greatest, within its range if it has one; * is an end of what was tried,
+          beyond which it may recommend any other.
+        defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost:
+          what is lost there against the best, in percentage points. rank: Spearman's rank correlation of
+          reading and rate over the cell sizes.
+        Where false objects cannot be known the rate is the recall, which large cells that join everything
+          may raise.
+        ");
+        let markdown = fitness_to_markdown(&verdicts);
+        assert!(
+            markdown.contains("| dense-share |") && markdown.contains("street (simulated)"),
+            "{markdown}"
+        );
+    }
+}
