@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::dataset::dataset_format::DatasetFormat;
 use crate::run::config::override_option::OverrideOption;
 use crate::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 use crate::simulator::sensor::EMBEDDED_SENSORS;
@@ -110,8 +111,8 @@ pub struct DatasetArgs {
 /// How data sets are opened.
 #[derive(Debug, Clone, Args)]
 pub struct SourceArgs {
-    /// Format of data sets given as paths, instead of recognising it: `kitti-tracking` or `kitti-object`
-    #[arg(long, value_name = "FORMAT")]
+    /// Format of data sets given as paths, instead of recognising it.
+    #[arg(long, value_name = "FORMAT", help = format_help())]
     pub format: Option<String>,
     /// Seed of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N")]
@@ -125,6 +126,11 @@ pub struct SourceArgs {
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,
+}
+
+fn format_help() -> String {
+    let names = DatasetFormat::names().join("`, `");
+    format!("Format of data sets given as paths, instead of recognising it: `{names}`")
 }
 
 fn sensor_help() -> String {
