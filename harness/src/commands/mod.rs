@@ -23,6 +23,8 @@ pub mod gaps;
 pub mod robustness;
 pub mod sweep_identity;
 pub mod sweep_files;
+#[cfg(feature = "rerun")]
+pub mod sweep_recording;
 pub mod sweep;
 pub mod data_list;
 pub mod data_realism;

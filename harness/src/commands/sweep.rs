@@ -20,6 +20,8 @@ use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest}
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::sweep_files::write_sweep;
 use crate::commands::sweep_identity::sweep_identity;
+#[cfg(feature = "rerun")]
+use crate::commands::sweep_recording::record_sweep;
 use crate::run::detector_list::detectors_named;
 use crate::sweep::journal::{Journal, JournalEntry, JournalError, OtherJournal};
 use crate::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
@@ -69,7 +71,10 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
     let directory = sweep.begin_directory()?;
     directory.write_file(MANIFEST_JSON, sweep.manifest().as_bytes())?;
     let printed = write_sweep(&directory, &scores)?;
-    // RECORDING
+    #[cfg(feature = "rerun")]
+    if !arguments.no_rrd {
+        record_sweep(&directory, &results, &scores)?;
+    }
     let finished = directory.finish()?;
     journal.remove()?;
     let printed = print_result(printed);

@@ -69,7 +69,9 @@ impl SweepResults<'_> {
                 times.extend((0..self.plan.points.len()).filter_map(time));
             }
         }
-        SweepScores { parameters: self.plan.parameters(), n_swept: self.plan.swept.len(), scores, times }
+        let configured = self.plan.base.value_of(&self.plan.swept[0].name).map(ToString::to_string);
+        let (parameters, n_swept) = (self.plan.parameters(), self.plan.swept.len());
+        SweepScores { parameters, n_swept, configured, scores, times }
     }
 
     fn groups<'b>(&'b self, resamples: &'b [BlockResamples]) -> Vec<Group<'b>> {

@@ -60,6 +60,8 @@ pub(crate) struct Panel {
     pub(crate) x_words: Option<Vec<String>>,
     pub(crate) series: Vec<Series>,
     pub(crate) notes: Vec<Note>,
+    /// A thin line through these places.
+    pub(crate) thread: Vec<(f64, f64)>,
     /// The ends of the y axis, unless they follow from the values.
     pub(crate) y_range: Option<[f64; 2]>,
 }
@@ -148,6 +150,7 @@ fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
         .label_style(text(TEXT_PX, HPos::Center))
         .axis_desc_style(text(TEXT_PX, HPos::Center))
         .draw()?;
+    chart.draw_series([PathElement::new(panel.thread.clone(), BLACK.stroke_width(1))])?;
     draw_series(&mut chart, panel, [x, y])?;
     draw_notes(&mut chart, &panel.notes, y)
 }
@@ -243,6 +246,7 @@ mod tests {
                 places: places.iter().map(place).collect(),
             }],
             notes: Vec::new(),
+            thread: Vec::new(),
             y_range: None,
         }
     }

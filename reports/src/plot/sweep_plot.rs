@@ -24,6 +24,7 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
             x_words: words(curve),
             series: Vec::new(),
             notes: Vec::new(),
+            thread: Vec::new(),
             y_range: None,
         });
         let place = |it: &crate::table::sweep_curve::CurvePoint<'_>| {
@@ -44,7 +45,7 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
         }
         panel.series.push(series);
     }
-    let title = format!("{}: ring: best; bars: 95 % intervals", heading(&curves));
+    let title = format!("{}. Ring: best. Bars: 95 % intervals", heading(&curves));
     panels_svg(&panels.into_values().collect::<Vec<_>>(), &title)
 }
 
@@ -97,10 +98,11 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             x_words: words(first),
             series,
             notes,
+            thread: Vec::new(),
             y_range,
         }
     });
-    let title = format!("{}: cell fitness; ring: fittest; bars: 95 % intervals", heading(&curves));
+    let title = format!("Cell fitness, {}. Ring: fittest. Bars: 95 % intervals", heading(&curves));
     Some(panels_svg(&panels.collect::<Vec<_>>(), &title))
 }
 
@@ -142,23 +144,44 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
                 .flat_map(|it| [Some(Place { x: it.0, y: it.1, within: None }), None])
                 .collect(),
         });
-        let notes = front.iter().map(|&it| Note {
-            place: (points[it].0, points[it].1),
-            text: points[it].3.clone(),
-            shape: NoteShape::Ring,
-        });
+        let notes = front_notes(&points, &front);
         panels.push(Panel {
             title: task.to_owned(),
             x_title: "median time of a scan (ms)".to_owned(),
             y_title: format!("{} (%)", of_task[0].points[0].score.rate_name()),
             x_words: None,
             series: series.collect(),
-            notes: notes.collect(),
+            notes,
+            thread: front.iter().map(|&it| (points[it].0, points[it].1)).collect(),
             y_range: None,
         });
     }
-    let title = format!("{}: ring and {}: Pareto front", heading(&curves), sweep.axis_title());
+    let title = format!("{}. Ring and {}: Pareto front", heading(&curves), sweep.axis_title());
     (!panels.is_empty()).then(|| panels_svg(&panels, &title))
+}
+
+/// A ring around every point of the front, and its values unless they would run into those of the one before.
+fn front_notes(points: &[(f64, f64, usize, String)], front: &[usize]) -> Vec<Note> {
+    let reach = |of: fn(&(f64, f64, usize, String)) -> f64| {
+        let ends = points
+            .iter()
+            .map(of)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], it| [low.min(it), high.max(it)]);
+        (ends[1] - ends[0]).max(f64::MIN_POSITIVE)
+    };
+    let (width, height) = (reach(|it| it.0), reach(|it| it.1));
+    let mut notes: Vec<Note> = Vec::new();
+    for point in front.iter().map(|&it| &points[it]) {
+        let runs_into = |it: &Note| {
+            let characters = it.text.chars().count().max(point.3.chars().count()) as f64;
+            let (aside, above) =
+                ((it.place.0 - point.0).abs() / width, (it.place.1 - point.1).abs() / height);
+            !it.text.is_empty() && aside < 0.012 * characters && above < 0.09
+        };
+        let text = if notes.iter().any(runs_into) { String::new() } else { point.3.clone() };
+        notes.push(Note { place: (point.0, point.1), text, shape: NoteShape::Ring });
+    }
+    notes
 }
 
 /// Places of the points that no other is at least as fast and as good as, and better in one of both; the fastest first.

@@ -7,22 +7,29 @@ use crate::table::fitness_verdict::FitnessVerdict;
 use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
 use crate::table::markdown::write_grid as write_markdown_grid;
 use crate::table::notes::Notes;
+use crate::table::task_table::Extent;
 use crate::table::terminal::{wrapped, write_grid};
 
 const TITLE: &str = "What each reading of the cell fitness recommends.";
 
-const NOTES: [&str; 3] = [
+const SUMMARY_TITLE: &str = "The same over all data sets, each counting once.";
+
+const NOTES: [&str; 4] = [
     "best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell size at which it is \
      greatest, within its range if it has one; * is an end of what was tried, beyond which it may recommend any other.",
     "defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost: what is lost there \
      against the best, in percentage points. rank: Spearman's rank correlation of reading and rate over the cell sizes.",
+    "Over all data sets: of how many curves the reading recommends a cell size, how often an end of what was tried, the mean \
+     and the greatest of what is lost, and the mean rank correlation. as configured: the cell size of the configuration.",
     "Where false objects cannot be known the rate is the recall, which large cells that join everything may raise.",
 ];
 
-/// The table for a terminal.
+/// The tables for a terminal.
 pub fn fitness_to_terminal(verdicts: &[FitnessVerdict]) -> String {
     let mut text = format!("{TITLE}\n\n");
     write_grid(&mut text, &grid(verdicts), &Notes::none());
+    let _ = write!(text, "\n{SUMMARY_TITLE}\n\n");
+    write_grid(&mut text, &summary_grid(verdicts), &Notes::none());
     text.push('\n');
     for note in NOTES {
         text.push_str(&wrapped(note));
@@ -30,10 +37,12 @@ pub fn fitness_to_terminal(verdicts: &[FitnessVerdict]) -> String {
     text
 }
 
-/// The table for pull requests and pages.
+/// The tables for pull requests and pages.
 pub fn fitness_to_markdown(verdicts: &[FitnessVerdict]) -> String {
     let mut text = format!("**{TITLE}**\n\n");
     write_markdown_grid(&mut text, &grid(verdicts), &Notes::none());
+    let _ = write!(text, "\n**{SUMMARY_TITLE}**\n\n");
+    write_markdown_grid(&mut text, &summary_grid(verdicts), &Notes::none());
     text.push('\n');
     for note in NOTES {
         writeln!(text, "- {}", note.replace('*', "\\*")).expect("a string takes all that is written");
@@ -55,6 +64,50 @@ fn grid(verdicts: &[FitnessVerdict]) -> Grid {
         before = subject;
     }
     Grid { columns, lines }
+}
+
+/// For every task and rate, what each reading costs on average.
+fn summary_grid(verdicts: &[FitnessVerdict]) -> Grid {
+    let column = |title, alignment| Column { group: None, title, alignment };
+    let names = ["task, rate", "reading"].map(|title| column(title, Alignment::Left));
+    let numbers = ["data sets", "recommends", "at an end", "mean lost", "most lost", "mean rank"];
+    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let mut groups: Vec<(String, &str, Vec<&FitnessVerdict>)> = Vec::new();
+    for verdict in verdicts.iter().filter(|it| it.dataset != Extent::Overall.name()) {
+        let subject = format!("{}, {}", verdict.task, verdict.rate);
+        match groups.iter_mut().find(|(task, reading, _)| *task == subject && *reading == verdict.reading) {
+            Some((_, _, of_group)) => of_group.push(verdict),
+            None => groups.push((subject, &verdict.reading, vec![verdict])),
+        }
+    }
+    groups.sort_by(|a, b| a.0.cmp(&b.0));
+    Grid {
+        columns,
+        lines: groups.iter().map(|(subject, reading, it)| summary_line(subject, reading, it)).collect(),
+    }
+}
+
+fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> Line {
+    let losses: Vec<f64> = verdicts.iter().filter_map(|it| Some(it.loss?.0)).collect();
+    let ranks: Vec<f64> = verdicts.iter().filter_map(|it| Some(it.rank_correlation?.0)).collect();
+    let mean =
+        |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+    let number = |value: Option<f64>, decimals| {
+        value.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, decimals))
+    };
+    let count =
+        |is_counted: fn(&&&FitnessVerdict) -> bool| verdicts.iter().filter(is_counted).count().to_string();
+    let cells = [
+        subject.to_owned(),
+        reading.to_owned(),
+        verdicts.len().to_string(),
+        count(|it| it.recommended_cell_size_m.is_some()),
+        count(|it| it.recommends_an_end == Some(true)),
+        number(mean(&losses).map(|it| 100.0 * it), 1),
+        number(losses.iter().copied().reduce(f64::max).map(|it| 100.0 * it), 1),
+        number(mean(&ranks), 2),
+    ];
+    Line { kind: LineKind::Dataset, cells: cells.map(Cell::new).to_vec() }
 }
 
 /// What all readings of a curve have in common.
@@ -106,10 +159,19 @@ mod tests {
         insta::assert_snapshot!(fitness_to_terminal(&verdicts), @r"
         What each reading of the cell fitness recommends.
 
-        data set, sensor, task, rate                               reading      NO  best m  best %  defined  recommends m  there %  lost  rank
-        ──────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
-        street (simulated), vlp-16, hierarchical, objects, F-rate  printed      10    0.40    80.0      1/4         0.80*     50.0  30.0  –
-                                                                   dense-share                          4/4         0.60      60.0  20.0  0.80
+        data set, sensor, task, rate                               reading        NO  best m  best %  defined  recommends m  there %  lost  rank
+        ────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated), vlp-16, hierarchical, objects, F-rate  printed        10    0.40    80.0      1/4         0.80*     50.0  30.0  –
+                                                                   dense-share                            4/4         0.60      60.0  20.0  0.80
+                                                                   as configured                          1/4         0.40      80.0   0.0  –
+
+        The same over all data sets, each counting once.
+
+        task, rate       reading        data sets  recommends  at an end  mean lost  most lost  mean rank
+        ─────────────────────────────────────────────────────────────────────────────────────────────────
+        objects, F-rate  printed                1           1          1       30.0       30.0       –
+        objects, F-rate  dense-share            1           1          0       20.0       20.0       0.80
+        objects, F-rate  as configured          1           1          0        0.0        0.0       –
 
         best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell
           size at which it is greatest, within its range if it has one; * is an end of what was tried,
@@ -117,6 +179,9 @@ mod tests {
         defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost:
           what is lost there against the best, in percentage points. rank: Spearman's rank correlation of
           reading and rate over the cell sizes.
+        Over all data sets: of how many curves the reading recommends a cell size, how often an end of what
+          was tried, the mean and the greatest of what is lost, and the mean rank correlation. as
+          configured: the cell size of the configuration.
         Where false objects cannot be known the rate is the recall, which large cells that join everything
           may raise.
         ");

@@ -8,6 +8,9 @@ use crate::rank_correlation::rank_correlation;
 use crate::table::sweep_curve::{SweepCurve, highest};
 use crate::table::sweep_score::SweepScores;
 
+/// What stands in the place of a reading for the cell size that the detector has where it is not swept.
+pub const CONFIGURED: &str = "as configured";
+
 /// One reading on one curve: a row of `cell_fitness.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FitnessVerdict {
@@ -79,7 +82,31 @@ impl CsvRow for FitnessVerdict {
 pub fn fitness_verdicts(sweep: &SweepScores) -> Vec<FitnessVerdict> {
     let curves = sweep.curves();
     let over_cells = curves.iter().filter(|it| it.sweeps_cells());
-    over_cells.flat_map(|curve| (0..n_readings(curve)).map(|it| verdict(curve, it))).collect()
+    let configured = sweep.configured.as_deref().and_then(|it| it.parse::<f64>().ok());
+    over_cells.flat_map(|curve| of_curve(curve, configured)).collect()
+}
+
+/// The readings, and for comparison the cell size that the detector has anyway.
+fn of_curve(curve: &SweepCurve<'_>, configured: Option<f64>) -> Vec<FitnessVerdict> {
+    let mut verdicts: Vec<_> = (0..n_readings(curve)).map(|it| verdict(curve, it)).collect();
+    let place =
+        configured.and_then(|configured| curve.points.iter().position(|it| (it.x - configured).abs() < 1e-6));
+    if let (Some(place), Some(first)) = (place, verdicts.first().cloned()) {
+        let point = curve.points[place].score;
+        let size_m = point.cells.as_ref().map(|it| Fixed(it.cell_size_m));
+        verdicts.push(FitnessVerdict {
+            reading: CONFIGURED.to_owned(),
+            n_defined: 1,
+            n_poles: 0,
+            recommended_cell_size_m: size_m,
+            recommends_an_end: None,
+            rate_there: point.rate().map(Fixed),
+            loss: first.best_rate.zip(point.rate()).map(|(best, there)| Fixed(best.0 - there)),
+            rank_correlation: None,
+            ..first
+        });
+    }
+    verdicts
 }
 
 fn n_readings(curve: &SweepCurve<'_>) -> usize {
@@ -145,7 +172,7 @@ mod tests {
             (5, Some(5), Some(0.9), 0.2),
         ]);
         let verdicts = fitness_verdicts(&sweep);
-        let [printed, share] = &verdicts[..] else { panic!("{verdicts:?}") };
+        let [printed, share, configured] = &verdicts[..] else { panic!("{verdicts:?}") };
         assert_eq!((printed.best_cell_size_m, printed.best_rate), (Some(Fixed(0.4)), Some(Fixed(0.8))));
         // Only the last point is where the formula is said to be; there is a pole before 0.6 m.
         assert_eq!((printed.n_defined, printed.n_poles), (1, 1));
@@ -154,6 +181,10 @@ mod tests {
             (Some(Fixed(0.8)), Some(true))
         );
         assert_eq!(printed.rank_correlation, None);
+        assert_eq!(
+            (configured.recommended_cell_size_m, configured.loss),
+            (Some(Fixed(0.4)), Some(Fixed(0.0)))
+        );
         assert_eq!((share.recommended_cell_size_m, share.recommends_an_end), (Some(Fixed(0.6)), Some(false)));
         assert!((share.loss.unwrap().0 - 0.2).abs() < 1e-12);
         // Ranks 1 3 4 2 against 1 4 3 2: 1 - 6 · 2 / 60.

@@ -115,7 +115,9 @@ mod tests {
         let mut sweep =
             cell_sizes(&[(5, Some(5), None, 0.1), (8, Some(1), None, 0.2), (8, Some(1), None, 0.3)]);
         let mut vehicles: Vec<SweepScore> = sweep.scores.clone();
-        vehicles.iter_mut().for_each(|it| it.task = "vehicles".to_owned());
+        for it in &mut vehicles {
+            it.task = "vehicles".to_owned();
+        }
         sweep.scores.extend(vehicles);
         let curves = sweep.curves();
         assert_eq!(curves.len(), 2);

@@ -12,6 +12,8 @@ pub struct SweepScores {
     pub parameters: Vec<String>,
     /// How many of these are swept.
     pub n_swept: usize,
+    /// The value of the first parameter where it is not swept.
+    pub configured: Option<String>,
     /// Data set by data set and then overall, within these detector by detector, task by task, point by point.
     pub scores: Vec<SweepScore>,
     /// In the same order, without the tasks.
@@ -259,33 +261,35 @@ pub(crate) mod tests {
         }
     }
 
+    /// TP, FO, and two readings.
+    type Found = (u64, Option<u64>, Option<f64>, f64);
+
     /// A sweep of the cell size over 0.2, 0.4 and so on, with the numbers that were found of ten annotations and false, and
     /// with a printed fitness and a share at each.
-    pub(crate) fn cell_sizes(found: &[(u64, Option<u64>, Option<f64>, f64)]) -> SweepScores {
-        let score =
-            |(point_idx, &(tp, fo, printed, share)): (usize, &(u64, Option<u64>, Option<f64>, f64))| {
-                let size_m = format!("{:.1}", 0.2 * (point_idx + 1) as f64);
-                let reading = |name, value: Option<f64>| FitnessValue {
-                    name,
-                    value,
-                    within: value.map(|it| [it - 0.01, it + 0.01]),
-                    range: Some([0.0, 1.0]),
-                };
-                SweepScore {
-                    cells: Some(CellScore {
-                        cell_size_m: size_m.parse().unwrap(),
-                        n_dense_sparse_empty: [3, 4, 5],
-                        readings: vec![reading("printed", printed), reading("dense-share", Some(share))],
-                    }),
-                    subject: subject(&[&size_m], point_idx, "street"),
-                    task: "objects".to_owned(),
-                    n_scans: 2,
-                    n_blocks: 2,
-                    counts: Counts::new(10, tp, fo).unwrap(),
-                    f_rate_within: fo.map(|_| [0.1, 0.9]),
-                    recall_within: Some([0.2, 0.8]),
-                }
+    pub(crate) fn cell_sizes(found: &[Found]) -> SweepScores {
+        let score = |(point_idx, &(tp, fo, printed, share)): (usize, &Found)| {
+            let size_m = format!("{:.1}", 0.2 * (point_idx + 1) as f64);
+            let reading = |name, value: Option<f64>| FitnessValue {
+                name,
+                value,
+                within: value.map(|it| [it - 0.01, it + 0.01]),
+                range: Some([0.0, 1.0]),
             };
+            SweepScore {
+                cells: Some(CellScore {
+                    cell_size_m: size_m.parse().unwrap(),
+                    n_dense_sparse_empty: [3, 4, 5],
+                    readings: vec![reading("printed", printed), reading("dense-share", Some(share))],
+                }),
+                subject: subject(&[&size_m], point_idx, "street"),
+                task: "objects".to_owned(),
+                n_scans: 2,
+                n_blocks: 2,
+                counts: Counts::new(10, tp, fo).unwrap(),
+                f_rate_within: fo.map(|_| [0.1, 0.9]),
+                recall_within: Some([0.2, 0.8]),
+            }
+        };
         let scores: Vec<SweepScore> = found.iter().enumerate().map(score).collect();
         let time = |it: &SweepScore| SweepTime {
             subject: it.subject.clone(),
@@ -297,7 +301,13 @@ pub(crate) mod tests {
             max_ms: 3.5,
         };
         let parameters = vec!["hierarchical.grid.cell_size_m".to_owned()];
-        SweepScores { parameters, n_swept: 1, times: scores.iter().map(time).collect(), scores }
+        SweepScores {
+            parameters,
+            n_swept: 1,
+            configured: Some("0.40".to_owned()),
+            times: scores.iter().map(time).collect(),
+            scores,
+        }
     }
 
     #[test]
