@@ -39,6 +39,7 @@ pub mod slice;
 pub mod sums;
 pub mod bootstrap;
 pub mod tally;
+pub mod estimates;
 
 // Tables.
 pub mod paper_figures;

@@ -98,18 +98,18 @@ impl Sums {
     pub fn ratio(&self, metric: &Metric, false_objects: FalseObjects) -> Option<[f64; 2]> {
         let [no, tp, fo] = [Term::Annotations, Term::Matched, Term::False].map(|it| self.of(it));
         let pairs = self.of(Term::BoxPairs);
-        match (metric, false_objects) {
-            (Metric::Precision | Metric::FRate, FalseObjects::Unknown) => None,
-            (Metric::Precision, FalseObjects::Known) => Some([tp, tp + fo]),
-            (Metric::FRate, FalseObjects::Known) => Some([2.0 * tp, no + tp + fo]),
-            (Metric::Recall, _) => Some([tp, no]),
-            (Metric::OverSegmentation, _) => Some([self.of(Term::Split), no]),
-            (Metric::UnderSegmentation, _) => Some([self.of(Term::Joining), self.of(Term::Holding)]),
-            (Metric::OverSegmentationEntropyPerObject, _) => Some([self.of(Term::OverEntropy), no]),
-            (Metric::UnderSegmentationEntropyPerObject, _) => {
+        let known = |ratio| (false_objects == FalseObjects::Known).then_some(ratio);
+        match metric {
+            Metric::Precision => known([tp, tp + fo]),
+            Metric::FRate => known([2.0 * tp, no + tp + fo]),
+            Metric::Recall => Some([tp, no]),
+            Metric::OverSegmentation => Some([self.of(Term::Split), no]),
+            Metric::UnderSegmentation => Some([self.of(Term::Joining), self.of(Term::Holding)]),
+            Metric::OverSegmentationEntropyPerObject => Some([self.of(Term::OverEntropy), no]),
+            Metric::UnderSegmentationEntropyPerObject => {
                 Some([self.of(Term::UnderEntropy), self.of(Term::Touching)])
             }
-            (Metric::BoxError(dimension), _) => Some([self.of(error_term(*dimension)), pairs]),
+            Metric::BoxError(dimension) => Some([self.of(error_term(*dimension)), pairs]),
             _ => None,
         }
     }

@@ -93,7 +93,9 @@ pub fn overall_time_rows(datasets: &[DatasetScores]) -> Vec<MetricRow> {
         for (all, detector) in detectors.iter_mut().zip(&dataset.detectors) {
             all.latencies.extend(&detector.latencies);
             for (stage, durations) in &detector.stages {
-                durations.iter().for_each(|&duration| all.add_stage_time(stage, duration));
+                for &duration in durations {
+                    all.add_stage_time(stage, duration);
+                }
             }
         }
     }
@@ -111,7 +113,7 @@ fn time_rows(dataset: &str, detectors: &[DetectorScores]) -> Vec<MetricRow> {
                 slice: SLICE_ALL.to_owned(),
             };
             detector.push_times(&mut |metric, value, n| {
-                rows.push(MetricRow::new(subject.clone(), metric, value, n))
+                rows.push(MetricRow::new(subject.clone(), metric, value, n));
             });
         }
     }
