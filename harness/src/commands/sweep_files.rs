@@ -2,7 +2,9 @@
 
 use reports::archive::ArchiveError;
 use reports::csv_rows::CsvRowWriter;
-use reports::plot::sweep_plot::{fitness_plot, pareto_plot, rate_plot};
+use reports::plot::fitness_plot::fitness_plot;
+use reports::plot::pareto_plot::pareto_plot;
+use reports::plot::rate_plot::rate_plot;
 use reports::run_directory::RunDirectory;
 use reports::table::fitness_table::{fitness_to_markdown, fitness_to_terminal};
 use reports::table::fitness_verdict::fitness_verdicts;

@@ -50,7 +50,7 @@ pub fn record_sweep(
     let axis = RecordingAxis {
         timeline: steps.timeline.clone(),
         steps_per_s: steps.steps_per_s(),
-        rates: format!("F-rate over the {} scans of {}", swept.scan_indices.len(), description.id),
+        rates: format!("F-rate of {} scans", swept.scan_indices.len()),
         further_series: further(&at_point(0)).iter().map(|it| it.0).collect(),
     };
     let mut stream = Stream::open_along(&options, &detectors, axis)?;
@@ -66,6 +66,8 @@ pub fn record_sweep(
         let config = of_sensor(&plan.points[point_idx].config, description);
         for listed in &plan.detectors {
             let mut detector = listed.build(&config, description.sensor_height_m);
+            // Its buffers find their size.
+            detector.detect(&scan.cloud, &mut output);
             let started = Instant::now();
             detector.detect(&scan.cloud, &mut output);
             let latency = started.elapsed();

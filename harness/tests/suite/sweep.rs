@@ -201,7 +201,7 @@ fn going_on_with_something_else_is_refused() {
     refused(&["-P", "cell_size_m=0.4:0.8:0.4"], "points");
     refused(&with(&CELLS, &["--seed", "2"]), "data sets");
     refused(&with(&CELLS, &["--scans", "0..4"]), "data sets");
-    refused(&with(&CELLS, &["-P", "min_height_m=1.9"]), "other parameters");
+    refused(&with(&CELLS, &["-P", "walls.min_support=0.7"]), "other parameters");
     refused(&with(&CELLS, &["-d", "simple-grid"]), "detectors");
     refused(&with(&CELLS, &["--criterion", "centre"]), "matching criterion, other parameters");
     assert_eq!(workplace.read("out.unfinished"), journal);
@@ -253,7 +253,7 @@ fn sweeps_that_cannot_be_are_refused_with_their_codes() {
         2,
         "unknown parameter cel_size_m",
     );
-    check(
+    check_refused(
         &workplace,
         &["street-narrow", "-P", "cell_size_m=0:2:1"],
         2,

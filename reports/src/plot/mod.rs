@@ -11,4 +11,7 @@ pub mod gap_plot;
 pub mod operating_plot;
 pub mod plan_plot;
 mod curve_panel;
-pub mod sweep_plot;
+mod sweep_panels;
+pub mod rate_plot;
+pub mod fitness_plot;
+pub mod pareto_plot;
