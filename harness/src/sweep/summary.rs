@@ -166,15 +166,20 @@ impl SweepResults<'_> {
         let mut times_ns: Vec<u64> =
             scans.iter().flat_map(|it| &it.times_ns[point_idx][detector_idx]).copied().collect();
         times_ns.sort_unstable();
+        let shortest = scans.iter().filter_map(|it| it.times_ns[point_idx][detector_idx].iter().min());
+        let mut shortest_ns: Vec<u64> = shortest.copied().collect();
+        shortest_ns.sort_unstable();
         // By nearest rank, as all times of this program.
-        let percentile_ms = |percent: usize| {
-            let rank = (times_ns.len() * percent).div_ceil(100);
-            times_ns.get(rank.saturating_sub(1)).map(|it| *it as f64 / 1e6)
+        let of = |sorted_ns: &[u64], percent: usize| {
+            let rank = (sorted_ns.len() * percent).div_ceil(100);
+            sorted_ns.get(rank.saturating_sub(1)).map(|it| *it as f64 / 1e6)
         };
+        let percentile_ms = |percent| of(&times_ns, percent);
         Some(SweepTime {
             subject: self.subject(group, detector_idx, point_idx),
             n_scans: scans.len() as u64,
             n_detections: times_ns.len() as u64,
+            typical_ms: of(&shortest_ns, 50)?,
             min_ms: percentile_ms(0)?,
             p50_ms: percentile_ms(50)?,
             p90_ms: percentile_ms(90)?,

@@ -44,6 +44,8 @@ pub(crate) struct Note {
 pub(crate) enum NoteShape {
     /// A ring around the place.
     Ring,
+    /// A small ring around the place, with the text aside.
+    Front,
     /// A dotted line through the panel.
     Upright,
     /// A cross, for values that lie off the panel.
@@ -195,6 +197,12 @@ fn draw_notes(chart: &mut Chart<'_, '_>, notes: &[Note], y: [f64; 2]) -> Drawn {
                 chart.draw_series([Circle::new(note.place, 9, BLACK.stroke_width(2))])?;
                 let place = EmptyElement::at(note.place);
                 chart.draw_series([place + Text::new(note.text.clone(), (0, -12), label.clone())])?;
+            }
+            NoteShape::Front => {
+                chart.draw_series([Circle::new(note.place, 7, BLACK.stroke_width(1))])?;
+                let aside = text(TEXT_PX - 1, HPos::Right).pos(Pos::new(HPos::Right, VPos::Bottom));
+                let place = EmptyElement::at(note.place);
+                chart.draw_series([place + Text::new(note.text.clone(), (-7, -3), aside)])?;
             }
             NoteShape::Upright => {
                 let line = DashedLineSeries::new([(at_x, y[0]), (at_x, y[1])], 2, 4, BLACK.stroke_width(1));

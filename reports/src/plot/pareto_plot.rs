@@ -5,7 +5,7 @@ use super::sweep_panels::{curves_of, heading};
 use crate::table::sweep_score::SweepScores;
 use crate::table::task_table::Extent;
 
-/// The rates of `extent` against the median time of a scan, with the Pareto front: the points that no other is both faster
+/// The rates of `extent` against the time of a scan, with the Pareto front: the points that no other is both faster
 /// and better than. A panel for each task. `None` if nothing was timed.
 pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let curves = curves_of(sweep, extent);
@@ -27,7 +27,7 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             for point in &curve.points {
                 let Some((time, rate)) = point.time.zip(point.score.rate()) else { continue };
                 let text = [vec![point.x_text.to_owned()], curve.others.clone()].concat().join(", ");
-                points.push((time.p50_ms, 100.0 * rate, detector_idx, text));
+                points.push((time.typical_ms, 100.0 * rate, detector_idx, text));
             }
         }
         if points.is_empty() {
@@ -46,7 +46,7 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
         let notes = front_notes(&points, &front);
         panels.push(Panel {
             title: task.to_owned(),
-            x_title: "median time of a scan (ms)".to_owned(),
+            x_title: "time of a scan (ms): median of the shortest of each".to_owned(),
             y_title: format!("{} (%)", of_task[0].points[0].score.rate_name()),
             x_words: None,
             series: series.collect(),
@@ -78,7 +78,7 @@ fn front_notes(points: &[(f64, f64, usize, String)], front: &[usize]) -> Vec<Not
             !it.text.is_empty() && aside < 0.012 * characters && above < 0.09
         };
         let text = if notes.iter().any(runs_into) { String::new() } else { point.3.clone() };
-        notes.push(Note { place: (point.0, point.1), text, shape: NoteShape::Ring });
+        notes.push(Note { place: (point.0, point.1), text, shape: NoteShape::Front });
     }
     notes
 }
@@ -119,7 +119,10 @@ mod tests {
     fn rates_stand_against_times() {
         let sweep = cell_sizes(&[(4, Some(6), None, 0.1), (8, Some(2), None, 0.3)]);
         let svg = pareto_plot(&sweep, &street()).unwrap();
-        check_holds(&svg, &["median time of a scan (ms)", "F-rate (%)", "Pareto front"]);
+        check_holds(
+            &svg,
+            &["time of a scan (ms): median of the shortest of each", "F-rate (%)", "Pareto front"],
+        );
         let untimed = SweepScores { times: Vec::new(), ..sweep };
         assert_eq!(pareto_plot(&untimed, &street()), None);
     }

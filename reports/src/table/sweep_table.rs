@@ -13,7 +13,7 @@ pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
     let mut text = format!("Best of {} over {}. Rates in %.\n\n", n_values(sweep), sweep.parameters[0]);
     let column = |title, alignment| Column { group: None, title, alignment };
     let names = ["data set", "detector", "task", "rate"].map(|title| column(title, Alignment::Left));
-    let numbers = ["scans", "NO", "best at", "rate there", "95 %", "lowest", "p50 ms"];
+    let numbers = ["scans", "NO", "best at", "rate there", "95 %", "lowest", "time ms"];
     let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
     let mut lines: Vec<Line> = sweep.curves().iter().map(line).collect();
     // A rule stands above the first of them alone.
@@ -26,8 +26,8 @@ pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
     text.push('\n');
     text.push_str(&wrapped(
         "NO: annotations that count. Best at: the first of several values that are as good. 95 %: cluster bootstrap over \
-         blocks of scans a second long. Lowest: the rate at the worst value. p50: median time of a detection there, each \
-         alone on the machine as far as it is up to us.",
+         blocks of scans a second long. Lowest: the rate at the worst value. Time: of a detection at the best value, the \
+         median over scans of the shortest of each.",
     ));
     text
 }
@@ -62,7 +62,7 @@ fn line(curve: &SweepCurve<'_>) -> Line {
         percent(best.and_then(|it| it.score.rate())),
         within.map_or_else(undefined, |it| it.map(|it| percent(Some(it))).join(" to ")),
         percent(lowest),
-        best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.p50_ms, 2)),
+        best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2)),
     ];
     let kind = if subject.extent == Extent::Overall { LineKind::Overall } else { LineKind::Dataset };
     Line { kind, cells: cells.map(Cell::new).to_vec() }
@@ -79,13 +79,13 @@ mod tests {
         insta::assert_snapshot!(sweep_to_terminal(&sweep), @r"
         Best of 3 values over hierarchical.grid.cell_size_m. Rates in %.
 
-        data set            detector      task     rate    scans  NO  best at  rate there          95 %  lowest  p50 ms
-        ───────────────────────────────────────────────────────────────────────────────────────────────────────────────
-        street (simulated)  hierarchical  objects  F-rate      2  10      0.4        80.0  10.0 to 90.0    40.0    3.50
+        data set            detector      task     rate    scans  NO  best at  rate there          95 %  lowest  time ms
+        ────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated)  hierarchical  objects  F-rate      2  10      0.4        80.0  10.0 to 90.0    40.0     3.20
 
         NO: annotations that count. Best at: the first of several values that are as good. 95 %: cluster
-          bootstrap over blocks of scans a second long. Lowest: the rate at the worst value. p50: median
-          time of a detection there, each alone on the machine as far as it is up to us.
+          bootstrap over blocks of scans a second long. Lowest: the rate at the worst value. Time: of a
+          detection at the best value, the median over scans of the shortest of each.
         ");
     }
 }
