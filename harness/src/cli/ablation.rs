@@ -1,0 +1,38 @@
+//! Arguments of `scanbench ablation`.
+
+use clap::Args;
+
+use super::output::OutputArgs;
+use super::parameters::{ConfigArgs, MatchingArgs};
+use super::scans::DatasetArgs;
+use super::timing::TimingArgs;
+
+/// Arguments of `scanbench ablation`.
+#[derive(Debug, Args)]
+#[command(after_help = ABLATION_EXAMPLES)]
+pub struct AblationArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Parameters of the whole method.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// How detections are judged.
+    #[command(flatten)]
+    pub matching: MatchingArgs,
+    /// Where the table is written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// What runs beside what.
+    #[command(flatten)]
+    pub timing: TimingArgs,
+}
+
+const ABLATION_EXAMPLES: &str = "\
+Examples:
+  scanbench ablation
+  scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
+  scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
+
+All variants look at each scan, one after the other. Leaves in the directory
+ablation.csv, ablation.md and manifest.json.";

@@ -1,0 +1,38 @@
+//! The command line: one file for the arguments of each verb, after those that verbs share.
+
+mod scans;
+mod detectors;
+mod output;
+mod parameters;
+mod timing;
+#[cfg(feature = "rerun")]
+mod stream;
+mod run;
+mod detect;
+mod ablation;
+mod selftest;
+mod experiment;
+mod gaps;
+mod robustness;
+mod data;
+mod fit_density;
+mod train;
+mod program;
+
+pub use ablation::AblationArgs;
+pub use data::{DataCommand, RealismArgs};
+pub use detect::DetectArgs;
+pub use experiment::ExperimentArgs;
+pub use fit_density::FitDensityArgs;
+pub use gaps::GapsArgs;
+pub use output::OutputArgs;
+pub use parameters::{ConfigArgs, CriterionName, MatchingArgs};
+pub use program::{Cli, Command};
+pub use robustness::RobustnessArgs;
+pub use run::RunArgs;
+pub use scans::{CatalogueArgs, DatasetArgs, SourceArgs};
+pub use selftest::SelftestArgs;
+#[cfg(feature = "rerun")]
+pub use stream::StreamArgs;
+pub use timing::TimingArgs;
+pub use train::TrainArgs;

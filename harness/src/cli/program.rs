@@ -1,0 +1,78 @@
+//! The program and its verbs.
+
+use clap::{Parser, Subcommand};
+
+use super::ablation::AblationArgs;
+use super::data::DataCommand;
+use super::detect::DetectArgs;
+use super::fit_density::FitDensityArgs;
+use super::gaps::GapsArgs;
+use super::robustness::RobustnessArgs;
+use super::run::RunArgs;
+use super::selftest::SelftestArgs;
+use super::train::TrainArgs;
+
+/// Evaluates and benchmarks LiDAR object detectors side by side.
+#[derive(Debug, Parser)]
+#[command(name = "scanbench", version, max_term_width = 100, after_help = EXAMPLES, after_long_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  scanbench run                              simulated streets, all detectors
+  scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
+  scanbench run kitti-object -d hierarchical,pca --criterion centre
+  scanbench detect 000000.bin -o clusters.csv   the clusters of one scan
+  scanbench data list                        what is in the catalogue";
+
+const EXIT_CODES: &str = "\
+Examples:
+  scanbench run                              simulated streets, all detectors
+  scanbench run ~/data/kitti/tracking        KITTI tracking, recognised by its folders
+  scanbench run kitti-object -d hierarchical,pca --criterion centre
+  scanbench detect 000000.bin -o clusters.csv   the clusters of one scan
+  scanbench data list                        what is in the catalogue
+
+Exit codes:
+  0    good
+  1    internal error
+  2    wrong usage or configuration
+  3    data missing or damaged
+  4    nothing was evaluated
+  130  interrupted";
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run detectors on labelled scans, score them, and leave a run directory
+    Run(RunArgs),
+    /// Run one detector on one scan, and write the cluster of every point and the boxes
+    Detect(DetectArgs),
+    /// Measure what each part of the hierarchical detector is worth, by leaving it out
+    Ablation(AblationArgs),
+    /// Look at the catalogue of data sets
+    #[command(subcommand, after_help = "Example:\n  scanbench data list")]
+    Data(DataCommand),
+    /// Learn from scans how the density of points falls with the range, for the weights of the hierarchical detector
+    FitDensity(Box<FitDensityArgs>),
+    /// Train the model that tells vehicles from background, and judge it by drives it has not seen
+    Train(Box<TrainArgs>),
+    /// Score annotations fed back as detections: everything must come out at exactly 1
+    Selftest(SelftestArgs),
+    /// Simulate pairs of objects with growing gaps and measure which detectors tell them apart
+    Gaps(GapsArgs),
+    /// Run detectors on the same simulated streets under one condition after another
+    Robustness(RobustnessArgs),
+    /// Print a completion script for a shell
+    #[command(
+        after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"
+    )]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}

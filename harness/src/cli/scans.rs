@@ -1,0 +1,55 @@
+//! Which scans are taken, and how data sets are opened.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::simulator::sensor::EMBEDDED_SENSORS;
+
+/// Where data sets are looked up.
+#[derive(Debug, Clone, Args)]
+pub struct CatalogueArgs {
+    /// Catalogue to look ids up in, instead of the built-in one
+    #[arg(long, value_name = "FILE", env = "SCANBENCH_DATASETS")]
+    pub catalogue: Option<PathBuf>,
+}
+
+/// Which scans are taken.
+#[derive(Debug, Clone, Args)]
+pub struct DatasetArgs {
+    /// Ids of the catalogue, or paths of data sets
+    #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASETS)]
+    pub datasets: Vec<String>,
+    /// Which scans, by place in each data set, from 0: `7`, `0..500` (without 500), `0..500:5` (every fifth), or several
+    /// of these by comma
+    #[arg(long, value_name = "RANGE")]
+    pub scans: Option<String>,
+    /// How they are opened.
+    #[command(flatten)]
+    pub source: SourceArgs,
+}
+
+/// How data sets are opened.
+#[derive(Debug, Clone, Args)]
+pub struct SourceArgs {
+    /// Format of data sets given as paths, instead of recognising it: `kitti-tracking` or `kitti-object`
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
+    /// Seed of simulated data sets, instead of the catalogue's
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Number of scans of simulated data sets, instead of the catalogue's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub simulated_scans: Option<u32>,
+    /// Sensor of simulated data sets.
+    #[arg(long, value_name = "SENSOR", help = sensor_help())]
+    pub sensor: Option<String>,
+    /// Where ids are looked up.
+    #[command(flatten)]
+    pub catalogue: CatalogueArgs,
+}
+
+pub(super) fn sensor_help() -> String {
+    let ids = EMBEDDED_SENSORS.map(|(id, _)| format!("`{id}`")).join(", ");
+    format!("Sensor of simulated data sets: {ids}, or a TOML file that describes one")
+}

@@ -1,0 +1,53 @@
+//! Arguments of `scanbench train`.
+
+use clap::Args;
+
+use super::output::OutputArgs;
+use super::scans::DatasetArgs;
+use crate::training::{CHOICE_SEED, GAMMA, HOLD_OUT_EVERY, NU, PROTOTYPES};
+
+/// Arguments of `scanbench train`.
+#[derive(Debug, Args)]
+#[command(after_help = TRAIN_EXAMPLES)]
+pub struct TrainArgs {
+    /// The scans.
+    #[command(flatten)]
+    pub data: DatasetArgs,
+    /// Hold out the last of every N drives of each data set to judge by
+    #[arg(long, value_name = "N", default_value_t = HOLD_OUT_EVERY, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub hold_out_every: u32,
+    /// Most vehicles to train on
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    pub vehicles: u32,
+    /// Most other objects to train on, for each vehicle
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
+    pub others: u32,
+    /// Most side profiles of each kind of vehicle to compare with
+    #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
+    pub prototypes: u32,
+    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078
+    #[arg(long, value_name = "X", default_value_t = GAMMA)]
+    pub gamma: f32,
+    /// Share of vehicles and background that may lie inside the margin; the paper has 0.0377
+    #[arg(long, value_name = "X", default_value_t = NU)]
+    pub nu: f64,
+    /// Seed of the choice among objects, and of the regions that are cut out
+    #[arg(long, value_name = "N", default_value_t = CHOICE_SEED)]
+    pub choice_seed: u64,
+    /// Where model, prototypes, curves and plots are written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const TRAIN_EXAMPLES: &str = "\
+Examples:
+  scanbench train streets --seed 2000 --simulated-scans 300 --scans 0..300:6 -o model
+  scanbench train ~/data/kitti_tracking -o model
+  scanbench train streets --seed 3000 --nu 0.3 --gamma 0.1078
+
+Objects are what the hierarchical detector finds: those that match an annotated
+car, van, truck or bus, and those without points of any, with regions cut out
+anywhere. Leaves in the directory model.toml and prototypes.toml, which a run takes
+with -P vehicle_model.directory=DIR, objects.csv with every held-out object,
+importance.csv, curves.csv, curves.svg and manifest.json. The same scans and options
+give the same bytes, but for the date in the manifest.";
