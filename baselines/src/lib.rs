@@ -11,6 +11,7 @@ pub mod principal_axes_box;
 pub mod symmetric_eigenvalues;
 pub mod neighborhood_shapes;
 pub mod pca_features;
+pub mod pca_vehicle_model;
 
 // Their parameters, and how their stages follow each other.
 pub mod params;
