@@ -10,6 +10,7 @@ pub mod metric;
 pub mod curve_pair;
 pub mod wilson_interval;
 pub mod gap_curve;
+pub mod box_errors;
 pub mod condition_scores;
 mod fixed_decimals;
 
@@ -28,6 +29,7 @@ pub mod curve_row;
 pub mod box_row;
 pub mod cluster_of_point;
 pub mod gap_row;
+pub mod box_error_row;
 pub mod condition_row;
 pub mod operating_curve;
 pub mod training_row;

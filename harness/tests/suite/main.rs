@@ -20,3 +20,4 @@ mod realism;
 mod simulated_reference;
 mod fit_density;
 mod train;
+mod boxes;
