@@ -9,6 +9,7 @@ pub mod counts;
 pub mod metric;
 pub mod curve_pair;
 pub mod wilson_interval;
+pub mod average_precision;
 pub mod gap_curve;
 pub mod box_errors;
 pub mod condition_scores;
@@ -34,6 +35,13 @@ pub mod condition_row;
 pub mod operating_curve;
 pub mod training_row;
 pub mod run_directory;
+
+// From rows to numbers.
+pub mod slice;
+pub mod sums;
+pub mod bootstrap;
+pub mod tally;
+pub mod estimates;
 
 // Tables.
 pub mod paper_figures;
