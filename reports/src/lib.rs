@@ -12,6 +12,7 @@ pub mod wilson_interval;
 pub mod rank_correlation;
 pub mod average_precision;
 pub mod gap_curve;
+pub mod box_errors;
 pub mod condition_scores;
 mod fixed_decimals;
 
@@ -30,6 +31,7 @@ pub mod curve_row;
 pub mod box_row;
 pub mod cluster_of_point;
 pub mod gap_row;
+pub mod box_error_row;
 pub mod condition_row;
 pub mod operating_curve;
 pub mod training_row;

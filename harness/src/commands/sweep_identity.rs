@@ -15,8 +15,8 @@ use crate::sweep::timing_pass::DETECTIONS_PER_SCAN;
 pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[OpenedDataset]) -> SweepIdentity {
     let points: Vec<&Vec<String>> = plan.points.iter().map(|it| &it.values).collect();
     let data_sets: Vec<Value> = datasets.iter().map(data_set).collect();
-    // Beyond the name of its directory.
-    let vehicle_model = sha256(format!("{:?}", plan.base.vehicle_model));
+    // Beyond the names of their directories.
+    let vehicle_models = sha256(format!("{:?}", plan.base.vehicle_models));
     let identity = json!({
         "program": program(),
         "scoring_version": SCORING_VERSION,
@@ -24,7 +24,7 @@ pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[Opene
         "swept_parameters": plan.parameters(),
         "points": points,
         "other_parameters": plan.base.resolved,
-        "vehicle_model": vehicle_model,
+        "vehicle_models": vehicle_models,
         "matching_criterion": criterion_in_words(plan.base.matching.criterion),
         "data_sets": data_sets,
         "timed_scans": arguments.timed_scans,

@@ -17,6 +17,7 @@ pub mod markdown;
 pub mod latex;
 pub mod ablation_table;
 pub mod gap_table;
+pub mod box_table;
 pub mod robustness_table;
 pub mod sweep_table;
 pub mod fitness_table;
