@@ -26,4 +26,7 @@ pub mod data_realism;
 pub mod reproducible_command;
 pub mod fit_density;
 pub mod train;
+pub mod open_run;
+pub mod compare;
+pub mod gate;
 pub mod dispatch;

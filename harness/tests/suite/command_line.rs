@@ -118,7 +118,7 @@ fn wrong_usage_is_named_on_stderr() {
         ("fly", "unrecognized subcommand 'fly'"),
         ("run --jobs 0", "0 is not in 1..=1024"),
         ("run --warmup x", "invalid digit"),
-        ("run --criterion near", "possible values: points, centre"),
+        ("run --criterion near", "possible values: points, bev-iou, iou-3d, centre"),
         ("run --no-such-flag", "unexpected argument '--no-such-flag'"),
         ("run -P tolerance_m", "invalid value 'tolerance_m' for '--param <NAME=VALUE>': expected NAME=VALUE"),
         ("run -P tolerance_m=1.2.3", "1.2.3 is neither TOML nor a word"),

@@ -20,4 +20,5 @@ mod realism;
 mod readers;
 mod simulated_reference;
 mod fit_density;
+mod gate;
 mod train;

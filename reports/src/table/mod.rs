@@ -4,17 +4,18 @@
 
 pub mod task_table;
 pub mod ablation_score;
-mod grid;
+pub(crate) mod grid;
 mod task_grids;
-mod notes;
+pub(crate) mod notes;
 pub mod terminal;
 pub mod agreement;
 pub mod csv;
 pub mod markdown;
 pub mod latex;
+pub mod times_table;
 pub mod ablation_table;
 pub mod gap_table;
 pub mod robustness_table;
 
 #[cfg(test)]
-mod sample;
+pub(crate) mod sample;
