@@ -400,7 +400,7 @@ mod tests {
         for criterion in [Criterion::BEV_IOU, Criterion::IOU_3D] {
             let params = MatchingParams { criterion, eligibility: EligibilityParams::STANDARD };
             let (annotations, detections) = two.judge_by(Task::Vehicles, &EVERYTHING, params);
-            assert_eq!(annotations, ["0 at 0.46", "missed: partly found"]);
+            assert_eq!(annotations, ["0 at 0.46", "missed: merged with others"]);
             assert_eq!(detections, ["0 at 0.46", "false: fragment", "false: nothing there"]);
         }
         two.scan.annotations[0].bounding_box = None;

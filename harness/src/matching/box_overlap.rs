@@ -11,7 +11,7 @@ pub fn bev_iou(first: &OrientedBox, second: &OrientedBox) -> f64 {
 pub fn iou_3d(first: &OrientedBox, second: &OrientedBox) -> f64 {
     let height_m = |it: &OrientedBox| f64::from(it.length_width_height_m[2]);
     let apart_m = (f64::from(first.center_m[2]) - f64::from(second.center_m[2])).abs();
-    let reach_m = (height_m(first) + height_m(second)) / 2.0 - apart_m;
+    let reach_m = f64::midpoint(height_m(first), height_m(second)) - apart_m;
     let common_m = reach_m.min(height_m(first)).min(height_m(second)).max(0.0);
     let volume_m3 = |it: &OrientedBox| area_m2(it) * height_m(it);
     over_union(common_area_m2(first, second) * common_m, volume_m3(first), volume_m3(second))

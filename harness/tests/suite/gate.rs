@@ -21,8 +21,12 @@ relative = 0.0
 /// Runs `pca` and the hierarchical detector on six scans of a narrow street, seen by few beams.
 #[track_caller]
 fn run(workplace: &Workplace, name: &str, options: &[&str]) {
-    let mut arguments = vec!["run", "street-narrow", "--sensor", "vlp-16", "--simulated-scans", "6"];
-    arguments.extend(["-d", "hierarchical,pca", "-o", name]);
+    let mut arguments = vec!["run", "street-narrow", "--simulated-scans", "6", "-o", name];
+    for (option, usual) in [("--sensor", "vlp-16"), ("-d", "hierarchical,pca")] {
+        if !options.contains(&option) {
+            arguments.extend([option, usual]);
+        }
+    }
     if cfg!(feature = "rerun") {
         arguments.push("--no-rrd");
     }
@@ -83,7 +87,7 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
     for (run_name, parameter) in [
         ("larger-cells", "hierarchical.grid.cell_size_m=0.63"),
         ("more-points", "hierarchical.cluster.min_points=18"),
-        ("lower-walls", "hierarchical.walls.min_height_m=1.7"),
+        ("higher-points", "hierarchical.foreground.clearance_m=0.17"),
     ] {
         run(&workplace, run_name, &["-P", parameter]);
         let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict"]);
@@ -123,7 +127,9 @@ fn what_is_surely_worse_is_a_regression() {
 #[test]
 fn a_better_run_is_no_regression_but_has_to_be_accepted() {
     let workplace = Workplace::new();
-    workplace.write("tolerances.toml", TOLERANCES);
+    // Of more and smaller clusters a smaller share is right.
+    let other_metrics = r#", "precision", "over_segmentation", "box_length_error_m""#;
+    workplace.write("tolerances.toml", &TOLERANCES.replacen(other_metrics, "", 1));
     run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
     run(&workplace, "better", &[]);
     let accept = |name: &str, why: &str| {
@@ -225,6 +231,6 @@ fn two_detectors_are_compared_on_the_same_resamples() {
     let text = workplace.succeed(&["compare", "first", "-d", "pca,hierarchical"]).stdout;
     assert!(text.contains("hierarchical − pca") && text.contains("least"), "{text}");
     let itself = workplace.succeed(&["compare", "first", "golden/run", "--slices", "--markdown"]).stdout;
-    assert!(itself.contains("| objects | pca | range/0-15 | recall [%] |"), "{itself}");
+    assert!(itself.contains(r"| objects | pca | range/0-15 | recall \[%] |"), "{itself}");
     assert!(itself.contains("Every scan is judged as before."), "{itself}");
 }
