@@ -15,6 +15,7 @@ mod gate;
 mod selftest;
 mod experiment;
 mod gaps;
+mod boxes;
 mod robustness;
 mod data;
 mod fit_density;
@@ -22,6 +23,7 @@ mod train;
 mod program;
 
 pub use ablation::AblationArgs;
+pub use boxes::BoxesArgs;
 pub use compare::CompareArgs;
 pub use data::{DataCommand, RealismArgs};
 pub use detect::DetectArgs;
@@ -39,4 +41,4 @@ pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::StreamArgs;
 pub use timing::TimingArgs;
-pub use train::TrainArgs;
+pub use train::{ModelName, TrainArgs};

@@ -4,6 +4,7 @@ use clap::CommandFactory as _;
 
 use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
+use crate::commands::boxes::boxes;
 use crate::commands::compare::compare;
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
@@ -32,6 +33,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::FitDensity(arguments) => fit_density(arguments),
         Command::Train(arguments) => train(arguments),
         Command::Gaps(arguments) => gaps(arguments),
+        Command::Boxes(arguments) => boxes(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Compare(arguments) => compare(arguments),
         Command::Gate(arguments) => gate(arguments),

@@ -22,3 +22,4 @@ mod simulated_reference;
 mod fit_density;
 mod gate;
 mod train;
+mod boxes;

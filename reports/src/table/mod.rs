@@ -15,6 +15,7 @@ pub mod latex;
 pub mod times_table;
 pub mod ablation_table;
 pub mod gap_table;
+pub mod box_table;
 pub mod robustness_table;
 
 #[cfg(test)]
