@@ -21,5 +21,6 @@ mod readers;
 mod simulated_reference;
 mod fit_density;
 mod gate;
+mod sweep;
 mod train;
 mod boxes;

@@ -4,6 +4,9 @@
 
 pub mod task_table;
 pub mod ablation_score;
+pub mod sweep_score;
+pub mod sweep_curve;
+pub mod fitness_verdict;
 pub(crate) mod grid;
 mod task_grids;
 pub(crate) mod notes;
@@ -17,6 +20,8 @@ pub mod ablation_table;
 pub mod gap_table;
 pub mod box_table;
 pub mod robustness_table;
+pub mod sweep_table;
+pub mod fitness_table;
 
 #[cfg(test)]
 pub(crate) mod sample;
