@@ -119,23 +119,8 @@ impl Failure {
         if error.is::<single_scan::Interrupted>() {
             return Self::Interrupted;
         }
-        if let Some(GateClosed(conclusion)) = error.downcast_ref::<GateClosed>() {
-            return Self::of_conclusion(*conclusion);
-        }
-        if error.is::<NotComparable>() {
-            return Self::NotComparable;
-        }
-        if error.is::<DamagedRun>() {
-            return Self::Data;
-        }
-        match error.downcast_ref::<AcceptError>() {
-            Some(AcceptError::Directory(error)) => return Self::of_run_directory(error),
-            Some(AcceptError::Archive(error)) => return Self::of_archive(error),
-            Some(AcceptError::History { .. }) => return Self::Data,
-            None => {}
-        }
-        if error.is::<TolerancesError>() {
-            return Self::Usage;
+        if let Some(failure) = Self::of_comparison(error) {
+            return failure;
         }
         if error.is::<NothingEvaluated>() {
             return Self::NothingEvaluated;
@@ -150,6 +135,27 @@ impl Failure {
             return Self::of_archive(error);
         }
         Self::of_stream(error)
+    }
+
+    /// `None` if `error` is none of comparing runs.
+    fn of_comparison(error: &anyhow::Error) -> Option<Self> {
+        if let Some(GateClosed(conclusion)) = error.downcast_ref::<GateClosed>() {
+            return Some(Self::of_conclusion(*conclusion));
+        }
+        if error.is::<NotComparable>() {
+            return Some(Self::NotComparable);
+        }
+        if error.is::<DamagedRun>() {
+            return Some(Self::Data);
+        }
+        if error.is::<TolerancesError>() {
+            return Some(Self::Usage);
+        }
+        error.downcast_ref::<AcceptError>().map(|error| match error {
+            AcceptError::Directory(error) => Self::of_run_directory(error),
+            AcceptError::Archive(error) => Self::of_archive(error),
+            AcceptError::History { .. } => Self::Data,
+        })
     }
 
     fn of_conclusion(conclusion: Conclusion) -> Self {
