@@ -14,6 +14,8 @@ mod selftest;
 mod experiment;
 mod gaps;
 mod robustness;
+mod data_convert;
+mod data_check;
 mod data;
 mod fit_density;
 mod train;
@@ -21,6 +23,8 @@ mod program;
 
 pub use ablation::AblationArgs;
 pub use data::{DataCommand, RealismArgs};
+pub use data_check::{CheckArgs, HashArgs};
+pub use data_convert::ConvertArgs;
 pub use detect::DetectArgs;
 pub use experiment::ExperimentArgs;
 pub use fit_density::FitDensityArgs;

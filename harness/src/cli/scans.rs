@@ -36,6 +36,12 @@ pub struct SourceArgs {
     /// Format of data sets given as paths, instead of recognising it.
     #[arg(long, value_name = "FORMAT", help = format_help())]
     pub format: Option<String>,
+    /// Topic of the clouds in MCAP recordings [default: the only one]
+    #[arg(long, value_name = "TOPIC")]
+    pub topic: Option<String>,
+    /// Topic of the annotations in MCAP recordings [default: /annotations, or the only one]
+    #[arg(long, value_name = "TOPIC")]
+    pub annotation_topic: Option<String>,
     /// Seed of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,

@@ -66,6 +66,8 @@ fn against(arguments: &RealismArgs) -> DatasetArgs {
         scans: arguments.against_scans.clone(),
         source: SourceArgs {
             format: arguments.against_format.clone(),
+            topic: None,
+            annotation_topic: None,
             seed: None,
             simulated_scans: None,
             sensor: None,

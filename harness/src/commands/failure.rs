@@ -7,6 +7,7 @@ use reports::archive::ArchiveError;
 use reports::run_directory::RunDirectoryError;
 
 use crate::commands::standard_streams::print_diagnostic;
+use crate::conversion::ConversionError;
 use crate::dataset::DatasetError;
 use crate::realism::survey::SurveyError;
 use crate::run::config::ConfigError;
@@ -77,6 +78,13 @@ impl Failure {
             Some(SurveyError::Dataset(error)) => return of_dataset(error),
             Some(SurveyError::Interrupted { .. }) => return Self::Interrupted,
             None => {}
+        }
+        match error.downcast_ref::<ConversionError>() {
+            Some(ConversionError::Dataset(error)) => return of_dataset(error),
+            Some(ConversionError::Occupied { .. } | ConversionError::Unwritable { .. }) => {
+                return Self::Usage;
+            }
+            Some(_) | None => {}
         }
         if error.is::<single_scan::Interrupted>() {
             return Self::Interrupted;

@@ -8,8 +8,10 @@ use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::dataset::Dataset;
 use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::mcap::topics::TopicChoice;
 use crate::dataset::open::{OpenOptions, open_dataset};
 use crate::dataset::scan_selection::ScanSelection;
+use crate::dataset::source::DamagePolicy;
 
 /// A data set and the scans that are asked for.
 pub struct OpenedDataset {
@@ -63,7 +65,8 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
         }
         opened.push(OpenedDataset { dataset, scan_indices });
     }
-    if !opened.iter().any(|it| it.dataset.description().is_simulated()) {
+    // What was simulated and written to disk is what it is.
+    if opened.iter().all(|it| it.dataset.description().root.is_some()) {
         refuse_simulation(&arguments.source)?;
     }
     Ok(opened)
@@ -80,6 +83,8 @@ pub fn open_options(source: &SourceArgs) -> anyhow::Result<OpenOptions> {
         seed: source.seed,
         n_simulated_scans: source.simulated_scans,
         sensor: source.sensor.clone(),
+        topics: TopicChoice { cloud: source.topic.clone(), annotations: source.annotation_topic.clone() },
+        damage: DamagePolicy::Refuse,
     })
 }
 

@@ -10,6 +10,7 @@ use crate::commands::failure::Usage;
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation};
 use crate::dataset::catalogue::KITTI_SENSOR;
 use crate::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
+use crate::dataset::mcap::recording::is_mcap;
 use crate::dataset::open::open_dataset;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
 
@@ -47,9 +48,10 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
             return open_file(input, id, source);
         }
         anyhow::ensure!(
-            !path.is_file(),
+            !path.is_file() || is_mcap(path),
             Usage(format!(
-                "{input:?} is not read: a scan is a Velodyne file whose name ends in .{SCAN_EXTENSION}"
+                "{input:?} is not read: a scan is a Velodyne file whose name ends in .{SCAN_EXTENSION}, or one of an \
+                 MCAP recording"
             ))
         );
     }

@@ -15,11 +15,13 @@ pub enum DatasetFormat {
     KittiObject,
     /// SemanticKITTI: KITTI's odometry drives with a label for every point.
     SemanticKitti,
+    /// A recording of ROS 2 or Foxglove.
+    Mcap,
 }
 
 impl DatasetFormat {
     /// All formats.
-    pub const ALL: [Self; 3] = [Self::KittiTracking, Self::KittiObject, Self::SemanticKitti];
+    pub const ALL: [Self; 4] = [Self::KittiTracking, Self::KittiObject, Self::SemanticKitti, Self::Mcap];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -27,6 +29,7 @@ impl DatasetFormat {
             Self::KittiTracking => "kitti-tracking",
             Self::KittiObject => "kitti-object",
             Self::SemanticKitti => "semantic-kitti",
+            Self::Mcap => "mcap",
         }
     }
 

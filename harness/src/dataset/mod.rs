@@ -14,16 +14,21 @@ pub mod error;
 pub mod text_file;
 pub mod numbered_files;
 pub mod velodyne_bin;
+pub mod packed_points;
 pub mod png_size;
 pub mod points_of_boxes;
 pub mod checksum;
+pub mod class_name;
+mod written_classes;
+pub mod simulated_street;
+pub mod data_sheet;
 pub mod dataset_format;
 pub mod source;
 
 // The formats, a folder each.
 pub mod kitti;
 pub mod semantic_kitti;
-pub mod simulated_street;
+pub mod mcap;
 
 // From what the user names to an open data set, and to the scans of it that are run.
 pub mod detect_format;
