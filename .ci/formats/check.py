@@ -5,11 +5,15 @@ import sys
 import tempfile
 from pathlib import Path
 
+import check_argoverse2
 import check_mcap
+import check_scan_folder
 
 CHECKS = [
     ("MCAP, written", check_mcap.check_written),
     ("MCAP, read", check_mcap.check_read),
+    ("Argoverse 2, read", check_argoverse2.check_read),
+    ("PCD, PLY and .npy, read", check_scan_folder.check_read),
 ]
 
 

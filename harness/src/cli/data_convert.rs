@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::scans::DatasetArgs;
+use super::scans::{DamageArgs, DatasetArgs};
 use crate::conversion::mcap_writer::ChunkCompression;
 use crate::conversion::output_format::OutputFormat;
 
@@ -14,6 +14,9 @@ pub struct ConvertArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// What becomes of damaged ones.
+    #[command(flatten)]
+    pub damage: DamageArgs,
     /// File or folder to write; with several data sets, the folder to write them into
     #[arg(short, long, value_name = "PATH")]
     pub output: PathBuf,

@@ -34,7 +34,7 @@ pub use parameters::{ConfigArgs, CriterionName, MatchingArgs};
 pub use program::{Cli, Command};
 pub use robustness::RobustnessArgs;
 pub use run::RunArgs;
-pub use scans::{CatalogueArgs, DatasetArgs, SourceArgs};
+pub use scans::{CatalogueArgs, DamageArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::StreamArgs;

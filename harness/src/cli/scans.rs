@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::source::DamagePolicy;
 use crate::simulator::sensor::EMBEDDED_SENSORS;
 
 /// Where data sets are looked up.
@@ -59,6 +60,21 @@ pub struct SourceArgs {
 fn format_help() -> String {
     let names = DatasetFormat::names().join("`, `");
     format!("Format of data sets given as paths, instead of recognising it: `{names}`")
+}
+
+/// What becomes of damaged scans.
+#[derive(Debug, Clone, Args)]
+pub struct DamageArgs {
+    /// Leave damaged scans out, name each, and go on
+    #[arg(long)]
+    pub skip_damaged: bool,
+}
+
+impl DamageArgs {
+    /// What that means for readers.
+    pub fn policy(&self) -> DamagePolicy {
+        if self.skip_damaged { DamagePolicy::Skip } else { DamagePolicy::Refuse }
+    }
 }
 
 pub(super) fn sensor_help() -> String {

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use crate::cli::ConvertArgs;
 use crate::commands::failure::Usage;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, open_datasets, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
 use crate::conversion::convert::{Output, convert};
@@ -20,7 +20,7 @@ use crate::run::side_by_side::RunError;
 ///
 /// If anything asked for is not there, data are damaged, or the output exists or cannot be written; nothing is left behind then.
 pub fn data_convert(arguments: &ConvertArgs) -> anyhow::Result<()> {
-    convert_all(arguments, &open_datasets(&arguments.data)?)
+    convert_all(arguments, &open_datasets_past_damage(&arguments.data, arguments.damage.policy())?)
 }
 
 /// Writes simulated data sets.
@@ -46,7 +46,9 @@ fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Res
         let n_scans = opened.scan_indices.len();
         let progress = progress_over_scans(n_scans, &opened.dataset.description().id);
         let mut n_done = 0;
-        convert(&*opened.dataset, &opened.scan_indices, output, || -> anyhow::Result<()> {
+        let policy = arguments.damage.policy();
+        let on_damage = |id: &_, error| progress.suspend(|| opened.on_damage(policy, id, error));
+        convert(&*opened.dataset, &opened.scan_indices, output, on_damage, || -> anyhow::Result<()> {
             progress.inc(1);
             n_done += 1;
             if interrupted.load(Ordering::Relaxed) {
@@ -56,7 +58,8 @@ fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Res
         })?;
         progress.finish_and_clear();
         let simulated = if opened.dataset.description().is_simulated() { ", simulated" } else { "" };
-        print_result(format_args!("{}  {n_scans} scans  {format}{simulated}", path.display()))?;
+        let n_written = n_scans - opened.skipped.borrow().iter().filter(|it| it.scan.contains('/')).count();
+        print_result(format_args!("{}  {n_written} scans  {format}{simulated}", path.display()))?;
     }
     Ok(())
 }

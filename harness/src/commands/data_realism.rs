@@ -88,7 +88,7 @@ fn begin_directory(
 
 fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> anyhow::Result<Vec<SurveyedScan>> {
     let mut scans = Vec::new();
-    for OpenedDataset { dataset, scan_indices } in side {
+    for OpenedDataset { dataset, scan_indices, .. } in side {
         let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
         scans.extend(survey(&**dataset, scan_indices, interrupted, || progress.inc(1))?);
         progress.finish_and_clear();

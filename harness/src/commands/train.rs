@@ -93,7 +93,7 @@ fn collect_all<'a>(
 ) -> anyhow::Result<Vec<(&'a str, Candidate)>> {
     let config = RunConfig::load(None)?;
     let mut candidates = Vec::new();
-    for OpenedDataset { dataset, scan_indices } in opened {
+    for OpenedDataset { dataset, scan_indices, .. } in opened {
         let description = dataset.description();
         warn_of_unknown_sensor(&config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());

@@ -7,8 +7,9 @@ use super::mcap_writer::{ChunkCompression, McapWriter};
 use super::output_format::OutputFormat;
 use super::semantic_kitti_writer::SemanticKittiWriter;
 use super::{ConversionError, ScanToWrite, ScanWriter};
+use crate::annotation::ScanId;
 use crate::dataset::data_sheet::{DataSheet, LabeledRegion};
-use crate::dataset::{Dataset, DatasetDescription};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
 
 /// Scans whose times are not known are taken to be this far apart, in nanoseconds.
 const SCAN_PERIOD_NS: u64 = 100_000_000;
@@ -24,7 +25,8 @@ pub struct Output<'a> {
     pub compression: ChunkCompression,
 }
 
-/// Writes the scans of `dataset` at `scan_indices`; `on_scan` is called after each.
+/// Writes the scans of `dataset` at `scan_indices`; `on_scan` is called after each, and of a scan that cannot be
+/// read `on_damage` says whether to go on without it.
 ///
 /// # Errors
 ///
@@ -33,12 +35,19 @@ pub fn convert<E: From<ConversionError>>(
     dataset: &dyn Dataset,
     scan_indices: &[usize],
     output: Output<'_>,
+    mut on_damage: impl FnMut(&ScanId, DatasetError) -> Result<(), DatasetError>,
     mut on_scan: impl FnMut() -> Result<(), E>,
 ) -> Result<(), E> {
     let mut writer = begin(output, sheet_of(dataset.description()))?;
     let times_ns = times_of(dataset, scan_indices);
     for (&scan_idx, time_ns) in scan_indices.iter().zip(times_ns) {
-        let scan = dataset.read_scan(scan_idx).map_err(ConversionError::from)?;
+        let scan = match dataset.read_scan(scan_idx) {
+            Ok(scan) => scan,
+            Err(error) => {
+                on_damage(&dataset.scan_ids()[scan_idx], error).map_err(ConversionError::from)?;
+                continue;
+            }
+        };
         let world_from_sensor = dataset.world_from_sensor(scan_idx).map_err(ConversionError::from)?;
         writer.write(&ScanToWrite { scan: &scan, time_ns, world_from_sensor })?;
         on_scan()?;

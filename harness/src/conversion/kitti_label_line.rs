@@ -90,7 +90,11 @@ mod tests {
         for class in AnnotationClass::ALL {
             let line = label_line(&annotation(class), &unit, "-1");
             let (read_class, occlusion, read) = read_back(&line);
-            assert_eq!((read_class, occlusion, read.center_m), (class, Some(Occlusion::Largely), [0.0; 3]), "{line}");
+            assert_eq!(
+                (read_class, occlusion, read.center_m),
+                (class, Some(Occlusion::Largely), [0.0; 3]),
+                "{line}"
+            );
         }
     }
 

@@ -87,6 +87,13 @@ pub enum CataloguedParts {
     },
     /// A recording.
     Mcap(TopicChoice),
+    /// A folder of scans.
+    ScanFolder,
+    /// Argoverse 2.
+    Argoverse2 {
+        /// These logs, or all that have annotations.
+        sequences: Option<BTreeSet<String>>,
+    },
 }
 
 impl CataloguedParts {
@@ -97,6 +104,8 @@ impl CataloguedParts {
             DatasetFormat::KittiObject => Self::KittiObject { scans: None },
             DatasetFormat::SemanticKitti => Self::SemanticKitti { sequences: None },
             DatasetFormat::Mcap => Self::Mcap(TopicChoice::default()),
+            DatasetFormat::Argoverse2 => Self::Argoverse2 { sequences: None },
+            DatasetFormat::ScanFolder => Self::ScanFolder,
         }
     }
 
@@ -107,6 +116,8 @@ impl CataloguedParts {
             Self::KittiObject { .. } => DatasetFormat::KittiObject,
             Self::SemanticKitti { .. } => DatasetFormat::SemanticKitti,
             Self::Mcap(_) => DatasetFormat::Mcap,
+            Self::ScanFolder => DatasetFormat::ScanFolder,
+            Self::Argoverse2 { .. } => DatasetFormat::Argoverse2,
         }
     }
 }
@@ -286,8 +297,9 @@ fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<Catalogue
     };
     let mut parts = CataloguedParts::all(format);
     if let Some(chosen) = &written.sequences {
-        let (CataloguedParts::KittiTracking { sequences } | CataloguedParts::SemanticKitti { sequences }) =
-            &mut parts
+        let (CataloguedParts::KittiTracking { sequences }
+        | CataloguedParts::SemanticKitti { sequences }
+        | CataloguedParts::Argoverse2 { sequences }) = &mut parts
         else {
             return Err(misplaced("sequences", chosen.span().start));
         };
@@ -384,8 +396,8 @@ url = "https://example.org"
     fn the_built_in_catalogue_knows_what_kitti_annotates() {
         let catalogue = built_in_catalogue().unwrap();
         let ids: Vec<&String> = catalogue.recorded.keys().collect();
-        assert_eq!(ids, ["kitti-object", "kitti-tracking", "semantic-kitti"]);
-        for id in &ids[..2] {
+        assert_eq!(ids, ["argoverse2", "kitti-object", "kitti-tracking", "semantic-kitti"]);
+        for id in &ids[1..3] {
             let entry = &catalogue.recorded[*id];
             assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
         }

@@ -13,15 +13,27 @@ pub enum DatasetFormat {
     KittiTracking,
     /// KITTI's object benchmark: single scans.
     KittiObject,
-    /// SemanticKITTI: KITTI's odometry drives with a label for every point.
+    /// `SemanticKITTI`: KITTI's odometry drives with a label for every point.
     SemanticKitti,
     /// A recording of ROS 2 or Foxglove.
     Mcap,
+    /// Argoverse 2, the sensor data set.
+    #[serde(rename = "argoverse2")]
+    Argoverse2,
+    /// A folder of scans that are a file each.
+    ScanFolder,
 }
 
 impl DatasetFormat {
     /// All formats.
-    pub const ALL: [Self; 4] = [Self::KittiTracking, Self::KittiObject, Self::SemanticKitti, Self::Mcap];
+    pub const ALL: [Self; 6] = [
+        Self::KittiTracking,
+        Self::KittiObject,
+        Self::SemanticKitti,
+        Self::Mcap,
+        Self::Argoverse2,
+        Self::ScanFolder,
+    ];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -30,6 +42,8 @@ impl DatasetFormat {
             Self::KittiObject => "kitti-object",
             Self::SemanticKitti => "semantic-kitti",
             Self::Mcap => "mcap",
+            Self::Argoverse2 => "argoverse2",
+            Self::ScanFolder => "scan-folder",
         }
     }
 

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::DatasetError;
+use super::argoverse2::sensor_logs::is_argoverse2;
 use super::dataset_format::DatasetFormat;
 use super::kitti::object::is_kitti_object;
 use super::kitti::tracking::is_kitti_tracking;
 use super::mcap::recording::is_mcap;
 use super::numbered_files::is_hidden;
+use super::scan_folder::folder::is_scan_folder;
 use super::semantic_kitti::sequence::is_semantic_kitti;
 
 /// A data set on disk.
@@ -32,6 +34,9 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
     let mut found = found_in(path, formats);
     if found.is_empty() && !path.is_file() {
         found = entries_of(path)?.iter().flat_map(|entry| found_in(entry, formats)).collect();
+    }
+    if found.is_empty() && formats.contains(&DatasetFormat::ScanFolder) && is_scan_folder(path) {
+        return Ok(FoundDataset { format: DatasetFormat::ScanFolder, path: path.to_path_buf() });
     }
     match found.len() {
         0 => Err(DatasetError::UnrecognizedFormat {
@@ -62,6 +67,9 @@ fn recognizes(format: DatasetFormat, folder: &Path) -> bool {
         DatasetFormat::KittiObject => is_kitti_object(folder),
         DatasetFormat::SemanticKitti => is_semantic_kitti(folder),
         DatasetFormat::Mcap => is_mcap(folder),
+        DatasetFormat::Argoverse2 => is_argoverse2(folder),
+        // Parts of other layouts are folders of scans as well, so that it counts only where it is named.
+        DatasetFormat::ScanFolder => false,
     }
 }
 

@@ -3,6 +3,9 @@
 use std::borrow::Cow;
 use std::path::Path;
 
+use super::argoverse2::sensor_logs::{
+    ARGOVERSE2_CLASSES, ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M, open_argoverse2,
+};
 use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts, KITTI_SENSOR};
 use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
@@ -14,6 +17,7 @@ use super::kitti::tracking::open_kitti_tracking;
 use super::mcap::recording::open_recording;
 use super::mcap::topics::TopicChoice;
 use super::root_template::UnsetVariable;
+use super::scan_folder::folder::open_scan_folder;
 use super::semantic_kitti::sequence::open_semantic_kitti;
 use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::{DamagePolicy, DatasetSource, StatedBy};
@@ -136,12 +140,16 @@ fn open_path(
     }
     let formats = options.format.map_or_else(|| DatasetFormat::ALL.to_vec(), |format| vec![format]);
     let found = detect_format(Path::new(path), &formats)?;
+    let (sensor, sensor_height_m) = match found.format {
+        DatasetFormat::Argoverse2 => (ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M),
+        _ => (KITTI_SENSOR, KITTI_SENSOR_HEIGHT_M),
+    };
     let source = DatasetSource {
         id: name_of(&found),
         path: found.path,
         annotated: annotated_by(found.format),
-        sensor_height_m: KITTI_SENSOR_HEIGHT_M,
-        sensor: KITTI_SENSOR.to_owned(),
+        sensor_height_m,
+        sensor: sensor.to_owned(),
         licence: None,
         stated_by: StatedBy::Nobody,
         labeled_region: LabeledRegion::Camera,
@@ -159,8 +167,11 @@ fn annotated_by(format: DatasetFormat) -> AnnotatedClasses {
         }
         // Every point has a label, and those that leave open whether they are an object are not judged.
         DatasetFormat::SemanticKitti => AnnotatedClasses::EveryObject,
+        DatasetFormat::Argoverse2 => AnnotatedClasses::Only(ARGOVERSE2_CLASSES.to_vec()),
         // Whoever labels a recording labels its vehicles; whether everything else too, nobody said.
-        DatasetFormat::Mcap => AnnotatedClasses::Only(AnnotationClass::ALL.to_vec()),
+        DatasetFormat::Mcap | DatasetFormat::ScanFolder => {
+            AnnotatedClasses::Only(AnnotationClass::ALL.to_vec())
+        }
     }
 }
 
@@ -180,6 +191,8 @@ fn open_parts(
         CataloguedParts::SemanticKitti { sequences } => {
             Box::new(open_semantic_kitti(source, sequences.as_ref())?)
         }
+        CataloguedParts::Argoverse2 { sequences } => Box::new(open_argoverse2(source, sequences.as_ref())?),
+        CataloguedParts::ScanFolder => Box::new(open_scan_folder(source)?),
         CataloguedParts::Mcap(catalogued) => {
             let choice = TopicChoice {
                 cloud: topics.cloud.clone().or_else(|| catalogued.cloud.clone()),

@@ -2,7 +2,7 @@
 
 use std::io::Read as _;
 
-use mcap::records::{ChunkHeader, Record};
+use mcap::records::ChunkHeader;
 
 /// A chunk may grow to this many bytes, or to so many times its compressed size, whichever is more. Real scans shrink to a
 /// third; a chunk that claims more is no recording of a sensor.
@@ -63,15 +63,6 @@ pub fn record_at(records: &[u8], offset: usize) -> Option<(u8, &[u8], usize)> {
 pub fn split_header(header: &[u8; N_RECORD_HEADER_BYTES]) -> (u8, u64) {
     let [opcode, length @ ..] = header;
     (*opcode, u64::from_le_bytes(*length))
-}
-
-/// What a record of this opcode says.
-///
-/// # Errors
-///
-/// If its body is not what the format asks for.
-pub fn parsed(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
-    mcap::parse_record(opcode, body).map_err(|error| format!("has a record that cannot be read: {error}"))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! MCAP recordings: clouds of ROS 2 or Foxglove, transforms between frames, and boxes around objects.
 
 pub mod chunk;
+pub mod record_body;
 pub mod recording_index;
 pub mod recording_file;
 pub mod cdr;

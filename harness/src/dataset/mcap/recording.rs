@@ -70,6 +70,7 @@ pub struct Recording {
     annotations: Option<Channel>,
     transforms: Vec<Channel>,
     first_transforms: Vec<StampedTransform>,
+    cut_off: Option<String>,
 }
 
 /// A channel with the places of its messages, by time.
@@ -137,6 +138,7 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
         clouds,
         file: RecordingFile::new(&path, chunks),
         first_transforms: Vec::new(),
+        cut_off: index.cut_off.take(),
     };
     if recording.scan_ids.is_empty() {
         return Err(DatasetError::NoScans { path });
@@ -199,6 +201,10 @@ impl Dataset for Recording {
         };
         let id = self.scan_ids[scan_idx].clone();
         Ok(LabeledScan { id, cloud: recorded.cloud, annotations, point_regions })
+    }
+
+    fn left_out(&self) -> Option<&str> {
+        self.cut_off.as_deref()
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

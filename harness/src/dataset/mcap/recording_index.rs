@@ -8,9 +8,10 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use mcap::records::{ChunkHeader, Record, op};
+use mcap::records::op;
 
-use super::chunk::{N_RECORD_HEADER_BYTES, decompressed, parsed, record_at, split_header};
+use super::chunk::{N_RECORD_HEADER_BYTES, decompressed, record_at, split_header};
+use super::record_body::RecordBody;
 use crate::dataset::DatasetError;
 
 /// Records other than chunks are read whole; larger ones are no part of a sensible recording.
@@ -136,13 +137,13 @@ impl Walk<'_> {
         let mut footer = [0; N_FOOTER_BYTES as usize];
         let end = file.seek(SeekFrom::End(-N_FOOTER_BYTES - 8)).ok()?;
         file.read_exact(&mut footer).ok()?;
-        let (opcode, body, _) = record_at(&footer, 0)?;
-        let Ok(Record::Footer(footer)) = parsed(opcode, body) else { return None };
-        let n_bytes = end.checked_sub(footer.summary_start)?;
-        if footer.summary_start == 0 || n_bytes > MAX_RECORD_BYTES {
+        let (op::FOOTER, body, _) = record_at(&footer, 0)? else { return None };
+        let begin = RecordBody::new(body).footer().ok()?;
+        let n_bytes = end.checked_sub(begin)?;
+        if begin == 0 || n_bytes > MAX_RECORD_BYTES {
             return None;
         }
-        file.seek(SeekFrom::Start(footer.summary_start)).ok()?;
+        file.seek(SeekFrom::Start(begin)).ok()?;
         let mut summary = Vec::new();
         file.take(n_bytes).read_to_end(&mut summary).ok()?;
         let mut offset = 0;
@@ -208,17 +209,23 @@ impl Walk<'_> {
     }
 
     fn note(&mut self, opcode: u8, body: &[u8]) -> Result<(), String> {
-        match parsed(opcode, body)? {
-            Record::Schema { header, .. } => {
-                self.schemas.insert(header.id, header.name);
+        let body = RecordBody::new(body);
+        match opcode {
+            op::SCHEMA => {
+                let schema = body.schema()?;
+                self.schemas.insert(schema.id, schema.name);
             }
-            Record::Channel(channel) => {
+            op::CHANNEL => {
+                let channel = body.channel()?;
                 let schema = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-                let info = ChannelInfo { topic: channel.topic, schema, encoding: channel.message_encoding };
+                let info = ChannelInfo { topic: channel.topic, schema, encoding: channel.encoding };
                 self.index.channels.insert(channel.id, info);
             }
-            Record::Metadata(metadata) if metadata.name == self.name => {
-                self.index.metadata = metadata.metadata;
+            op::METADATA => {
+                let (name, metadata) = body.metadata()?;
+                if name == self.name {
+                    self.index.metadata = metadata;
+                }
             }
             _ => {}
         }
@@ -227,7 +234,7 @@ impl Walk<'_> {
 
     fn note_chunk(&mut self, file: &mut File, offset: u64, n_bytes: u64) -> Result<u32, WalkError> {
         let start = read_body(file, n_bytes.min(MAX_CHUNK_HEADER_BYTES))?;
-        let (header, _) = chunk_header(&start)?;
+        let (header, _) = RecordBody::new(&start).chunk_header()?;
         self.index.chunks.push(ChunkPlace { offset, n_bytes, crc: header.uncompressed_crc });
         u32::try_from(self.index.chunks.len() - 1)
             .map_err(|_| WalkError::Damaged("has more chunks than can be counted".to_owned()))
@@ -251,23 +258,23 @@ impl Walk<'_> {
     }
 
     fn note_message(&mut self, body: &[u8], chunk_idx: Option<u32>, offset: u64) -> Result<(), String> {
-        let Record::Message { header, .. } = parsed(op::MESSAGE, body)? else { return Ok(()) };
-        if self.index.channels.get(&header.channel_id).is_some_and(self.matters) {
-            let place = MessagePlace { log_time_ns: header.log_time, chunk_idx, offset };
-            self.index.messages.entry(header.channel_id).or_default().push(place);
+        let (channel_id, log_time_ns) = RecordBody::new(body).message()?;
+        if self.index.channels.get(&channel_id).is_some_and(self.matters) {
+            let place = MessagePlace { log_time_ns, chunk_idx, offset };
+            self.index.messages.entry(channel_id).or_default().push(place);
         }
         Ok(())
     }
 
     fn note_message_index(&mut self, body: &[u8], chunk_idx: Option<u32>) -> Result<(), String> {
-        let Record::MessageIndex(index) = parsed(op::MESSAGE_INDEX, body)? else { return Ok(()) };
-        if chunk_idx.is_some() && self.index.channels.get(&index.channel_id).is_some_and(self.matters) {
-            let places = index.records.into_iter().map(|it| MessagePlace {
+        let (channel_id, entries) = RecordBody::new(body).message_index()?;
+        if chunk_idx.is_some() && self.index.channels.get(&channel_id).is_some_and(self.matters) {
+            let places = entries.into_iter().map(|it| MessagePlace {
                 log_time_ns: it.log_time,
                 chunk_idx,
                 offset: it.offset,
             });
-            self.index.messages.entry(index.channel_id).or_default().extend(places);
+            self.index.messages.entry(channel_id).or_default().extend(places);
         }
         Ok(())
     }
@@ -283,25 +290,6 @@ fn read_body(file: &mut File, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
     Ok(body)
 }
 
-/// The header of the chunk that begins as `body` does, and where its records begin in it.
-fn chunk_header(body: &[u8]) -> Result<(ChunkHeader, usize), String> {
-    // The parser wants all of the records; it gets a header that says there are none.
-    let n_fixed_bytes = 8 + 8 + 8 + 4;
-    let name = body.get(n_fixed_bytes..).and_then(|rest| rest.first_chunk::<4>());
-    let n_name_bytes = name.map(|it| u32::from_le_bytes(*it) as usize);
-    let end = n_name_bytes.and_then(|n_bytes| n_bytes.checked_add(n_fixed_bytes + 4 + 8));
-    let bytes = end.and_then(|end| body.get(..end)).ok_or("has a chunk whose header is cut off")?;
-    let mut header = bytes.to_vec();
-    let size_begin = header.len() - 8;
-    let compressed_size = header.split_off(size_begin);
-    header.extend([0; 8]);
-    let Record::Chunk { header, .. } = parsed(op::CHUNK, &header)? else {
-        unreachable!("the opcode is a chunk's")
-    };
-    let compressed_size = u64::from_le_bytes(compressed_size.try_into().unwrap_or_default());
-    Ok((ChunkHeader { compressed_size, ..header }, size_begin + 8))
-}
-
 /// The decompressed records of the chunk at `place`.
 ///
 /// # Errors
@@ -311,7 +299,7 @@ pub fn read_chunk(file: &mut File, place: ChunkPlace) -> Result<Vec<u8>, ChunkEr
     file.seek(SeekFrom::Start(place.offset + N_RECORD_HEADER_BYTES as u64)).map_err(ChunkError::Io)?;
     let mut body = Vec::new();
     file.take(place.n_bytes).read_to_end(&mut body).map_err(ChunkError::Io)?;
-    let (header, begin) = chunk_header(&body).map_err(ChunkError::Damaged)?;
+    let (header, begin) = RecordBody::new(&body).chunk_header().map_err(ChunkError::Damaged)?;
     let end = usize::try_from(header.compressed_size).ok().and_then(|size| begin.checked_add(size));
     let compressed = end
         .and_then(|end| body.get(begin..end))

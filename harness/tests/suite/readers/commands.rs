@@ -140,3 +140,43 @@ fn a_checksum_in_the_catalogue_refuses_other_files() {
     workplace.succeed(&["data", "check", "mine", "--catalogue", "my.toml"]);
     assert_eq!(workplace.run(&["data", "hash", "street", "--write"]).exit_code, Some(2));
 }
+
+#[test]
+fn a_damaged_scan_ends_a_run_unless_it_is_to_be_skipped() {
+    let workplace = Workplace::new();
+    let drawn = crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 4);
+    drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(1001));
+    let run = |more: &[&str]| {
+        let arguments = ["run", "street", "-d", "pca", "--no-rrd", "-o", "out", "--overwrite"];
+        workplace.run(&[&arguments, more].concat())
+    };
+    let refused = run(&[]);
+    assert_eq!(refused.exit_code, Some(3), "{refused:#?}");
+    assert!(refused.stderr.contains("000001.bin"), "{}", refused.stderr);
+    let skipped = run(&["--skip-damaged"]);
+    assert_eq!(skipped.exit_code, Some(0), "{skipped:#?}");
+    assert!(skipped.stderr.contains("warning: scan 0000/000001 is left out: "), "{}", skipped.stderr);
+    let manifest: serde_json::Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    let entry = &manifest["datasets"][0];
+    assert_eq!((&entry["n_scans"], &entry["skipped_scans"][0]["scan"]), (&4.into(), &"0000/000001".into()));
+    assert_eq!(entry["skipped_scans"].as_array().unwrap().len(), 1);
+    assert_eq!(workplace.read("out/scans.csv").lines().count(), 1 + 3 * 2);
+    let converted = workplace.succeed(&["data", "convert", "street", "-o", "a.mcap", "--skip-damaged"]);
+    assert_eq!(converted.stdout, "a.mcap  3 scans  mcap\n");
+}
+
+#[test]
+fn a_recording_that_was_cut_off_is_read_to_the_cut() {
+    let workplace = Workplace::new();
+    crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 30);
+    workplace.succeed(&["data", "convert", "street", "-o", "a.mcap", "--compression", "none"]);
+    let path = workplace.path("a.mcap");
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let checked = workplace.run(&["data", "check", "a.mcap"]);
+    assert_eq!(checked.exit_code, Some(3), "{checked:#?}");
+    assert!(checked.stderr.contains("\"a.mcap\" is cut off"), "{}", checked.stderr);
+    let rescued = workplace.succeed(&["data", "convert", "a.mcap", "-o", "b.mcap", "--skip-damaged"]);
+    assert!(rescued.stderr.contains("the end of \"a\" is left out: it is cut off"), "{}", rescued.stderr);
+    workplace.succeed(&["data", "check", "b.mcap"]);
+}

@@ -27,7 +27,7 @@ fn street() -> Box<dyn Dataset> {
 fn write(dataset: &dyn Dataset, format: OutputFormat, compression: ChunkCompression, path: &Path) {
     let all: Vec<usize> = (0..dataset.scan_ids().len()).collect();
     let output = Output { path, format, compression };
-    convert(dataset, &all, output, || Ok::<(), ConversionError>(())).unwrap();
+    convert(dataset, &all, output, |_, error| Err(error), || Ok::<(), ConversionError>(())).unwrap();
 }
 
 fn scans(dataset: &dyn Dataset) -> Vec<LabeledScan> {

@@ -174,13 +174,7 @@ const SECOND: u64 = 1_000_000_000;
 
 #[test]
 fn a_cloud_of_ros_is_read_whatever_its_layout() {
-    for (is_big_endian, options) in [
-        (false, WriteOptions::new().compression(Some(Compression::Zstd))),
-        (true, WriteOptions::new().compression(Some(Compression::Lz4))),
-        (false, WriteOptions::new().use_chunks(false)),
-        (true, WriteOptions::new().emit_message_indexes(false)),
-        (false, WriteOptions::new().emit_summary_records(false).emit_summary_offsets(false)),
-    ] {
+    for (options, is_big_endian) in write_options().into_iter().zip([false, true, false, true, false]) {
         let workplace = Workplace::new();
         let messages = [1, 2, 3].map(|second| {
             let time_ns = second * SECOND;
@@ -203,9 +197,19 @@ fn a_cloud_of_ros_is_read_whatever_its_layout() {
     }
 }
 
-#[test]
-fn boxes_of_another_frame_are_carried_over() {
-    let workplace = Workplace::new();
+/// Every way to write that readers have to cope with.
+pub fn write_options() -> [WriteOptions; 5] {
+    [
+        WriteOptions::new().compression(Some(Compression::Zstd)),
+        WriteOptions::new().compression(Some(Compression::Lz4)),
+        WriteOptions::new().use_chunks(false),
+        WriteOptions::new().compression(None).emit_message_indexes(false),
+        WriteOptions::new().compression(None).emit_summary_records(false).emit_summary_offsets(false),
+    ]
+}
+
+/// A drive with clouds, boxes in the frame of the map, and transforms.
+pub fn write_drive(workplace: &Workplace, options: WriteOptions) -> PathBuf {
     // The car drives 10 m a second along x and looks to the left; the sensor is 1 m ahead of its origin.
     let quarter = std::f64::consts::FRAC_PI_2;
     let mut messages: Vec<Logged> =
@@ -220,7 +224,13 @@ fn boxes_of_another_frame_are_carried_over() {
         messages.push(("/labels", DETECTIONS, "cdr", stamp_ns + SECOND / 4, boxes));
         messages.push(("/top", CLOUD, "cdr", stamp_ns, organised_cloud(stamp_ns, "lidar", false)));
     }
-    let dataset = open(&write(&workplace, WriteOptions::new(), &messages));
+    write(workplace, options, &messages)
+}
+
+#[test]
+fn boxes_of_another_frame_are_carried_over() {
+    let workplace = Workplace::new();
+    let dataset = open(&write_drive(&workplace, WriteOptions::new()));
     let scan = dataset.read_scan(1).unwrap();
     let [annotation] = &scan.annotations[..] else { panic!("{:?}", scan.annotations) };
     assert_eq!((annotation.class, annotation.track), (AnnotationClass::Car, Some(17)));
