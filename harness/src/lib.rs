@@ -10,6 +10,7 @@ pub mod conversion;
 pub mod data_check;
 pub mod matching;
 pub mod metrics;
+pub mod object_box;
 pub mod realism;
 pub mod density_survey;
 pub mod training;

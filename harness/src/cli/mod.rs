@@ -13,6 +13,7 @@ mod ablation;
 mod selftest;
 mod experiment;
 mod gaps;
+mod boxes;
 mod robustness;
 mod data_convert;
 mod data_check;
@@ -22,6 +23,7 @@ mod train;
 mod program;
 
 pub use ablation::AblationArgs;
+pub use boxes::BoxesArgs;
 pub use data::{DataCommand, RealismArgs};
 pub use data_check::{CheckArgs, HashArgs};
 pub use data_convert::ConvertArgs;
@@ -39,4 +41,4 @@ pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::StreamArgs;
 pub use timing::TimingArgs;
-pub use train::TrainArgs;
+pub use train::{ModelName, TrainArgs};
