@@ -17,6 +17,7 @@ mod boxes;
 mod robustness;
 mod data_convert;
 mod data_check;
+mod sweep;
 mod data;
 mod fit_density;
 mod train;
@@ -40,5 +41,6 @@ pub use scans::{CatalogueArgs, DamageArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::StreamArgs;
+pub use sweep::SweepArgs;
 pub use timing::TimingArgs;
 pub use train::{ModelName, TrainArgs};
