@@ -172,7 +172,8 @@ impl PackedPoints<'_> {
 
     /// The bytes of every point; checked before.
     fn points(&self) -> impl Iterator<Item = &[u8]> {
-        let n_rows = if self.point_step == 0 { 0 } else { self.n_rows };
+        // Rows without bytes may be announced beyond the data.
+        let n_rows = if self.point_step == 0 || self.n_columns == 0 { 0 } else { self.n_rows };
         (0..n_rows).flat_map(move |row| {
             let begin = row * self.row_step;
             self.data[begin..begin + self.n_columns * self.point_step].chunks_exact(self.point_step.max(1))

@@ -319,7 +319,8 @@ mod tests {
             format!("{}DATA binary\n", HEADER.replace("SIZE 4 8", "SIZE 4")).as_bytes(),
             "5 fields, 4 sizes",
         );
-        check_refused(format!("{}DATA binary\n", HEADER.replace("y x", "y w")).as_bytes(), "without x");
+        let without_x = format!("{}DATA binary\n", HEADER.replace("y x", "y w"));
+        check_refused(&[without_x.as_bytes(), &rows()].concat(), "without x");
     }
 
     #[test]
