@@ -1,8 +1,9 @@
 //! From what was gathered of a run to its numbers, and how sure they are.
 
-use crate::average_precision::{RankedDetection, average_precision};
+use crate::average_precision::{RankedDetection, average_precision, operating_points};
 use crate::bootstrap::{Distribution, Resamples};
 use crate::metric::{Metric, RecallPositions};
+use crate::precision_recall_row::PrecisionRecallRow;
 use crate::run_report::{MetricRow, OVERALL, Subject};
 use crate::slice::Slice;
 use crate::sums::{FalseObjects, RATIOS, Sums, Term};
@@ -108,6 +109,27 @@ impl Tally {
             Some(MetricRow::new(question.subject(), Metric::AveragePrecision(positions), value, no))
         };
         [RecallPositions::Points101, RecallPositions::R40].into_iter().filter_map(row).collect()
+    }
+
+    /// Precision over recall of each data set, task and detector whose detections are ranked, from the highest score.
+    pub fn precision_recall_rows(&self) -> Vec<PrecisionRecallRow> {
+        let mut rows = Vec::new();
+        for (dataset_idx, dataset) in self.datasets().iter().enumerate() {
+            for task in self.tasks() {
+                for detector in self.detectors() {
+                    let Some(gathered) = self.gathered(dataset_idx, task, detector) else { continue };
+                    let is_known = gathered.false_objects == FalseObjects::Known;
+                    let Some(ranked) = gathered.ranked.as_ref().filter(|_| is_known) else { continue };
+                    let of_blocks = self.sums_of_blocks(dataset_idx, gathered, &Slice::All);
+                    let no = of_blocks.iter().map(|(_, sums)| sums.of(Term::Annotations)).sum::<f64>() as u64;
+                    let points = operating_points(ranked);
+                    rows.extend(
+                        points.iter().map(|it| PrecisionRecallRow::new(dataset, task, detector, no, it)),
+                    );
+                }
+            }
+        }
+        rows
     }
 
     /// The detections that count, with their scores; `None` if there are none or one of them has no score.
@@ -344,6 +366,17 @@ mod tests {
         check(&tally, "occlusion/none", &[(Metric::No, 4.0), (Metric::Recall, 0.5)]);
         let has_false = |it: &MetricRow| it.subject.slice.starts_with("class/") && it.metric == Metric::Fo;
         assert!(!tally.metric_rows().iter().any(has_false));
+    }
+
+    #[test]
+    fn precision_over_recall_begins_with_the_highest_score() {
+        let rows = crate::csv_rows::to_csv_bytes(&scene().precision_recall_rows()).unwrap();
+        insta::assert_snapshot!(String::from_utf8(rows).unwrap(), @r"
+        dataset,task,detector,min_score,no,tp,fo,precision,recall
+        street,vehicles,pca,0.900000,4,1,0,1.000000,0.250000
+        street,vehicles,pca,0.800000,4,1,1,0.500000,0.250000
+        street,vehicles,pca,0.700000,4,2,1,0.666667,0.500000
+        ");
     }
 
     #[test]

@@ -33,6 +33,7 @@ pub mod cluster_of_point;
 pub mod gap_row;
 pub mod box_error_row;
 pub mod condition_row;
+pub mod precision_recall_row;
 pub mod operating_curve;
 pub mod training_row;
 pub mod run_directory;
@@ -43,10 +44,14 @@ pub mod sums;
 pub mod bootstrap;
 pub mod tally;
 pub mod estimates;
+pub mod run_archive;
 
 // Tables.
 pub mod paper_figures;
 pub mod table;
+
+// Verdicts.
+pub mod gate;
 
 // Pictures.
 pub mod palette;

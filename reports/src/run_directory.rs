@@ -17,6 +17,8 @@ pub const MANIFEST_JSON: &str = "manifest.json";
 pub const SCANS_CSV: &str = "scans.csv";
 /// One row for every matched pair, and for every annotation and detection that is in none.
 pub const MATCHES_CSV: &str = "matches.csv";
+/// Precision over recall, where detections have scores.
+pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 /// Points at the newest run beside it.
 pub const LATEST: &str = "latest";
 

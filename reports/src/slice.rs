@@ -11,9 +11,9 @@ pub enum Slice {
     All,
     /// Annotations of this class. Detections have no class of the kind, so that false ones belong to none.
     Class(String),
-    /// What is this far from the sensor on the ground plan; place in [`RANGES_M`].
+    /// What is this far from the sensor on the ground plan; place among the bins of range.
     Range(usize),
-    /// What has this many points; place in [`POINTS`].
+    /// What has this many points; place among the bins of the number of points.
     Points(usize),
     /// Annotations of which other things hide this much. False detections belong to none.
     Occlusion(String),

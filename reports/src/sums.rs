@@ -39,9 +39,13 @@ pub enum Term {
     WidthError,
     /// Angles between their headings, in degrees.
     YawError,
+    /// Scans whose time counts.
+    TimedScans,
+    /// Logarithms of the times of these in milliseconds.
+    LogLatency,
 }
 
-const N_TERMS: usize = 17;
+const N_TERMS: usize = 19;
 
 /// A sum for each [`Term`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -114,6 +118,12 @@ impl Sums {
         }
     }
 
+    /// The logarithm of the geometric mean of the times of scans in milliseconds; `None` if none was timed.
+    pub fn mean_log_latency(&self) -> Option<f64> {
+        let n = self.of(Term::TimedScans);
+        (n > 0.0).then(|| self.of(Term::LogLatency) / n)
+    }
+
     /// The value of `metric`, a ratio or a sum; `None` if it is neither, cannot be known, or its denominator is zero.
     pub fn value(&self, metric: &Metric, false_objects: FalseObjects) -> Option<f64> {
         if let Some([numerator, denominator]) = self.ratio(metric, false_objects) {
@@ -179,7 +189,7 @@ mod tests {
     #[test]
     fn every_ratio_has_two_sums() {
         assert!(RATIOS.iter().all(|it| Sums::default().ratio(it, FalseObjects::Known).is_some()));
-        assert_eq!(Term::YawError as usize + 1, N_TERMS);
+        assert_eq!(Term::LogLatency as usize + 1, N_TERMS);
     }
 
     #[test]

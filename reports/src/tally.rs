@@ -11,6 +11,9 @@ use crate::scan_row::{ScanOutcome, ScanRow};
 use crate::slice::Slice;
 use crate::sums::{FalseObjects, Sums, Term};
 
+/// The task whose detections are ranked by score: it says how sure a detector is of a vehicle, whatever is asked.
+const RANKED_TASK: &str = "vehicles";
+
 /// Numbers of a run, gathered row by row.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
@@ -78,6 +81,10 @@ impl Tally {
         ] {
             sums.add(term, value);
         }
+        if let Some(latency_ms) = numbers.latency_ms.filter(|it| *it > 0.0) {
+            sums.add(Term::TimedScans, 1.0);
+            sums.add(Term::LogLatency, latency_ms.ln());
+        }
     }
 
     /// Adds what became of an annotation, a detection or a pair of them. Its scan is to be added too.
@@ -85,6 +92,9 @@ impl Tally {
         let key = self.key(&row.dataset, &row.task, &row.detector);
         let block = block_of(&row.sequence, row.scan);
         let gathered = self.of_key.entry(key).or_default();
+        if row.task != RANKED_TASK {
+            gathered.ranked = None;
+        }
         match &row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => {
                 gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);

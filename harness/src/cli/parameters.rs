@@ -19,6 +19,11 @@ pub struct MatchingArgs {
 pub enum CriterionName {
     /// Point sets agree: intersection over union of at least 0.5
     Points,
+    /// Boxes agree on the ground plan: intersection over union of at least 0.5
+    BevIou,
+    /// Boxes agree in space: intersection over union of at least 0.5
+    #[value(name = "iou-3d")]
+    Iou3d,
     /// Centres are less than 2 m apart on the ground plan
     Centre,
 }

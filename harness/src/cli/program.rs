@@ -4,10 +4,12 @@ use clap::{Parser, Subcommand};
 
 use super::ablation::AblationArgs;
 use super::boxes::BoxesArgs;
+use super::compare::CompareArgs;
 use super::data::DataCommand;
 use super::detect::DetectArgs;
 use super::fit_density::FitDensityArgs;
 use super::gaps::GapsArgs;
+use super::gate::{BaselineCommand, GateArgs};
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
 use super::selftest::SelftestArgs;
@@ -45,6 +47,9 @@ Exit codes:
   2    wrong usage or configuration
   3    data missing or damaged
   4    nothing was evaluated
+  5    runs that cannot be compared
+  100  regression
+  101  no regression, but scans are judged otherwise
   130  interrupted";
 
 /// The verbs.
@@ -63,6 +68,16 @@ pub enum Command {
     FitDensity(Box<FitDensityArgs>),
     /// Train the model that tells vehicles from background, and judge it by drives it has not seen
     Train(Box<TrainArgs>),
+    /// Compare two runs over the same scans, or two detectors of a run, with intervals
+    Compare(CompareArgs),
+    /// Judge a run by an accepted one: fail if it is worse, or judged otherwise on any scan
+    Gate(GateArgs),
+    /// Keep the run that others are judged by
+    #[command(
+        subcommand,
+        after_help = "Example:\n  scanbench baseline accept runs/latest --why 'fences are no longer walls'"
+    )]
+    Baseline(BaselineCommand),
     /// Score annotations fed back as detections: everything must come out at exactly 1
     Selftest(SelftestArgs),
     /// Simulate pairs of objects with growing gaps and measure which detectors tell them apart

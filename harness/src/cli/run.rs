@@ -53,8 +53,8 @@ Examples:
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
-manifest.json, report.json, scans.csv, matches.csv,
-table_<task>.{csv,md,tex} and, unless --no-rrd, run.rrd for the Rerun viewer.";
+manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
+table_<task>.{csv,md,tex}, table_times.md and, unless --no-rrd, run.rrd for the Rerun viewer.";
 
 #[cfg(not(feature = "rerun"))]
 const RUN_EXAMPLES: &str = "\
@@ -65,5 +65,5 @@ Examples:
   scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
-manifest.json, report.json, scans.csv, matches.csv
-and table_<task>.{csv,md,tex}. This program was built without Rerun.";
+manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
+table_<task>.{csv,md,tex} and table_times.md. This program was built without Rerun.";

@@ -35,6 +35,8 @@ pub fn judging_config(
     let mut config = detector_config(arguments, detectors)?;
     match matching.criterion {
         Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
+        Some(CriterionName::BevIou) => config.choose_criterion(Criterion::BEV_IOU),
+        Some(CriterionName::Iou3d) => config.choose_criterion(Criterion::IOU_3D),
         Some(CriterionName::Centre) => config.choose_criterion(Criterion::CENTRE),
         None => {}
     }

@@ -2,9 +2,10 @@
 
 use clap::CommandFactory as _;
 
-use crate::cli::{Cli, Command, DataCommand};
+use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::boxes::boxes;
+use crate::commands::compare::compare;
 use crate::commands::data_check::data_check;
 use crate::commands::data_convert::{data_convert, data_simulate};
 use crate::commands::data_hash::data_hash;
@@ -13,6 +14,7 @@ use crate::commands::data_realism::data_realism;
 use crate::commands::detect::detect;
 use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
+use crate::commands::gate::{baseline_accept, gate};
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
@@ -41,6 +43,9 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Gaps(arguments) => gaps(arguments),
         Command::Boxes(arguments) => boxes(arguments),
         Command::Robustness(arguments) => robustness(arguments),
+        Command::Compare(arguments) => compare(arguments),
+        Command::Gate(arguments) => gate(arguments),
+        Command::Baseline(BaselineCommand::Accept(arguments)) => baseline_accept(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Sweep(arguments) => sweep(arguments),
         Command::Completions { shell } => completions(*shell),

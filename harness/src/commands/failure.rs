@@ -2,8 +2,13 @@
 
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 use reports::archive::ArchiveError;
+use reports::gate::accept::AcceptError;
+use reports::gate::comparability::NotComparable;
+use reports::gate::tolerances::TolerancesError;
+use reports::gate::verdict::Conclusion;
 use reports::run_directory::RunDirectoryError;
 
 use crate::commands::standard_streams::print_diagnostic;
@@ -30,6 +35,12 @@ pub enum Failure {
     Data = 3,
     /// Nothing was evaluated.
     NothingEvaluated = 4,
+    /// Two runs that cannot be compared.
+    NotComparable = 5,
+    /// Surely worse than the baseline.
+    Regression = 100,
+    /// Not surely worse, but judged otherwise than the baseline.
+    Drift = 101,
     /// Ended by the user; what shells report for Ctrl-C.
     Interrupted = 130,
 }
@@ -40,6 +51,19 @@ pub enum Failure {
 pub struct NothingEvaluated {
     /// Why.
     pub reason: String,
+}
+
+/// A run is not as it was accepted; the verdict has been printed.
+#[derive(Debug, thiserror::Error)]
+#[error("the gate is closed: {}", .0.name())]
+pub struct GateClosed(pub Conclusion);
+
+/// The directory of a run lacks a file, or a file is damaged.
+#[derive(Debug, thiserror::Error)]
+#[error("the run {} cannot be read", .directory.display())]
+pub struct DamagedRun {
+    /// Where it lies.
+    pub directory: PathBuf,
 }
 
 /// What was asked for makes no sense.
@@ -103,6 +127,9 @@ impl Failure {
         if error.is::<single_scan::Interrupted>() {
             return Self::Interrupted;
         }
+        if let Some(failure) = Self::of_comparison(error) {
+            return failure;
+        }
         if error.is::<NothingEvaluated>() {
             return Self::NothingEvaluated;
         }
@@ -116,6 +143,36 @@ impl Failure {
             return Self::of_archive(error);
         }
         Self::of_stream(error)
+    }
+
+    /// `None` if `error` is none of comparing runs.
+    fn of_comparison(error: &anyhow::Error) -> Option<Self> {
+        if let Some(GateClosed(conclusion)) = error.downcast_ref::<GateClosed>() {
+            return Some(Self::of_conclusion(*conclusion));
+        }
+        if error.is::<NotComparable>() {
+            return Some(Self::NotComparable);
+        }
+        if error.is::<DamagedRun>() {
+            return Some(Self::Data);
+        }
+        if error.is::<TolerancesError>() {
+            return Some(Self::Usage);
+        }
+        error.downcast_ref::<AcceptError>().map(|error| match error {
+            AcceptError::Directory(error) => Self::of_run_directory(error),
+            AcceptError::Archive(error) => Self::of_archive(error),
+            AcceptError::History { .. } => Self::Data,
+        })
+    }
+
+    fn of_conclusion(conclusion: Conclusion) -> Self {
+        match conclusion {
+            Conclusion::Regression => Self::Regression,
+            Conclusion::Incomparable => Self::NotComparable,
+            Conclusion::Drift => Self::Drift,
+            Conclusion::Same => unreachable!("a gate is not closed where all is the same"),
+        }
     }
 
     fn of_run_directory(error: &RunDirectoryError) -> Self {

@@ -37,4 +37,7 @@ pub mod fit_density;
 pub mod train_files;
 pub mod train_summary;
 pub mod train;
+pub mod open_run;
+pub mod compare;
+pub mod gate;
 pub mod dispatch;

@@ -42,6 +42,11 @@ pub fn rfc3339_utc(time: Timestamp) -> String {
     time.strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
 }
 
+/// The day, in UTC.
+pub fn utc_day(time: Timestamp) -> String {
+    time.strftime("%Y-%m-%d").to_string()
+}
+
 /// The same for the name of a file.
 pub fn compact_utc(time: Timestamp) -> String {
     time.strftime("%Y%m%dT%H%M%SZ").to_string()
@@ -55,6 +60,7 @@ mod tests {
     fn times_are_in_utc_to_the_second() {
         let time: Timestamp = "2014-08-24T23:59:58.7+02:00".parse().expect("a time");
         assert_eq!(rfc3339_utc(time), "2014-08-24T21:59:58Z");
+        assert_eq!(utc_day(time), "2014-08-24");
         assert_eq!(compact_utc(time), "20140824T215958Z");
     }
 

@@ -6,15 +6,16 @@ use std::sync::atomic::AtomicBool;
 
 use indicatif::ProgressBar;
 use jiff::Timestamp;
-use reports::csv_rows::CsvRowWriter;
+use reports::csv_rows::{CsvRowWriter, to_csv_bytes};
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
-    LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
+    LatestPointer, MANIFEST_JSON, MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
 use reports::table::task_table::{TaskTable, task_tables};
+use reports::table::times_table::TimesTable;
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 use reports::tally::Tally;
 
@@ -82,8 +83,11 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     });
     let report = report_of(&tally, &scores)?;
     let tables = write_report(&directory, &manifest, &report)?;
+    let times = TimesTable::new(&report, &manifest);
+    directory.write_file("table_times.md", times.to_markdown().as_bytes())?;
+    directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
     let finished = directory.finish()?;
-    print(&tables, &finished)
+    print(&tables, &times, &finished)
 }
 
 fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunReport> {
@@ -239,8 +243,9 @@ fn write_report(
     Ok(tables)
 }
 
-fn print(tables: &[TaskTable], finished: &Path) -> anyhow::Result<()> {
-    let printed = tables.iter().try_for_each(|table| print_result(to_terminal(table)));
+fn print(tables: &[TaskTable], times: &TimesTable, finished: &Path) -> anyhow::Result<()> {
+    let texts = tables.iter().map(to_terminal).chain([times.to_terminal()]);
+    let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));
     printed

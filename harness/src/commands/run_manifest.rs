@@ -78,6 +78,8 @@ fn json(resolved: &toml::Table) -> serde_json::Value {
 pub fn criterion_in_words(criterion: Criterion) -> String {
     match criterion {
         Criterion::Points { min_iou } => format!("points, IoU at least {min_iou}"),
+        Criterion::BevIou { min_iou } => format!("boxes on the ground plan, IoU at least {min_iou}"),
+        Criterion::Iou3d { min_iou } => format!("boxes in space, IoU at least {min_iou}"),
         Criterion::Centre { max_distance_m } => format!("centre, closer than {max_distance_m} m"),
     }
 }

@@ -95,7 +95,7 @@ fn check_dataset(opened: &OpenedDataset) -> anyhow::Result<Vec<Checked>> {
     let description = opened.dataset.description();
     let mut checks: Vec<Checked> = Task::ALL
         .iter()
-        .flat_map(|&task| [Criterion::POINTS, Criterion::CENTRE].map(|criterion| (task, criterion)))
+        .flat_map(|&task| Criterion::ALL.map(|criterion| (task, criterion)))
         .map(|(task, criterion)| Checked {
             dataset: description.id.clone(),
             task,

@@ -2,7 +2,7 @@
 
 use detector::Detections;
 
-use crate::annotation::{LabeledScan, PointRegion};
+use crate::annotation::{Annotation, LabeledScan, PointRegion};
 use crate::dataset::AnnotatedClasses;
 use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::{
@@ -10,7 +10,8 @@ use crate::matching::eligibility::{
 };
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 use crate::matching::outcome::{
-    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, IgnoredDetection, MissReason,
+    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, IgnoredAnnotation, IgnoredDetection,
+    MissReason,
 };
 use crate::matching::point_overlap::PointOverlap;
 use crate::task::Task;
@@ -39,7 +40,7 @@ pub fn assign(
 ) -> Assignment {
     let overlap = PointOverlap::count(scan, detections);
     let exclusions: Vec<Option<AnnotationOutcome>> =
-        scan.annotations.iter().map(|it| exclusion(scan, it, task, &params.eligibility)).collect();
+        scan.annotations.iter().map(|it| why_excluded(scan, it, task, params)).collect();
     let admissible = params.criterion.admissible_pairs(scan, detections, &overlap);
     let is_asked = |pair: &&AdmissiblePair| asks_for(task, detections.get(pair.detection_idx).class);
     let counts = |pair: &&AdmissiblePair| exclusions[pair.annotation_idx].is_none();
@@ -51,6 +52,17 @@ pub fn assign(
         annotations: (0..scan.annotations.len()).map(|idx| scene.annotation_outcome(idx)).collect(),
         detections: scene.detection_outcomes(annotated, &params.eligibility),
     }
+}
+
+fn why_excluded(
+    scan: &LabeledScan,
+    annotation: &Annotation,
+    task: Task,
+    params: &MatchingParams,
+) -> Option<AnnotationOutcome> {
+    let is_unboxed = params.criterion.needs_boxes() && annotation.bounding_box.is_none();
+    exclusion(scan, annotation, task, &params.eligibility)
+        .or_else(|| is_unboxed.then_some(AnnotationOutcome::Ignored(IgnoredAnnotation::NoBox)))
 }
 
 /// Everything known once the pairs are chosen.
@@ -180,7 +192,7 @@ impl Scene<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, ScanId};
+    use crate::annotation::{AnnotationClass, ScanId};
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
     use std::ops::Range;
 
@@ -375,5 +387,27 @@ mod tests {
         let it = assign(&shifted.scan, &shifted.detections, Task::Vehicles, &EVERYTHING, &params);
         assert!(matches!(it.annotations[0], AnnotationOutcome::Matched { detection_idx: 0, .. }));
         assert_eq!(it.detections[1], DetectionOutcome::False(FalseReason::NothingThere));
+    }
+
+    /// Unit boxes in a row, 0.1 m from one point to the next.
+    #[test]
+    fn boxes_match_by_how_far_they_overlap() {
+        let mut two = street(
+            &[(Car, 0..40), (Car, 100..140)],
+            &[(Vehicle, 3..43), (Vehicle, 104..144), (Vehicle, 60..90)],
+        );
+        // 0.3 m apart they share 0.7 of 1.3, and 0.4 m apart 0.6 of 1.4.
+        for criterion in [Criterion::BEV_IOU, Criterion::IOU_3D] {
+            let params = MatchingParams { criterion, eligibility: EligibilityParams::STANDARD };
+            let (annotations, detections) = two.judge_by(Task::Vehicles, &EVERYTHING, params);
+            assert_eq!(annotations, ["0 at 0.46", "missed: merged with others"]);
+            assert_eq!(detections, ["0 at 0.46", "false: fragment", "false: nothing there"]);
+        }
+        two.scan.annotations[0].bounding_box = None;
+        let params =
+            MatchingParams { criterion: Criterion::BEV_IOU, eligibility: EligibilityParams::STANDARD };
+        let (annotations, detections) = two.judge_by(Task::Vehicles, &EVERYTHING, params);
+        assert_eq!(annotations[0], "ignored: no box");
+        assert_eq!(detections[0], "ignored: on ignored annotation");
     }
 }

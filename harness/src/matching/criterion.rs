@@ -1,8 +1,9 @@
 //! When a detection is good enough for an annotation, and what it costs.
 
-use detector::Detections;
+use detector::{Detections, OrientedBox};
 
 use crate::annotation::{Annotation, LabeledScan};
+use crate::matching::box_overlap::{bev_iou, iou_3d};
 use crate::matching::hungarian::AdmissiblePair;
 use crate::matching::point_overlap::PointOverlap;
 
@@ -11,6 +12,18 @@ use crate::matching::point_overlap::PointOverlap;
 pub enum Criterion {
     /// Intersection over union of the point sets is at least `min_iou`; costs 1 − IoU. Judges what the sensor saw.
     Points {
+        /// 0 to 1.
+        min_iou: f64,
+    },
+    /// Intersection over union of the boxes on the ground plan is at least `min_iou`; costs 1 − IoU. Objects without a
+    /// labelled box do not count.
+    BevIou {
+        /// 0 to 1.
+        min_iou: f64,
+    },
+    /// Intersection over union of the boxes in space is at least `min_iou`; costs 1 − IoU. Objects without a labelled box do
+    /// not count.
+    Iou3d {
         /// 0 to 1.
         min_iou: f64,
     },
@@ -24,15 +37,29 @@ pub enum Criterion {
 impl Criterion {
     /// Point sets that agree by half, the default.
     pub const POINTS: Self = Self::Points { min_iou: 0.5 };
+    /// Ground plans that agree by half.
+    pub const BEV_IOU: Self = Self::BevIou { min_iou: 0.5 };
+    /// Boxes that agree by half.
+    pub const IOU_3D: Self = Self::Iou3d { min_iou: 0.5 };
     /// Centres within 2 m, as nuScenes has it.
     pub const CENTRE: Self = Self::Centre { max_distance_m: 2.0 };
+
+    /// All of them, with their usual gates.
+    pub const ALL: [Self; 4] = [Self::POINTS, Self::BEV_IOU, Self::IOU_3D, Self::CENTRE];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Points { .. } => "points",
+            Self::BevIou { .. } => "bev-iou",
+            Self::Iou3d { .. } => "iou-3d",
             Self::Centre { .. } => "centre",
         }
+    }
+
+    /// Whether an annotation can be judged only if it has a box.
+    pub fn needs_boxes(self) -> bool {
+        matches!(self, Self::BevIou { .. } | Self::Iou3d { .. })
     }
 
     /// The admissible pairs of annotations and detections, by annotation, then detection.
@@ -44,6 +71,8 @@ impl Criterion {
     ) -> Vec<AdmissiblePair> {
         match self {
             Self::Points { min_iou } => pairs_by_points(scan, detections, overlap, min_iou),
+            Self::BevIou { min_iou } => pairs_by_boxes(scan, detections, bev_iou, min_iou),
+            Self::Iou3d { min_iou } => pairs_by_boxes(scan, detections, iou_3d, min_iou),
             Self::Centre { max_distance_m } => pairs_by_centre(scan, detections, max_distance_m),
         }
     }
@@ -67,6 +96,25 @@ fn pairs_by_points(
         })
     });
     pairs.collect()
+}
+
+fn pairs_by_boxes(
+    scan: &LabeledScan,
+    detections: &Detections,
+    iou: fn(&OrientedBox, &OrientedBox) -> f64,
+    min_iou: f64,
+) -> Vec<AdmissiblePair> {
+    let mut pairs = Vec::new();
+    for (annotation_idx, annotation) in scan.annotations.iter().enumerate() {
+        let Some(labelled) = &annotation.bounding_box else { continue };
+        for (detection_idx, detection) in detections.iter().enumerate() {
+            let iou = iou(labelled, &detection.bounding_box);
+            if iou >= min_iou {
+                pairs.push(AdmissiblePair { annotation_idx, detection_idx, cost: 1.0 - iou });
+            }
+        }
+    }
+    pairs
 }
 
 fn pairs_by_centre(scan: &LabeledScan, detections: &Detections, max_distance_m: f64) -> Vec<AdmissiblePair> {

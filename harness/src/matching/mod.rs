@@ -3,6 +3,7 @@
 pub mod outcome;
 pub mod hungarian;
 pub mod point_overlap;
+pub mod box_overlap;
 pub mod criterion;
 pub mod eligibility;
 pub mod assign;

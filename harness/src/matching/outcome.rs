@@ -42,6 +42,8 @@ pub enum IgnoredAnnotation {
     AmbiguousClass,
     /// Half of its points are unscorable or outside the labelled region.
     OutsideLabeledRegion,
+    /// It has no box, where boxes are compared.
+    NoBox,
 }
 
 /// Why an annotation was missed.
@@ -126,6 +128,7 @@ reason_names! {
         BeyondRange => "beyond range",
         AmbiguousClass => "ambiguous class",
         OutsideLabeledRegion => "outside labelled region",
+        NoBox => "no box",
     }
     MissReason {
         NothingThere => "nothing there",

@@ -120,7 +120,7 @@ fn wrong_usage_is_named_on_stderr() {
         ("fly", "unrecognized subcommand 'fly'"),
         ("run --jobs 0", "0 is not in 1..=1024"),
         ("run --warmup x", "invalid digit"),
-        ("run --criterion near", "possible values: points, centre"),
+        ("run --criterion near", "possible values: points, bev-iou, iou-3d, centre"),
         ("run --no-such-flag", "unexpected argument '--no-such-flag'"),
         ("run -P tolerance_m", "invalid value 'tolerance_m' for '--param <NAME=VALUE>': expected NAME=VALUE"),
         ("run -P tolerance_m=1.2.3", "1.2.3 is neither TOML nor a word"),
@@ -194,7 +194,8 @@ fn a_selftest_is_exact() {
     let workplace = Workplace::new();
     DrawnDataset::tracking(workplace.folder(), 2);
     let ended = workplace.succeed(&["selftest", "street"]);
-    assert_eq!(ended.stdout.lines().count(), 4, "{ended:#?}");
+    // Four criteria in two tasks.
+    assert_eq!(ended.stdout.lines().count(), 8, "{ended:#?}");
     for line in ended.stdout.lines() {
         assert!(line.starts_with("ok ") && line.contains("recall 1, "), "{line}");
         assert!(line.ends_with("over 4 annotations, largest cost 0"), "{line}");

@@ -20,6 +20,7 @@ mod realism;
 mod readers;
 mod simulated_reference;
 mod fit_density;
+mod gate;
 mod sweep;
 mod train;
 mod boxes;

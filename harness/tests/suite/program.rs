@@ -76,7 +76,8 @@ impl Workplace {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_scanbench"));
         command.args(arguments).current_dir(self.folder());
-        let variables = ["SCANBENCH_DATASETS", "RERUN", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE"];
+        let variables =
+            ["SCANBENCH_DATASETS", "RERUN", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "GITHUB_STEP_SUMMARY"];
         for variable in variables.into_iter().chain(["KITTI_TRACKING_ROOT", "KITTI_OBJECT_ROOT"]) {
             command.env_remove(variable);
         }

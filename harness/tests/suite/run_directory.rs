@@ -42,11 +42,13 @@ fn a_run_leaves_its_files_and_nothing_else() {
     let mut expected = vec![
         "manifest.json",
         "matches.csv",
+        "precision_recall.csv",
         "report.json",
         "scans.csv",
         "table_objects.csv",
         "table_objects.md",
         "table_objects.tex",
+        "table_times.md",
         "table_vehicles.csv",
         "table_vehicles.md",
         "table_vehicles.tex",

@@ -59,6 +59,8 @@ pub(crate) enum Mark {
     PartlySimulated,
     /// Recordings that nobody else has.
     NotPublic,
+    /// Of fewer scans than it takes to know a percentile.
+    FewScans,
     /// There is no such number.
     Undefined(Undefined),
 }

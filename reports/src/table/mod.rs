@@ -7,14 +7,15 @@ pub mod ablation_score;
 pub mod sweep_score;
 pub mod sweep_curve;
 pub mod fitness_verdict;
-mod grid;
+pub(crate) mod grid;
 mod task_grids;
-mod notes;
+pub(crate) mod notes;
 pub mod terminal;
 pub mod agreement;
 pub mod csv;
 pub mod markdown;
 pub mod latex;
+pub mod times_table;
 pub mod ablation_table;
 pub mod gap_table;
 pub mod box_table;
@@ -23,4 +24,4 @@ pub mod sweep_table;
 pub mod fitness_table;
 
 #[cfg(test)]
-mod sample;
+pub(crate) mod sample;

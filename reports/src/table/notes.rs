@@ -109,7 +109,11 @@ impl Notes {
     }
 
     fn sign_of(&self, mark: Mark) -> String {
-        let Mark::Undefined(_) = mark else { return "†".to_owned() };
+        match mark {
+            Mark::Undefined(_) => {}
+            Mark::FewScans => return "‡".to_owned(),
+            Mark::Simulated | Mark::PartlySimulated | Mark::NotPublic => return "†".to_owned(),
+        }
         let is_number = |it: &&Mark| matches!(it, Mark::Undefined(_));
         let number_idx = self.marks.iter().filter(is_number).position(|it| *it == mark);
         // There are three reasons, so three signs are enough.
@@ -123,6 +127,7 @@ impl Notes {
                 return "partly simulated: summed over recorded and simulated data sets.".to_owned();
             }
             Mark::NotPublic => "Budapest recordings, not public.",
+            Mark::FewScans => "of too few scans to be relied on: p95 takes 59, p99 takes 299.",
             Mark::Undefined(Undefined::FalseObjectsUnknown) => {
                 "undefined: not every class of object is annotated, so false objects cannot be known."
             }

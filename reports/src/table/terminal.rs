@@ -130,7 +130,7 @@ fn decimal_text(cell: &Cell, width: &Width, notes: &Notes) -> String {
 fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
     let n_chars = |text: &str| text.chars().count();
     let columns = grid.columns.iter().enumerate().map(|(column_idx, column)| {
-        let (mut total, mut fraction_width) = (0, 0);
+        let (mut total, mut fraction_width, mut interval_width) = (0, 0, 0);
         for line in &grid.lines {
             let cell = &line.cells[column_idx];
             match column.alignment {
@@ -138,15 +138,19 @@ fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
                 Alignment::Decimal => {
                     let whole = n_chars(&cell.text) - n_chars(cell.fraction());
                     let behind = n_chars(cell.fraction()) + n_chars(&notes.sign(cell));
-                    // An interval reaches into the empty cell before it.
+                    // An interval reaches into the cell before it, if that is empty.
+                    let has_room = column_idx > 0 && line.cells[column_idx - 1].text.is_empty();
                     if !cell.is_interval {
                         total = total.max(whole);
                         fraction_width = fraction_width.max(behind);
+                    } else if !has_room {
+                        interval_width = interval_width.max(whole);
                     }
                 }
             }
         }
-        Width { total: n_chars(column.title).max(total + fraction_width), fraction: fraction_width }
+        let total = n_chars(column.title).max(total + fraction_width).max(interval_width);
+        Width { total, fraction: fraction_width }
     });
     columns.collect()
 }

@@ -30,6 +30,9 @@ struct MatchingTable {
 #[serde(rename_all = "kebab-case")]
 enum CriterionTable {
     Points,
+    BevIou,
+    #[serde(rename = "iou-3d")]
+    Iou3d,
     Centre,
 }
 
@@ -42,6 +45,8 @@ pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
     check_range("max_range_m", table.max_range_m, [1.0, 1000.0], "1 to 1000 m")?;
     let criterion = match table.criterion {
         CriterionTable::Points => Criterion::Points { min_iou: table.min_iou },
+        CriterionTable::BevIou => Criterion::BevIou { min_iou: table.min_iou },
+        CriterionTable::Iou3d => Criterion::Iou3d { min_iou: table.min_iou },
         CriterionTable::Centre => Criterion::Centre { max_distance_m: table.max_centre_distance_m },
     };
     let eligibility = EligibilityParams { min_points: table.min_points, max_range_m: table.max_range_m };

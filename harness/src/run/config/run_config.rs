@@ -85,6 +85,10 @@ impl RunConfig {
             (Criterion::Points { .. }, Some(table)) => {
                 Criterion::Points { min_iou: number(table, "min_iou") }
             }
+            (Criterion::BevIou { .. }, Some(table)) => {
+                Criterion::BevIou { min_iou: number(table, "min_iou") }
+            }
+            (Criterion::Iou3d { .. }, Some(table)) => Criterion::Iou3d { min_iou: number(table, "min_iou") },
             (Criterion::Centre { .. }, Some(table)) => {
                 Criterion::Centre { max_distance_m: number(table, "max_centre_distance_m") }
             }

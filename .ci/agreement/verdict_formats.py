@@ -1,0 +1,35 @@
+"""Reads the files of a gate as others read them: verdict_formats.py DIR"""
+
+import json
+import sys
+from pathlib import Path
+
+from junitparser import Failure, JUnitXml, Skipped
+
+directory = Path(sys.argv[1])
+verdict = json.loads((directory / "gate.json").read_text())
+junit = JUnitXml.fromfile(str(directory / "junit.xml"))
+cases = [case for suite in junit for case in suite]
+assert junit.tests == len(cases) > 0, junit.tests
+failed = [it for it in cases if any(isinstance(result, Failure) for result in it.result)]
+skipped = [it for it in cases if any(isinstance(result, Skipped) for result in it.result)]
+findings = [it["finding"] for it in verdict["metrics"] + verdict["speeds"]]
+assert len(failed) == findings.count("regression") + len(verdict["drift"]) == junit.failures, len(failed)
+assert len(skipped) == findings.count("inconclusive") == junit.skipped, len(skipped)
+assert all(case.name and case.classname for case in cases)
+
+# github-action-benchmark: https://github.com/benchmark-action/github-action-benchmark, "custom" tools.
+entries = json.loads((directory / "custom-smaller-is-better.json").read_text())
+assert entries and all(isinstance(it["name"], str) and isinstance(it["unit"], str) for it in entries)
+assert all(isinstance(it["value"], (int, float)) and it["value"] >= 0 for it in entries)
+assert len({it["name"] for it in entries}) == len(entries)
+assert all(set(it) <= {"name", "unit", "value", "range", "extra"} for it in entries)
+
+# Bencher metric format: https://bencher.dev/docs/reference/bencher-metric-format/
+for name, measures in json.loads((directory / "bencher.json").read_text()).items():
+    assert name and measures
+    for measure in measures.values():
+        assert set(measure) <= {"value", "lower_value", "upper_value"}
+        low, high = measure.get("lower_value", measure["value"]), measure.get("upper_value", measure["value"])
+        assert low <= measure["value"] <= high, (name, measure)
+print(f"{len(cases)} test cases, {len(failed)} failed, {len(skipped)} inconclusive")

@@ -1,0 +1,44 @@
+//! `scanbench compare`.
+
+use reports::gate::comparison::{ComparedSlices, Comparison, compare_detectors, compare_runs};
+use reports::run_archive::RunArchive;
+
+use crate::cli::CompareArgs;
+use crate::commands::failure::Usage;
+use crate::commands::open_run::open_run;
+use crate::commands::standard_streams::print_bytes;
+
+/// Prints what lies between two runs, or two detectors of one run.
+///
+/// # Errors
+///
+/// If a run cannot be read, the two are not of the same scans, or there is no such detector.
+pub fn compare(arguments: &CompareArgs) -> anyhow::Result<()> {
+    let slices = if arguments.slices { ComparedSlices::Each } else { ComparedSlices::All };
+    let run = open_run(&arguments.run)?;
+    let comparison = match (&arguments.other, arguments.detectors.as_deref()) {
+        (Some(other), _) => compare_runs(&run, &open_run(other)?, slices)?,
+        (None, Some([first, second])) => of_detectors(&run, first, second, slices)?,
+        (None, _) => {
+            return Err(Usage("--detectors takes two names, such as kd-tree,hierarchical".to_owned()).into());
+        }
+    };
+    let text = if arguments.markdown { comparison.to_markdown() } else { comparison.to_terminal() };
+    print_bytes(text.as_bytes())
+}
+
+fn of_detectors(
+    run: &RunArchive,
+    first: &str,
+    second: &str,
+    slices: ComparedSlices,
+) -> anyhow::Result<Comparison> {
+    for name in [first, second] {
+        let known: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
+        anyhow::ensure!(
+            known.contains(&name),
+            Usage(format!("the run has no detector {name:?}, but {}", known.join(", ")))
+        );
+    }
+    Ok(compare_detectors(run, first, second, slices))
+}

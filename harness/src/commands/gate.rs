@@ -1,0 +1,96 @@
+//! `scanbench gate` and `scanbench baseline`.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Context as _;
+use jiff::Timestamp;
+use reports::gate::accept::{TOLERANCES_TOML, accept, run_of_baseline};
+use reports::gate::benchmark_formats::{to_bencher_metric_format, to_custom_smaller_is_better};
+use reports::gate::junit::to_junit;
+use reports::gate::summary::{to_markdown, to_terminal};
+use reports::gate::tolerances::{Tolerances, TolerancesError};
+use reports::gate::verdict::{Conclusion, Verdict, judge};
+use reports::gate::verdict_json::to_json;
+use reports::run_archive::RunArchive;
+use reports::whole_file::write_whole;
+
+use crate::cli::{AcceptArgs, GateArgs};
+use crate::commands::failure::{GateClosed, Usage};
+use crate::commands::open_run::open_run;
+use crate::commands::provenance::utc_day;
+use crate::commands::standard_streams::{print_bytes, print_diagnostic};
+
+/// The file that GitHub shows as the summary of a job.
+const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
+
+/// Judges a run by an accepted one, and prints and writes the verdict.
+///
+/// # Errors
+///
+/// [`GateClosed`] if the run is worse or judged otherwise; and if it cannot be compared, or something cannot be read or written.
+pub fn gate(arguments: &GateArgs) -> anyhow::Result<()> {
+    let directory = &arguments.baseline.baseline;
+    let tolerances = tolerances(arguments, directory)?;
+    let baseline = open_run(&run_of_baseline(directory))?;
+    let run = open_run(&arguments.run)?;
+    let verdict = judge(&baseline, &run, &tolerances)?;
+    if let Some(output) = &arguments.output {
+        write_verdict(output, &verdict, &run)?;
+    }
+    if let Some(summary) = std::env::var_os(STEP_SUMMARY).filter(|it| !it.is_empty()) {
+        append(Path::new(&summary), &to_markdown(&verdict))?;
+    }
+    print_bytes(to_terminal(&verdict).as_bytes())?;
+    match verdict.conclusion() {
+        Conclusion::Same => Ok(()),
+        closed => Err(GateClosed(closed).into()),
+    }
+}
+
+fn tolerances(arguments: &GateArgs, baseline: &Path) -> Result<Tolerances, TolerancesError> {
+    match &arguments.tolerances {
+        Some(path) => Tolerances::read(path),
+        None => Tolerances::read(&baseline.join(TOLERANCES_TOML)),
+    }
+}
+
+fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> anyhow::Result<()> {
+    std::fs::create_dir_all(directory)
+        .with_context(|| Usage(format!("cannot make the directory {}", directory.display())))?;
+    for (name, text) in [
+        ("gate.json", to_json(verdict)),
+        ("gate.md", to_markdown(verdict)),
+        ("junit.xml", to_junit(verdict)),
+        ("custom-smaller-is-better.json", to_custom_smaller_is_better(&run.report)),
+        ("bencher.json", to_bencher_metric_format(&run.report)),
+    ] {
+        write_whole(&directory.join(name), text.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Other steps of the job have written there before.
+fn append(path: &Path, text: &str) -> anyhow::Result<()> {
+    let file = std::fs::File::options().append(true).create(true).open(path);
+    let written = file.and_then(|mut it| it.write_all(text.as_bytes()));
+    written.with_context(|| Usage(format!("cannot write {}, which {STEP_SUMMARY} names", path.display())))
+}
+
+/// Makes a run the one that others are judged by.
+///
+/// # Errors
+///
+/// If no reason is given, or something cannot be read or written.
+pub fn baseline_accept(arguments: &AcceptArgs) -> anyhow::Result<()> {
+    anyhow::ensure!(
+        !arguments.why.trim().is_empty(),
+        Usage("--why is empty: say why the scores are what they are now".to_owned())
+    );
+    let run = open_run(&arguments.run)?;
+    let directory = &arguments.baseline.baseline;
+    let line = accept(&run, directory, &utc_day(Timestamp::now()), &arguments.why)?;
+    print_bytes(format!("{line}\n").as_bytes())?;
+    print_diagnostic(format_args!("Baseline: {}", directory.display()));
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! Results that were accepted, and the history of how they came to be.
+
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::archive::ArchiveError;
+use crate::csv_rows::to_csv_bytes;
+use crate::fixed_decimals::fixed_decimals;
+use crate::match_outcome::MatchOutcome;
+use crate::metric::Metric;
+use crate::run_archive::RunArchive;
+use crate::run_directory::{
+    ExistingTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, REPORT_JSON, RunDirectory, RunDirectoryError,
+    SCANS_CSV,
+};
+use crate::run_report::{OVERALL, SLICE_ALL, Subject};
+use crate::whole_file::write_whole;
+
+/// The folder of the accepted run within a baseline.
+pub const ACCEPTED_RUN: &str = "run";
+/// The history of a baseline: what was accepted when and why.
+pub const SCORES_MD: &str = "SCORES.md";
+/// How much worse a run may be than a baseline.
+pub const TOLERANCES_TOML: &str = "tolerances.toml";
+
+const SCORES_HEAD: &str = "# Accepted scores\n\nF-rates in % of the accepted run, before → after, and why. Written by \
+    `scanbench baseline accept`.\n\n";
+
+/// Why results cannot be accepted.
+#[derive(Debug, thiserror::Error)]
+pub enum AcceptError {
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// The directory of the accepted run cannot be written.
+    #[error(transparent)]
+    Directory(#[from] RunDirectoryError),
+    /// The history cannot be read.
+    #[error("cannot read {path:?}")]
+    History {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+}
+
+/// Where the run of the baseline `directory` is: in its folder for it, or in `directory` itself if that is a run.
+pub fn run_of_baseline(directory: &Path) -> PathBuf {
+    let accepted = directory.join(ACCEPTED_RUN);
+    if accepted.join(MANIFEST_JSON).is_file() { accepted } else { directory.to_path_buf() }
+}
+
+/// Makes `run` the accepted run of the baseline `directory`, and adds a line to its history, which is returned.
+///
+/// What is ignored is left out of the matches: it makes half of them, counts for nothing, and its numbers are in the
+/// rows of the scans. `date` is the day, `why` the reason.
+///
+/// # Errors
+///
+/// [`AcceptError`] if something cannot be written; the earlier baseline is there still.
+pub fn accept(run: &RunArchive, directory: &Path, date: &str, why: &str) -> Result<String, AcceptError> {
+    let target = directory.join(ACCEPTED_RUN);
+    let before = if target.exists() { RunArchive::read(&target).ok() } else { None };
+    let line = history_line(before.as_ref(), run, date, why);
+    let history = history_with(&directory.join(SCORES_MD), &line)?;
+
+    let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
+    let mut manifest = run.manifest.clone();
+    if let Some(program) = manifest.argv.first_mut() {
+        // Not where it happened to lie.
+        "scanbench".clone_into(program);
+    }
+    written.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+    written.write_file(REPORT_JSON, run.report.to_json().as_bytes())?;
+    let csv = |bytes: Result<Vec<u8>, csv::Error>| {
+        bytes.map_err(|source| ArchiveError::Csv { path: target.clone(), source })
+    };
+    written.write_file(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
+    let counting: Vec<_> = run.matches.iter().filter(|it| counts(&it.outcome)).cloned().collect();
+    written.write_file(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
+    written.finish()?;
+    write_whole(&directory.join(SCORES_MD), history.as_bytes())?;
+    Ok(line)
+}
+
+fn counts(outcome: &MatchOutcome) -> bool {
+    !matches!(outcome, MatchOutcome::IgnoredAnnotation { .. } | MatchOutcome::IgnoredDetection { .. })
+}
+
+fn history_with(path: &Path, line: &str) -> Result<String, AcceptError> {
+    let mut history = match std::fs::read_to_string(path) {
+        Ok(history) => history,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => SCORES_HEAD.to_owned(),
+        Err(source) => return Err(AcceptError::History { path: path.to_path_buf(), source }),
+    };
+    if !history.ends_with('\n') {
+        history.push('\n');
+    }
+    history.push_str(line);
+    history.push('\n');
+    Ok(history)
+}
+
+fn history_line(before: Option<&RunArchive>, run: &RunArchive, date: &str, why: &str) -> String {
+    let mut line = format!("- {date}");
+    if let Some(git) = &run.manifest.git {
+        let commit: String = git.commit.chars().take(7).collect();
+        write!(line, ", {commit}{}", if git.dirty { " with changes" } else { "" })
+            .expect("a string takes all that is written");
+    }
+    let tally = run.tally();
+    for task in tally.tasks() {
+        let of_detectors = tally.detectors().iter().filter_map(|detector| {
+            let now = percent(run, task, detector)?;
+            Some(match before.and_then(|it| percent(it, task, detector)) {
+                Some(old) if old != now => format!("{detector} {old} → {now}"),
+                _ => format!("{detector} {now}"),
+            })
+        });
+        let of_detectors: Vec<String> = of_detectors.collect();
+        if !of_detectors.is_empty() {
+            write!(line, "; {task}: {}", of_detectors.join(", "))
+                .expect("a string takes all that is written");
+        }
+    }
+    // One line, whatever the reason.
+    let why: Vec<&str> = why.split_whitespace().collect();
+    format!("{line}. {}", why.join(" "))
+}
+
+/// The F-rate over all data sets.
+fn percent(run: &RunArchive, task: &str, detector: &str) -> Option<String> {
+    let datasets = &run.manifest.datasets;
+    let dataset = if let [only] = datasets.as_slice() { &only.id } else { OVERALL };
+    let [dataset, task, detector, slice] = [dataset, task, detector, SLICE_ALL].map(str::to_owned);
+    let row = run.report.row(&Subject { dataset, task, detector, slice }, &Metric::FRate)?;
+    Some(fixed_decimals(100.0 * row.value()?, 1))
+}
