@@ -106,6 +106,8 @@ fn held_out_arguments(arguments: &TrainArgs) -> Option<DatasetArgs> {
         datasets: arguments.held_out.clone(),
         scans: arguments.held_out_scans.clone(),
         source: SourceArgs {
+            topic: None,
+            annotation_topic: None,
             format: arguments.held_out_format.clone(),
             seed: None,
             simulated_scans: None,
@@ -150,7 +152,7 @@ fn collect_all<'a>(
         CandidateBoxes::Fitted(kind.object_box())
     };
     let mut candidates = Vec::new();
-    for OpenedDataset { dataset, scan_indices } in opened {
+    for OpenedDataset { dataset, scan_indices, .. } in opened {
         let description = dataset.description();
         warn_of_unknown_sensor(&config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
