@@ -9,6 +9,7 @@ pub mod counts;
 pub mod metric;
 pub mod curve_pair;
 pub mod wilson_interval;
+pub mod average_precision;
 pub mod gap_curve;
 pub mod condition_scores;
 mod fixed_decimals;
@@ -32,6 +33,13 @@ pub mod condition_row;
 pub mod operating_curve;
 pub mod training_row;
 pub mod run_directory;
+
+// From rows to numbers.
+pub mod slice;
+pub mod sums;
+pub mod bootstrap;
+pub mod tally;
+pub mod estimates;
 
 // Tables.
 pub mod paper_figures;

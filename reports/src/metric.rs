@@ -29,12 +29,48 @@ pub enum Metric {
     OverSegmentation,
     /// Share of the detections holding an annotation that run several together.
     UnderSegmentation,
+    /// OSE, how far the points of annotations are spread over several detections: an entropy, summed over annotations.
+    OverSegmentationEntropy,
+    /// OSE over the number of annotations.
+    OverSegmentationEntropyPerObject,
+    /// USE, how far the points of detections belong to several annotations: an entropy, summed over detections.
+    UnderSegmentationEntropy,
+    /// USE over the number of detections that hold a point of an annotation.
+    UnderSegmentationEntropyPerObject,
+    /// Mean error of the boxes of matched pairs.
+    BoxError(BoxDimension),
+    /// Mean precision over recall, where detections are ranked by score.
+    AveragePrecision(RecallPositions),
     /// Scans per second of detection: number of scans / total time.
     FpsMean,
+    /// One over the median time of detection of a scan.
+    FpsP50,
     /// Time of detection of a scan.
     Latency(LatencyStatistic),
     /// Median time of the stage of this name.
     StageP50(String),
+}
+
+/// What two boxes are compared by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum BoxDimension {
+    /// Distance of the centres on the ground plan.
+    Center,
+    /// Length, along the heading.
+    Length,
+    /// Width.
+    Width,
+    /// Heading, where front and back are the same.
+    Yaw,
+}
+
+/// At which recalls precision is looked up for an average precision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum RecallPositions {
+    /// 0, 0.01, …, 1: as COCO has it.
+    Points101,
+    /// 1/40, 2/40, …, 1: as KITTI has had it since 2019.
+    R40,
 }
 
 /// A statistic of the times of all scans, by nearest rank.
@@ -69,7 +105,7 @@ const STAGE_PREFIX: &str = "stage_p50_ms/";
 
 impl Metric {
     /// The metrics without a name in their id, in the order of a report.
-    const UNNAMED: [Self; 19] = [
+    const UNNAMED: [Self; 30] = [
         Self::No,
         Self::Tp,
         Self::Mo,
@@ -82,7 +118,18 @@ impl Metric {
         Self::UnknowableDetections,
         Self::OverSegmentation,
         Self::UnderSegmentation,
+        Self::OverSegmentationEntropy,
+        Self::OverSegmentationEntropyPerObject,
+        Self::UnderSegmentationEntropy,
+        Self::UnderSegmentationEntropyPerObject,
+        Self::BoxError(BoxDimension::Center),
+        Self::BoxError(BoxDimension::Length),
+        Self::BoxError(BoxDimension::Width),
+        Self::BoxError(BoxDimension::Yaw),
+        Self::AveragePrecision(RecallPositions::Points101),
+        Self::AveragePrecision(RecallPositions::R40),
         Self::FpsMean,
+        Self::FpsP50,
         Self::Latency(LatencyStatistic::Min),
         Self::Latency(LatencyStatistic::P50),
         Self::Latency(LatencyStatistic::P90),
@@ -106,7 +153,18 @@ impl Metric {
             Self::UnknowableDetections => "unknowable_detections",
             Self::OverSegmentation => "over_segmentation",
             Self::UnderSegmentation => "under_segmentation",
+            Self::OverSegmentationEntropy => "ose",
+            Self::OverSegmentationEntropyPerObject => "ose_per_object",
+            Self::UnderSegmentationEntropy => "use",
+            Self::UnderSegmentationEntropyPerObject => "use_per_object",
+            Self::BoxError(BoxDimension::Center) => "box_center_error_m",
+            Self::BoxError(BoxDimension::Length) => "box_length_error_m",
+            Self::BoxError(BoxDimension::Width) => "box_width_error_m",
+            Self::BoxError(BoxDimension::Yaw) => "box_yaw_error_deg",
+            Self::AveragePrecision(RecallPositions::Points101) => "ap_101_points",
+            Self::AveragePrecision(RecallPositions::R40) => "ap_r40",
             Self::FpsMean => "fps_mean",
+            Self::FpsP50 => "fps_p50",
             Self::Latency(LatencyStatistic::Min) => "latency_min_ms",
             Self::Latency(LatencyStatistic::P50) => "latency_p50_ms",
             Self::Latency(LatencyStatistic::P90) => "latency_p90_ms",
@@ -141,8 +199,15 @@ impl Metric {
             | Self::Recall
             | Self::FRate
             | Self::OverSegmentation
-            | Self::UnderSegmentation => "ratio",
-            Self::FpsMean => "scans/s",
+            | Self::UnderSegmentation
+            | Self::AveragePrecision(_) => "ratio",
+            Self::OverSegmentationEntropy
+            | Self::OverSegmentationEntropyPerObject
+            | Self::UnderSegmentationEntropy
+            | Self::UnderSegmentationEntropyPerObject => "nats",
+            Self::BoxError(BoxDimension::Center | BoxDimension::Length | BoxDimension::Width) => "m",
+            Self::BoxError(BoxDimension::Yaw) => "deg",
+            Self::FpsMean | Self::FpsP50 => "scans/s",
             Self::Latency(_) | Self::StageP50(_) => "ms",
         }
     }
@@ -153,15 +218,41 @@ impl Metric {
             Self::No | Self::IgnoredAnnotations | Self::IgnoredDetections | Self::UnknowableDetections => {
                 Direction::Neither
             }
-            Self::Tp | Self::Precision | Self::Recall | Self::FRate | Self::FpsMean => {
-                Direction::HigherIsBetter
-            }
+            Self::Tp
+            | Self::Precision
+            | Self::Recall
+            | Self::FRate
+            | Self::AveragePrecision(_)
+            | Self::FpsMean
+            | Self::FpsP50 => Direction::HigherIsBetter,
             Self::Mo
             | Self::Fo
             | Self::OverSegmentation
             | Self::UnderSegmentation
+            | Self::OverSegmentationEntropy
+            | Self::OverSegmentationEntropyPerObject
+            | Self::UnderSegmentationEntropy
+            | Self::UnderSegmentationEntropyPerObject
+            | Self::BoxError(_)
             | Self::Latency(_)
             | Self::StageP50(_) => Direction::LowerIsBetter,
+        }
+    }
+
+    /// Whether it is a time or made of one, and so another in every run.
+    pub fn is_time(&self) -> bool {
+        matches!(self, Self::FpsMean | Self::FpsP50 | Self::Latency(_) | Self::StageP50(_))
+    }
+
+    /// What is to be said of a value made of `n`; `None` if nothing is.
+    ///
+    /// Below these numbers of scans it is more than 5 % likely that none of them is slower than the percentile that it
+    /// stands for: 0.95^59 and 0.99^299 are just below 0.05.
+    pub fn caveat(&self, n: u64) -> Option<&'static str> {
+        match self {
+            Self::Latency(LatencyStatistic::P95) if n < 59 => Some("p95 of fewer than 59 scans"),
+            Self::Latency(LatencyStatistic::P99) if n < 299 => Some("p99 of fewer than 299 scans"),
+            _ => None,
         }
     }
 }
@@ -193,6 +284,16 @@ mod tests {
         for id in ["", "F_RATE", "stage_p50_ms", "stage_p50_ms/"] {
             assert_eq!(Metric::from_id(id), None, "{id:?}");
         }
+    }
+
+    #[test]
+    fn percentiles_of_few_scans_are_flagged() {
+        let [p95, p99] = [LatencyStatistic::P95, LatencyStatistic::P99].map(Metric::Latency);
+        assert_eq!([58, 59].map(|n| p95.caveat(n).is_some()), [true, false]);
+        assert_eq!([298, 299].map(|n| p99.caveat(n).is_some()), [true, false]);
+        assert!(0.95_f64.powi(59) < 0.05 && 0.95_f64.powi(58) > 0.05);
+        assert!(0.99_f64.powi(299) < 0.05 && 0.99_f64.powi(298) > 0.05);
+        assert_eq!(Metric::FRate.caveat(1), None);
     }
 
     #[test]

@@ -19,12 +19,16 @@ pub struct RunReport {
     // Invariant: no two rows have the same subject and metric.
     scoring_version: u32,
     rows: Vec<MetricRow>,
+    overall: Vec<MetricRow>,
 }
+
+/// What [`Subject::dataset`] is of a number about all data sets together.
+pub const OVERALL: &str = "overall";
 
 /// What a number is about.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Subject {
-    /// Id of the data set.
+    /// Id of the data set; [`OVERALL`] in the rows about all of them.
     pub dataset: String,
     /// Name of the task.
     pub task: String,
@@ -47,6 +51,16 @@ pub struct MetricRow {
     /// What it is made of: for a rate the denominator, for a count the number of scans, for a time or a speed the
     /// number of timed scans.
     pub n: u64,
+    interval: Option<Interval>,
+}
+
+/// How sure a number is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Lower and upper end of the 95 % interval.
+    pub ends: [f64; 2],
+    /// Number of independent blocks of scans that it was estimated from.
+    pub n_blocks: u64,
 }
 
 /// Why numbers make no report.
@@ -107,7 +121,17 @@ pub enum MetricRowError {
 impl MetricRow {
     /// A number. One that is not finite, as a ratio over zero gives it, is undefined and kept as `None`.
     pub fn new(subject: Subject, metric: Metric, value: Option<f64>, n: u64) -> Self {
-        Self { subject, metric, value: value.filter(|it| it.is_finite()), n }
+        Self { subject, metric, value: value.filter(|it| it.is_finite()), n, interval: None }
+    }
+
+    /// The same with how sure it is.
+    pub fn within(self, interval: Option<Interval>) -> Self {
+        Self { interval: interval.filter(|it| it.ends.iter().all(|end| end.is_finite())), ..self }
+    }
+
+    /// How sure the number is, where that is known. Its ends are finite.
+    pub fn interval(&self) -> Option<Interval> {
+        self.interval
     }
 
     /// The number; `None` where it is undefined. Never NaN or infinite.
@@ -126,15 +150,28 @@ impl RunReport {
     ///
     /// [`RunReportError::Duplicate`] if two rows say the same thing.
     pub fn new(scoring_version: u32, rows: Vec<MetricRow>) -> Result<Self, RunReportError> {
+        Self::with_overall(scoring_version, rows, Vec::new())
+    }
+
+    /// The report of these numbers, and of those about all data sets together.
+    ///
+    /// # Errors
+    ///
+    /// [`RunReportError::Duplicate`] if two rows say the same thing.
+    pub fn with_overall(
+        scoring_version: u32,
+        rows: Vec<MetricRow>,
+        overall: Vec<MetricRow>,
+    ) -> Result<Self, RunReportError> {
         let mut seen = HashSet::new();
-        for row in &rows {
+        for row in rows.iter().chain(&overall) {
             if !seen.insert((&row.subject, &row.metric)) {
                 let Subject { dataset, task, detector, slice } = row.subject.clone();
                 let metric = row.metric.id();
                 return Err(RunReportError::Duplicate { dataset, task, detector, slice, metric });
             }
         }
-        Ok(Self { scoring_version, rows })
+        Ok(Self { scoring_version, rows, overall })
     }
 
     /// The version of the rules by which the detections were judged.
@@ -147,9 +184,14 @@ impl RunReport {
         &self.rows
     }
 
-    /// The row about `subject` and `metric`.
+    /// The numbers about all data sets together; none if there is only one data set.
+    pub fn overall(&self) -> &[MetricRow] {
+        &self.overall
+    }
+
+    /// The row about `subject` and `metric`, whether of one data set or of all.
     pub fn row(&self, subject: &Subject, metric: &Metric) -> Option<&MetricRow> {
-        self.rows.iter().find(|it| it.subject == *subject && it.metric == *metric)
+        self.rows.iter().chain(&self.overall).find(|it| it.subject == *subject && it.metric == *metric)
     }
 
     /// The content of `report.json`: one row a line, so that two reports can be compared line by line.
@@ -159,11 +201,9 @@ impl RunReport {
         let scoring_version = self.scoring_version;
         let mut json =
             format!("{{\n  \"schema\": {SCHEMA},\n  \"scoring_version\": {scoring_version},\n  \"rows\": [");
-        for (row_idx, row) in self.rows.iter().enumerate() {
-            let separator = if row_idx == 0 { "" } else { "," };
-            let row = serde_json::to_string(row).expect("a row has text keys and finite numbers");
-            write!(json, "{separator}\n    {row}").expect("a string takes all that is written");
-        }
+        push_rows(&mut json, &self.rows);
+        json.push_str("\n  ],\n  \"overall\": [");
+        push_rows(&mut json, &self.overall);
         json.push_str("\n  ]\n}\n");
         json
     }
@@ -179,6 +219,14 @@ impl RunReport {
     }
 }
 
+fn push_rows(json: &mut String, rows: &[MetricRow]) {
+    for (row_idx, row) in rows.iter().enumerate() {
+        let separator = if row_idx == 0 { "" } else { "," };
+        let row = serde_json::to_string(row).expect("a row has text keys and finite numbers");
+        write!(json, "{separator}\n    {row}").expect("a string takes all that is written");
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ReportRecord {
@@ -186,16 +234,20 @@ struct ReportRecord {
     _schema: u32,
     scoring_version: u32,
     rows: Vec<RowRecord>,
+    overall: Vec<RowRecord>,
 }
 
 impl TryFrom<ReportRecord> for RunReport {
     type Error = RunReportError;
 
     fn try_from(record: ReportRecord) -> Result<Self, RunReportError> {
-        let rows = record.rows.into_iter().enumerate().map(|(row_idx, row)| {
-            MetricRow::try_from(row).map_err(|source| RunReportError::Row { row_idx, source })
-        });
-        Self::new(record.scoring_version, rows.collect::<Result<_, _>>()?)
+        let rows = |records: Vec<RowRecord>| {
+            let rows = records.into_iter().enumerate().map(|(row_idx, row)| {
+                MetricRow::try_from(row).map_err(|source| RunReportError::Row { row_idx, source })
+            });
+            rows.collect::<Result<Vec<_>, _>>()
+        };
+        Self::with_overall(record.scoring_version, rows(record.rows)?, rows(record.overall)?)
     }
 }
 
@@ -214,6 +266,13 @@ struct RowRecord {
     #[serde(deserialize_with = "Option::deserialize")]
     higher_is_better: Option<bool>,
     n: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    interval_95: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    n_blocks: Option<u64>,
+    // For people; it follows from metric and n.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    caveat: Option<String>,
 }
 
 impl From<MetricRow> for RowRecord {
@@ -229,6 +288,9 @@ impl From<MetricRow> for RowRecord {
             unit: row.metric.unit().to_owned(),
             higher_is_better: row.metric.direction().higher_is_better(),
             n: row.n,
+            interval_95: row.interval.map(|it| it.ends),
+            n_blocks: row.interval.map(|it| it.n_blocks),
+            caveat: row.metric.caveat(row.n).map(str::to_owned),
         }
     }
 }
@@ -248,14 +310,17 @@ impl TryFrom<RowRecord> for MetricRow {
             let found = record.higher_is_better;
             return Err(MetricRowError::Direction { metric: record.metric, expected, found });
         }
+        let interval = record.interval_95.zip(record.n_blocks);
+        let interval = interval.map(|(ends, n_blocks)| Interval { ends, n_blocks });
         let RowRecord { dataset, task, detector, slice, value, n, .. } = record;
-        Ok(Self::new(Subject { dataset, task, detector, slice }, metric, value, n))
+        Ok(Self::new(Subject { dataset, task, detector, slice }, metric, value, n).within(interval))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metric::LatencyStatistic;
 
     fn row(metric: Metric, value: Option<f64>, n: u64) -> MetricRow {
         let [dataset, task, detector, slice] =
@@ -289,6 +354,8 @@ mod tests {
             {"dataset":"main_road","task":"objects","detector":"kd-tree","slice":"all","metric":"no","value":31.0,"unit":"count","higher_is_better":null,"n":2},
             {"dataset":"main_road","task":"objects","detector":"kd-tree","slice":"all","metric":"f_rate","value":0.30000000000000004,"unit":"ratio","higher_is_better":true,"n":62},
             {"dataset":"main_road","task":"objects","detector":"kd-tree","slice":"all","metric":"stage_p50_ms/grid","value":null,"unit":"ms","higher_is_better":false,"n":0}
+          ],
+          "overall": [
           ]
         }
         "#);
@@ -299,6 +366,22 @@ mod tests {
         assert_eq!(read_back(&three_rows().to_json()).unwrap(), three_rows());
         let empty = RunReport::new(7, Vec::new()).unwrap();
         assert_eq!(read_back(&empty.to_json()).unwrap(), empty);
+    }
+
+    #[test]
+    fn intervals_and_overall_numbers_read_back_as_they_were() {
+        let interval = Interval { ends: [0.1 + 0.2, 0.5], n_blocks: 7 };
+        let sure = row(Metric::Recall, Some(0.4), 9).within(Some(interval));
+        let mut overall = row(Metric::Latency(LatencyStatistic::P95), Some(4.0), 58);
+        OVERALL.clone_into(&mut overall.subject.dataset);
+        let report = RunReport::with_overall(1, vec![sure], vec![overall.clone()]).unwrap();
+        let json = report.to_json();
+        assert!(json.contains(r#""interval_95":[0.30000000000000004,0.5],"n_blocks":7"#), "{json}");
+        assert!(json.contains(r#""caveat":"p95 of fewer than 59 scans""#), "{json}");
+        assert_eq!(read_back(&json).unwrap(), report);
+        assert_eq!(report.row(&overall.subject, &overall.metric), Some(&overall));
+        let endless = Interval { ends: [f64::NAN, 0.5], n_blocks: 7 };
+        assert_eq!(row(Metric::Recall, Some(0.4), 9).within(Some(endless)).interval(), None);
     }
 
     #[test]

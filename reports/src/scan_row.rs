@@ -51,10 +51,30 @@ pub struct ScanNumbers {
     pub n_ignored_detections: u64,
     /// Detections of which it cannot be known whether they are false.
     pub n_unknowable_detections: u64,
+    /// How far objects are torn apart or run together.
+    pub segmentation: SegmentationNumbers,
     /// Clusters dropped because they have too few points.
     pub n_dropped_too_small: u64,
     /// Clusters dropped because they have too many points or are too long.
     pub n_dropped_too_large: u64,
+}
+
+/// How far the objects of a scan are torn apart or run together, whether or not the pieces match.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SegmentationNumbers {
+    /// Annotations that count of which several detections each hold a tenth of the points or more.
+    pub n_split: u64,
+    /// Detections with more than half of the points of an annotation that counts.
+    pub n_holding: u64,
+    /// Of these, those with more than half of the points of several.
+    pub n_joining: u64,
+    /// Detections with a point of an annotation that counts.
+    pub n_touching: u64,
+    /// OSE: −p ln p of every annotation that counts and every detection, where p is the share of the annotation's points
+    /// that the detection has; summed.
+    pub over_entropy_nats: f64,
+    /// USE: the same of every detection, where p is the share of the detection's points that the annotation has; summed.
+    pub under_entropy_nats: f64,
 }
 
 impl CsvRow for ScanRow {
@@ -75,6 +95,12 @@ impl CsvRow for ScanRow {
         "ignored_annotations",
         "ignored_detections",
         "unknowable_detections",
+        "split",
+        "holding",
+        "joining",
+        "touching",
+        "ose_nats",
+        "use_nats",
         "dropped_too_small",
         "dropped_too_large",
     ];
@@ -98,6 +124,12 @@ struct ScanRecord {
     ignored_annotations: Option<u64>,
     ignored_detections: Option<u64>,
     unknowable_detections: Option<u64>,
+    split: Option<u64>,
+    holding: Option<u64>,
+    joining: Option<u64>,
+    touching: Option<u64>,
+    ose_nats: Option<Fixed<6>>,
+    use_nats: Option<Fixed<6>>,
     dropped_too_small: Option<u64>,
     dropped_too_large: Option<u64>,
 }
@@ -117,6 +149,7 @@ impl From<ScanRow> for ScanRecord {
         };
         let numbers = numbers.as_ref();
         let counts = numbers.map(|it| it.counts);
+        let segmentation = numbers.map(|it| it.segmentation);
         Self {
             dataset: row.dataset,
             sequence: row.sequence,
@@ -134,6 +167,12 @@ impl From<ScanRow> for ScanRecord {
             ignored_annotations: numbers.map(|it| it.n_ignored_annotations),
             ignored_detections: numbers.map(|it| it.n_ignored_detections),
             unknowable_detections: numbers.map(|it| it.n_unknowable_detections),
+            split: segmentation.map(|it| it.n_split),
+            holding: segmentation.map(|it| it.n_holding),
+            joining: segmentation.map(|it| it.n_joining),
+            touching: segmentation.map(|it| it.n_touching),
+            ose_nats: segmentation.map(|it| Fixed(it.over_entropy_nats)),
+            use_nats: segmentation.map(|it| Fixed(it.under_entropy_nats)),
             dropped_too_small: numbers.map(|it| it.n_dropped_too_small),
             dropped_too_large: numbers.map(|it| it.n_dropped_too_large),
         }
@@ -160,6 +199,8 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
     let present = |number: Option<u64>| number.ok_or("an evaluated scan misses a number");
     let counts = Counts::new(present(record.no)?, present(record.tp)?, record.fo);
     let counts = counts.ok_or("tp is larger than no")?;
+    let entropy =
+        |it: Option<Fixed<6>>| it.map(|Fixed(nats)| nats).ok_or("an evaluated scan misses a number");
     if record.mo != Some(counts.mo()) {
         return Err("mo is not no - tp");
     }
@@ -170,6 +211,14 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
         n_ignored_annotations: present(record.ignored_annotations)?,
         n_ignored_detections: present(record.ignored_detections)?,
         n_unknowable_detections: present(record.unknowable_detections)?,
+        segmentation: SegmentationNumbers {
+            n_split: present(record.split)?,
+            n_holding: present(record.holding)?,
+            n_joining: present(record.joining)?,
+            n_touching: present(record.touching)?,
+            over_entropy_nats: entropy(record.ose_nats)?,
+            under_entropy_nats: entropy(record.use_nats)?,
+        },
         n_dropped_too_small: present(record.dropped_too_small)?,
         n_dropped_too_large: present(record.dropped_too_large)?,
     })
@@ -196,6 +245,14 @@ mod tests {
             n_ignored_annotations: 3,
             n_ignored_detections: 2,
             n_unknowable_detections: 40,
+            segmentation: SegmentationNumbers {
+                n_split: 1,
+                n_holding: 6,
+                n_joining: 2,
+                n_touching: 8,
+                over_entropy_nats: 0.5,
+                under_entropy_nats: 0.25,
+            },
             n_dropped_too_small: 900,
             n_dropped_too_large: 1,
         })
@@ -233,10 +290,10 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let (text, read) = written_and_read(&rows(), "", "");
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,detector,task,status,reason,n_points,latency_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,dropped_too_small,dropped_too_large
-        "kitti, tracking",0000,0,kd-tree,objects,evaluated,,120000,,7,5,2,4,3,2,40,900,1
-        "kitti, tracking",0000,1,kd-tree,objects,evaluated,,120000,8.250,7,5,2,,3,2,40,900,1
-        "kitti, tracking",0000,2,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,
+        dataset,sequence,scan,detector,task,status,reason,n_points,latency_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
+        "kitti, tracking",0000,0,kd-tree,objects,evaluated,,120000,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,1,kd-tree,objects,evaluated,,120000,8.250,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,2,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,
         "#);
         assert_eq!(read.unwrap(), rows());
     }

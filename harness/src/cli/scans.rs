@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::dataset::dataset_format::DatasetFormat;
 use crate::simulator::sensor::EMBEDDED_SENSORS;
 
 /// Where data sets are looked up.
@@ -32,8 +33,8 @@ pub struct DatasetArgs {
 /// How data sets are opened.
 #[derive(Debug, Clone, Args)]
 pub struct SourceArgs {
-    /// Format of data sets given as paths, instead of recognising it: `kitti-tracking` or `kitti-object`
-    #[arg(long, value_name = "FORMAT")]
+    /// Format of data sets given as paths, instead of recognising it.
+    #[arg(long, value_name = "FORMAT", help = format_help())]
     pub format: Option<String>,
     /// Seed of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N")]
@@ -47,6 +48,11 @@ pub struct SourceArgs {
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,
+}
+
+fn format_help() -> String {
+    let names = DatasetFormat::names().join("`, `");
+    format!("Format of data sets given as paths, instead of recognising it: `{names}`")
 }
 
 pub(super) fn sensor_help() -> String {

@@ -16,6 +16,7 @@ use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
 use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
+use reports::tally::Tally;
 
 use crate::cli::RunArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
@@ -32,7 +33,7 @@ use crate::dataset::DatasetDescription;
 use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
-use crate::run::scores::DatasetScores;
+use crate::run::scores::{DatasetScores, overall_time_rows};
 use crate::run::side_by_side::{ScanResults, SideBySide};
 #[cfg(feature = "rerun")]
 use crate::{commands::recording::Recording, task::Task};
@@ -65,11 +66,11 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     };
     let directory = begin_directory(&plan)?;
     let mut archive = Archive::begin(&plan, &directory)?;
-    let mut rows = Vec::new();
+    let mut scores = Vec::new();
     for opened in &plan.datasets {
-        rows.extend(evaluate(&plan, opened, interrupted, &mut archive)?.metric_rows());
+        scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
     }
-    archive.finish()?;
+    let tally = archive.finish()?;
     let Plan { config, detectors, datasets, started, .. } = &plan;
     let manifest = run_manifest(RunSettings {
         data: &arguments.data,
@@ -79,10 +80,18 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
         datasets,
         started: *started,
     });
-    let report = RunReport::new(SCORING_VERSION, rows)?;
+    let report = report_of(&tally, &scores)?;
     let tables = write_report(&directory, &manifest, &report)?;
     let finished = directory.finish()?;
     print(&tables, &finished)
+}
+
+fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunReport> {
+    let mut rows = tally.metric_rows();
+    rows.extend(scores.iter().flat_map(DatasetScores::time_rows));
+    let mut overall = tally.overall_rows();
+    overall.extend(overall_time_rows(scores));
+    Ok(RunReport::with_overall(SCORING_VERSION, rows, overall)?)
 }
 
 fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
@@ -95,6 +104,7 @@ struct Archive {
     scans: CsvRowWriter<ScanRow>,
     matches: CsvRowWriter<MatchRow>,
     criterion: &'static str,
+    tally: Tally,
     #[cfg(feature = "rerun")]
     recording: Option<Recording>,
 }
@@ -105,6 +115,7 @@ impl Archive {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
             matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
             criterion: plan.config.matching.criterion.name(),
+            tally: Tally::default(),
             #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
         })
@@ -119,8 +130,11 @@ impl Archive {
     ) -> anyhow::Result<()> {
         for result in results.results {
             for assignment in &result.assignments {
-                self.scans.write(&scan_row(dataset, results.scan, result, assignment))?;
+                let row = scan_row(dataset, results.scan, result, assignment);
+                self.tally.add_scan(&row);
+                self.scans.write(&row)?;
                 for row in match_rows(dataset, self.criterion, results.scan, result, assignment) {
+                    self.tally.add_match(&row);
                     self.matches.write(&row)?;
                 }
             }
@@ -137,7 +151,7 @@ impl Archive {
         Ok(())
     }
 
-    fn finish(self) -> anyhow::Result<()> {
+    fn finish(self) -> anyhow::Result<Tally> {
         self.scans.finish()?;
         self.matches.finish()?;
         #[cfg(feature = "rerun")]
@@ -146,7 +160,7 @@ impl Archive {
         {
             print_diagnostic(format_args!("warning: {warning}"));
         }
-        Ok(())
+        Ok(self.tally)
     }
 }
 
@@ -190,7 +204,7 @@ fn evaluate(
     };
     let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
     side_by_side.run(&mut detectors, |results| -> anyhow::Result<()> {
-        scores.add(results.scan, results.results);
+        scores.add(results.results);
         archive.add(description, &results, &scores, &progress)
     })?;
     progress.finish_and_clear();

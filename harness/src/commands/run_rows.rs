@@ -4,12 +4,13 @@ use detector::detector::DropReason;
 use detector::{Detection, OrientedBox};
 use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
 use reports::match_row::MatchRow;
-use reports::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
+use reports::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
 
 use crate::annotation::{LabeledScan, Occlusion};
 use crate::dataset::DatasetDescription;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::metrics::counts::{Counts, FalseDetections};
+use crate::metrics::segmentation_quality::SegmentationQuality;
 use crate::run::side_by_side::DetectorScan;
 
 /// The row of one scan, detector and task in `scans.csv`.
@@ -20,6 +21,7 @@ pub fn scan_row(
     assignment: &Assignment,
 ) -> ScanRow {
     let counts = Counts::of(assignment);
+    let segmentation = SegmentationQuality::of(scan, &result.output.detections, assignment);
     let n_dropped = |reasons: &[DropReason]| {
         let dropped = result.output.dropped_clusters.iter();
         dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
@@ -37,6 +39,14 @@ pub fn scan_row(
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,
             n_unknowable_detections: counts.n_unknowable,
+            segmentation: SegmentationNumbers {
+                n_split: segmentation.n_split,
+                n_holding: segmentation.n_holding,
+                n_joining: segmentation.n_joining,
+                n_touching: segmentation.n_touching,
+                over_entropy_nats: segmentation.over_entropy_nats,
+                under_entropy_nats: segmentation.under_entropy_nats,
+            },
             n_dropped_too_small: n_dropped(&[DropReason::TooFewPoints]),
             n_dropped_too_large: n_dropped(&[DropReason::TooManyPoints, DropReason::TooLarge]),
         }),

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
-use std::path::Path;
+use std::path::{Component, Path};
 
 use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
@@ -83,14 +83,29 @@ pub enum CataloguedParts {
         /// The scans of these numbers, or all.
         scans: Option<BTreeSet<u32>>,
     },
+    /// SemanticKITTI.
+    SemanticKitti {
+        /// These drives, or all that have labels.
+        sequences: Option<BTreeSet<String>>,
+    },
 }
 
 impl CataloguedParts {
+    /// All of a data set in this format.
+    pub fn all(format: DatasetFormat) -> Self {
+        match format {
+            DatasetFormat::KittiTracking => Self::KittiTracking { sequences: None },
+            DatasetFormat::KittiObject => Self::KittiObject { scans: None },
+            DatasetFormat::SemanticKitti => Self::SemanticKitti { sequences: None },
+        }
+    }
+
     /// The format in whose terms this is.
     pub fn format(&self) -> DatasetFormat {
         match self {
             Self::KittiTracking { .. } => DatasetFormat::KittiTracking,
             Self::KittiObject { .. } => DatasetFormat::KittiObject,
+            Self::SemanticKitti { .. } => DatasetFormat::SemanticKitti,
         }
     }
 }
@@ -271,18 +286,32 @@ fn parts(
     let misplaced = |field: &str, byte_offset: usize| {
         source.error(byte_offset, format!("{field} cannot be chosen in the format {format}"))
     };
-    match (format, sequences, scans) {
-        (DatasetFormat::KittiTracking, sequences, None) => {
-            Ok(CataloguedParts::KittiTracking { sequences: sequences.map(Spanned::into_inner) })
+    let mut parts = CataloguedParts::all(format);
+    if let Some(chosen) = sequences {
+        let (CataloguedParts::KittiTracking { sequences } | CataloguedParts::SemanticKitti { sequences }) =
+            &mut parts
+        else {
+            return Err(misplaced("sequences", chosen.span().start));
+        };
+        if let Some(name) = chosen.get_ref().iter().find(|name| !is_file_name(name)) {
+            let problem = format!("{name:?} is not the name of a folder");
+            return Err(source.error(chosen.span().start, problem));
         }
-        (DatasetFormat::KittiObject, None, scans) => {
-            Ok(CataloguedParts::KittiObject { scans: scans.map(Spanned::into_inner) })
-        }
-        (DatasetFormat::KittiTracking, _, Some(scans)) => Err(misplaced("scans", scans.span().start)),
-        (DatasetFormat::KittiObject, Some(sequences), _) => {
-            Err(misplaced("sequences", sequences.span().start))
-        }
+        *sequences = Some(chosen.into_inner());
     }
+    if let Some(chosen) = scans {
+        let CataloguedParts::KittiObject { scans } = &mut parts else {
+            return Err(misplaced("scans", chosen.span().start));
+        };
+        *scans = Some(chosen.into_inner());
+    }
+    Ok(parts)
+}
+
+/// Whether `name` is one name, that leads neither up nor elsewhere.
+fn is_file_name(name: &str) -> bool {
+    let mut components = Path::new(name).components();
+    matches!((components.next(), components.next()), (Some(Component::Normal(only)), None) if only == name)
 }
 
 fn is_sha256(text: &str) -> bool {
@@ -381,8 +410,9 @@ url = "https://example.org"
     fn the_built_in_catalogue_knows_what_kitti_annotates() {
         let catalogue = built_in_catalogue().unwrap();
         let ids: Vec<&String> = catalogue.recorded.keys().collect();
-        assert_eq!(ids, ["kitti-object", "kitti-tracking"]);
-        for entry in catalogue.recorded.values() {
+        assert_eq!(ids, ["kitti-object", "kitti-tracking", "semantic-kitti"]);
+        for id in &ids[..2] {
+            let entry = &catalogue.recorded[*id];
             assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
         }
     }
@@ -400,6 +430,9 @@ url = "https://example.org"
         check_refused(r#"["van", "car"]"#, "[]", 6, "at least one class");
         check_refused("sequences = [\"0003\", \"0001\"]", "scans = [3]", 5, "scans cannot be chosen");
         check_refused("url", "checksum = \"12ab\"\nurl", 9, "checksum \"12ab\"");
+        check_refused("\"0003\"", "\"../0003\"", 5, "\"../0003\" is not the name of a folder");
+        check_refused("\"0003\"", "\"/etc\"", 5, "\"/etc\" is not the name of a folder");
+        check_refused("\"0003\"", "\"\"", 5, "\"\" is not the name of a folder");
         check_refused("my-drive", "\"../drive\"", 2, "\"../drive\" is no id");
         check_refused("licence = \"mine\"", "licence = \"mine", 8, "");
     }

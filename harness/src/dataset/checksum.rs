@@ -2,7 +2,7 @@
 //!
 //! It is the SHA-256 of sorted lines, each ended by a newline:
 //!
-//! - `scan NAME SIZE` for every scan file, SIZE in bytes. Scans are by far the most of the data; hashing their contents
+//! - `scan NAME SIZE` for every scan file and every file with a label a point, SIZE in bytes. Scans are by far the most of the data; hashing their contents
 //!   would take longer than running the detectors, so a scan that changes but keeps its size is not noticed.
 //! - `text NAME SHA256` for every label and calibration file, over its content.
 //! - `image NAME WIDTHxHEIGHT` for the image size, in pixels, that the labelled region of the scan or sequence NAME is

@@ -13,17 +13,20 @@ pub enum DatasetFormat {
     KittiTracking,
     /// KITTI's object benchmark: single scans.
     KittiObject,
+    /// SemanticKITTI: KITTI's odometry drives with a label for every point.
+    SemanticKitti,
 }
 
 impl DatasetFormat {
     /// All formats.
-    pub const ALL: [Self; 2] = [Self::KittiTracking, Self::KittiObject];
+    pub const ALL: [Self; 3] = [Self::KittiTracking, Self::KittiObject, Self::SemanticKitti];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::KittiTracking => "kitti-tracking",
             Self::KittiObject => "kitti-object",
+            Self::SemanticKitti => "semantic-kitti",
         }
     }
 
@@ -64,7 +67,9 @@ mod tests {
     #[test]
     fn an_unknown_format_is_a_usage_error_that_lists_the_known_ones() {
         let error = "kitty".parse::<DatasetFormat>().expect_err("no such format");
-        assert_eq!(error.to_string(), r#"unknown format "kitty", known are kitti-tracking, kitti-object"#);
+        let known = DatasetFormat::names().join(", ");
+        assert!(known.starts_with("kitti-tracking, kitti-object, "));
+        assert_eq!(error.to_string(), format!(r#"unknown format "kitty", known are {known}"#));
         assert!(error.is_usage_error());
     }
 }

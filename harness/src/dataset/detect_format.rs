@@ -6,14 +6,15 @@ use super::DatasetError;
 use super::dataset_format::DatasetFormat;
 use super::kitti::object::is_kitti_object;
 use super::kitti::tracking::is_kitti_tracking;
+use super::semantic_kitti::sequence::is_semantic_kitti;
 
 /// A data set on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FoundDataset {
     /// Its format.
     pub format: DatasetFormat,
-    /// The folder that holds it in the layout of the format.
-    pub folder: PathBuf,
+    /// The folder that holds it in the layout of the format, or the file.
+    pub path: PathBuf,
 }
 
 /// Finds the data set at `path`: `path` itself, a split in it (`training`, else `testing`), or, if it is neither, the
@@ -38,7 +39,7 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
         1 => Ok(found.remove(0)),
         _ => Err(DatasetError::SeveralDatasets {
             path: path.to_path_buf(),
-            found: found.iter().map(|it| format!("{} {}", it.format, it.folder.display())).collect(),
+            found: found.iter().map(|it| format!("{} {}", it.format, it.path.display())).collect(),
         }),
     }
 }
@@ -48,7 +49,7 @@ fn found_in(path: &Path, formats: &[DatasetFormat]) -> Vec<FoundDataset> {
     let folders = [path.to_path_buf(), path.join("training"), path.join("testing")];
     let found = folders.into_iter().map(|folder| -> Vec<FoundDataset> {
         let fitting = formats.iter().filter(|format| recognizes(**format, &folder));
-        fitting.map(|&format| FoundDataset { format, folder: folder.clone() }).collect()
+        fitting.map(|&format| FoundDataset { format, path: folder.clone() }).collect()
     });
     found.into_iter().find(|found| !found.is_empty()).unwrap_or_default()
 }
@@ -57,6 +58,7 @@ fn recognizes(format: DatasetFormat, folder: &Path) -> bool {
     match format {
         DatasetFormat::KittiTracking => is_kitti_tracking(folder),
         DatasetFormat::KittiObject => is_kitti_object(folder),
+        DatasetFormat::SemanticKitti => is_semantic_kitti(folder),
     }
 }
 
@@ -89,7 +91,7 @@ mod tests {
         let found = detect_format(&root.path().join(path), &DatasetFormat::ALL);
         match (found, expected) {
             (Ok(found), Ok((format, folder))) => {
-                assert_eq!(found, FoundDataset { format, folder: root.path().join(folder) });
+                assert_eq!(found, FoundDataset { format, path: root.path().join(folder) });
             }
             (Err(error), Err(part)) => assert!(error.to_string().contains(part), "{error}"),
             (found, expected) => panic!("{found:?}, expected {expected:?}"),
@@ -107,6 +109,14 @@ mod tests {
         for path in ["o/training", "o", ""] {
             check(&OBJECT, path, Ok((DatasetFormat::KittiObject, "o/training")));
         }
+    }
+
+    #[test]
+    fn drives_with_labels_a_point_are_semantic_kitti() {
+        let files = ["s/sequences/00/velodyne/000000.bin", "s/sequences/00/labels/000000.label"];
+        check(&files, "s", Ok((DatasetFormat::SemanticKitti, "s")));
+        check(&files, "", Ok((DatasetFormat::SemanticKitti, "s")));
+        check(&files, "s/sequences", Err("holds no data set"));
     }
 
     #[test]
@@ -129,7 +139,7 @@ mod tests {
 
     #[test]
     fn what_is_unknown_is_refused_with_the_formats_looked_for() {
-        check(&["a/b.csv"], "", Err("holds no data set in a known format (kitti-tracking, kitti-object)"));
+        check(&["a/b.csv"], "", Err("holds no data set in a known format (kitti-tracking, kitti-object, "));
         check(&["a/b.csv"], "nowhere", Err("cannot read"));
     }
 }

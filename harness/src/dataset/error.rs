@@ -193,6 +193,34 @@ pub enum DatasetError {
         /// The size of a point.
         n_bytes_per_point: usize,
     },
+    /// Labels of another scan.
+    #[error("{path:?} has {n_labels} labels, its scan has {n_points} points")]
+    LabelCount {
+        /// The file of the labels.
+        path: PathBuf,
+        /// Labels in it.
+        n_labels: usize,
+        /// Points of the scan.
+        n_points: usize,
+    },
+    /// A label that the format does not have.
+    #[error("{path:?}, point {point_idx}: there is no label {label}")]
+    UnknownLabel {
+        /// The file of the labels.
+        path: PathBuf,
+        /// The point, counted from 0.
+        point_idx: u32,
+        /// Its label.
+        label: u16,
+    },
+    /// A file that does not follow its format.
+    #[error("{path:?} {problem}")]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, as the rest of a sentence about it.
+        problem: String,
+    },
     /// A value that is NaN or infinite.
     #[error("{path:?}, point {point_idx} (byte {byte_offset}): {column} is {value}")]
     NotFinite {

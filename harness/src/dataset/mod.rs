@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use nalgebra::Isometry3;
+
 use self::simulated_street::StreetDrive;
 use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
 use crate::task::Task;
@@ -20,6 +22,7 @@ pub mod source;
 
 // The formats, a folder each.
 pub mod kitti;
+pub mod semantic_kitti;
 pub mod simulated_street;
 
 // From what the user names to an open data set, and to the scans of it that are run.
@@ -45,6 +48,20 @@ pub trait Dataset: Send + Sync {
     ///
     /// [`DatasetError`] if a file is missing, damaged or contradicts another.
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError>;
+
+    /// When scan `scan_idx` was taken, in nanoseconds since some start of time, as far as the files say.
+    fn scan_time_ns(&self, _scan_idx: usize) -> Option<u64> {
+        None
+    }
+
+    /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file that says so is damaged.
+    fn world_from_sensor(&self, _scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        Ok(None)
+    }
 }
 
 /// What is known about a data set without reading a scan.

@@ -11,6 +11,7 @@ use super::kitti::object::open_kitti_object;
 use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use super::kitti::tracking::open_kitti_tracking;
 use super::root_template::UnsetVariable;
+use super::semantic_kitti::sequence::open_semantic_kitti;
 use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::DatasetSource;
 use super::{AnnotatedClasses, Dataset, DatasetError};
@@ -94,7 +95,7 @@ fn open_catalogued(
     }
     let source = DatasetSource {
         id: id.to_owned(),
-        folder: detect_format(&root, &[catalogued])?.folder,
+        path: detect_format(&root, &[catalogued])?.path,
         annotated: entry.annotated.clone(),
         sensor_height_m: entry.sensor_height_m,
         sensor: entry.sensor.clone(),
@@ -125,32 +126,42 @@ fn open_path(
     let found = detect_format(Path::new(path), &formats)?;
     let source = DatasetSource {
         id: name_of(&found),
-        folder: found.folder,
-        annotated: AnnotatedClasses::Only(KITTI_CLASSES.to_vec()),
+        path: found.path,
+        annotated: annotated_by(found.format),
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
         sensor: KITTI_SENSOR.to_owned(),
         licence: None,
     };
-    let everything = match found.format {
-        DatasetFormat::KittiTracking => CataloguedParts::KittiTracking { sequences: None },
-        DatasetFormat::KittiObject => CataloguedParts::KittiObject { scans: None },
-    };
-    open_parts(source, &everything)
+    open_parts(source, &CataloguedParts::all(found.format))
+}
+
+/// What the benchmark of the format annotates.
+fn annotated_by(format: DatasetFormat) -> AnnotatedClasses {
+    match format {
+        DatasetFormat::KittiTracking | DatasetFormat::KittiObject => {
+            AnnotatedClasses::Only(KITTI_CLASSES.to_vec())
+        }
+        // Every point has a label, and those that leave open whether they are an object are not judged.
+        DatasetFormat::SemanticKitti => AnnotatedClasses::EveryObject,
+    }
 }
 
 fn open_parts(source: DatasetSource, parts: &CataloguedParts) -> Result<Box<dyn Dataset>, DatasetError> {
-    match parts {
+    Ok(match parts {
         CataloguedParts::KittiTracking { sequences } => {
-            Ok(Box::new(open_kitti_tracking(source, sequences.as_ref())?))
+            Box::new(open_kitti_tracking(source, sequences.as_ref())?)
         }
-        CataloguedParts::KittiObject { scans } => Ok(Box::new(open_kitti_object(source, scans.as_ref())?)),
-    }
+        CataloguedParts::KittiObject { scans } => Box::new(open_kitti_object(source, scans.as_ref())?),
+        CataloguedParts::SemanticKitti { sequences } => {
+            Box::new(open_semantic_kitti(source, sequences.as_ref())?)
+        }
+    })
 }
 
 /// The name of the folder, or of the one above if it is only called after its split.
 fn name_of(found: &FoundDataset) -> String {
     // A relative folder may end in `..` or be `.`, which is no name.
-    let folder = found.folder.canonicalize().unwrap_or_else(|_| found.folder.clone());
+    let folder = found.path.canonicalize().unwrap_or_else(|_| found.path.clone());
     let mut names = folder.ancestors().filter_map(|it| it.file_name()).map(|name| name.to_string_lossy());
     let name = names.find(|name| name != "training" && name != "testing");
     name.map_or_else(|| found.format.to_string(), Cow::into_owned)

@@ -10,8 +10,8 @@ use super::{AnnotatedClasses, DatasetDescription};
 pub struct DatasetSource {
     /// The name used in tables and files.
     pub id: String,
-    /// The folder that holds the scans and labels in the layout of the format.
-    pub folder: PathBuf,
+    /// The file, or the folder that holds the scans and labels in the layout of the format.
+    pub path: PathBuf,
     /// What its annotations cover. Labels of any other class are refused.
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
@@ -28,7 +28,7 @@ impl DatasetSource {
         DatasetDescription {
             id: self.id,
             format: format.name().to_owned(),
-            root: Some(self.folder),
+            root: Some(self.path),
             annotated: self.annotated,
             sensor_height_m: self.sensor_height_m,
             sensor: self.sensor,

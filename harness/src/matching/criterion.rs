@@ -96,5 +96,6 @@ pub fn center_m(scan: &LabeledScan, annotation: &Annotation) -> Option<[f64; 2]>
         let [x_m, y_m, _] = scan.cloud.position_m(point_idx as usize);
         sum_m = [sum_m[0] + f64::from(x_m), sum_m[1] + f64::from(y_m)];
     }
-    (n_points > 0).then(|| sum_m.map(|it| it / n_points as f64))
+    // Rounded as a box would hold it, so that an echoed annotation lies exactly where it was.
+    (n_points > 0).then(|| sum_m.map(|it| f64::from((it / n_points as f64) as f32)))
 }

@@ -33,6 +33,12 @@ impl Latencies {
         let total_s = self.sorted.iter().sum::<Duration>().as_secs_f64();
         (total_s > 0.0).then(|| self.n() as f64 / total_s)
     }
+
+    /// One over the median time of a scan. `None` without scans.
+    pub fn fps_p50(&self) -> Option<f64> {
+        let p50_s = self.percentile(50)?.as_secs_f64();
+        (p50_s > 0.0).then(|| 1.0 / p50_s)
+    }
 }
 
 #[cfg(test)]
@@ -61,6 +67,8 @@ mod tests {
     fn scans_per_second_are_one_over_the_mean() {
         let latencies = Latencies::new(vec![Duration::from_millis(10), Duration::from_millis(30)]);
         assert_eq!(latencies.fps_mean(), Some(50.0));
+        assert_eq!(latencies.fps_p50(), Some(100.0));
         assert_eq!(Latencies::new(Vec::new()).fps_mean(), None);
+        assert_eq!(Latencies::new(Vec::new()).fps_p50(), None);
     }
 }

@@ -1,4 +1,6 @@
-//! How often objects are torn apart or run together, whether or not the pieces match.
+//! How often, and how far, objects are torn apart or run together, whether or not the pieces match.
+//!
+//! The entropies are those of Oh et al.: TRAVEL, 2022. Points without a detection, or without an annotation, give no term.
 
 use detector::Detections;
 
@@ -7,7 +9,7 @@ use crate::matching::outcome::{AnnotationOutcome, Assignment};
 use crate::matching::point_overlap::PointOverlap;
 
 /// Over- and under-segmentation over any number of scans.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SegmentationQuality {
     /// Annotations that count.
     pub n_annotations: u64,
@@ -17,6 +19,12 @@ pub struct SegmentationQuality {
     pub n_holding: u64,
     /// Of these, those that do so for several annotations.
     pub n_joining: u64,
+    /// Detections that hold a point of an annotation that counts.
+    pub n_touching: u64,
+    /// OSE, summed over annotations: −p ln p of every detection, where p is its share of the annotation's points.
+    pub over_entropy_nats: f64,
+    /// USE, summed over detections: −p ln p of every annotation that counts, where p is its share of the detection's points.
+    pub under_entropy_nats: f64,
 }
 
 impl SegmentationQuality {
@@ -25,6 +33,7 @@ impl SegmentationQuality {
         let overlap = PointOverlap::count(scan, detections);
         let mut quality = Self::default();
         let mut n_held = vec![0_u32; detections.len()];
+        let mut is_touching = vec![false; detections.len()];
         for (annotation_idx, outcome) in assignment.annotations.iter().enumerate() {
             if !matches!(outcome, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_)) {
                 continue;
@@ -32,26 +41,31 @@ impl SegmentationQuality {
             let n_points = scan.annotations[annotation_idx].point_indices.len();
             let shared = overlap.of_annotation(annotation_idx);
             quality.n_annotations += 1;
+            quality.over_entropy_nats +=
+                shared.iter().map(|&(_, n_shared)| entropy_nats(n_shared, n_points)).sum::<f64>();
             let n_pieces = shared.iter().filter(|&&(_, n_shared)| 10 * n_shared >= n_points).count();
             quality.n_split += u64::from(n_pieces >= 2);
             for &(detection_idx, _) in shared.iter().filter(|&&(_, n_shared)| 2 * n_shared > n_points) {
                 n_held[detection_idx] += 1;
             }
+            for &(detection_idx, n_shared) in shared {
+                let n_points = detections.get(detection_idx).point_indices.len();
+                is_touching[detection_idx] = true;
+                quality.under_entropy_nats += entropy_nats(n_shared, n_points);
+            }
         }
+        quality.n_touching = is_touching.iter().filter(|&&it| it).count() as u64;
         quality.n_holding = n_held.iter().filter(|&&n| n >= 1).count() as u64;
         quality.n_joining = n_held.iter().filter(|&&n| n >= 2).count() as u64;
         quality
     }
+}
 
-    /// Share of the annotations that are split; `None` without annotations.
-    pub fn over_segmentation(&self) -> Option<f64> {
-        (self.n_annotations > 0).then(|| self.n_split as f64 / self.n_annotations as f64)
-    }
-
-    /// Share of the detections holding an annotation that hold several; `None` if none holds any.
-    pub fn under_segmentation(&self) -> Option<f64> {
-        (self.n_holding > 0).then(|| self.n_joining as f64 / self.n_holding as f64)
-    }
+/// −p ln p of the share `n` of `n_all`; `n` is not 0.
+fn entropy_nats(n: usize, n_all: usize) -> f64 {
+    let share = n as f64 / n_all as f64;
+    // Not minus the product: a share of 1 would give a negative zero.
+    share * (n_all as f64 / n as f64).ln()
 }
 
 impl std::ops::AddAssign for SegmentationQuality {
@@ -60,6 +74,9 @@ impl std::ops::AddAssign for SegmentationQuality {
         self.n_split += other.n_split;
         self.n_holding += other.n_holding;
         self.n_joining += other.n_joining;
+        self.n_touching += other.n_touching;
+        self.over_entropy_nats += other.over_entropy_nats;
+        self.under_entropy_nats += other.under_entropy_nats;
     }
 }
 
@@ -119,7 +136,7 @@ mod tests {
     /// Compares the number of annotations, of those split, of detections that hold one, and of those that hold several.
     #[track_caller]
     fn check(annotations: &str, detections: &str, expected: [u64; 4]) {
-        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining } =
+        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining, .. } =
             quality(annotations, detections);
         assert_eq!([n_annotations, n_split, n_holding, n_joining], expected, "{annotations}\n{detections}");
     }
@@ -154,15 +171,44 @@ mod tests {
     #[test]
     fn what_nobody_found_and_what_is_on_nothing_say_nothing() {
         check("aaaa....", "....xxxx", [1, 0, 0, 0]);
-        assert_eq!(quality("aaaa", "....").over_segmentation(), Some(0.0));
-        assert_eq!(quality("aaaa", "....").under_segmentation(), None);
-        assert_eq!(quality("....", "xxxx").over_segmentation(), None);
+    }
+
+    /// Compares OSE and USE, and the number of detections with a point of an annotation.
+    #[track_caller]
+    fn check_entropies(annotations: &str, detections: &str, expected_nats: [f64; 2], n_touching: u64) {
+        let found = quality(annotations, detections);
+        let nats = [found.over_entropy_nats, found.under_entropy_nats];
+        let is_close = nats.iter().zip(expected_nats).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(is_close, "{nats:?}\n{annotations}\n{detections}");
+        assert_eq!(found.n_touching, n_touching, "{annotations}\n{detections}");
     }
 
     #[test]
-    fn shares_are_of_sums_over_scans() {
+    fn entropies_are_zero_where_nothing_is_torn_or_joined() {
+        check_entropies("aaaa.bbbb", "xxxx.yyyy", [0.0, 0.0], 2);
+        check_entropies("aaaa.....", ".....xxxx", [0.0, 0.0], 0);
+    }
+
+    #[test]
+    fn two_halves_are_an_entropy_of_ln_2() {
+        let ln_2 = std::f64::consts::LN_2;
+        check_entropies("aaaa", "xxyy", [ln_2, 0.0], 2);
+        check_entropies("aabb", "xxxx", [0.0, ln_2], 1);
+        check_entropies("aaaa.bbcc", "xxyy.zzzz", [ln_2, ln_2], 3);
+    }
+
+    #[test]
+    fn points_of_nothing_give_no_term() {
+        // Half found by one detection, half by none: one term of a half.
+        check_entropies("aaaa", "xx..", [0.5 * std::f64::consts::LN_2, 0.0], 1);
+        check_entropies("aa..", "xxxx", [0.0, 0.5 * std::f64::consts::LN_2], 1);
+    }
+
+    #[test]
+    fn scans_add_up() {
         let mut all = quality("aaaa.bbbb", "xxxxxxxxx");
         all += quality("aaaaaaaaaa", "xxxxxxxxxy");
-        assert_eq!((all.over_segmentation(), all.under_segmentation()), (Some(1.0 / 3.0), Some(0.5)));
+        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining, n_touching, .. } = all;
+        assert_eq!([n_annotations, n_split, n_holding, n_joining, n_touching], [3, 1, 2, 1, 3]);
     }
 }

@@ -17,6 +17,7 @@ mod kitti_real_scans;
 mod layers;
 mod run_directory;
 mod realism;
+mod readers;
 mod simulated_reference;
 mod fit_density;
 mod train;

@@ -46,6 +46,8 @@ pub(crate) enum LineKind {
 pub(crate) struct Cell {
     pub(crate) text: String,
     pub(crate) mark: Option<Mark>,
+    /// Two numbers, which are not aligned by a decimal point.
+    pub(crate) is_interval: bool,
 }
 
 /// Something to be said about a cell.
@@ -74,11 +76,21 @@ pub(crate) enum Undefined {
 
 impl Cell {
     pub(crate) fn new(text: impl Into<String>) -> Self {
-        Self { text: text.into(), mark: None }
+        Self { text: text.into(), mark: None, is_interval: false }
     }
 
     pub(crate) fn marked(text: impl Into<String>, mark: Mark) -> Self {
-        Self { text: text.into(), mark: Some(mark) }
+        Self { text: text.into(), mark: Some(mark), is_interval: false }
+    }
+
+    /// From a number to another.
+    pub(crate) fn interval(text: String) -> Self {
+        Self { text, mark: None, is_interval: true }
+    }
+
+    /// From the decimal point on; nothing of an interval.
+    pub(crate) fn fraction(&self) -> &str {
+        if self.is_interval { "" } else { fraction(&self.text) }
     }
 
     /// The cell of a number that does not exist.
@@ -97,13 +109,13 @@ impl Grid {
     /// For every column, the most characters from the decimal point on.
     pub(crate) fn fraction_widths(&self) -> Vec<usize> {
         let width = |column_idx: usize| {
-            self.lines.iter().map(move |it| fraction(&it.cells[column_idx].text).chars().count()).max()
+            self.lines.iter().map(move |it| it.cells[column_idx].fraction().chars().count()).max()
         };
         (0..self.columns.len()).map(|column_idx| width(column_idx).unwrap_or(0)).collect()
     }
 }
 
 /// The decimal point of a number and what follows.
-pub(crate) fn fraction(text: &str) -> &str {
+fn fraction(text: &str) -> &str {
     text.find('.').map_or("", |point| &text[point..])
 }

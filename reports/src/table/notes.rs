@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use crate::bootstrap::{N_RESAMPLES, SCANS_PER_BLOCK};
 use crate::table::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
+use crate::table::task_grids::INTERVAL_TITLE;
 use crate::table::task_table::TaskTable;
 
 /// The sentences beneath a table, and the signs in it that refer to them.
@@ -32,6 +34,12 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
              neither right nor wrong."
                 .to_owned(),
         );
+    }
+    if lines().flat_map(|it| &it.cells).any(|it| it.is_interval) {
+        notes.sentences.push(format!(
+            "{INTERVAL_TITLE}: cluster bootstrap, {N_RESAMPLES} resamples of blocks of {SCANS_PER_BLOCK} scan numbers, a second \
+             or more. How much scans of the same drives could vary, not other drives."
+        ));
     }
     if has_line(LineKind::Overall) {
         notes.sentences.push(

@@ -3,10 +3,11 @@
 use crate::counts::Counts;
 use crate::fixed_decimals::fixed_decimals;
 use crate::paper_figures::{PaperRow, PaperTable, Recordings};
+use crate::run_report::Interval;
 use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark, Undefined};
 use crate::table::task_table::{Extent, MeasuredRow, Origin, Score, TableRow, TaskTable};
 
-/// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps.
+/// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it how sure the F-rates are.
 ///
 /// Where the F-rate is undefined because false objects are unknown, a line with the recall follows.
 pub(crate) fn main_grid(table: &TaskTable) -> Grid {
@@ -21,7 +22,11 @@ pub(crate) fn main_grid(table: &TaskTable) -> Grid {
         match row {
             TableRow::Measured(row) => {
                 lines.push(measured_line(row));
+                lines.extend(interval_line(row, |it| it.intervals.f_rate));
                 lines.extend(recall_line(row));
+                if row.scores.iter().any(|it| it.counts.fo().is_none()) {
+                    lines.extend(interval_line(row, |it| it.intervals.recall));
+                }
             }
             TableRow::Paper(row) => {
                 lines.extend(table.paper.map(|paper| paper_line(paper, row, &table.detectors)));
@@ -31,10 +36,10 @@ pub(crate) fn main_grid(table: &TaskTable) -> Grid {
     Grid { columns, lines }
 }
 
-/// One line a data set and detector: all counts and rates, and what was ignored.
+/// One line a data set and detector: all counts, the rates that [`main_grid`] has not, and what was ignored.
 pub(crate) fn counts_grid(table: &TaskTable) -> Grid {
     let left = ["data set", "detector"].map(|title| (title, Alignment::Left));
-    let numbers = ["scans", "NO", "TP", "MO", "FO", "P", "R", "F-rate", "IA", "ID"];
+    let numbers = ["scans", "NO", "TP", "MO", "FO", "P", "R", "IA", "ID"];
     let columns = left.into_iter().chain(numbers.map(|title| (title, Alignment::Decimal)));
     let columns = columns.map(|(title, alignment)| Column { group: None, title, alignment }).collect();
     let measured = table.rows.iter().filter_map(|it| match it {
@@ -66,7 +71,6 @@ fn counts_cells(label: Cell, detector: &str, score: &Score) -> Vec<Cell> {
         counts.fo().map_or(Cell::undefined(Undefined::FalseObjectsUnknown), count),
         rate_cell(counts.precision(), counts),
         recall_cell(counts),
-        rate_cell(counts.f_rate(), counts),
         count(score.n_ignored_annotations),
         count(score.n_ignored_detections),
     ]
@@ -103,6 +107,28 @@ fn measured_line(row: &MeasuredRow) -> Line {
         ]);
     }
     Line { kind: line_kind(row), cells }
+}
+
+/// How sure the rates of the line above are; `None` if that is known of none.
+fn interval_line(row: &MeasuredRow, interval: fn(&Score) -> Option<Interval>) -> Option<Line> {
+    let intervals: Vec<_> = row.scores.iter().map(interval).collect();
+    intervals.iter().any(Option::is_some).then(|| {
+        let mut cells = vec![Cell::new(INTERVAL_TITLE), Cell::default()];
+        for interval in intervals {
+            cells.extend([Cell::default(), interval_cell(interval), Cell::default()]);
+        }
+        Line { kind: LineKind::Detail, cells }
+    })
+}
+
+/// The label of intervals.
+pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
+
+fn interval_cell(interval: Option<Interval>) -> Cell {
+    interval.map_or_else(Cell::default, |it| {
+        let [low, high] = it.ends.map(percent_text);
+        Cell::interval(format!("{low}–{high}"))
+    })
 }
 
 fn recall_line(row: &MeasuredRow) -> Option<Line> {

@@ -4,7 +4,7 @@ use crate::counts::Counts;
 use crate::manifest::{DatasetEntry, Manifest};
 use crate::metric::Metric;
 use crate::paper_figures::{PAPER_TABLES, PaperRow, PaperTable, Recordings};
-use crate::run_report::{RunReport, SLICE_ALL, Subject};
+use crate::run_report::{Interval, MetricRow, OVERALL, RunReport, SLICE_ALL, Subject};
 
 /// The table of one task.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +70,7 @@ impl Extent {
     pub fn name(&self) -> &str {
         match self {
             Self::Dataset(id) => id,
-            Self::Overall => "overall",
+            Self::Overall => OVERALL,
         }
     }
 }
@@ -98,6 +98,8 @@ pub struct Score {
     pub n_scans: u64,
     /// What was found, missed and false.
     pub counts: Counts,
+    /// How sure precision, recall and F-rate are.
+    pub intervals: RateIntervals,
     /// Annotations that are neither found nor missed.
     pub n_ignored_annotations: u64,
     /// Detections that are neither right nor false.
@@ -106,6 +108,17 @@ pub struct Score {
     pub n_timed_scans: u64,
     /// Time of detection of those, in seconds.
     pub total_time_s: f64,
+}
+
+/// How sure rates are, where that is known.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RateIntervals {
+    /// Of TP / ND.
+    pub precision: Option<Interval>,
+    /// Of TP / NO.
+    pub recall: Option<Interval>,
+    /// Of 2 TP / (NO + ND).
+    pub f_rate: Option<Interval>,
 }
 
 /// Why a report makes no table.
@@ -218,6 +231,8 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: &str) -> Result<Tas
     let datasets = entries
         .map(|entry| Ok((entry, measured_row(report, entry, task, &detectors)?)))
         .collect::<Result<Vec<_>, TableError>>()?;
+    let measured: Vec<&MeasuredRow> = datasets.iter().map(|(_, row)| row).collect();
+    let overall = (measured.len() > 1).then(|| overall_row(report, task, &detectors, &measured));
     let paper = PAPER_TABLES.iter().find(|it| {
         it.task == task && it.methods.iter().any(|method| detectors.iter().any(|our| our == method.detector))
     });
@@ -227,13 +242,14 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: &str) -> Result<Tas
         cpu_model: manifest.machine.cpu_model.clone(),
         detectors,
         paper,
-        rows: in_order(datasets, paper),
+        rows: in_order(datasets, overall, paper),
     })
 }
 
 /// Puts the paper's rows beneath the last data set that they are to be compared with.
 fn in_order(
     datasets: Vec<(&DatasetEntry, MeasuredRow)>,
+    overall: Option<MeasuredRow>,
     paper: Option<&'static PaperTable>,
 ) -> Vec<TableRow> {
     let paper_rows = |recordings| {
@@ -242,8 +258,6 @@ fn in_order(
     };
     let counterparts: Vec<_> = datasets.iter().map(|(entry, _)| counterpart(entry)).collect();
     let measured: Vec<_> = datasets.into_iter().map(|(_, row)| row).collect();
-    let overall = (measured.len() > 1).then(|| overall_row(&measured));
-
     let mut rows = Vec::new();
     for (dataset_idx, row) in measured.into_iter().enumerate() {
         rows.push(TableRow::Measured(row));
@@ -295,8 +309,13 @@ fn measured_row(
 }
 
 /// Sums counts and times, so that every object and every scan weighs the same; `datasets` is not empty.
-fn overall_row(datasets: &[MeasuredRow]) -> MeasuredRow {
-    let mut overall = MeasuredRow { extent: Extent::Overall, ..datasets[0].clone() };
+fn overall_row(
+    report: &RunReport,
+    task: &str,
+    detectors: &[String],
+    datasets: &[&MeasuredRow],
+) -> MeasuredRow {
+    let mut overall = MeasuredRow { extent: Extent::Overall, ..(*datasets[0]).clone() };
     for dataset in &datasets[1..] {
         overall.no += dataset.no;
         for (sum, score) in overall.scores.iter_mut().zip(&dataset.scores) {
@@ -306,7 +325,20 @@ fn overall_row(datasets: &[MeasuredRow]) -> MeasuredRow {
             overall.origin = Origin::PartlySimulated;
         }
     }
+    for (score, detector) in overall.scores.iter_mut().zip(detectors) {
+        let [dataset, task, detector, slice] = [OVERALL, task, detector, SLICE_ALL].map(str::to_owned);
+        score.intervals = rate_intervals(report, &Subject { dataset, task, detector, slice });
+    }
     overall
+}
+
+fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {
+    let interval = |metric| report.row(subject, &metric).and_then(MetricRow::interval);
+    RateIntervals {
+        precision: interval(Metric::Precision),
+        recall: interval(Metric::Recall),
+        f_rate: interval(Metric::FRate),
+    }
 }
 
 /// The numbers of one data set, task and detector.
@@ -343,6 +375,7 @@ fn score(report: &RunReport, entry: &DatasetEntry, task: &str, detector: &str) -
     Ok(Score {
         n_scans: row(Metric::No)?.n,
         counts,
+        intervals: rate_intervals(report, &subject),
         n_ignored_annotations: known_count(Metric::IgnoredAnnotations)?,
         n_ignored_detections: known_count(Metric::IgnoredDetections)?,
         n_timed_scans,

@@ -67,7 +67,7 @@ pub fn open_kitti_object(
     source: DatasetSource,
     scans: Option<&BTreeSet<u32>>,
 ) -> Result<KittiObjects, DatasetError> {
-    let mut folder = SplitFolder::with_labels(&source.folder, LABELS)?;
+    let mut folder = SplitFolder::with_labels(&source.path, LABELS)?;
     let numbers = scan_numbers(&folder, scans)?;
     let mut scan_ids = Vec::with_capacity(numbers.len());
     let mut opened = Vec::with_capacity(numbers.len());

@@ -1,4 +1,4 @@
-//! The folder of a KITTI split (`training`), whose files are checked for existence and taken into the checksum as they
+//! The folder of a KITTI split (`training`) or of a benchmark like it, whose files are checked for existence and taken into the checksum as they
 //! are read.
 
 use std::path::{Path, PathBuf};
@@ -28,11 +28,16 @@ impl SplitFolder {
     ///
     /// [`DatasetError::Unlabeled`] if the latter does not exist, as in KITTI's test splits.
     pub fn with_labels(path: &Path, labels: &str) -> Result<Self, DatasetError> {
-        let folder = Self { path: path.to_path_buf(), checksum: DatasetChecksum::default() };
+        let folder = Self::unchecked(path);
         if folder.path_of(labels).is_dir() {
             return Ok(folder);
         }
         Err(DatasetError::Unlabeled { scans: folder.path_of("velodyne"), labels: folder.path_of(labels) })
+    }
+
+    /// The folder `path`, whatever is in it.
+    pub fn unchecked(path: &Path) -> Self {
+        Self { path: path.to_path_buf(), checksum: DatasetChecksum::default() }
     }
 
     /// Where the file `name` lies.
@@ -70,6 +75,19 @@ impl SplitFolder {
         };
         self.checksum.add_text(name, &text);
         Ok(text)
+    }
+
+    /// Reads the text file `name` and takes it into the checksum, or returns `None` if it does not exist.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read_text_file`].
+    pub fn read_text_if_present(&mut self, name: &str) -> Result<Option<String>, DatasetError> {
+        if self.path_of(name).exists() {
+            self.read_text(name, |path| DatasetError::MissingSelected { path }).map(Some)
+        } else {
+            Ok(None)
+        }
     }
 
     /// Width and height in pixels of `image`, taken into the checksum as those of `name`.

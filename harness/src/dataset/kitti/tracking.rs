@@ -62,7 +62,7 @@ pub fn open_kitti_tracking(
     source: DatasetSource,
     sequences: Option<&BTreeSet<String>>,
 ) -> Result<KittiTracking, DatasetError> {
-    let mut folder = SplitFolder::with_labels(&source.folder, LABELS)?;
+    let mut folder = SplitFolder::with_labels(&source.path, LABELS)?;
     let velodyne = folder.path_of("velodyne");
     let present = sequence_names(&velodyne)?;
     if let Some(missing) = sequences.and_then(|names| names.iter().find(|name| !present.contains(*name))) {

@@ -1,0 +1,94 @@
+//! What the numbers of SemanticKITTI's labels stand for, and what becomes of them here.
+
+use crate::annotation::AnnotationClass;
+
+/// What becomes of the points of a label.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SemanticClass {
+    /// Each instance is an object. Points of instance 0 belong to an object that was not told from others.
+    Object(AnnotationClass),
+    /// A pole or sign. Real labels do not tell one from another: what hangs together is an object.
+    Upright,
+    /// Road, pavement, ground, buildings: no object.
+    Background,
+    /// Unlabelled, or a thing that may or may not be an object of its own: vegetation, trunks, fences, other
+    /// structures and objects, whose labels do not tell one from another.
+    Unscorable,
+}
+
+/// The meaning of the lower 16 bits of a label, or `None` if the format does not know them.
+///
+/// What moves has numbers of its own; whether it does makes no difference here.
+pub fn semantic_class(number: u16) -> Option<SemanticClass> {
+    use AnnotationClass as Class;
+    Some(match number {
+        0 | 1 | 51 | 52 | 70 | 71 | 99 => SemanticClass::Unscorable,
+        10 | 252 => SemanticClass::Object(Class::Car),
+        11 | 15 => SemanticClass::Object(Class::ParkedCycle),
+        13 | 257 => SemanticClass::Object(Class::Bus),
+        16 | 256 => SemanticClass::Object(Class::Tram),
+        18 | 258 => SemanticClass::Object(Class::Truck),
+        20 | 259 => SemanticClass::Object(Class::Misc),
+        30 | 254 => SemanticClass::Object(Class::Pedestrian),
+        31 | 32 | 253 | 255 => SemanticClass::Object(Class::Cyclist),
+        40 | 44 | 48 | 49 | 50 | 60 | 72 => SemanticClass::Background,
+        80 | 81 => SemanticClass::Upright,
+        _ => return None,
+    })
+}
+
+/// The number that stands for objects of `class`.
+///
+/// Vans become cars, trailers *other vehicle*, street furniture *other object*, hedges *vegetation*, trees *trunk*.
+pub fn number_of(class: AnnotationClass) -> u16 {
+    use AnnotationClass as Class;
+    match class {
+        Class::Car | Class::Van => 10,
+        Class::ParkedCycle => 11,
+        Class::Bus => 13,
+        Class::Tram => 16,
+        Class::Truck => 18,
+        Class::Trailer | Class::Misc => 20,
+        Class::Pedestrian | Class::SittingPerson => 30,
+        Class::Cyclist => 31,
+        Class::Fence => 51,
+        Class::Hedge => 70,
+        Class::Tree => 71,
+        Class::Pole => 80,
+        Class::StreetFurniture => 99,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_moves_is_what_it_is_at_rest() {
+        for (at_rest, moving) in
+            [(10, 252), (31, 253), (30, 254), (32, 255), (16, 256), (13, 257), (18, 258), (20, 259)]
+        {
+            assert_eq!(semantic_class(moving), semantic_class(at_rest), "{moving}");
+            assert!(matches!(semantic_class(moving), Some(SemanticClass::Object(_))));
+        }
+    }
+
+    #[test]
+    fn the_format_has_34_numbers() {
+        let known = (0..=u16::MAX).filter(|&number| semantic_class(number).is_some()).count();
+        assert_eq!(known, 34);
+        assert_eq!(semantic_class(50), Some(SemanticClass::Background));
+        assert_eq!(semantic_class(52), Some(SemanticClass::Unscorable));
+    }
+
+    #[test]
+    fn every_class_has_a_number_that_the_format_knows() {
+        for class in AnnotationClass::ALL {
+            assert!(semantic_class(number_of(class)).is_some(), "{class:?}");
+        }
+        assert_eq!(
+            semantic_class(number_of(AnnotationClass::Bus)),
+            Some(SemanticClass::Object(AnnotationClass::Bus))
+        );
+    }
+}

@@ -1,0 +1,189 @@
+//! SemanticKITTI's folders.
+//!
+//! ```text
+//! sequences/NN/velodyne/NNNNNN.bin
+//! sequences/NN/labels/NNNNNN.label    drives without this folder are the test split and left out
+//! sequences/NN/poses.txt, times.txt   optional, one line a scan; calib.txt goes with the poses
+//! ```
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use nalgebra::Isometry3;
+
+use super::ground_truth::label_scan;
+use super::label_file::parse_label_file;
+use super::pose_file::{parse_camera_from_sensor, parse_poses, parse_times};
+use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::kitti::split_folder::SplitFolder;
+use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
+use crate::dataset::source::DatasetSource;
+use crate::dataset::velodyne_bin::read_velodyne_bin;
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+
+const SEQUENCES: &str = "sequences";
+const SCANS: &str = "velodyne";
+const LABELS: &str = "labels";
+
+/// An open SemanticKITTI data set: poses and times are in memory, scans and labels are read one at a time.
+#[derive(Debug, Clone)]
+pub struct SemanticKitti {
+    // Invariant: `sequences` has every sequence that `scan_ids` names.
+    description: DatasetDescription,
+    scan_ids: Vec<ScanId>,
+    sequences: BTreeMap<String, Sequence>,
+}
+
+/// When and where the sensor was, by number of the scan; empty where the files do not say.
+#[derive(Debug, Clone)]
+struct Sequence {
+    times_ns: Vec<u64>,
+    world_from_sensor: Vec<Isometry3<f64>>,
+}
+
+/// Whether `folder` looks like SemanticKITTI.
+pub fn is_semantic_kitti(folder: &Path) -> bool {
+    std::fs::read_dir(folder.join(SEQUENCES)).is_ok_and(|mut entries| {
+        entries.any(|entry| {
+            entry.is_ok_and(|it| it.path().join(SCANS).is_dir() || it.path().join(LABELS).is_dir())
+        })
+    })
+}
+
+/// Opens the folder of `source`: all drives that have labels, or only those of `sequences`.
+///
+/// # Errors
+///
+/// [`DatasetError`] if files are missing, contradict each other, or are damaged. Scans and labels are not looked into.
+pub fn open_semantic_kitti(
+    source: DatasetSource,
+    sequences: Option<&BTreeSet<String>>,
+) -> Result<SemanticKitti, DatasetError> {
+    let mut folder = SplitFolder::unchecked(&source.path);
+    let present = labeled_sequences(&folder)?;
+    if let Some(missing) = sequences.and_then(|names| names.iter().find(|name| !present.contains(*name))) {
+        let path = folder.path_of(&format!("{SEQUENCES}/{missing}/{LABELS}"));
+        return Err(DatasetError::MissingSelected { path });
+    }
+    let (mut scan_ids, mut opened) = (Vec::new(), BTreeMap::new());
+    for name in sequences.unwrap_or(&present) {
+        let numbers = scan_numbers(&mut folder, name)?;
+        opened.insert(name.clone(), open_sequence(&mut folder, name, &numbers)?);
+        scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
+    }
+    if scan_ids.is_empty() {
+        return Err(DatasetError::NoScans { path: folder.path_of(SEQUENCES) });
+    }
+    let description = source.describe(DatasetFormat::SemanticKitti, folder.finish());
+    Ok(SemanticKitti { description, scan_ids, sequences: opened })
+}
+
+impl Dataset for SemanticKitti {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let id = self.scan_ids[scan_idx].clone();
+        let root = self.description.root.as_deref().expect("it was recorded");
+        let sequence = root.join(SEQUENCES).join(&id.sequence);
+        let cloud = read_velodyne_bin(&numbered_file(&sequence.join(SCANS), id.index, "bin"))?;
+        let path = numbered_file(&sequence.join(LABELS), id.index, "label");
+        let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
+        let labels = parse_label_file(&path, &bytes, cloud.len())?;
+        label_scan(id, cloud, &labels, &path)
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        let id = &self.scan_ids[scan_idx];
+        self.sequences[&id.sequence].times_ns.get(id.index as usize).copied()
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        let id = &self.scan_ids[scan_idx];
+        Ok(self.sequences[&id.sequence].world_from_sensor.get(id.index as usize).copied())
+    }
+}
+
+fn labeled_sequences(folder: &SplitFolder) -> Result<BTreeSet<String>, DatasetError> {
+    let sequences = folder.path_of(SEQUENCES);
+    let io_error = |source| DatasetError::Io { path: sequences.clone(), source };
+    let mut names = BTreeSet::new();
+    for entry in std::fs::read_dir(&sequences).map_err(io_error)? {
+        let path = entry.map_err(io_error)?.path();
+        if is_hidden(&path) || !path.join(LABELS).is_dir() {
+            continue;
+        }
+        match path.file_name().and_then(|name| name.to_str()) {
+            Some(name) => names.insert(name.to_owned()),
+            None => return Err(DatasetError::FileName { path, expected: "the UTF-8 name of a sequence" }),
+        };
+    }
+    if names.is_empty() {
+        let (scans, labels) = (sequences.clone(), sequences.join(format!("*/{LABELS}")));
+        return Err(DatasetError::Unlabeled { scans, labels });
+    }
+    Ok(names)
+}
+
+/// The numbers of the scans of sequence `name`, at least one, each with its labels.
+fn scan_numbers(folder: &mut SplitFolder, name: &str) -> Result<BTreeSet<u32>, DatasetError> {
+    let path_of = |folder: &SplitFolder, kind: &str| folder.path_of(&format!("{SEQUENCES}/{name}/{kind}"));
+    let (scans, labels) = (path_of(folder, SCANS), path_of(folder, LABELS));
+    let (numbers, labeled) = (numbered_files(&scans, "bin")?, numbered_files(&labels, "label")?);
+    let scan_of = |number: u32| numbered_file(&scans, number, "bin");
+    let labels_of = |number: u32| numbered_file(&labels, number, "label");
+    if let Some(&number) = labeled.difference(&numbers).next() {
+        return Err(DatasetError::LabelsWithoutScan { labels: labels_of(number), scan: scan_of(number) });
+    }
+    if let Some(&number) = numbers.difference(&labeled).next() {
+        return Err(DatasetError::ScanWithoutLabels { scan: scan_of(number), labels: labels_of(number) });
+    }
+    if numbers.is_empty() {
+        return Err(DatasetError::NoScans { path: scans });
+    }
+    for number in &numbers {
+        folder.add_scan(&format!("{SEQUENCES}/{name}/{SCANS}/{number:06}.bin"))?;
+        folder.add_scan(&format!("{SEQUENCES}/{name}/{LABELS}/{number:06}.label"))?;
+    }
+    Ok(numbers)
+}
+
+fn open_sequence(
+    folder: &mut SplitFolder,
+    name: &str,
+    numbers: &BTreeSet<u32>,
+) -> Result<Sequence, DatasetError> {
+    let file = |kind: &str| format!("{SEQUENCES}/{name}/{kind}.txt");
+    let times_ns = match folder.read_text_if_present(&file("times"))? {
+        Some(text) => parse_times(&folder.path_of(&file("times")), &text)?,
+        None => Vec::new(),
+    };
+    let world_from_sensor = match folder.read_text_if_present(&file("poses"))? {
+        Some(text) => {
+            let scan = folder.path_of(&format!("{SEQUENCES}/{name}/{SCANS}"));
+            let calibration = folder.read_text(&file("calib"), |calibration| {
+                DatasetError::ScanWithoutCalibration { scan, calibration }
+            })?;
+            let camera_from_sensor = parse_camera_from_sensor(&folder.path_of(&file("calib")), &calibration)?;
+            let poses = parse_poses(&folder.path_of(&file("poses")), &text)?;
+            // The world is the frame of the sensor at the first scan, as the poses' is that of the camera.
+            let world_from_camera = |pose: Isometry3<f64>| camera_from_sensor.inverse() * pose;
+            poses.into_iter().map(|pose| world_from_camera(pose) * camera_from_sensor).collect()
+        }
+        None => Vec::new(),
+    };
+    let n_needed = numbers.last().map_or(0, |number| *number as usize + 1);
+    for (kind, n_lines) in [("times", times_ns.len()), ("poses", world_from_sensor.len())] {
+        if n_lines > 0 && n_lines < n_needed {
+            let problem = format!("has {n_lines} lines, the last scan is {}", n_needed - 1);
+            return Err(DatasetError::Damaged { path: folder.path_of(&file(kind)), problem });
+        }
+    }
+    Ok(Sequence { times_ns, world_from_sensor })
+}

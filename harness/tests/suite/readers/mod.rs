@@ -1,0 +1,31 @@
+//! The readers of other formats than KITTI's, on real data where they are there and on drawn ones.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::path::Path;
+
+use harness::dataset::catalogue::built_in_catalogue;
+use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::dataset::{Dataset, DatasetError};
+
+mod semantic_kitti;
+
+fn try_open(path: &Path) -> Result<Box<dyn Dataset>, DatasetError> {
+    open_dataset(path.to_str().unwrap(), &OpenOptions::default(), &built_in_catalogue().unwrap())
+}
+
+#[track_caller]
+fn open(path: &Path) -> Box<dyn Dataset> {
+    try_open(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Opening, or else reading all scans, fails with a message that has all of `parts`.
+#[track_caller]
+fn check_damaged(path: &Path, parts: &[&str]) {
+    let read_all = |dataset: Box<dyn Dataset>| {
+        (0..dataset.scan_ids().len()).try_for_each(|scan_idx| dataset.read_scan(scan_idx).map(drop))
+    };
+    let error = try_open(path).and_then(read_all).expect_err("damaged");
+    assert!(!error.is_usage_error(), "{error}");
+    let message = format!("{:#}", anyhow::Error::from(error));
+    assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+}

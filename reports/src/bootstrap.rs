@@ -1,0 +1,204 @@
+//! How sure numbers are: what they would be, had other scans been drawn.
+//!
+//! Neighbouring scans show the same objects, so whole blocks of scans are drawn, with replacement, as many as there are,
+//! and every ratio is computed again from the sums of what was drawn.
+//!
+//! Efron, Tibshirani: An Introduction to the Bootstrap, 1993: percentile intervals of clusters.
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::run_report::Interval;
+use crate::sums::Sums;
+
+/// Number of times that scans are drawn.
+pub const N_RESAMPLES: usize = 10_000;
+/// What the draws are made from.
+pub const SEED: u64 = 1;
+/// Scans whose numbers begin alike when divided by this are one block: a second or more, at ten scans a second or fewer.
+pub const SCANS_PER_BLOCK: u32 = 10;
+
+/// How often each block of a data set was drawn, for each resample.
+#[derive(Debug, Clone)]
+pub struct Resamples {
+    n_blocks: usize,
+    // Resample by resample, `n_blocks` numbers each.
+    times_drawn: Vec<u16>,
+}
+
+impl Resamples {
+    /// Draws from the `n_blocks` blocks of `dataset`.
+    ///
+    /// The same data set is drawn from in the same way whatever else is in the run, and with any number of threads; so
+    /// numbers of different detectors, or of different runs over the same scans, are of the same draws.
+    pub fn draw(dataset: &str, n_blocks: usize) -> Self {
+        let mut times_drawn = vec![0_u16; N_RESAMPLES * n_blocks];
+        let seed = SEED ^ fingerprint(dataset);
+        if n_blocks > 0 {
+            times_drawn.par_chunks_mut(n_blocks).enumerate().for_each(|(resample_idx, times_drawn)| {
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(resample_idx as u64);
+                for _ in 0..n_blocks {
+                    let block_idx = rng.random_range(0..n_blocks);
+                    times_drawn[block_idx] = times_drawn[block_idx].saturating_add(1);
+                }
+            });
+        }
+        Self { n_blocks, times_drawn }
+    }
+
+    /// Number of blocks that are drawn from.
+    pub fn n_blocks(&self) -> usize {
+        self.n_blocks
+    }
+
+    /// The sums of each resample, where `of_blocks` are the sums of blocks by their places; those of all others are zero.
+    pub fn sums(&self, of_blocks: &[(usize, Sums)]) -> Vec<Sums> {
+        let sum = |times_drawn: &[u16]| {
+            let mut sum = Sums::default();
+            for (block_idx, of_block) in of_blocks {
+                let times = times_drawn[*block_idx];
+                if times > 0 {
+                    sum.add_times(of_block, f64::from(times));
+                }
+            }
+            sum
+        };
+        self.times_drawn.par_chunks(self.n_blocks.max(1)).map(sum).collect()
+    }
+}
+
+/// Tells names apart (FNV-1a).
+fn fingerprint(name: &str) -> u64 {
+    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    name.bytes().fold(0xcbf2_9ce4_8422_2325, step)
+}
+
+/// Values of all resamples.
+#[derive(Debug, Clone)]
+pub struct Distribution {
+    // Invariant: ascending, finite, and at least two.
+    sorted: Vec<f64>,
+    n_blocks: usize,
+}
+
+impl Distribution {
+    /// Of `values`, one for each resample, drawn from `n_blocks` blocks.
+    ///
+    /// `None` if there is only one block, which cannot tell how different others would be, or if more than one in twenty
+    /// values is undefined.
+    pub fn new(values: impl Iterator<Item = Option<f64>>, n_blocks: usize) -> Option<Self> {
+        let (mut sorted, mut n) = (Vec::new(), 0_usize);
+        for value in values {
+            n += 1;
+            sorted.extend(value.filter(|it| it.is_finite()));
+        }
+        sorted.sort_unstable_by(f64::total_cmp);
+        let is_defined = n_blocks >= 2 && sorted.len() >= 2 && 20 * sorted.len() >= 19 * n;
+        is_defined.then_some(Self { sorted, n_blocks })
+    }
+
+    /// The 95 % interval: from the 2.5th to the 97.5th percentile, by nearest rank.
+    pub fn interval(&self) -> Interval {
+        let at = |share: f64| {
+            let rank = (share * self.sorted.len() as f64).ceil() as usize;
+            self.sorted[rank.clamp(1, self.sorted.len()) - 1]
+        };
+        Interval { ends: [at(0.025), at(0.975)], n_blocks: self.n_blocks as u64 }
+    }
+
+    /// The standard error: the standard deviation of the values.
+    pub fn standard_error(&self) -> f64 {
+        let n = self.sorted.len() as f64;
+        let mean = self.sorted.iter().sum::<f64>() / n;
+        (self.sorted.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt()
+    }
+
+    /// The least effect that data like these would show: a true difference of this size is told from none at the 5 %
+    /// level, either way, in four of five data sets of this size. (1.96 + 0.84) standard errors.
+    pub fn least_effect(&self) -> f64 {
+        (1.959_964 + 0.841_621) * self.standard_error()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metric::Metric;
+    use crate::sums::{FalseObjects, Term};
+
+    fn recall_of(sums: &Sums) -> Option<f64> {
+        sums.value(&Metric::Recall, FalseObjects::Known)
+    }
+
+    /// Blocks of `n` annotations, of which `found` are found.
+    fn blocks(found: &[u32], n: u32) -> Vec<(usize, Sums)> {
+        let block = |&found: &u32| {
+            let mut sums = Sums::default();
+            sums.add(Term::Annotations, f64::from(n));
+            sums.add(Term::Matched, f64::from(found));
+            sums
+        };
+        found.iter().map(block).enumerate().collect()
+    }
+
+    fn distribution(blocks: &[(usize, Sums)]) -> Option<Distribution> {
+        let sums = Resamples::draw("street", blocks.len()).sums(blocks);
+        Distribution::new(sums.iter().map(recall_of), blocks.len())
+    }
+
+    #[test]
+    fn as_many_blocks_are_drawn_as_there_are() {
+        let resamples = Resamples::draw("street", 7);
+        assert!(resamples.times_drawn.chunks(7).all(|it| it.iter().map(|n| u32::from(*n)).sum::<u32>() == 7));
+        let of_first: u32 = resamples.times_drawn.iter().step_by(7).map(|n| u32::from(*n)).sum();
+        // Ten thousand draws of a mean of 1 and a variance of 6/7.
+        assert!((9_700..10_300).contains(&of_first), "{of_first}");
+    }
+
+    #[test]
+    fn the_number_of_threads_and_other_data_sets_change_nothing() {
+        let draw = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+            pool.install(|| Resamples::draw("street", 20).times_drawn)
+        };
+        assert_eq!(draw(1), draw(7));
+        assert_ne!(draw(1), Resamples::draw("another", 20).times_drawn);
+    }
+
+    #[test]
+    fn an_interval_of_alike_blocks_is_a_point() {
+        let alike = distribution(&blocks(&[3; 10], 4)).unwrap();
+        assert_eq!(alike.interval(), Interval { ends: [0.75, 0.75], n_blocks: 10 });
+        assert_eq!((alike.standard_error(), alike.least_effect()), (0.0, 0.0));
+    }
+
+    #[test]
+    fn an_interval_of_coins_is_that_of_the_binomial() {
+        // A hundred blocks of one annotation, half of them found: the standard error of a share is √(0.25 / 100).
+        let found: Vec<u32> = (0..100).map(|it| it % 2).collect();
+        let coins = distribution(&blocks(&found, 1)).unwrap();
+        assert!((coins.standard_error() - 0.05).abs() < 0.001, "{}", coins.standard_error());
+        let [low, high] = coins.interval().ends;
+        assert!((low - 0.40).abs() < 0.011 && (high - 0.60).abs() < 0.011, "{low} to {high}");
+        assert!((coins.least_effect() - 2.8 * 0.05).abs() < 0.003);
+    }
+
+    #[test]
+    fn objects_of_a_block_come_together() {
+        let apart: Vec<u32> = (0..100).map(|it| it % 2).collect();
+        let together: Vec<u32> = (0..10).map(|it| 10 * (it % 2)).collect();
+        let [apart, together] = [(apart, 1), (together, 10)]
+            .map(|(found, n)| distribution(&blocks(&found, n)).unwrap().standard_error());
+        // Ten times as few independent draws: √10 times the error.
+        assert!((together / apart - 10.0_f64.sqrt()).abs() < 0.1, "{together} {apart}");
+    }
+
+    #[test]
+    fn one_block_and_nothing_defined_tell_nothing() {
+        assert!(distribution(&blocks(&[3], 4)).is_none());
+        assert!(distribution(&blocks(&[0; 5], 0)).is_none());
+        assert!(distribution(&[]).is_none());
+    }
+}

@@ -1,0 +1,398 @@
+//! From what was gathered of a run to its numbers, and how sure they are.
+
+use crate::average_precision::{RankedDetection, average_precision};
+use crate::bootstrap::{Distribution, Resamples};
+use crate::metric::{Metric, RecallPositions};
+use crate::run_report::{MetricRow, OVERALL, Subject};
+use crate::slice::Slice;
+use crate::sums::{FalseObjects, RATIOS, Sums, Term};
+use crate::tally::Tally;
+
+/// Sums of one subject, as they are and as they would be had other scans been drawn.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// Number of scans.
+    pub n_scans: u64,
+    /// Number of blocks that were drawn from.
+    pub n_blocks: usize,
+    /// Whether all false objects are known.
+    pub false_objects: FalseObjects,
+    /// The sums themselves.
+    pub total: Sums,
+    /// Those of each resample.
+    pub resampled: Vec<Sums>,
+}
+
+/// What a tally has been asked about: a data set or all of them, a task, a detector, a slice.
+#[derive(Debug, Clone, Copy)]
+pub struct Question<'a> {
+    /// Id of the data set; [`OVERALL`] for all together.
+    pub dataset: &'a str,
+    /// Name of the task.
+    pub task: &'a str,
+    /// Name of the detector.
+    pub detector: &'a str,
+    /// The slice.
+    pub slice: &'a Slice,
+}
+
+impl Tally {
+    /// The sums that are asked for; `None` if nothing was seen of the kind.
+    pub fn sample(&self, question: &Question<'_>, draws: &[Resamples]) -> Option<Sample> {
+        let mut all: Option<Sample> = None;
+        for (dataset_idx, draw) in draws.iter().enumerate() {
+            if question.dataset != OVERALL && question.dataset != self.datasets()[dataset_idx] {
+                continue;
+            }
+            let Some(sample) = self.sample_of(dataset_idx, question, draw) else { continue };
+            all = Some(match all {
+                Some(sum) => sum.with(&sample),
+                None => sample,
+            });
+        }
+        all
+    }
+
+    fn sample_of(&self, dataset_idx: usize, question: &Question<'_>, draw: &Resamples) -> Option<Sample> {
+        let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
+        let placed = self.sums_of_blocks(dataset_idx, gathered, question.slice);
+        let mut total = Sums::default();
+        for (_, sums) in &placed {
+            total.add_times(sums, 1.0);
+        }
+        Some(Sample {
+            n_scans: gathered.n_scans,
+            n_blocks: draw.n_blocks(),
+            false_objects: gathered.false_objects,
+            total,
+            resampled: draw.sums(&placed),
+        })
+    }
+
+    /// The numbers of each data set: data set by data set, task by task, detector by detector, slice by slice.
+    pub fn metric_rows(&self) -> Vec<MetricRow> {
+        let draws = self.draw();
+        self.datasets().iter().flat_map(|dataset| self.rows_about(dataset, &draws)).collect()
+    }
+
+    /// The numbers of all data sets together; none if there is only one.
+    pub fn overall_rows(&self) -> Vec<MetricRow> {
+        if self.datasets().len() < 2 { Vec::new() } else { self.rows_about(OVERALL, &self.draw()) }
+    }
+
+    fn rows_about(&self, dataset: &str, draws: &[Resamples]) -> Vec<MetricRow> {
+        let mut rows = Vec::new();
+        for task in self.tasks() {
+            for detector in self.detectors() {
+                for slice in &self.slices(task, detector) {
+                    let question = Question { dataset, task, detector, slice };
+                    let Some(sample) = self.sample(&question, draws) else { continue };
+                    if *slice != Slice::All && sample.total.is_zero() {
+                        continue;
+                    }
+                    rows.extend(sample.rows(&question));
+                    if *slice == Slice::All {
+                        rows.extend(self.average_precision_rows(&question, &sample));
+                    }
+                }
+            }
+        }
+        rows
+    }
+
+    fn average_precision_rows(&self, question: &Question<'_>, sample: &Sample) -> Vec<MetricRow> {
+        let ranked = self.ranked(question).filter(|_| sample.false_objects == FalseObjects::Known);
+        let no = sample.total.of(Term::Annotations) as u64;
+        let row = |positions| {
+            let value = average_precision(ranked.as_ref()?, no, positions);
+            Some(MetricRow::new(question.subject(), Metric::AveragePrecision(positions), value, no))
+        };
+        [RecallPositions::Points101, RecallPositions::R40].into_iter().filter_map(row).collect()
+    }
+
+    /// The detections that count, with their scores; `None` if there are none or one of them has no score.
+    pub fn ranked(&self, question: &Question<'_>) -> Option<Vec<RankedDetection>> {
+        let mut all = Vec::new();
+        for (dataset_idx, dataset) in self.datasets().iter().enumerate() {
+            if question.dataset == OVERALL || question.dataset == dataset {
+                let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
+                all.extend(gathered.ranked.as_ref()?);
+            }
+        }
+        (!all.is_empty()).then_some(all)
+    }
+}
+
+impl Question<'_> {
+    fn subject(&self) -> Subject {
+        let [dataset, task, detector] = [self.dataset, self.task, self.detector].map(str::to_owned);
+        Subject { dataset, task, detector, slice: self.slice.name() }
+    }
+}
+
+/// The metrics of everything, in the order of a report.
+const OF_ALL: [Metric; 10] = [
+    Metric::No,
+    Metric::Tp,
+    Metric::Mo,
+    Metric::Fo,
+    Metric::IgnoredAnnotations,
+    Metric::IgnoredDetections,
+    Metric::UnknowableDetections,
+    Metric::OverSegmentationEntropy,
+    Metric::UnderSegmentationEntropy,
+    Metric::FRate,
+];
+
+impl Sample {
+    /// Both together; false objects are known only where they are in both.
+    fn with(mut self, other: &Self) -> Self {
+        self.n_scans += other.n_scans;
+        self.n_blocks += other.n_blocks;
+        self.total.add_times(&other.total, 1.0);
+        for (sum, it) in self.resampled.iter_mut().zip(&other.resampled) {
+            sum.add_times(it, 1.0);
+        }
+        if other.false_objects == FalseObjects::Unknown {
+            self.false_objects = FalseObjects::Unknown;
+        }
+        self
+    }
+
+    /// The value of `metric`.
+    pub fn value(&self, metric: &Metric) -> Option<f64> {
+        self.total.value(metric, self.false_objects)
+    }
+
+    /// The value of `metric` in each resample.
+    pub fn resampled_values(&self, metric: &Metric) -> impl Iterator<Item = Option<f64>> {
+        self.resampled.iter().map(move |sums| sums.value(metric, self.false_objects))
+    }
+
+    fn rows(&self, question: &Question<'_>) -> Vec<MetricRow> {
+        let metrics: Vec<Metric> = match question.slice {
+            Slice::All => {
+                let mut all: Vec<Metric> = OF_ALL.into_iter().chain(RATIOS).collect();
+                all.sort();
+                all.dedup();
+                all
+            }
+            slice if slice.has_false_detections() => {
+                vec![Metric::No, Metric::Tp, Metric::Fo, Metric::Recall, Metric::FRate]
+            }
+            _ => vec![Metric::No, Metric::Tp, Metric::Recall],
+        };
+        metrics.into_iter().map(|metric| self.row(question, &metric)).collect()
+    }
+
+    fn row(&self, question: &Question<'_>, metric: &Metric) -> MetricRow {
+        let value = self.value(metric);
+        let row = |n| MetricRow::new(question.subject(), metric.clone(), value, n);
+        if !RATIOS.contains(metric) {
+            return row(self.n_scans);
+        }
+        let n = self.total.ratio(metric, self.false_objects).map_or(0.0, |[_, denominator]| denominator);
+        let distribution = Distribution::new(self.resampled_values(metric), self.n_blocks);
+        row(n as u64).within(distribution.filter(|_| value.is_some()).map(|it| it.interval()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::counts::Counts;
+    use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+    use crate::match_row::MatchRow;
+    use crate::metric::BoxDimension;
+    use crate::run_report::SLICE_ALL;
+    use crate::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+
+    fn boxed(x_m: f32, length_m: f32, yaw_deg: f32) -> BoxFacts {
+        let yaw_rad = yaw_deg.to_radians();
+        BoxFacts { center_m: [x_m, 0.0, 0.0], length_width_height_m: [length_m, 2.0, 1.5], yaw_rad }
+    }
+
+    fn annotation(class: &str, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
+        let (class, occlusion) = (class.to_owned(), Some("none".to_owned()));
+        AnnotationFacts { id: 0, track: None, class, occlusion, n_points, bounding_box: Some(bounding_box) }
+    }
+
+    fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {
+        DetectionFacts { id: 0, class: "vehicle".to_owned(), score, n_points, bounding_box }
+    }
+
+    fn match_row(scan: u32, outcome: MatchOutcome) -> MatchRow {
+        let [dataset, sequence, detector, task, criterion] =
+            ["street", "0000", "pca", "vehicles", "points"].map(str::to_owned);
+        MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
+    }
+
+    fn scan_row(scan: u32, no: u64, tp: u64, fo: Option<u64>) -> ScanRow {
+        let [dataset, sequence, detector, task] = ["street", "0000", "pca", "vehicles"].map(str::to_owned);
+        let numbers = ScanNumbers {
+            n_points: 1000,
+            latency_ms: Some(1.0),
+            counts: Counts::new(no, tp, fo).unwrap(),
+            n_ignored_annotations: 1,
+            n_ignored_detections: 2,
+            n_unknowable_detections: 0,
+            segmentation: SegmentationNumbers {
+                n_split: 1,
+                n_holding: 4,
+                n_joining: 1,
+                n_touching: 5,
+                over_entropy_nats: 0.5,
+                under_entropy_nats: 1.0,
+            },
+            n_dropped_too_small: 0,
+            n_dropped_too_large: 0,
+        };
+        ScanRow { dataset, sequence, scan, detector, task, outcome: ScanOutcome::Evaluated(numbers) }
+    }
+
+    /// Four annotations and three detections: a car found by a box half a metre off, 1 m too short and turned by 190°; a car
+    /// found exactly but for 20°; a van missed; a truck 40 m away missed; one false detection 20 m away.
+    fn scene() -> Tally {
+        let mut tally = Tally::default();
+        tally.add_scan(&scan_row(3, 4, 2, Some(1)));
+        let outcomes = [
+            MatchOutcome::Matched {
+                annotation: annotation("car", 300, boxed(10.0, 4.0, 0.0)),
+                detection: detection(Some(0.9), 250, boxed(10.5, 3.0, 190.0)),
+                cost: 0.1,
+            },
+            MatchOutcome::Matched {
+                annotation: annotation("car", 30, boxed(20.0, 4.0, 170.0)),
+                detection: detection(Some(0.7), 30, boxed(20.0, 4.0, -30.0)),
+                cost: 0.0,
+            },
+            MatchOutcome::Missed {
+                annotation: annotation("van", 100, boxed(12.0, 5.0, 0.0)),
+                reason: "split".to_owned(),
+            },
+            MatchOutcome::Missed {
+                annotation: annotation("truck", 60, boxed(40.0, 8.0, 0.0)),
+                reason: "split".to_owned(),
+            },
+            MatchOutcome::False {
+                detection: detection(Some(0.8), 70, boxed(20.0, 1.0, 0.0)),
+                reason: "nothing there".to_owned(),
+            },
+            MatchOutcome::IgnoredDetection {
+                detection: detection(Some(0.99), 70, boxed(20.0, 1.0, 0.0)),
+                reason: "beyond range".to_owned(),
+            },
+        ];
+        for outcome in outcomes {
+            tally.add_match(&match_row(3, outcome));
+        }
+        tally
+    }
+
+    #[track_caller]
+    fn check(tally: &Tally, slice: &str, expected: &[(Metric, f64)]) {
+        let rows = tally.metric_rows();
+        for (metric, value) in expected {
+            let row = rows.iter().find(|it| it.subject.slice == slice && it.metric == *metric);
+            let found = row.unwrap_or_else(|| panic!("no {} of {slice}", metric.id())).value();
+            let found = found.unwrap_or_else(|| panic!("{} of {slice} is undefined", metric.id()));
+            assert!((found - value).abs() < 1e-5, "{} of {slice}: {found} instead of {value}", metric.id());
+        }
+    }
+
+    #[test]
+    fn everything_about_four_objects_can_be_done_in_the_head() {
+        check(
+            &scene(),
+            SLICE_ALL,
+            &[
+                (Metric::No, 4.0),
+                (Metric::Tp, 2.0),
+                (Metric::Mo, 2.0),
+                (Metric::Fo, 1.0),
+                (Metric::Precision, 2.0 / 3.0),
+                (Metric::Recall, 0.5),
+                (Metric::FRate, 4.0 / 7.0),
+                (Metric::IgnoredAnnotations, 1.0),
+                (Metric::IgnoredDetections, 2.0),
+                (Metric::OverSegmentation, 0.25),
+                (Metric::UnderSegmentation, 0.25),
+                (Metric::OverSegmentationEntropy, 0.5),
+                (Metric::OverSegmentationEntropyPerObject, 0.125),
+                (Metric::UnderSegmentationEntropy, 1.0),
+                (Metric::UnderSegmentationEntropyPerObject, 0.2),
+                // Half a metre and none; 1 m and none; 190° is 10°, and 170° to -30° is 20°.
+                (Metric::BoxError(BoxDimension::Center), 0.25),
+                (Metric::BoxError(BoxDimension::Length), 0.5),
+                (Metric::BoxError(BoxDimension::Width), 0.0),
+                (Metric::BoxError(BoxDimension::Yaw), 15.0),
+                // Right, false, right of four annotations: precision 1 up to 25 %, 2/3 up to 50 %, then none.
+                (Metric::AveragePrecision(RecallPositions::Points101), (26.0 + 25.0 * 2.0 / 3.0) / 101.0),
+                (Metric::AveragePrecision(RecallPositions::R40), (10.0 + 10.0 * 2.0 / 3.0) / 40.0),
+            ],
+        );
+    }
+
+    #[test]
+    fn slices_are_of_the_annotation_or_of_the_false_detection() {
+        let tally = scene();
+        check(&tally, "class/car", &[(Metric::No, 2.0), (Metric::Recall, 1.0)]);
+        check(&tally, "class/truck", &[(Metric::No, 1.0), (Metric::Recall, 0.0)]);
+        check(&tally, "range/0-15", &[(Metric::No, 2.0), (Metric::Fo, 0.0), (Metric::FRate, 2.0 / 3.0)]);
+        check(&tally, "range/15-30", &[(Metric::No, 1.0), (Metric::Fo, 1.0), (Metric::FRate, 2.0 / 3.0)]);
+        check(&tally, "points/50-199", &[(Metric::No, 2.0), (Metric::Fo, 1.0), (Metric::FRate, 0.0)]);
+        check(&tally, "occlusion/none", &[(Metric::No, 4.0), (Metric::Recall, 0.5)]);
+        let has_false = |it: &MetricRow| it.subject.slice.starts_with("class/") && it.metric == Metric::Fo;
+        assert!(!tally.metric_rows().iter().any(has_false));
+    }
+
+    #[test]
+    fn a_detection_without_a_score_leaves_no_ranking() {
+        let mut tally = scene();
+        let detection = detection(None, 70, boxed(20.0, 1.0, 0.0));
+        tally.add_match(&match_row(3, MatchOutcome::False { detection, reason: "fragment".to_owned() }));
+        assert!(!tally.metric_rows().iter().any(|it| matches!(it.metric, Metric::AveragePrecision(_))));
+    }
+
+    #[test]
+    fn scans_of_a_second_are_one_block_and_one_block_has_no_interval() {
+        let f_rate = |scans: &[u32]| {
+            let mut tally = Tally::default();
+            for scan in scans {
+                tally.add_scan(&scan_row(*scan, 4, 1 + u64::from(scan % 2), Some(1)));
+            }
+            let row = tally.metric_rows().into_iter().find(|it| it.metric == Metric::FRate);
+            row.unwrap().interval()
+        };
+        assert_eq!(f_rate(&[0, 3, 9]), None);
+        assert_eq!(f_rate(&[0, 3, 9, 10, 35]).map(|it| it.n_blocks), Some(3));
+        // The two blocks reach 2 / 6 and 4 / 7: what is drawn lies between.
+        let [low, high] = f_rate(&[0, 11]).unwrap().ends;
+        assert_eq!([low, high], [2.0 / 6.0, 4.0 / 7.0]);
+    }
+
+    #[test]
+    fn overall_numbers_are_those_of_the_sums() {
+        let mut tally = scene();
+        assert!(tally.overall_rows().is_empty());
+        tally.add_scan(&ScanRow { dataset: "kitti".to_owned(), ..scan_row(3, 6, 1, Some(4)) });
+        let overall = tally.overall_rows();
+        let value = |metric| overall.iter().find(|it| it.metric == metric).unwrap().value();
+        assert_eq!(
+            (value(Metric::No), value(Metric::Tp), value(Metric::Fo)),
+            (Some(10.0), Some(3.0), Some(5.0))
+        );
+        assert_eq!(value(Metric::FRate), Some(6.0 / 18.0));
+        assert!(overall.iter().all(|it| it.subject.dataset == OVERALL));
+    }
+
+    #[test]
+    fn unknown_false_objects_leave_recall() {
+        let mut tally = Tally::default();
+        tally.add_scan(&scan_row(3, 4, 2, None));
+        let rows = tally.metric_rows();
+        let value = |metric| rows.iter().find(|it| it.metric == metric).unwrap().value();
+        assert_eq!([Metric::Fo, Metric::Precision, Metric::FRate].map(value), [None; 3]);
+        assert_eq!(value(Metric::Recall), Some(0.5));
+    }
+}

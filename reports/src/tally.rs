@@ -1,0 +1,242 @@
+//! Sums of a run, gathered from the rows of scans and matches: by subject, by slice, and by blocks of scans that are drawn
+//! together.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::average_precision::RankedDetection;
+use crate::bootstrap::{Resamples, SCANS_PER_BLOCK};
+use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+use crate::match_row::MatchRow;
+use crate::scan_row::{ScanOutcome, ScanRow};
+use crate::slice::Slice;
+use crate::sums::{FalseObjects, Sums, Term};
+
+/// Numbers of a run, gathered row by row.
+#[derive(Debug, Clone, Default)]
+pub struct Tally {
+    // All three in the order in which they were first seen.
+    datasets: Vec<String>,
+    tasks: Vec<String>,
+    detectors: Vec<String>,
+    // The blocks of each of `datasets`.
+    blocks: Vec<BTreeSet<Block>>,
+    of_key: BTreeMap<Key, Gathered>,
+}
+
+/// Scans of one drive that are drawn together.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Block {
+    sequence: String,
+    number: u32,
+}
+
+/// Places of data set, task and detector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    dataset: usize,
+    task: usize,
+    detector: usize,
+}
+
+/// What one detector made of one data set in one task.
+#[derive(Debug, Clone)]
+pub(crate) struct Gathered {
+    pub(crate) n_scans: u64,
+    pub(crate) false_objects: FalseObjects,
+    slices: BTreeMap<Slice, BTreeMap<Block, Sums>>,
+    /// The detections that count, or nothing once one of them came without a score.
+    pub(crate) ranked: Option<Vec<RankedDetection>>,
+}
+
+impl Tally {
+    /// Adds what one detector made of one scan in one task.
+    pub fn add_scan(&mut self, row: &ScanRow) {
+        let key = self.key(&row.dataset, &row.task, &row.detector);
+        let block = block_of(&row.sequence, row.scan);
+        self.blocks[key.dataset].insert(block.clone());
+        let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
+        let gathered = self.of_key.entry(key).or_default();
+        gathered.n_scans += 1;
+        if numbers.counts.fo().is_none() {
+            gathered.false_objects = FalseObjects::Unknown;
+        }
+        let sums = gathered.sums(Slice::All, &block);
+        let segmentation = &numbers.segmentation;
+        for (term, value) in [
+            (Term::Annotations, numbers.counts.no() as f64),
+            (Term::Matched, numbers.counts.tp() as f64),
+            (Term::False, numbers.counts.fo().unwrap_or(0) as f64),
+            (Term::IgnoredAnnotations, numbers.n_ignored_annotations as f64),
+            (Term::IgnoredDetections, numbers.n_ignored_detections as f64),
+            (Term::Unknowable, numbers.n_unknowable_detections as f64),
+            (Term::Split, segmentation.n_split as f64),
+            (Term::Holding, segmentation.n_holding as f64),
+            (Term::Joining, segmentation.n_joining as f64),
+            (Term::Touching, segmentation.n_touching as f64),
+            (Term::OverEntropy, segmentation.over_entropy_nats),
+            (Term::UnderEntropy, segmentation.under_entropy_nats),
+        ] {
+            sums.add(term, value);
+        }
+    }
+
+    /// Adds what became of an annotation, a detection or a pair of them. Its scan is to be added too.
+    pub fn add_match(&mut self, row: &MatchRow) {
+        let key = self.key(&row.dataset, &row.task, &row.detector);
+        let block = block_of(&row.sequence, row.scan);
+        let gathered = self.of_key.entry(key).or_default();
+        match &row.outcome {
+            MatchOutcome::Matched { annotation, detection, .. } => {
+                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
+                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Matched);
+                gathered.rank(detection, true);
+                if let Some(labelled) = &annotation.bounding_box {
+                    add_box_errors(gathered.sums(Slice::All, &block), labelled, &detection.bounding_box);
+                }
+            }
+            MatchOutcome::Missed { annotation, .. } => {
+                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
+            }
+            MatchOutcome::False { detection, .. } => {
+                gathered.add_to_slices(&slices_of_detection(detection), &block, Term::False);
+                gathered.rank(detection, false);
+            }
+            MatchOutcome::IgnoredAnnotation { .. }
+            | MatchOutcome::IgnoredDetection { .. }
+            | MatchOutcome::Unknowable { .. } => {}
+        }
+    }
+
+    fn key(&mut self, dataset: &str, task: &str, detector: &str) -> Key {
+        let dataset = place_of(&mut self.datasets, dataset);
+        self.blocks.resize(self.datasets.len(), BTreeSet::new());
+        Key {
+            dataset,
+            task: place_of(&mut self.tasks, task),
+            detector: place_of(&mut self.detectors, detector),
+        }
+    }
+
+    /// Ids of the data sets, in the order in which they were seen.
+    pub fn datasets(&self) -> &[String] {
+        &self.datasets
+    }
+
+    /// Names of the tasks, in the order in which they were seen.
+    pub fn tasks(&self) -> &[String] {
+        &self.tasks
+    }
+
+    /// Names of the detectors, in the order in which they were seen.
+    pub fn detectors(&self) -> &[String] {
+        &self.detectors
+    }
+
+    /// The draws for each data set, in order.
+    pub fn draw(&self) -> Vec<Resamples> {
+        let blocks = self.datasets.iter().zip(&self.blocks);
+        blocks.map(|(dataset, blocks)| Resamples::draw(dataset, blocks.len())).collect()
+    }
+
+    /// All slices that detector `detector` has an object in, in the task `task`.
+    pub fn slices(&self, task: &str, detector: &str) -> BTreeSet<Slice> {
+        let is_asked = |key: &Key| self.tasks[key.task] == task && self.detectors[key.detector] == detector;
+        let gathered = self.of_key.iter().filter(|(key, _)| is_asked(key));
+        gathered.flat_map(|(_, gathered)| gathered.slices.keys().cloned()).collect()
+    }
+
+    pub(crate) fn gathered(&self, dataset_idx: usize, task: &str, detector: &str) -> Option<&Gathered> {
+        let task = self.tasks.iter().position(|it| it == task)?;
+        let detector = self.detectors.iter().position(|it| it == detector)?;
+        self.of_key.get(&Key { dataset: dataset_idx, task, detector })
+    }
+
+    /// The sums of `slice`, with the places of their blocks among those of the data set; blocks without any are left out.
+    pub(crate) fn sums_of_blocks(
+        &self,
+        dataset_idx: usize,
+        gathered: &Gathered,
+        slice: &Slice,
+    ) -> Vec<(usize, Sums)> {
+        let of_blocks = gathered.slices.get(slice);
+        let blocks = self.blocks[dataset_idx].iter().enumerate();
+        blocks.filter_map(|(place, block)| Some((place, *of_blocks?.get(block)?))).collect()
+    }
+}
+
+impl Default for Gathered {
+    fn default() -> Self {
+        Self {
+            n_scans: 0,
+            false_objects: FalseObjects::Known,
+            slices: BTreeMap::new(),
+            ranked: Some(Vec::new()),
+        }
+    }
+}
+
+impl Gathered {
+    fn sums(&mut self, slice: Slice, block: &Block) -> &mut Sums {
+        self.slices.entry(slice).or_default().entry(block.clone()).or_default()
+    }
+
+    fn add_to_slices(&mut self, slices: &[Slice], block: &Block, term: Term) {
+        for slice in slices {
+            self.sums(slice.clone(), block).add(term, 1.0);
+        }
+    }
+
+    fn rank(&mut self, detection: &DetectionFacts, is_match: bool) {
+        match (detection.score, &mut self.ranked) {
+            (Some(score), Some(ranked)) => ranked.push(RankedDetection { score, is_match }),
+            (None, _) => self.ranked = None,
+            (_, None) => {}
+        }
+    }
+}
+
+fn place_of(names: &mut Vec<String>, name: &str) -> usize {
+    names.iter().position(|it| it == name).unwrap_or_else(|| {
+        names.push(name.to_owned());
+        names.len() - 1
+    })
+}
+
+fn block_of(sequence: &str, scan: u32) -> Block {
+    Block { sequence: sequence.to_owned(), number: scan / SCANS_PER_BLOCK }
+}
+
+fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
+    let mut slices = vec![Slice::Class(annotation.class.clone()), Slice::of_points(annotation.n_points)];
+    slices.extend(annotation.bounding_box.and_then(|it| Slice::of_range(range_m(&it))));
+    slices.extend(annotation.occlusion.clone().map(Slice::Occlusion));
+    slices
+}
+
+fn slices_of_detection(detection: &DetectionFacts) -> Vec<Slice> {
+    let mut slices = vec![Slice::of_points(detection.n_points)];
+    slices.extend(Slice::of_range(range_m(&detection.bounding_box)));
+    slices
+}
+
+fn range_m(bounding_box: &BoxFacts) -> f64 {
+    let [x_m, y_m, _] = bounding_box.center_m.map(f64::from);
+    x_m.hypot(y_m)
+}
+
+fn add_box_errors(sums: &mut Sums, labelled: &BoxFacts, found: &BoxFacts) {
+    let off_m = |of: fn(&BoxFacts) -> f32| f64::from(of(found)) - f64::from(of(labelled));
+    let along_x_m = off_m(|it| it.center_m[0]);
+    let along_y_m = off_m(|it| it.center_m[1]);
+    let turned_rad = off_m(|it| it.yaw_rad).rem_euclid(std::f64::consts::PI);
+    let turned_rad = turned_rad.min(std::f64::consts::PI - turned_rad);
+    for (term, value) in [
+        (Term::BoxPairs, 1.0),
+        (Term::CenterError, along_x_m.hypot(along_y_m)),
+        (Term::LengthError, off_m(|it| it.length_width_height_m[0]).abs()),
+        (Term::WidthError, off_m(|it| it.length_width_height_m[1]).abs()),
+        (Term::YawError, turned_rad.to_degrees()),
+    ] {
+        sums.add(term, value);
+    }
+}
