@@ -1,20 +1,23 @@
 //! The rival of the vehicle model: an occupancy grid, and boxes along principal axes.
 
-use detector::classify::size_gate::{SizeGateParams, size_gate};
+use detector::classify::size_gate::SizeGateParams;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid, NO_CELL};
+use detector::pipeline::vehicle_model::classify_object;
 use detector::segment::clusters::Clusters;
 use detector::stage_product::{ProductCell, Shape, SurfaceClass};
 use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
 
 use crate::occupancy_grid_components::OccupancyGridComponents;
 use crate::params::{ClusterExtentParams, PcaParams};
+use crate::pca_vehicle_model::PcaVehicleModel;
 use crate::principal_axes_box::principal_axes_box;
 
 /// Objects as components of occupied cells, with boxes along their principal axes.
 ///
 /// The grid takes all that stands on the street, façades included; what is longer than a vehicle can be is dropped and
-/// reported. Vehicles are decided by the size gate that all detectors share.
+/// reported. Vehicles are told by how their points lie in their neighbourhoods, or by the size gate that all detectors
+/// share.
 ///
 /// Paper: VM sections 1 and 6, the method it compares with.
 #[derive(Debug, Clone)]
@@ -27,6 +30,7 @@ pub struct PcaDetector {
     dropped: Vec<usize>,
     objects: Vec<FittedObject>,
     object_points: Vec<u32>,
+    vehicle_model: Option<PcaVehicleModel>,
 }
 
 /// A cluster whose size is right, with its box.
@@ -50,7 +54,14 @@ impl PcaDetector {
             dropped: Vec::new(),
             objects: Vec::new(),
             object_points: Vec::new(),
+            vehicle_model: None,
         }
+    }
+
+    /// The same detector, which tells vehicles by `model` instead of by their size.
+    pub fn with_vehicle_model(mut self, model: PcaVehicleModel) -> Self {
+        self.vehicle_model = Some(model);
+        self
     }
 }
 
@@ -72,7 +83,7 @@ impl Detector for PcaDetector {
         clock.lap("components", &mut output.stage_times);
         self.fit_boxes(cloud, output);
         clock.lap("boxes", &mut output.stage_times);
-        self.classify(output);
+        self.classify(cloud, output);
         clock.lap("classify", &mut output.stage_times);
     }
 
@@ -113,17 +124,21 @@ impl PcaDetector {
         }
     }
 
-    fn classify(&mut self, output: &mut DetectorOutput) {
+    /// By the model (VM section 6) if there is one, else by size.
+    fn classify(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
         let point_indices = self.components.point_indices();
         for FittedObject { cluster_idx, bounding_box } in &self.objects {
             let members = self.clusters.members(*cluster_idx);
             self.object_points.clear();
             self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
+            let positions_m = self.object_points.iter().map(|&it| cloud.position_m(it as usize));
+            let (class, score) =
+                classify_object(self.vehicle_model.as_mut(), bounding_box, positions_m, &self.vehicle_size);
             output.detections.push(Detection {
                 point_indices: &self.object_points,
                 bounding_box: *bounding_box,
-                class: size_gate(members.len(), bounding_box, &self.vehicle_size),
-                score: None,
+                class,
+                score,
             });
         }
     }

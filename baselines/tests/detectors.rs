@@ -3,6 +3,7 @@
 use baselines::kd_tree_detector::KdTreeDetector;
 use baselines::params::{BaselineParams, ForegroundChoice};
 use baselines::pca_detector::PcaDetector;
+use baselines::pca_vehicle_model::PcaVehicleModel;
 use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::params::HierarchicalParams;
@@ -157,10 +158,9 @@ fn the_simple_grid_has_one_level_whatever_the_parameters_say() {
     assert_eq!(detections_with(1), detections_with(5));
 }
 
-#[test]
-fn the_simple_grid_allocates_nothing_once_its_buffers_are_sized() {
+#[track_caller]
+fn check_allocates_nothing(mut detector: impl Detector) {
     let cloud = two_close_cars();
-    let mut detector = simple_grid();
     let mut output = DetectorOutput::default();
     let sizing = allocation_counter::measure(|| detector.detect(&cloud, &mut output));
     assert!(sizing.count_total > 0, "the counter sees nothing");
@@ -168,6 +168,29 @@ fn the_simple_grid_allocates_nothing_once_its_buffers_are_sized() {
         let steady = allocation_counter::measure(|| detector.detect(scan, &mut output));
         assert_eq!(steady.count_total, 0, "allocations on a scan of {} points", scan.len());
     }
+}
+
+#[test]
+fn grids_allocate_nothing_once_their_buffers_are_sized() {
+    check_allocates_nothing(simple_grid());
+    check_allocates_nothing(pca());
+    check_allocates_nothing(pca().with_vehicle_model(PcaVehicleModel::shipped()));
+}
+
+#[test]
+fn by_its_model_pca_says_how_sure_it_is() {
+    let cloud = [road(), car([8.0, 3.0], 0.3)].concat().into_iter().collect();
+    let by_size = detected(&mut pca(), &cloud);
+    let by_model = detected(&mut pca().with_vehicle_model(PcaVehicleModel::shipped()), &cloud);
+    assert_eq!(by_size.detections.len(), 1);
+    assert_eq!(
+        (by_size.detections.get(0).score, by_size.detections.get(0).class),
+        (None, DetectedClass::Vehicle)
+    );
+    let it = by_model.detections.get(0);
+    let score = it.score.expect("the model decides");
+    assert_eq!(score > 0.0, it.class == DetectedClass::Vehicle);
+    assert_eq!(it.bounding_box, by_size.detections.get(0).bounding_box);
 }
 
 #[test]

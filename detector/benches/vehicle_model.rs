@@ -140,5 +140,5 @@ fn model_of_noise() -> Result<SvmModel<8>, Box<dyn std::error::Error>> {
         seed: 1,
         split: "nothing held out".to_owned(),
     };
-    Ok(train_svm(&vectors, &is_first, VehicleFeatures::NAMES, &params, made)?)
+    Ok(train_svm(&vectors, &is_first, (VehicleFeatures::NAMES, "noise".to_owned()), &params, made)?)
 }

@@ -8,6 +8,7 @@ pub mod simulator;
 pub mod dataset;
 pub mod matching;
 pub mod metrics;
+pub mod object_box;
 pub mod realism;
 pub mod density_survey;
 pub mod training;

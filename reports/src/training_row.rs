@@ -5,47 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::csv_rows::CsvRow;
 use crate::fixed_decimals::Fixed;
 
-/// A held-out object with what the model sees of it and says about it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct JudgedObjectRow {
-    data: String,
-    sequence: String,
-    kind: String,
-    is_vehicle: bool,
-    n_points: usize,
-    range_m: Fixed<2>,
-    decision: Fixed<5>,
-    length_m: Fixed<4>,
-    width_m: Fixed<4>,
-    front_near_radius_m: Fixed<4>,
-    front_far_radius_m: Fixed<4>,
-    back_near_radius_m: Fixed<4>,
-    back_far_radius_m: Fixed<4>,
-    radius_difference_m: Fixed<4>,
-    profile_difference: Fixed<4>,
-}
-
-impl CsvRow for JudgedObjectRow {
-    const COLUMNS: &'static [&'static str] = &[
-        "data",
-        "sequence",
-        "kind",
-        "is_vehicle",
-        "n_points",
-        "range_m",
-        "decision",
-        "length_m",
-        "width_m",
-        "front_near_radius_m",
-        "front_far_radius_m",
-        "back_near_radius_m",
-        "back_far_radius_m",
-        "radius_difference_m",
-        "profile_difference",
-    ];
-}
-
-/// Where an object of [`JudgedObjectRow`] was seen, and what it is.
+/// Where an object of [`JudgedObjects`] was seen, and what it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JudgedObjectPlace<'a> {
     /// Data set.
@@ -62,36 +22,57 @@ pub struct JudgedObjectPlace<'a> {
     pub range_m: f64,
 }
 
-impl JudgedObjectRow {
-    /// The row of an object with its decision value and what that was made of, in the order of the columns.
-    pub fn new(place: JudgedObjectPlace<'_>, decision: f32, features: &[f32; 8]) -> Self {
-        let [
-            length_m,
-            width_m,
-            front_near_radius_m,
-            front_far_radius_m,
-            back_near_radius_m,
-            back_far_radius_m,
-            radius_difference_m,
-            profile_difference,
-        ] = features.map(|it| Fixed(it.into()));
-        Self {
-            data: place.data.to_owned(),
-            sequence: place.sequence.to_owned(),
-            kind: place.kind.to_owned(),
-            is_vehicle: place.is_vehicle,
-            n_points: place.n_points,
-            range_m: Fixed(place.range_m),
-            decision: Fixed(decision.into()),
-            length_m,
-            width_m,
-            front_near_radius_m,
-            front_far_radius_m,
-            back_near_radius_m,
-            back_far_radius_m,
-            radius_difference_m,
-            profile_difference,
-        }
+/// The rows of held-out objects: where each is, its decision value, and what that was made of.
+#[derive(Debug)]
+pub struct JudgedObjects {
+    writer: csv::Writer<Vec<u8>>,
+}
+
+/// The columns before those of the values of a model.
+const PLACE_COLUMNS: [&str; 7] =
+    ["data", "sequence", "kind", "is_vehicle", "n_points", "range_m", "decision"];
+
+impl JudgedObjects {
+    /// No rows yet; the values have columns of these names.
+    ///
+    /// # Errors
+    ///
+    /// None that memory would not give.
+    pub fn new(features: &[&str]) -> Result<Self, csv::Error> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        writer.write_record(PLACE_COLUMNS.iter().chain(features))?;
+        Ok(Self { writer })
+    }
+
+    /// Appends the object at `place` with its decision value and what that was made of, in the order of the columns.
+    ///
+    /// # Errors
+    ///
+    /// If a number is not finite, or there are more or fewer values than columns.
+    pub fn write(
+        &mut self,
+        place: JudgedObjectPlace<'_>,
+        decision: f32,
+        features: &[f32],
+    ) -> Result<(), csv::Error> {
+        let JudgedObjectPlace { data, sequence, kind, is_vehicle, n_points, range_m } = place;
+        let values: Vec<Fixed<4>> = features.iter().map(|&it| Fixed(it.into())).collect();
+        let decision = Fixed::<5>(decision.into());
+        self.writer.serialize((
+            data,
+            sequence,
+            kind,
+            is_vehicle,
+            n_points,
+            Fixed::<2>(range_m),
+            decision,
+            values,
+        ))
+    }
+
+    /// The content of `objects.csv`.
+    pub fn into_csv(self) -> Vec<u8> {
+        self.writer.into_inner().expect("memory takes all that is written")
     }
 }
 
@@ -112,5 +93,29 @@ impl ImportanceRow {
     /// is less by `roc_area_loss`.
     pub fn new(feature: &str, roc_area_loss: Option<f64>, n_objects: usize) -> Self {
         Self { feature: feature.to_owned(), roc_area_loss: roc_area_loss.map(Fixed), n_objects }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_the_columns_of_their_model() {
+        let place = JudgedObjectPlace {
+            data: "street",
+            sequence: "narrow-1",
+            kind: "car",
+            is_vehicle: true,
+            n_points: 25,
+            range_m: 12.345,
+        };
+        let mut rows = JudgedObjects::new(&["a", "b"]).unwrap();
+        rows.write(place, -0.5, &[1.0, 2.25]).unwrap();
+        assert!(rows.write(place, 0.0, &[1.0]).is_err() && rows.write(place, 0.0, &[1.0, f32::NAN]).is_err());
+        let mut rows = JudgedObjects::new(&["a", "b"]).unwrap();
+        rows.write(place, -0.5, &[1.0, 2.25]).unwrap();
+        let expected = "data,sequence,kind,is_vehicle,n_points,range_m,decision,a,b\nstreet,narrow-1,car,true,25,12.35,-0.50000,1.0000,2.2500\n";
+        assert_eq!(String::from_utf8(rows.into_csv()).unwrap(), expected);
     }
 }

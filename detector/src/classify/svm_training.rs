@@ -4,8 +4,8 @@ use super::nu_svc_solver::{NuSvcError, NuSvcParams, solve_nu_svc};
 use super::svm_model::SvmModel;
 use crate::describe::trained_file::Provenance;
 
-/// Trains a classifier on `vectors`, whose values are called `features`; `is_first` says for each whether it is of the
-/// class that decides positive.
+/// Trains a classifier on `vectors`, whose values are called `features` and were taken with `describer`; `is_first` says
+/// for each whether it is of the class that decides positive.
 ///
 /// Values are standardised by their mean and standard deviation over `vectors`; a value that is the same everywhere
 /// keeps its unit.
@@ -18,7 +18,7 @@ use crate::describe::trained_file::Provenance;
 pub fn train_svm<const D: usize>(
     vectors: &[[f32; D]],
     is_first: &[bool],
-    features: [&'static str; D],
+    (features, describer): ([&'static str; D], String),
     params: &NuSvcParams,
     made: Provenance,
 ) -> Result<SvmModel<D>, NuSvcError> {
@@ -34,6 +34,7 @@ pub fn train_svm<const D: usize>(
         support.map(|(&coefficient, vector)| (coefficient as f32, *vector)).unzip();
     Ok(SvmModel {
         made,
+        describer,
         gamma: params.gamma,
         nu: params.nu,
         rho: solution.rho as f32,

@@ -6,4 +6,5 @@ pub mod side_profile;
 pub mod turning_function;
 pub mod trained_file;
 pub mod prototype_library;
+pub mod prototype_file;
 pub mod vehicle_features;

@@ -1,16 +1,9 @@
 //! The side profiles of known vehicles, and which of them an object is most like.
 
-use std::fmt::Write as _;
-
 use serde::Deserialize;
 
-use super::trained_file::{Provenance, TrainedFileError, check_head, head_and_provenance};
+use super::trained_file::Provenance;
 use super::turning_function::TurningFunction;
-
-/// What the file calls itself.
-const FORMAT: &str = "scanbench side profiles";
-/// Of the format; other versions are refused.
-const VERSION: i64 = 1;
 
 /// The profile of one vehicle, front forward.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -53,11 +46,8 @@ pub struct NearestPrototype {
 }
 
 /// Why there is no library.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, PartialEq, thiserror::Error)]
 pub enum PrototypeLibraryError {
-    /// Not TOML, or not a library.
-    #[error(transparent)]
-    File(#[from] TrainedFileError),
     /// Columns that no profile can be made of.
     #[error("column_m = {column_m} is outside of 0.02 to 2 m")]
     Column {
@@ -67,14 +57,6 @@ pub enum PrototypeLibraryError {
     /// Nothing to compare with.
     #[error("no prototype")]
     Empty,
-    /// A file with prototypes missing.
-    #[error("{found} prototypes, where {announced} are announced")]
-    Count {
-        /// How many there are.
-        found: usize,
-        /// How many there should be.
-        announced: usize,
-    },
     /// A prototype that is no outline.
     #[error("the contour of prototype {prototype_idx}, {name:?}, does not go around an area once")]
     Contour {
@@ -85,25 +67,7 @@ pub enum PrototypeLibraryError {
     },
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    #[serde(rename = "format")]
-    _format: String,
-    #[serde(rename = "version")]
-    _version: i64,
-    n_prototypes: usize,
-    column_m: f32,
-    made: Provenance,
-    prototype: Vec<Prototype>,
-}
-
 impl PrototypeLibrary {
-    /// The embedded library of drawn silhouettes, which `examples/drawn_vehicles.rs` writes.
-    pub fn drawn() -> Self {
-        Self::from_toml(include_str!("drawn_vehicles.toml")).expect("the embedded file is tested")
-    }
-
     /// A library of `prototypes`, whose contours are in columns of `column_m`.
     ///
     /// # Errors
@@ -132,35 +96,9 @@ impl PrototypeLibrary {
         Ok(Self { made, column_m, prototypes, functions })
     }
 
-    /// A library from the text that [`Self::to_toml`] gives.
-    ///
-    /// # Errors
-    ///
-    /// [`PrototypeLibraryError`] if the text is no library, or one of another version, or damaged.
-    pub fn from_toml(text: &str) -> Result<Self, PrototypeLibraryError> {
-        check_head(text, FORMAT, VERSION)?;
-        let file: File = toml::from_str(text).map_err(TrainedFileError::from)?;
-        let (found, announced) = (file.prototype.len(), file.n_prototypes);
-        if found != announced {
-            return Err(PrototypeLibraryError::Count { found, announced });
-        }
-        Self::new(file.made, file.column_m, file.prototype)
-    }
-
-    /// The library as text. Numbers are written so that they come back to the bit.
-    pub fn to_toml(&self) -> String {
-        let values = [
-            ("n_prototypes", self.prototypes.len().to_string()),
-            ("column_m", format!("{:?}", self.column_m)),
-        ];
-        let mut text = head_and_provenance((FORMAT, VERSION), &values, &self.made);
-        for prototype in &self.prototypes {
-            let name = toml::Value::from(prototype.name.as_str());
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "\n[[prototype]]\nname = {name}");
-            let _ = writeln!(text, "contour_m = {:?}", prototype.contour_m);
-        }
-        text
+    /// What it was made of.
+    pub fn made(&self) -> &Provenance {
+        &self.made
     }
 
     /// Greatest width of a column of the contours, in metres: what is compared with them has to have the same.
@@ -235,29 +173,6 @@ mod tests {
     const WEDGE: [[f32; 2]; 4] = [[0.0, 0.0], [3.0, 0.0], [3.0, 0.3], [0.0, 1.0]];
 
     #[test]
-    fn a_library_comes_back_from_its_file_to_the_bit() {
-        assert_eq!(PrototypeLibrary::from_toml(&library().to_toml()).unwrap(), library());
-    }
-
-    #[track_caller]
-    fn check_refused(from: &str, to: &str, message: &str) {
-        let text = library().to_toml();
-        assert!(text.contains(from), "{text}");
-        let error = PrototypeLibrary::from_toml(&text.replacen(from, to, 1)).unwrap_err().to_string();
-        assert!(error.contains(message), "{error}");
-    }
-
-    #[test]
-    fn what_is_no_library_says_why() {
-        check_refused("side profiles", "recipe", "format is \"scanbench recipe\"");
-        check_refused("version = 1", "version = 3", "version 3 of the format, this program reads 1");
-        check_refused("column_m = 0.2", "column_m = 0.0", "column_m = 0 is outside");
-        check_refused("n_prototypes = 2", "n_prototypes = 3", "2 prototypes, where 3 are announced");
-        check_refused("[2.0, 1.0]", "[2.0, nan]", "the contour of prototype 0, \"box\"");
-        check_refused("contour_m", "contour", "unknown field `contour`");
-    }
-
-    #[test]
     fn a_mirrored_wedge_is_a_wedge_that_looks_back() {
         let library = library();
         let forward = library.nearest(&WEDGE).unwrap();
@@ -270,26 +185,6 @@ mod tests {
         let placed = library.placed(&backward, &mirrored);
         for (corner, wanted) in placed.iter().zip(mirrored) {
             assert!((0..2).all(|axis| (corner[axis] - wanted[axis]).abs() < 1e-4), "{corner:?} {wanted:?}");
-        }
-    }
-
-    #[test]
-    fn every_drawn_vehicle_is_most_like_itself_either_way() {
-        let drawn = PrototypeLibrary::drawn();
-        for (prototype_idx, prototype) in drawn.prototypes().iter().enumerate() {
-            let nearest = drawn.nearest(&prototype.contour_m).unwrap();
-            let mirrored: Vec<[f32; 2]> =
-                prototype.contour_m.iter().map(|&[along, up]| [-along, up]).collect();
-            for (nearest, facing) in
-                [(nearest, Facing::Forward), (drawn.nearest(&mirrored).unwrap(), Facing::Backward)]
-            {
-                assert_eq!(
-                    (nearest.prototype_idx, nearest.facing),
-                    (prototype_idx, facing),
-                    "{}",
-                    prototype.name
-                );
-            }
         }
     }
 

@@ -66,6 +66,11 @@ impl VehicleDescriber {
         Self { library, points: BoxFramePoints::default(), profile }
     }
 
+    /// What is compared with and no value of its own, as trained models record it.
+    pub fn name(library: &PrototypeLibrary) -> String {
+        format!("prototypes of SHA-256 {}", library.checksum())
+    }
+
     /// The features of an object with these points, in the sensor frame. `None` without points.
     pub fn describe(
         &mut self,
@@ -83,6 +88,7 @@ impl VehicleDescriber {
             profile_difference: nearest.map_or(1.0, |it| it.difference),
         })
     }
+
     /// What the features of an object with these points were taken from, for drawing. `None` without points.
     pub fn shapes(
         &self,

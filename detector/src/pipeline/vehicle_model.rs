@@ -3,7 +3,9 @@
 use crate::classify::nu_svm::NuSvm;
 use crate::classify::size_gate::{SizeGateParams, size_gate};
 use crate::classify::svm_model::{SvmModel, SvmModelError};
-use crate::describe::prototype_library::{PrototypeLibrary, PrototypeLibraryError};
+use crate::describe::prototype_file::PrototypeFileError;
+use crate::describe::prototype_library::PrototypeLibrary;
+use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use crate::detection::DetectedClass;
 use crate::oriented_box::OrientedBox;
@@ -11,6 +13,17 @@ use crate::stage_product::{Shape, StageProduct};
 
 /// Number of values that the model looks at.
 pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
+
+/// Tells vehicles by a trained model.
+pub trait ObjectClassifier {
+    /// How surely an object with these points, in the sensor frame, is a vehicle: above 0 it is one. `None` without
+    /// points.
+    fn decision(
+        &mut self,
+        bounding_box: &OrientedBox,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<f32>;
+}
 
 /// Features and their classifier, with buffers for one object after another.
 ///
@@ -26,10 +39,10 @@ pub struct VehicleModel {
 pub enum VehicleModelError {
     /// The prototypes cannot be used.
     #[error("prototypes: {0}")]
-    Prototypes(#[from] PrototypeLibraryError),
+    Prototypes(#[from] AtLine<PrototypeFileError>),
     /// The classifier cannot be used.
     #[error("model: {0}")]
-    Svm(#[from] SvmModelError),
+    Svm(#[from] AtLine<SvmModelError>),
 }
 
 impl VehicleModel {
@@ -46,26 +59,17 @@ impl VehicleModel {
     ///
     /// # Errors
     ///
-    /// [`VehicleModelError`] if one of them is of another kind or version, or damaged.
+    /// [`VehicleModelError`] if one of them is of another kind or version, or damaged, or if the classifier was trained
+    /// with other prototypes.
     pub fn from_toml(prototypes: &str, svm: &str) -> Result<Self, VehicleModelError> {
         let library = PrototypeLibrary::from_toml(prototypes)?;
-        Ok(Self::new(library, &SvmModel::from_toml(svm, VehicleFeatures::NAMES)?))
+        let svm = SvmModel::from_toml(svm, VehicleFeatures::NAMES, &VehicleDescriber::name(&library))?;
+        Ok(Self::new(library, &svm))
     }
 
     /// A model from the prototypes and the classifier that was trained with them.
     pub fn new(library: PrototypeLibrary, svm: &SvmModel<N_FEATURES>) -> Self {
         Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm) }
-    }
-
-    /// How surely an object with these points, in the sensor frame, is a vehicle: above 0 it is one. `None` without
-    /// points.
-    pub fn decision(
-        &mut self,
-        bounding_box: &OrientedBox,
-        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-    ) -> Option<f32> {
-        let features = self.describer.describe(bounding_box, positions_m)?;
-        Some(self.svm.decision(&features.values()))
     }
 
     /// What the features of `objects`, boxes with their points, were taken from.
@@ -92,10 +96,21 @@ impl VehicleModel {
     }
 }
 
+impl ObjectClassifier for VehicleModel {
+    fn decision(
+        &mut self,
+        bounding_box: &OrientedBox,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<f32> {
+        let features = self.describer.describe(bounding_box, positions_m)?;
+        Some(self.svm.decision(&features.values()))
+    }
+}
+
 /// What an object with these points is, by `model` (VM sections 4 and 5), with how sure that is; by its size if there is
 /// no model. What has fewer points than a vehicle has by `sizes` is none either way: no model is trained on such.
 pub fn classify_object(
-    model: Option<&mut VehicleModel>,
+    model: Option<&mut impl ObjectClassifier>,
     bounding_box: &OrientedBox,
     positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     sizes: &SizeGateParams,
@@ -119,6 +134,18 @@ mod tests {
     }
 
     #[test]
+    fn other_prototypes_than_it_was_trained_with_are_refused() {
+        let svm = include_str!("../params/vehicle_model/model.toml");
+        let error =
+            VehicleModel::from_toml(&PrototypeLibrary::drawn().to_toml(), svm).unwrap_err().to_string();
+        let shipped =
+            PrototypeLibrary::from_toml(include_str!("../params/vehicle_model/prototypes.toml")).unwrap();
+        for checksum in [PrototypeLibrary::drawn().checksum(), shipped.checksum()] {
+            assert!(error.contains("line 4") && error.contains(&checksum), "{error}");
+        }
+    }
+
+    #[test]
     fn too_few_points_are_no_vehicle_whatever_they_look_like() {
         let sizes = HierarchicalParams::paper().vehicle_size;
         let bounding_box =
@@ -129,7 +156,7 @@ mod tests {
         let (class, score) = classify_object(Some(&mut model), &bounding_box, few, &sizes);
         assert_eq!(class, DetectedClass::Object);
         assert!(score.is_some_and(f32::is_finite));
-        let (class, score) = classify_object(None, &bounding_box, points_m(100), &sizes);
+        let (class, score) = classify_object(None::<&mut VehicleModel>, &bounding_box, points_m(100), &sizes);
         assert_eq!((class, score), (DetectedClass::Vehicle, None));
     }
 }

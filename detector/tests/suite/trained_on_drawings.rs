@@ -37,7 +37,8 @@ pub fn vehicle_model() -> VehicleModel {
         seed: 0,
         split: "nothing held out".to_owned(),
     };
-    let svm = train_svm(&vectors, &is_vehicle, VehicleFeatures::NAMES, &params, made).expect("a classifier");
+    let named = (VehicleFeatures::NAMES, VehicleDescriber::name(&library));
+    let svm = train_svm(&vectors, &is_vehicle, named, &params, made).expect("a classifier");
     VehicleModel::new(library, &svm)
 }
 

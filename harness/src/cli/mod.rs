@@ -35,4 +35,4 @@ pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::StreamArgs;
 pub use timing::TimingArgs;
-pub use train::TrainArgs;
+pub use train::{ModelName, TrainArgs};

@@ -25,5 +25,7 @@ pub mod data_list;
 pub mod data_realism;
 pub mod reproducible_command;
 pub mod fit_density;
+pub mod train_files;
+pub mod train_summary;
 pub mod train;
 pub mod dispatch;

@@ -2,37 +2,35 @@
 
 use std::sync::atomic::AtomicBool;
 
+use baselines::pca_features::{PcaDescriber, PcaFeatures};
+use detector::Detector;
 use detector::classify::nu_svc_solver::NuSvcParams;
-use detector::classify::nu_svm::NuSvm;
-use detector::classify::svm_model::SvmModel;
-use detector::classify::svm_training::train_svm;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
-use detector::pipeline::vehicle_model::N_FEATURES;
 use jiff::Timestamp;
-use reports::archive::SCHEMA;
-use reports::csv_rows::CsvRowWriter;
-use reports::operating_curve::OperatingRow;
-use reports::plot::operating_plot::operating_plot;
-use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
-use reports::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjectRow};
+use reports::run_directory::LatestPointer;
 
-use crate::cli::TrainArgs;
+use crate::cli::{DatasetArgs, ModelName, SourceArgs, TrainArgs};
 use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
-use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
+use crate::commands::provenance::compact_utc;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_directory::begin_run_directory;
-use crate::commands::run_manifest::dataset_entry;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
+use crate::commands::train_summary::summary;
+use crate::dataset::Dataset;
 use crate::run::config::RunConfig;
-use crate::training::candidates::{Candidate, CandidateKind, collect_candidates};
-use crate::training::evaluation::{Evaluation, JudgedObject, evaluate};
+use crate::run::detector_list::detectors_named;
+use crate::training::candidates::{Candidate, CandidateBoxes, CandidateSource, collect_candidates};
+use crate::training::described_object::{CandidateDescriber, DescribedObject, fit_model};
+use crate::training::evaluation::evaluate;
 use crate::training::held_out::HeldOut;
+use crate::training::model_kind::ModelKind;
 use crate::training::prototypes::{COLUMN_M, find_prototypes};
 use crate::training::selection::select;
 use crate::training::{CHOICE_SEED, HOLD_OUT_EVERY, PROTOTYPES};
@@ -52,93 +50,141 @@ pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
     // Before anything is written, so that Ctrl-C leaves nothing behind.
     let interrupted = interruption_flag()?;
     let started = Timestamp::now();
-    let opened = open_datasets(&arguments.data)?;
-    let drives = opened.iter().map(|it| (&*it.dataset, it.scan_indices.as_slice()));
-    let parted = HeldOut::every(arguments.hold_out_every as usize, drives).ok_or_else(|| {
-        Usage("the scans are of one drive: there is none to train on and another to judge by".to_owned())
-    })?;
-    let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&opened));
+    let kind = match arguments.detector {
+        ModelName::Hierarchical => ModelKind::Hierarchical,
+        ModelName::Pca => ModelKind::Pca,
+    };
+    let trained = open_datasets(&arguments.data)?;
+    let held_out_arguments = held_out_arguments(arguments);
+    let held_out = match &held_out_arguments {
+        Some(arguments) => open_datasets(arguments)?,
+        None => Vec::new(),
+    };
+    let parted = parted(arguments, &trained, &held_out)?;
+    let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&trained));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
-    let candidates = collect_all(&opened, arguments.choice_seed, interrupted)?;
-    let (held_out, trained): (Vec<_>, Vec<_>) =
+    let mut candidates = Vec::new();
+    for opened in [&trained, &held_out] {
+        candidates.extend(collect_all(opened, arguments, kind, interrupted)?);
+    }
+    let settings = TrainingSettings {
+        made: provenance(arguments, kind, &trained, &parted),
+        data: &arguments.data,
+        held_out_data: held_out_arguments.as_ref(),
+        trained: &trained,
+        held_out: &held_out,
+        parted: &parted,
+        started,
+    };
+    let (judged, taught): (Vec<_>, Vec<_>) =
         candidates.iter().partition(|(dataset, it)| parted.is_held_out(dataset, &it.sequence));
-    let trained: Vec<&Candidate> = trained.into_iter().map(|(_, it)| it).collect();
-    let numbers = (arguments.vehicles as usize, arguments.others as usize);
-    let selected = select(&trained, numbers, arguments.choice_seed);
-    let made = provenance(arguments, &opened, &parted);
-    let (library, model) = fit(arguments, &trained, &selected, &made)?;
-    let mut describer = VehicleDescriber::new(library.clone());
-    let judged: Vec<(&str, &Candidate, JudgedObject)> = held_out
-        .into_iter()
-        .filter_map(|(dataset, it)| Some((*dataset, it, judged_object(&mut describer, it)?)))
-        .collect();
-    let objects: Vec<JudgedObject> = judged.iter().map(|&(_, _, object)| object).collect();
-    let svm = NuSvm::new(&model);
-    let evaluation = evaluate(&svm, &objects, arguments.choice_seed);
-    let manifest = manifest(arguments, &opened, &parted, started);
-    directory.write_file(MANIFEST_JSON, format!("{manifest:#}\n").as_bytes())?;
-    directory.write_file("model.toml", model.to_toml().as_bytes())?;
-    directory.write_file("prototypes.toml", library.to_toml().as_bytes())?;
-    write_rows(&directory, &judged, &svm, &evaluation, &title(&opened, &evaluation))?;
+    let taught: Vec<&Candidate> = taught.into_iter().map(|(_, it)| it).collect();
+    let training = Training { arguments, kind, settings, taught, judged };
+    let (files, printed) = match kind {
+        ModelKind::Hierarchical => {
+            let library = training.prototypes()?;
+            let named = (VehicleFeatures::NAMES, VehicleDescriber::name(&library));
+            training.fit_and_judge(&mut VehicleDescriber::new(library.clone()), named, Some(&library))?
+        }
+        ModelKind::Pca => {
+            let named = (PcaFeatures::NAMES, PcaDescriber::name());
+            training.fit_and_judge(&mut PcaDescriber::default(), named, None)?
+        }
+    };
+    for (name, content) in files {
+        directory.write_file(name, &content)?;
+    }
     let finished = directory.finish()?;
-    let printed = print_result(summary(&parted, &selected, &library, &model, &evaluation));
+    let printed = print_result(printed);
     print_diagnostic(format_args!("Model: {}", finished.display()));
     printed
 }
 
+/// How the data sets to judge by are opened, if there are any. What is said of the simulator is for those trained on.
+fn held_out_arguments(arguments: &TrainArgs) -> Option<DatasetArgs> {
+    (!arguments.held_out.is_empty()).then(|| DatasetArgs {
+        datasets: arguments.held_out.clone(),
+        scans: arguments.held_out_scans.clone(),
+        source: SourceArgs {
+            format: arguments.held_out_format.clone(),
+            seed: None,
+            simulated_scans: None,
+            sensor: None,
+            catalogue: arguments.data.source.catalogue.clone(),
+        },
+    })
+}
+
+fn parted(
+    arguments: &TrainArgs,
+    trained: &[OpenedDataset],
+    held_out: &[OpenedDataset],
+) -> anyhow::Result<HeldOut> {
+    fn drives(opened: &[OpenedDataset]) -> impl Iterator<Item = (&dyn Dataset, &[usize])> {
+        opened.iter().map(|it| (&*it.dataset, it.scan_indices.as_slice()))
+    }
+    if held_out.is_empty() {
+        let every = arguments.hold_out_every as usize;
+        return HeldOut::every(every, drives(trained)).ok_or_else(|| {
+            let problem = "the scans are of one drive: there is none to train on and another to judge by";
+            Usage(problem.to_owned()).into()
+        });
+    }
+    HeldOut::apart(drives(trained), drives(held_out)).map_err(|(dataset, sequence)| {
+        Usage(format!("the drive {sequence} of {dataset} is to be trained on and to judge by")).into()
+    })
+}
+
 fn collect_all<'a>(
     opened: &'a [OpenedDataset],
-    seed: u64,
+    arguments: &TrainArgs,
+    kind: ModelKind,
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Vec<(&'a str, Candidate)>> {
-    let config = RunConfig::load(None)?;
+    let config = RunConfig::without_vehicle_models()?;
+    let clusters = arguments.clusters.as_deref().unwrap_or(kind.detector());
+    let listed = detectors_named(&[clusters.to_owned()])?[0];
+    let boxes = if clusters == kind.detector() {
+        CandidateBoxes::OfDetector(kind.object_box())
+    } else {
+        CandidateBoxes::Fitted(kind.object_box())
+    };
     let mut candidates = Vec::new();
     for OpenedDataset { dataset, scan_indices } in opened {
         let description = dataset.description();
         warn_of_unknown_sensor(&config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
+        let new_detector = || -> Box<dyn Detector> { listed.build(&of_sensor, description.sensor_height_m) };
+        let source = CandidateSource { new_detector: &new_detector, boxes, seed: arguments.choice_seed };
         let progress = progress_over_scans(scan_indices.len(), &description.id);
-        let detector_and_seed = (&of_sensor.hierarchical, seed);
-        let found =
-            collect_candidates(&**dataset, scan_indices, detector_and_seed, interrupted, || progress.inc(1))?;
+        let found = collect_candidates(&**dataset, scan_indices, &source, interrupted, || progress.inc(1))?;
         candidates.extend(found.into_iter().map(|it| (description.id.as_str(), it)));
         progress.finish_and_clear();
     }
     Ok(candidates)
 }
 
-/// Everything that decides the model.
-fn manifest(
+fn provenance(
     arguments: &TrainArgs,
+    kind: ModelKind,
     opened: &[OpenedDataset],
     parted: &HeldOut,
-    started: Timestamp,
-) -> serde_json::Value {
-    let datasets: Vec<_> = opened.iter().map(|it| dataset_entry(it, &arguments.data)).collect();
-    serde_json::json!({
-        "schema": SCHEMA,
-        "scanbench_version": env!("CARGO_PKG_VERSION"),
-        "created": rfc3339_utc(started),
-        "argv": command_line(),
-        "datasets": datasets,
-        "trained": parted.trained,
-        "held_out": parted.held_out,
-        "git": git_state(),
-        "rustc_version": rustc_version(),
-    })
-}
-
-fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut) -> Provenance {
+) -> Provenance {
     let unless = |value: u64, standard: u64| (value != standard).then(|| value.to_string());
-    let options = [
+    let detector = (kind != ModelKind::Hierarchical).then(|| kind.detector().to_owned());
+    let mut options = vec![("--detector", detector), ("--clusters", arguments.clusters.clone())];
+    options.extend(arguments.held_out.iter().map(|it| ("--held-out", Some(it.clone()))));
+    options.extend([
+        ("--held-out-format", arguments.held_out_format.clone()),
+        ("--held-out-scans", arguments.held_out_scans.clone()),
         ("--hold-out-every", unless(arguments.hold_out_every.into(), HOLD_OUT_EVERY.into())),
         ("--vehicles", Some(arguments.vehicles.to_string())),
         ("--others", Some(arguments.others.to_string())),
         ("--prototypes", unless(arguments.prototypes.into(), PROTOTYPES.into())),
-        ("--gamma", Some(arguments.gamma.to_string())),
+        ("--gamma", Some(arguments.gamma.unwrap_or(kind.gamma()).to_string())),
         ("--nu", Some(arguments.nu.to_string())),
         ("--choice-seed", unless(arguments.choice_seed, CHOICE_SEED)),
-    ];
+    ]);
     let name = |it: &OpenedDataset| {
         let description = it.dataset.description();
         match &description.simulation {
@@ -154,121 +200,58 @@ fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut)
     }
 }
 
-/// What was judged, and whether it is simulated.
-fn title(opened: &[OpenedDataset], evaluation: &Evaluation) -> String {
-    let n_simulated = opened.iter().filter(|it| it.dataset.description().is_simulated()).count();
-    let simulated = match n_simulated {
-        0 => "",
-        n if n == opened.len() => " (simulated)",
-        _ => " (partly simulated)",
-    };
-    let [n_vehicles, n_others] = evaluation.curves.totals();
-    format!("Held-out drives{simulated}: {n_vehicles} vehicles, {n_others} others")
+/// Everything that a model is made of and judged by.
+struct Training<'a> {
+    arguments: &'a TrainArgs,
+    kind: ModelKind,
+    settings: TrainingSettings<'a>,
+    taught: Vec<&'a Candidate>,
+    judged: Vec<&'a (&'a str, Candidate)>,
 }
 
-fn fit(
-    arguments: &TrainArgs,
-    trained: &[&Candidate],
-    selected: &[&Candidate],
-    made: &Provenance,
-) -> anyhow::Result<(PrototypeLibrary, SvmModel<N_FEATURES>)> {
-    let prototypes = find_prototypes(trained, arguments.prototypes as usize);
-    let nothing = |error: &dyn std::fmt::Display| NothingEvaluated { reason: error.to_string() };
-    anyhow::ensure!(!prototypes.is_empty(), nothing(&"no vehicle is seen well enough for a side profile"));
-    let library =
-        PrototypeLibrary::new(made.clone(), COLUMN_M, prototypes).map_err(|error| nothing(&error))?;
-    let mut describer = VehicleDescriber::new(library.clone());
-    let objects: Vec<JudgedObject> =
-        selected.iter().filter_map(|it| judged_object(&mut describer, it)).collect();
-    let vectors: Vec<[f32; N_FEATURES]> = objects.iter().map(|it| it.features).collect();
-    let is_vehicle: Vec<bool> = objects.iter().map(|it| it.is_vehicle).collect();
-    let params =
-        NuSvcParams { gamma: arguments.gamma, nu: arguments.nu, tolerance: TOLERANCE, max_steps: MOST_STEPS };
-    let model = train_svm(&vectors, &is_vehicle, VehicleFeatures::NAMES, &params, made.clone())
-        .map_err(|error| nothing(&error))?;
-    Ok((library, model))
-}
+/// Files by their names, and what is printed.
+type FilesAndText = (Vec<(&'static str, Vec<u8>)>, String);
 
-fn judged_object(describer: &mut VehicleDescriber, candidate: &Candidate) -> Option<JudgedObject> {
-    let features = describer.describe(&candidate.bounding_box, candidate.positions_m.iter().copied())?;
-    Some(JudgedObject {
-        kind: candidate.kind.name(),
-        is_vehicle: candidate.kind.is_vehicle(),
-        features: features.values(),
-    })
-}
+impl Training<'_> {
+    fn prototypes(&self) -> anyhow::Result<PrototypeLibrary> {
+        let prototypes = find_prototypes(&self.taught, self.arguments.prototypes as usize);
+        anyhow::ensure!(
+            !prototypes.is_empty(),
+            nothing(&"no vehicle is seen well enough for a side profile")
+        );
+        let made = self.settings.made.clone();
+        Ok(PrototypeLibrary::new(made, COLUMN_M, prototypes).map_err(|error| nothing(&error))?)
+    }
 
-fn write_rows(
-    directory: &RunDirectory,
-    judged: &[(&str, &Candidate, JudgedObject)],
-    svm: &NuSvm<N_FEATURES>,
-    evaluation: &Evaluation,
-    title: &str,
-) -> anyhow::Result<()> {
-    let mut rows = CsvRowWriter::new(directory.begin_file("objects.csv")?)?;
-    for (dataset, candidate, object) in judged {
-        let [x_m, y_m, _] = candidate.bounding_box.center_m.map(f64::from);
-        let place = JudgedObjectPlace {
-            data: dataset,
-            sequence: &candidate.sequence,
-            kind: object.kind,
-            is_vehicle: object.is_vehicle,
-            n_points: candidate.positions_m.len(),
-            range_m: x_m.hypot(y_m),
+    fn fit_and_judge<const D: usize>(
+        &self,
+        describer: &mut impl CandidateDescriber<D>,
+        named: ([&'static str; D], String),
+        library: Option<&PrototypeLibrary>,
+    ) -> anyhow::Result<FilesAndText> {
+        let numbers = (self.arguments.vehicles as usize, self.arguments.others as usize);
+        let selected = select(&self.taught, numbers, self.arguments.choice_seed);
+        let params = NuSvcParams {
+            gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),
+            nu: self.arguments.nu,
+            tolerance: TOLERANCE,
+            max_steps: MOST_STEPS,
         };
-        rows.write(&JudgedObjectRow::new(place, svm.decision(&object.features), &object.features))?;
+        let model = fit_model(&selected, describer, named, &params, self.settings.made.clone())
+            .map_err(|error| nothing(&error))?;
+        let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = self
+            .judged
+            .iter()
+            .filter_map(|(dataset, it)| Some((*dataset, it, DescribedObject::of(it, describer)?)))
+            .collect();
+        let objects: Vec<DescribedObject<D>> = judged.iter().map(|&(_, _, object)| object).collect();
+        let evaluation = evaluate(&model, &objects, self.arguments.choice_seed);
+        let printed = summary(self.settings.parted, &selected, library, &model, &evaluation);
+        let trained = TrainedModel { model, library, judged, evaluation };
+        Ok((write_files(&self.settings, &trained)?, printed))
     }
-    rows.finish()?;
-    let mut rows = CsvRowWriter::new(directory.begin_file("importance.csv")?)?;
-    for (feature, loss) in evaluation.importance {
-        rows.write(&ImportanceRow::new(feature, loss, judged.len()))?;
-    }
-    rows.finish()?;
-    let totals = evaluation.curves.totals();
-    let points = evaluation.curves.points().iter();
-    let curve: Vec<OperatingRow> =
-        points.map(|it| OperatingRow::new(it.threshold, [it.n_true, it.n_false], totals)).collect();
-    let mut rows = CsvRowWriter::new(directory.begin_file("curves.csv")?)?;
-    for row in &curve {
-        rows.write(row)?;
-    }
-    rows.finish()?;
-    directory.write_file("curves.svg", operating_plot(&curve, title).as_bytes())?;
-    Ok(())
 }
 
-fn summary(
-    parted: &HeldOut,
-    selected: &[&Candidate],
-    library: &PrototypeLibrary,
-    model: &SvmModel<N_FEATURES>,
-    evaluation: &Evaluation,
-) -> String {
-    let n_vehicles = selected.iter().filter(|it| it.kind.is_vehicle()).count();
-    let n_cut = selected.iter().filter(|it| it.kind == CandidateKind::CutRegion).count();
-    let mut lines = vec![
-        format!("Trained on {} drives: {}", parted.trained.len(), HeldOut::names(&parted.trained)),
-        format!("Held out {} drives: {}", parted.held_out.len(), HeldOut::names(&parted.held_out)),
-        format!(
-            "{n_vehicles} vehicles and {} others, {n_cut} of them cut regions; {} prototypes, {} support vectors",
-            selected.len() - n_vehicles,
-            library.prototypes().len(),
-            model.support_vectors.len()
-        ),
-        String::new(),
-        format!("{:<16}{:>14}{:>18}", "held out", "told vehicle", "told background"),
-    ];
-    for ((_, kind), told) in &evaluation.told {
-        lines.push(format!("{kind:<16}{:>14}{:>18}", told.n_vehicle, told.n_background));
-    }
-    let share = |area: Option<f64>| area.map_or_else(|| "undefined".to_owned(), |it| format!("{it:.4}"));
-    lines.push(String::new());
-    lines.push(format!("ROC area {}", share(evaluation.curves.roc_area())));
-    lines.push(format!("Precision-recall area {}", share(evaluation.curves.precision_recall_area())));
-    lines.push(String::new());
-    lines.push("Loss of ROC area with one value mixed up between the held-out objects:".to_owned());
-    for (feature, loss) in evaluation.importance {
-        lines.push(format!("{feature:<22}{:>10}", share(loss)));
-    }
-    lines.join("\n")
+fn nothing(reason: &dyn std::fmt::Display) -> NothingEvaluated {
+    NothingEvaluated { reason: reason.to_string() }
 }

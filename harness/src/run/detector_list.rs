@@ -25,8 +25,8 @@ pub const DETECTORS: &[ListedDetector] = &[
         table: "hierarchical",
         build: |config, sensor_height_m| {
             let by_size = HierarchicalDetector::new(config.hierarchical.clone(), sensor_height_m);
-            match &config.vehicle_model {
-                Some(model) => Box::new(by_size.with_vehicle_model(model.clone())),
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape.clone())),
                 None => Box::new(by_size),
             }
         },
@@ -37,8 +37,8 @@ pub const DETECTORS: &[ListedDetector] = &[
         build: |config, sensor_height_m| {
             let params = config.baselines.kd_tree.clone();
             let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m);
-            match &config.vehicle_model {
-                Some(model) => Box::new(by_size.with_vehicle_model(model.clone())),
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape.clone())),
                 None => Box::new(by_size),
             }
         },
@@ -48,7 +48,11 @@ pub const DETECTORS: &[ListedDetector] = &[
         table: "pca",
         build: |config, _| {
             let vehicle_size = config.hierarchical.vehicle_size.clone();
-            Box::new(PcaDetector::new(config.baselines.pca.clone(), vehicle_size))
+            let by_size = PcaDetector::new(config.baselines.pca.clone(), vehicle_size);
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.pca.clone())),
+                None => Box::new(by_size),
+            }
         },
     },
     // The ablation of the first has its parameters.
@@ -57,8 +61,8 @@ pub const DETECTORS: &[ListedDetector] = &[
         table: "hierarchical",
         build: |config, sensor_height_m| {
             let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m);
-            match &config.vehicle_model {
-                Some(model) => Box::new(by_size.with_vehicle_model(model.clone())),
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape.clone())),
                 None => Box::new(by_size),
             }
         },

@@ -2,10 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use detector::fit::convex_hull_box::ConvexHullBox;
-use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use detector::{Detector as _, DetectorOutput, OrientedBox};
+use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -14,6 +11,7 @@ use crate::annotation::{Annotation, AnnotationClass, LabeledScan, Occlusion, Poi
 use crate::dataset::Dataset;
 use crate::matching::eligibility::counts_as_vehicle;
 use crate::matching::point_overlap::PointOverlap;
+use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
 
 /// Candidates and annotations of fewer points are left out: they are not judged in a run either.
@@ -75,8 +73,27 @@ pub struct Candidate {
     pub positions_m: Vec<[f32; 3]>,
 }
 
-/// The candidates of the scans `scan_indices` of `dataset`, in their order: what the hierarchical detector with `params`
-/// finds in them, and regions cut out of it, drawn from `seed`.
+/// Where candidates come from.
+pub struct CandidateSource<'a> {
+    /// Makes the detector whose clusters they are.
+    pub new_detector: &'a (dyn Fn() -> Box<dyn Detector> + Sync),
+    /// The box around them; the detector's own if it has it from the same fit.
+    pub boxes: CandidateBoxes,
+    /// What regions are cut out is drawn from it.
+    pub seed: u64,
+}
+
+/// The boxes around candidates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CandidateBoxes {
+    /// Clusters have those that the detector put around them, which are fitted like this.
+    OfDetector(ObjectBox),
+    /// All are fitted like this.
+    Fitted(ObjectBox),
+}
+
+/// The candidates of the scans `scan_indices` of `dataset`, in their order: what the detector of `source` finds in them,
+/// and regions cut out of it.
 ///
 /// `on_scan` is called after every scan, from several threads.
 ///
@@ -88,13 +105,11 @@ pub struct Candidate {
 pub fn collect_candidates(
     dataset: &dyn Dataset,
     scan_indices: &[usize],
-    (params, seed): (&HierarchicalParams, u64),
+    source: &CandidateSource<'_>,
     interrupted: &AtomicBool,
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<Candidate>, SurveyError> {
-    let sensor_height_m = dataset.description().sensor_height_m;
-    let new_detector = || HierarchicalDetector::new(params.clone(), sensor_height_m);
-    let of_scan = |detector: &mut HierarchicalDetector, &scan_idx: &usize| {
+    let of_scan = |detector: &mut Box<dyn Detector>, &scan_idx: &usize| {
         if interrupted.load(Ordering::Relaxed) {
             let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
             return Err(SurveyError::Interrupted { dataset, n_scans });
@@ -103,20 +118,20 @@ pub fn collect_candidates(
         let mut output = DetectorOutput::default();
         detector.detect(&scan.cloud, &mut output);
         // A stream for every scan, so that the order in which they are looked at does not matter.
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
         rng.set_stream(scan_idx as u64);
-        let mut found = clusters(&scan, &output);
-        found.extend(cut_regions(&scan, &output, &mut rng));
+        let mut found = clusters(&scan, &output, source.boxes);
+        found.extend(cut_regions(&scan, &output, source.boxes, &mut rng));
         on_scan();
         Ok(found)
     };
     // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_detector, of_scan).collect();
+    let of_scans: Vec<_> = scan_indices.par_iter().map_init(source.new_detector, of_scan).collect();
     let of_scans: Vec<Vec<Candidate>> = of_scans.into_iter().collect::<Result<_, _>>()?;
     Ok(of_scans.into_iter().flatten().collect())
 }
 
-fn clusters(scan: &LabeledScan, output: &DetectorOutput) -> Vec<Candidate> {
+fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) -> Vec<Candidate> {
     let overlap = PointOverlap::count(scan, &output.detections);
     let maybe_vehicle = points_of_vehicles(scan);
     let mut found = Vec::new();
@@ -139,17 +154,25 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput) -> Vec<Candidate> {
             None if is_background(&maybe_vehicle, detection.point_indices) => CandidateKind::Cluster,
             None => continue,
         };
-        found.push(candidate(scan, kind, detection.bounding_box, detection.point_indices));
+        let bounding_box = match boxes {
+            CandidateBoxes::OfDetector(_) => Some(detection.bounding_box),
+            CandidateBoxes::Fitted(_) => None,
+        };
+        found.extend(candidate(scan, kind, (bounding_box, boxes), detection.point_indices));
     }
     found
 }
 
-fn cut_regions(scan: &LabeledScan, output: &DetectorOutput, rng: &mut ChaCha8Rng) -> Vec<Candidate> {
+fn cut_regions(
+    scan: &LabeledScan,
+    output: &DetectorOutput,
+    boxes: CandidateBoxes,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Candidate> {
     let maybe_vehicle = points_of_vehicles(scan);
     let mut of_clusters: Vec<u32> =
         output.detections.iter().flat_map(|it| it.point_indices.iter().copied()).collect();
     of_clusters.sort_unstable();
-    let mut box_fit = ConvexHullBox::default();
     let mut found = Vec::new();
     for _ in 0..N_CUTS {
         if of_clusters.is_empty() {
@@ -166,19 +189,11 @@ fn cut_regions(scan: &LabeledScan, output: &DetectorOutput, rng: &mut ChaCha8Rng
         let is_usable = inside.len() >= LEAST_POINTS
             && is_labeled(scan, &inside)
             && is_background(&maybe_vehicle, &inside);
-        if is_usable && let Some(bounding_box) = box_around(scan, &inside, &mut box_fit) {
-            found.push(candidate(scan, CandidateKind::CutRegion, bounding_box, &inside));
+        if is_usable {
+            found.extend(candidate(scan, CandidateKind::CutRegion, (None, boxes), &inside));
         }
     }
     found
-}
-
-fn box_around(scan: &LabeledScan, point_indices: &[u32], box_fit: &mut ConvexHullBox) -> Option<OrientedBox> {
-    let positions_m = point_indices.iter().map(|&point_idx| scan.cloud.position_m(point_idx as usize));
-    let z_range_m = positions_m
-        .clone()
-        .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], [_, _, z]| [low.min(z), high.max(z)]);
-    box_fit.fit(positions_m.map(|[x, y, _]| [x, y]), z_range_m)
 }
 
 /// For every point whether it is on a vehicle, or on something of which the task does not say whether it is one.
@@ -206,12 +221,16 @@ fn is_labeled(scan: &LabeledScan, point_indices: &[u32]) -> bool {
     2 * point_indices.iter().filter(labeled).count() > point_indices.len()
 }
 
+/// The candidate of these points, in the box it was found in or else a fitted one. `None` without points.
 fn candidate(
     scan: &LabeledScan,
     kind: CandidateKind,
-    bounding_box: OrientedBox,
+    (found_in, boxes): (Option<OrientedBox>, CandidateBoxes),
     point_indices: &[u32],
-) -> Candidate {
-    let positions_m = point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
-    Candidate { sequence: scan.id.sequence.clone(), kind, bounding_box, positions_m }
+) -> Option<Candidate> {
+    let positions_m: Vec<[f32; 3]> =
+        point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+    let (CandidateBoxes::OfDetector(fit) | CandidateBoxes::Fitted(fit)) = boxes;
+    let bounding_box = found_in.or_else(|| fit.around(&positions_m))?;
+    Some(Candidate { sequence: scan.id.sequence.clone(), kind, bounding_box, positions_m })
 }

@@ -3,24 +3,13 @@
 use std::collections::BTreeMap;
 
 use detector::classify::nu_svm::NuSvm;
-use detector::describe::vehicle_features::VehicleFeatures;
-use detector::pipeline::vehicle_model::N_FEATURES;
+use detector::classify::svm_model::SvmModel;
 use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 
+use super::described_object::DescribedObject;
 use super::operating_curves::OperatingCurves;
-
-/// An object with what the classifier sees of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JudgedObject {
-    /// What it is, as in files.
-    pub kind: &'static str,
-    /// Whether it is a vehicle.
-    pub is_vehicle: bool,
-    /// The values of [`VehicleFeatures::NAMES`].
-    pub features: [f32; N_FEATURES],
-}
 
 /// How many objects of a kind are told a vehicle, and how many are not.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -33,17 +22,22 @@ pub struct ToldAs {
 
 /// What a model does on held-out objects.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Evaluation {
+pub struct Evaluation<const D: usize> {
     /// What each kind of object is told, vehicles and others.
     pub told: BTreeMap<(bool, &'static str), ToldAs>,
     /// What happens at other thresholds.
     pub curves: OperatingCurves,
     /// For each value, what the ROC area loses when that value is mixed up between objects.
-    pub importance: [(&'static str, Option<f64>); N_FEATURES],
+    pub importance: [(&'static str, Option<f64>); D],
 }
 
-/// Judges `svm` by `objects`. What is mixed up is drawn from `seed`.
-pub fn evaluate(svm: &NuSvm<N_FEATURES>, objects: &[JudgedObject], seed: u64) -> Evaluation {
+/// Judges `model` by `objects`. What is mixed up is drawn from `seed`.
+pub fn evaluate<const D: usize>(
+    model: &SvmModel<D>,
+    objects: &[DescribedObject<D>],
+    seed: u64,
+) -> Evaluation<D> {
+    let svm = NuSvm::new(model);
     let decisions: Vec<f32> = objects.iter().map(|it| svm.decision(&it.features)).collect();
     let mut told: BTreeMap<_, ToldAs> = BTreeMap::new();
     for (object, &decision) in objects.iter().zip(&decisions) {
@@ -65,7 +59,7 @@ pub fn evaluate(svm: &NuSvm<N_FEATURES>, objects: &[JudgedObject], seed: u64) ->
         });
         let area = OperatingCurves::of(decisions.zip(labels())).roc_area();
         let loss = curves.roc_area().zip(area).map(|(with, without)| with - without);
-        (VehicleFeatures::NAMES[feature_idx], loss)
+        (model.features[feature_idx], loss)
     });
     Evaluation { told, curves, importance }
 }

@@ -1,9 +1,11 @@
 //! From labelled scans to a trained vehicle model, and how good it is on streets it has not seen.
 
+pub mod model_kind;
 pub mod candidates;
 pub mod held_out;
 pub mod prototypes;
 pub mod selection;
+pub mod described_object;
 pub mod operating_curves;
 pub mod evaluation;
 
@@ -13,8 +15,3 @@ pub const HOLD_OUT_EVERY: u32 = 4;
 pub const PROTOTYPES: u32 = 2;
 /// Seed of all that is drawn.
 pub const CHOICE_SEED: u64 = 1;
-/// Width of the Gaussian kernel, chosen by held-out simulated drives; the paper's 0.1078 does a little worse there.
-pub const GAMMA: f32 = 0.5;
-/// Bound of the share of objects inside the margin, chosen likewise; at the paper's 0.0377 there is none between objects as
-/// mixed as these.
-pub const NU: f64 = 0.2;

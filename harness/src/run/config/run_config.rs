@@ -5,7 +5,6 @@ use std::path::Path;
 use baselines::params::{BaselineParams, PARAMS_TOML};
 use detector::grid::density_curve::DensityCurve;
 use detector::params::HierarchicalParams;
-use detector::pipeline::vehicle_model::VehicleModel;
 use toml::{Table, Value};
 
 use super::error::ConfigError;
@@ -13,7 +12,7 @@ use super::matching_table::{MATCHING_TOML, matching_from};
 use super::override_file::OverrideFile;
 use super::override_option::{OverrideOption, OverrideOptions};
 use super::value_problem::ValueProblem;
-use super::vehicle_model_table::{VEHICLE_MODEL_TOML, vehicle_model_from};
+use super::vehicle_model_table::{VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
 use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
 
@@ -26,8 +25,8 @@ pub struct RunConfig {
     pub baselines: BaselineParams,
     /// How detections are judged.
     pub matching: MatchingParams,
-    /// What tells vehicles of the clusters of grids and kd-tree; their size if there is none.
-    pub vehicle_model: Option<VehicleModel>,
+    /// What tells vehicles; their size if there is nothing.
+    pub vehicle_models: Option<VehicleModels>,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
@@ -57,6 +56,16 @@ impl RunConfig {
             byte_offset: error.utf8_error().valid_up_to(),
         })?;
         Self::resolve(&text, path)
+    }
+
+    /// The shipped parameters with vehicles told by their size; no model is looked at, so that those that come with the
+    /// program may be of another time.
+    ///
+    /// # Errors
+    ///
+    /// None that a test would not have found.
+    pub fn without_vehicle_models() -> Result<Self, ConfigError> {
+        Self::resolve("vehicle_model.enabled = false", Path::new("built-in configuration"))
     }
 
     /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
@@ -130,7 +139,7 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
             matching: matching_from(&matching)
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
-            vehicle_model: vehicle_model_from(&table("vehicle_model").to_string())?,
+            vehicle_models: vehicle_models_from(&table("vehicle_model").to_string())?,
             resolved,
         })
     }

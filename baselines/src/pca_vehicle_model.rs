@@ -1,0 +1,91 @@
+//! From an object to how surely it is a vehicle, as the rival of the vehicle model decides it.
+
+use detector::OrientedBox;
+use detector::classify::nu_svm::NuSvm;
+use detector::classify::svm_model::{SvmModel, SvmModelError};
+use detector::describe::trained_file::AtLine;
+use detector::pipeline::vehicle_model::ObjectClassifier;
+
+use crate::pca_features::{N_PCA_FEATURES, PcaDescriber, PcaFeatures};
+
+/// Features and their classifier, with buffers for one object after another.
+///
+/// The classifier is of the same kind as that of the hierarchical detector's model, trained and chosen alike, so that a
+/// comparison is about the features.
+///
+/// Paper: VM section 6.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PcaVehicleModel {
+    describer: PcaDescriber,
+    svm: NuSvm<N_PCA_FEATURES>,
+}
+
+impl PcaVehicleModel {
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again.
+    pub fn shipped() -> Self {
+        Self::from_toml(include_str!("params/pca_model.toml")).expect("the embedded file is tested")
+    }
+
+    /// A model from the text of its file.
+    ///
+    /// # Errors
+    ///
+    /// [`SvmModelError`] with its line if it is of another kind or version, for other values, or damaged.
+    pub fn from_toml(text: &str) -> Result<Self, AtLine<SvmModelError>> {
+        let svm = SvmModel::from_toml(text, PcaFeatures::NAMES, &PcaDescriber::name())?;
+        Ok(Self { describer: PcaDescriber::default(), svm: NuSvm::new(&svm) })
+    }
+}
+
+impl ObjectClassifier for PcaVehicleModel {
+    fn decision(
+        &mut self,
+        bounding_box: &OrientedBox,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<f32> {
+        let features = self.describer.describe(bounding_box, positions_m)?;
+        Some(self.svm.decision(&features.values()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::principal_axes_box::principal_axes_box;
+
+    #[test]
+    fn the_shipped_file_is_a_model_and_that_of_the_other_detector_is_none() {
+        assert_eq!(PcaVehicleModel::shipped(), PcaVehicleModel::shipped().clone());
+        let other = include_str!("../../detector/src/params/vehicle_model/model.toml");
+        let error = PcaVehicleModel::from_toml(other).unwrap_err().to_string();
+        assert!(error.contains("profile_difference") && error.contains("linearness_from_0.5"), "{error}");
+    }
+
+    #[test]
+    fn a_car_is_told_from_a_tree_of_its_size() {
+        let steps = |n: u8| (0..n).map(move |it| f32::from(it) / f32::from(n - 1));
+        // The near side and the end of a car, in rings.
+        let side =
+            steps(12).flat_map(|up| steps(80).map(move |along| [8.0 + 4.2 * along, 2.0, -1.5 + 1.3 * up]));
+        let end =
+            steps(12).flat_map(|up| steps(35).map(move |across| [8.0, 2.0 + 1.7 * across, -1.5 + 1.3 * up]));
+        let car: Vec<[f32; 3]> = side.chain(end).collect();
+        // A cloud of leaves, as even as a sequence of low discrepancy is.
+        let share = |it: u16, ratio: f32| (f32::from(it) * ratio).fract();
+        let leaf = |it: u16| {
+            [
+                8.0 + 4.2 * share(it, 0.819_172_5),
+                2.0 + 1.7 * share(it, 0.671_043_6),
+                -1.5 + 1.3 * share(it, 0.549_700_5),
+            ]
+        };
+        let tree: Vec<[f32; 3]> = (0..1300).map(leaf).collect();
+        let mut model = PcaVehicleModel::shipped();
+        let mut decide = |points: &[[f32; 3]]| {
+            let bounding_box = principal_axes_box(points.iter().copied()).unwrap();
+            model.decision(&bounding_box, points.iter().copied()).unwrap()
+        };
+        let [car, tree] = [decide(&car), decide(&tree)];
+        assert!(car > 0.0 && tree < 0.0, "{car} and {tree}");
+    }
+}

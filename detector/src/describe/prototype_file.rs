@@ -1,0 +1,178 @@
+//! The side profiles of known vehicles as a file.
+
+use std::fmt::Write as _;
+
+use serde::Deserialize;
+use sha2::{Digest as _, Sha256};
+
+use super::prototype_library::{Prototype, PrototypeLibrary, PrototypeLibraryError};
+use super::trained_file::{AtLine, Provenance, TrainedFileError, head_and_provenance, line_of, read_file};
+
+/// What the file calls itself.
+const FORMAT: &str = "scanbench side profiles";
+/// Of the format; other versions are refused.
+const VERSION: i64 = 1;
+
+/// Why a file is no library.
+#[derive(Debug, thiserror::Error)]
+pub enum PrototypeFileError {
+    /// Not TOML, or not a library.
+    #[error(transparent)]
+    File(#[from] TrainedFileError),
+    /// A file with prototypes missing.
+    #[error("{found} prototypes, where {announced} are announced")]
+    Count {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        announced: usize,
+    },
+    /// Prototypes that cannot be used.
+    #[error(transparent)]
+    Library(#[from] PrototypeLibraryError),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(rename = "format")]
+    _format: String,
+    #[serde(rename = "version")]
+    _version: i64,
+    n_prototypes: usize,
+    column_m: f32,
+    made: Provenance,
+    prototype: Vec<Prototype>,
+}
+
+impl PrototypeLibrary {
+    /// The embedded library of drawn silhouettes, which `examples/drawn_vehicles.rs` writes.
+    pub fn drawn() -> Self {
+        Self::from_toml(include_str!("drawn_vehicles.toml")).expect("the embedded file is tested")
+    }
+
+    /// A library from the text that [`Self::to_toml`] gives.
+    ///
+    /// # Errors
+    ///
+    /// [`PrototypeFileError`] with its line if the text is no library, or one of another version, or damaged.
+    pub fn from_toml(text: &str) -> Result<Self, AtLine<PrototypeFileError>> {
+        let file: File = read_file(text, FORMAT, VERSION)
+            .map_err(|it| AtLine { line: it.line, problem: PrototypeFileError::File(it.problem) })?;
+        let (found, announced) = (file.prototype.len(), file.n_prototypes);
+        if found != announced {
+            let problem = PrototypeFileError::Count { found, announced };
+            return Err(AtLine { line: line_of(text, &["n_prototypes"], None), problem });
+        }
+        Self::new(file.made, file.column_m, file.prototype).map_err(|error| {
+            let line = match error {
+                PrototypeLibraryError::Column { .. } => line_of(text, &["column_m"], None),
+                PrototypeLibraryError::Empty => line_of(text, &["n_prototypes"], None),
+                PrototypeLibraryError::Contour { prototype_idx, .. } => {
+                    line_of(text, &["prototype"], Some(prototype_idx))
+                }
+            };
+            AtLine { line, problem: error.into() }
+        })
+    }
+
+    /// The library as text. Numbers are written so that they come back to the bit.
+    pub fn to_toml(&self) -> String {
+        let values = [
+            ("n_prototypes", self.prototypes().len().to_string()),
+            ("column_m", format!("{:?}", self.column_m())),
+        ];
+        let mut text = head_and_provenance((FORMAT, VERSION), &values, self.made());
+        for prototype in self.prototypes() {
+            let name = toml::Value::from(prototype.name.as_str());
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "\n[[prototype]]\nname = {name}");
+            let _ = writeln!(text, "contour_m = {:?}", prototype.contour_m);
+        }
+        text
+    }
+
+    /// SHA-256 of [`Self::to_toml`] in hexadecimal: the checksum of the file that training wrote.
+    pub fn checksum(&self) -> String {
+        let digest = Sha256::digest(self.to_toml());
+        digest.iter().fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::describe::prototype_library::Facing;
+
+    fn library() -> PrototypeLibrary {
+        let made = Provenance { command: "test".to_owned(), data: vec![], seed: 0, split: "none".to_owned() };
+        let prototype = |name: &str, contour_m: &[[f32; 2]]| Prototype {
+            name: name.to_owned(),
+            contour_m: contour_m.to_vec(),
+        };
+        let prototypes = vec![
+            prototype("box", &[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]),
+            prototype("wedge", &[[0.0, 0.0], [3.0, 0.0], [3.0, 0.3], [0.0, 1.0]]),
+        ];
+        PrototypeLibrary::new(made, 0.2, prototypes).unwrap()
+    }
+
+    #[test]
+    fn a_library_comes_back_from_its_file_to_the_bit() {
+        assert_eq!(PrototypeLibrary::from_toml(&library().to_toml()).unwrap(), library());
+    }
+
+    #[test]
+    fn the_checksum_is_that_of_the_file() {
+        // sha256sum detector/src/describe/drawn_vehicles.toml
+        let drawn = include_str!("drawn_vehicles.toml");
+        assert_eq!(PrototypeLibrary::drawn().to_toml(), drawn);
+        let of_text = Sha256::digest(drawn);
+        let checksum = PrototypeLibrary::drawn().checksum();
+        assert!(
+            checksum.len() == 64 && checksum.starts_with(&format!("{:02x}{:02x}", of_text[0], of_text[1]))
+        );
+        assert_ne!(checksum, library().checksum());
+    }
+
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, message: &str) {
+        let text = library().to_toml();
+        assert!(text.contains(from), "{text}");
+        let error = PrototypeLibrary::from_toml(&text.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_library_says_where_and_why() {
+        check_refused("side profiles", "recipe", "line 1: format is \"scanbench recipe\"");
+        check_refused("version = 1", "version = 3", "line 2: version 3 of the format, this program reads 1");
+        check_refused("n_prototypes = 2", "n_prototypes = 3", "line 3: 2 prototypes, where 3 are announced");
+        check_refused("column_m = 0.2", "column_m = 0.0", "line 4: column_m = 0 is outside");
+        check_refused("[2.0, 1.0]", "[2.0, nan]", "line 12: the contour of prototype 0, \"box\"");
+        check_refused("contour_m", "contour", "line 14: unknown field `contour`");
+    }
+
+    #[test]
+    fn every_drawn_vehicle_is_most_like_itself_either_way() {
+        let drawn = PrototypeLibrary::drawn();
+        for (prototype_idx, prototype) in drawn.prototypes().iter().enumerate() {
+            let nearest = drawn.nearest(&prototype.contour_m).unwrap();
+            let mirrored: Vec<[f32; 2]> =
+                prototype.contour_m.iter().map(|&[along, up]| [-along, up]).collect();
+            for (nearest, facing) in
+                [(nearest, Facing::Forward), (drawn.nearest(&mirrored).unwrap(), Facing::Backward)]
+            {
+                assert_eq!(
+                    (nearest.prototype_idx, nearest.facing),
+                    (prototype_idx, facing),
+                    "{}",
+                    prototype.name
+                );
+            }
+        }
+    }
+}
