@@ -41,6 +41,7 @@ impl ObjectClassifier for PcaVehicleModel {
     fn decision(
         &mut self,
         bounding_box: &OrientedBox,
+        _: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32> {
         let features = self.describer.describe(bounding_box, positions_m)?;

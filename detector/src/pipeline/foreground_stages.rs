@@ -3,6 +3,7 @@
 use crate::detector::{StageClock, StageTime};
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
+use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
 use crate::segment::foreground::Foreground;
@@ -62,6 +63,12 @@ impl ForegroundStages {
     /// The ground under the latest scan.
     pub fn terrain(&self) -> &Terrain {
         &self.terrain
+    }
+
+    /// Elevation of the ground below the middle of a box in the latest scan, in metres.
+    pub fn ground_below_m(&self, bounding_box: &OrientedBox) -> f32 {
+        let [x_m, y_m, _] = bounding_box.center_m;
+        self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
     }
 
     /// The class of every cell of [`Self::grid`]; empty cells are unseen.
