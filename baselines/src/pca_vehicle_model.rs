@@ -84,7 +84,7 @@ mod tests {
         let mut model = PcaVehicleModel::shipped();
         let mut decide = |points: &[[f32; 3]]| {
             let bounding_box = principal_axes_box(points.iter().copied()).unwrap();
-            model.decision(&bounding_box, points.iter().copied()).unwrap()
+            model.decision(&bounding_box, -1.73, points.iter().copied()).unwrap()
         };
         let [car, tree] = [decide(&car), decide(&tree)];
         assert!(car > 0.0 && tree < 0.0, "{car} and {tree}");
