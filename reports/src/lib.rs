@@ -11,6 +11,7 @@ pub mod curve_pair;
 pub mod wilson_interval;
 pub mod average_precision;
 pub mod gap_curve;
+pub mod box_errors;
 pub mod condition_scores;
 mod fixed_decimals;
 
@@ -29,6 +30,7 @@ pub mod curve_row;
 pub mod box_row;
 pub mod cluster_of_point;
 pub mod gap_row;
+pub mod box_error_row;
 pub mod condition_row;
 pub mod operating_curve;
 pub mod training_row;

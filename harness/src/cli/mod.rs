@@ -13,6 +13,7 @@ mod ablation;
 mod selftest;
 mod experiment;
 mod gaps;
+mod boxes;
 mod robustness;
 mod data;
 mod fit_density;
@@ -20,6 +21,7 @@ mod train;
 mod program;
 
 pub use ablation::AblationArgs;
+pub use boxes::BoxesArgs;
 pub use data::{DataCommand, RealismArgs};
 pub use detect::DetectArgs;
 pub use experiment::ExperimentArgs;

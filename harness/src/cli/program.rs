@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use super::ablation::AblationArgs;
+use super::boxes::BoxesArgs;
 use super::data::DataCommand;
 use super::detect::DetectArgs;
 use super::fit_density::FitDensityArgs;
@@ -65,6 +66,8 @@ pub enum Command {
     Selftest(SelftestArgs),
     /// Simulate pairs of objects with growing gaps and measure which detectors tell them apart
     Gaps(GapsArgs),
+    /// Measure how far boxes of two fits are from those of annotated vehicles, on the same clusters
+    Boxes(BoxesArgs),
     /// Run detectors on the same simulated streets under one condition after another
     Robustness(RobustnessArgs),
     /// Print a completion script for a shell

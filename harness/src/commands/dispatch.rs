@@ -4,6 +4,7 @@ use clap::CommandFactory as _;
 
 use crate::cli::{Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
+use crate::commands::boxes::boxes;
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
 use crate::commands::detect::detect;
@@ -30,6 +31,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::FitDensity(arguments) => fit_density(arguments),
         Command::Train(arguments) => train(arguments),
         Command::Gaps(arguments) => gaps(arguments),
+        Command::Boxes(arguments) => boxes(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Completions { shell } => completions(*shell),

@@ -20,6 +20,7 @@ pub mod detect;
 pub mod selftest;
 pub mod experiment;
 pub mod gaps;
+pub mod boxes;
 pub mod robustness;
 pub mod data_list;
 pub mod data_realism;

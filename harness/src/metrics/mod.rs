@@ -1,6 +1,8 @@
 //! From outcomes and times to numbers.
 
 pub mod counts;
+pub mod box_errors;
+pub mod median_interval;
 pub mod segmentation_quality;
 pub mod latency;
 pub mod pair_separation;

@@ -7,5 +7,6 @@ pub mod side_by_side;
 pub mod gap_experiment;
 pub mod gap_picture;
 pub mod robustness;
+pub mod box_study;
 pub mod scores;
 pub mod ablation;

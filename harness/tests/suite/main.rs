@@ -21,3 +21,4 @@ mod readers;
 mod simulated_reference;
 mod fit_density;
 mod train;
+mod boxes;

@@ -5,6 +5,9 @@ use crate::program::{Ended, Workplace};
 /// Three simulated drives, of which the last is held out.
 const TRAIN: [&str; 10] =
     ["train", "streets", "--seed", "7", "--simulated-scans", "4", "--nu", "0.3", "-o", "model"];
+/// The same drives for the model of the other detector.
+const TRAIN_PCA: [&str; 8] =
+    ["train", "streets", "--seed", "7", "--simulated-scans", "4", "--detector", "pca"];
 /// But for the manifest, which has a date.
 const FILES: [&str; 6] =
     ["curves.csv", "curves.svg", "importance.csv", "model.toml", "objects.csv", "prototypes.toml"];
@@ -94,7 +97,11 @@ fn a_damaged_model_is_named() {
     let whole = workplace.read("model/model.toml");
     let run = ["run", "street-narrow", "-P", "vehicle_model.directory=model", "-o", "out"];
     for (damaged, said) in [
-        (whole.replace("version = 1", "version = 9"), "version 9 of the format, this program reads 1"),
+        (
+            whole.replace("version = 2", "version = 9"),
+            "model.toml: line 2: version 9 of the format, this program reads 2",
+        ),
+        (whole.replace("nu = 0.3", "nu = 3.0"), "model.toml: line 14: nu = 3 is outside of"),
         (whole[..whole.len() / 2].to_owned(), "vehicle_model.directory"),
     ] {
         workplace.write("model/model.toml", &damaged);
@@ -102,9 +109,92 @@ fn a_damaged_model_is_named() {
         assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
         assert!(ended.stderr.contains(said), "{ended:#?}");
     }
+    workplace.write("model/model.toml", &whole);
+    let prototypes = workplace.read("model/prototypes.toml");
+    workplace.write("model/prototypes.toml", &prototypes.replacen("car 1", "car 9", 1));
+    let ended = workplace.run(&run);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(
+        ended.stderr.contains("model.toml: line 4: its values were taken with prototypes of SHA-256"),
+        "{ended:#?}"
+    );
     let ended = workplace.run(&["run", "-P", "vehicle_model.directory=nowhere", "-o", "out"]);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
     assert!(ended.stderr.contains("prototypes.toml"), "{ended:#?}");
+}
+
+#[test]
+fn pca_has_a_model_of_its_own() {
+    let workplace = Workplace::new();
+    workplace.succeed(&[&TRAIN_PCA[..], &["-o", "model"]].concat());
+    let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
+    let command = "scanbench train streets --seed 7 --simulated-scans 4 --detector pca --vehicles 3000 --others 1 --gamma 0.1078 --nu 0.2";
+    assert_eq!(model["made"]["command"].as_str(), Some(command));
+    assert!(!workplace.path("model/prototypes.toml").exists());
+    let header = workplace.read("model/objects.csv").lines().next().expect("a header").to_owned();
+    assert!(header.contains(",decision,height_m,length_m,width_m,scatterness_from_0,"), "{header}");
+    let run = ["run", "street-narrow", "--simulated-scans", "2", "-d", "pca", "--no-rrd"];
+    for (option, name) in [
+        ("vehicle_model.enabled=false", "by-size"),
+        ("vehicle_model.pca_directory=model", "mine"),
+        ("vehicle_model.enabled=true", "shipped"),
+    ] {
+        workplace.succeed(&[&run[..], &["-P", option, "-o", name]].concat());
+    }
+    let [by_size, mine, shipped] =
+        ["by-size", "mine", "shipped"].map(|name| workplace.read(&format!("{name}/matches.csv")));
+    assert!(by_size != mine && mine != shipped && shipped != by_size);
+    // Each is no model for the other.
+    let ended = workplace.run(&["run", "-P", "vehicle_model.directory=model", "-o", "out"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("vehicle_model.directory = \"model\": prototypes.toml"), "{ended:#?}");
+}
+
+#[test]
+fn other_data_may_be_judged_by_and_other_clusters_described() {
+    let workplace = Workplace::new();
+    let held_out = [
+        "--held-out",
+        "street-narrow",
+        "--held-out-scans",
+        "0..2",
+        "--clusters",
+        "hierarchical",
+        "-o",
+        "model",
+    ];
+    let ended = workplace.succeed(&[&TRAIN_PCA[..], &held_out].concat());
+    let [trained, judged] = ["Trained on 3 drives: ", "Held out 1 drives: street-narrow: narrow-1\n"];
+    assert!(ended.stdout.contains(trained) && ended.stdout.contains(judged), "{ended:#?}");
+    let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
+    let command = model["made"]["command"].as_str().expect("text").to_owned();
+    assert!(
+        command.contains(
+            "--detector pca --clusters hierarchical --held-out street-narrow --held-out-scans 0..2"
+        ),
+        "{command}"
+    );
+    let objects = workplace.read("model/objects.csv");
+    assert!(
+        objects.lines().count() > 10
+            && objects.lines().skip(1).all(|it| it.starts_with("street-narrow,narrow-1,"))
+    );
+    let manifest: serde_json::Value =
+        serde_json::from_str(&workplace.read("model/manifest.json")).expect("JSON");
+    assert_eq!(manifest["held_out_datasets"][0]["id"], "street-narrow");
+    check_refused(
+        &workplace,
+        &["streets", "--scans", "0..2", "--held-out", "street-narrow", "-o", "m"],
+        2,
+        "to be trained on and to judge by",
+    );
+    check_refused(&workplace, &["streets", "--held-out", "nowhere", "-o", "m"], 2, "nowhere");
+    check_refused(
+        &workplace,
+        &["streets", "--clusters", "kdtree", "-o", "m"],
+        2,
+        "possible values: hierarchical, kd-tree, pca",
+    );
 }
 
 /// Trains with `arguments`; it ends with `exit_code`, says `part`, and leaves nothing.

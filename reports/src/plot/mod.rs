@@ -8,5 +8,6 @@ mod bar_panel;
 mod series_marks;
 pub mod curve_plot;
 pub mod gap_plot;
+pub mod box_plot;
 pub mod operating_plot;
 pub mod plan_plot;

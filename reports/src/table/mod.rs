@@ -14,6 +14,7 @@ pub mod markdown;
 pub mod latex;
 pub mod ablation_table;
 pub mod gap_table;
+pub mod box_table;
 pub mod robustness_table;
 
 #[cfg(test)]

@@ -1,0 +1,59 @@
+//! Boxes of two fits around the same clusters.
+
+use crate::program::Workplace;
+
+const BOXES: [&str; 6] = ["boxes", "street-narrow", "--simulated-scans", "3", "-o", "boxes"];
+/// But for the manifest, which has a date.
+const FILES: [&str; 4] = ["boxes.csv", "box_errors.csv", "box_errors.md", "boxes_simulated.svg"];
+
+#[test]
+fn every_pair_has_both_boxes_and_every_median_its_denominators() {
+    let workplace = Workplace::new();
+    let ended = workplace.succeed(&BOXES);
+    assert!(
+        ended.stdout.starts_with("Box errors of matched vehicles: street-narrow (simulated)\n"),
+        "{ended:#?}"
+    );
+    let boxes = workplace.read("boxes/boxes.csv");
+    let rows: Vec<Vec<&str>> = boxes.lines().skip(1).map(|it| it.split(',').collect()).collect();
+    assert!(rows.len() > 20, "{boxes}");
+    for pair in rows.chunks(2) {
+        // All columns up to the number of points say which vehicle it is.
+        assert_eq!(pair[0][..8], pair[1][..8]);
+        assert_eq!([pair[0][8], pair[1][8]], ["hull box", "PCA box"]);
+        assert_eq!(pair[0][1], "true");
+    }
+    let errors = workplace.read("boxes/box_errors.csv");
+    let all = errors.lines().find(|it| it.contains(",all,,centre,m,hull box,")).expect("a row");
+    assert_eq!(all.split(',').nth(7), Some((rows.len() / 2).to_string().as_str()), "{errors}");
+    let of_ranges = errors.lines().filter(|it| it.contains(",range,") && it.contains(",yaw,deg,PCA box,"));
+    let n_in_ranges: usize =
+        of_ranges.map(|it| it.split(',').nth(7).expect("a column").parse::<usize>().expect("a count")).sum();
+    assert_eq!(n_in_ranges, rows.len() / 2);
+    assert!(workplace.read("boxes/boxes_simulated.svg").contains("matched vehicles, simulated: medians"));
+    let manifest: serde_json::Value =
+        serde_json::from_str(&workplace.read("boxes/manifest.json")).expect("JSON");
+    assert_eq!(manifest["detectors"][0]["name"], "hierarchical");
+}
+
+#[test]
+fn the_same_scans_give_the_same_bytes_with_any_number_of_threads() {
+    let [one, three] = ["1", "3"].map(|n_threads| {
+        let workplace = Workplace::new();
+        let output =
+            workplace.command(&BOXES).env("RAYON_NUM_THREADS", n_threads).output().expect("it starts");
+        assert!(output.status.success(), "{output:#?}");
+        FILES.map(|it| workplace.read(&format!("boxes/{it}")))
+    });
+    assert!(one == three);
+}
+
+#[test]
+fn nothing_matched_is_nothing_evaluated() {
+    let workplace = Workplace::new();
+    let before = workplace.names();
+    let ended = workplace.run(&[&BOXES[..], &["-P", "matching.min_points=100000"]].concat());
+    assert_eq!(ended.exit_code, Some(4), "{ended:#?}");
+    assert!(ended.stderr.contains("no annotated vehicle is matched"), "{ended:#?}");
+    assert_eq!(workplace.names(), before);
+}
