@@ -128,9 +128,8 @@ fn add_neighbors(
     [along, across, up]: [&[f32; SIDE_BY_SIDE]; 3],
     [center_along, center_across, center_up]: [f32; 3],
 ) {
-    let offset = |lane: usize| {
-        [along[lane] - center_along, across[lane] - center_across, up[lane] - center_up]
-    };
+    let offset =
+        |lane: usize| [along[lane] - center_along, across[lane] - center_across, up[lane] - center_up];
     let mut is_near = [false; SIDE_BY_SIDE];
     for lane in 0..SIDE_BY_SIDE {
         let [x, y, z] = offset(lane);

@@ -158,7 +158,8 @@ mod tests {
         let (class, score) = classify_object(Some(&mut model), (&bounding_box, -1.73), few, &sizes);
         assert_eq!(class, DetectedClass::Object);
         assert!(score.is_some_and(f32::is_finite));
-        let (class, score) = classify_object(None::<&mut VehicleModel>, (&bounding_box, -1.73), points_m(100), &sizes);
+        let (class, score) =
+            classify_object(None::<&mut VehicleModel>, (&bounding_box, -1.73), points_m(100), &sizes);
         assert_eq!((class, score), (DetectedClass::Vehicle, None));
     }
 }

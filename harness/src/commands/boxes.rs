@@ -69,7 +69,8 @@ pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     write_pairs(&directory, &groups)?;
     for (group, lines) in groups.iter().zip(&lines) {
-        let title = format!("Box errors of matched vehicles, {}: medians and 95 % intervals", group.file_stem());
+        let title =
+            format!("Box errors of matched vehicles, {}: medians and 95 % intervals", group.file_stem());
         directory
             .write_file(&format!("boxes_{}.svg", group.file_stem()), box_plot(lines, &title).as_bytes())?;
     }
