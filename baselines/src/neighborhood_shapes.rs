@@ -130,18 +130,17 @@ fn add_neighbors(
 ) {
     let offset =
         |lane: usize| [along[lane] - center_along, across[lane] - center_across, up[lane] - center_up];
-    let mut is_near = [false; SIDE_BY_SIDE];
-    for lane in 0..SIDE_BY_SIDE {
+    let is_near: [bool; SIDE_BY_SIDE] = std::array::from_fn(|lane| {
         let [x, y, z] = offset(lane);
-        is_near[lane] = x * x + y * y + z * z <= RADIUS_M * RADIUS_M;
-    }
+        x * x + y * y + z * z <= RADIUS_M * RADIUS_M
+    });
     // The sensor sweeps along an object, so that blocks without a neighbour come in long runs.
     if is_near == [false; SIDE_BY_SIDE] {
         return;
     }
-    for lane in 0..SIDE_BY_SIDE {
+    for (lane, is_near) in is_near.into_iter().enumerate() {
         let [x, y, z] = offset(lane);
-        let kept = |it: f32| if is_near[lane] { it } else { 0.0 };
+        let kept = |it: f32| if is_near { it } else { 0.0 };
         let (x, y, z) = (kept(x), kept(y), kept(z));
         let moments = [kept(1.0), x, y, z, x * x, y * y, z * z, x * y, x * z, y * z];
         for (sum, moment) in sums.iter_mut().zip(moments) {

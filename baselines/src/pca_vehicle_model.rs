@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn a_car_is_told_from_a_tree_of_its_size() {
+    fn a_car_is_told_from_a_pedestrian() {
         let steps = |n: u8| (0..n).map(move |it| f32::from(it) / f32::from(n - 1));
         // The near side and the end of a car, in rings.
         let side =
@@ -71,22 +71,18 @@ mod tests {
         let end =
             steps(12).flat_map(|up| steps(35).map(move |across| [8.0, 2.0 + 1.7 * across, -1.5 + 1.3 * up]));
         let car: Vec<[f32; 3]> = side.chain(end).collect();
-        // A cloud of leaves, as even as a sequence of low discrepancy is.
-        let share = |it: u16, ratio: f32| (f32::from(it) * ratio).fract();
-        let leaf = |it: u16| {
-            [
-                8.0 + 4.2 * share(it, 0.819_172_5),
-                2.0 + 1.7 * share(it, 0.671_043_6),
-                -1.5 + 1.3 * share(it, 0.549_700_5),
-            ]
-        };
-        let tree: Vec<[f32; 3]> = (0..1300).map(leaf).collect();
+        // The near half of a cylinder as wide as a person.
+        let angle = |turn: f32| (std::f32::consts::PI * turn).sin_cos();
+        let around =
+            |turn: f32, up: f32| [9.0 - 0.25 * angle(turn).0, 2.0 + 0.25 * angle(turn).1, -1.6 + 1.7 * up];
+        let person: Vec<[f32; 3]> =
+            steps(18).flat_map(|up| steps(20).map(move |turn| around(turn, up))).collect();
         let mut model = PcaVehicleModel::shipped();
         let mut decide = |points: &[[f32; 3]]| {
             let bounding_box = principal_axes_box(points.iter().copied()).unwrap();
             model.decision(&bounding_box, -1.73, points.iter().copied()).unwrap()
         };
-        let [car, tree] = [decide(&car), decide(&tree)];
-        assert!(car > 0.0 && tree < 0.0, "{car} and {tree}");
+        let [car, person] = [decide(&car), decide(&person)];
+        assert!(car > 0.0 && person < 0.0, "{car} and {person}");
     }
 }

@@ -110,11 +110,13 @@ fn box_pair(scan: &LabeledScan, annotation_idx: usize, point_indices: &[u32]) ->
     })
 }
 
+/// What pairs are sliced by, the slice, and its pairs with the ids of their data sets.
+type PairSlice<'a> = (&'a str, String, Vec<&'a (&'a str, BoxPair)>);
+
 /// The medians of all errors over `pairs`, each with the id of its data set: over all, by occlusion and by range. `data`
 /// says what they are of.
 pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool) -> Vec<BoxErrorLine> {
-    let mut slices: Vec<(&str, String, Vec<&(&str, BoxPair)>)> =
-        vec![("all", String::new(), pairs.iter().collect())];
+    let mut slices: Vec<PairSlice<'_>> = vec![("all", String::new(), pairs.iter().collect())];
     for occlusion in OCCLUSIONS {
         let of_slice: Vec<_> = pairs.iter().filter(|it| it.1.occlusion == occlusion).collect();
         // Where all is annotated, nothing is said of what is not.
@@ -126,7 +128,7 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         let of_slice = pairs.iter().filter(|it| (from_m..to_m).contains(&it.1.range_m)).collect();
         slices.push(("range", format!("{from_m}–{to_m} m"), of_slice));
     }
-    let lines_of = |(by, slice, pairs): &(&str, String, Vec<&(&str, BoxPair)>)| -> Vec<BoxErrorLine> {
+    let lines_of = |(by, slice, pairs): &PairSlice<'_>| -> Vec<BoxErrorLine> {
         let (track_of_pair, n_tracks) = tracks(pairs);
         let line = |error: BoxError| {
             let median = |fit_idx: usize| {

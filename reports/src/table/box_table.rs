@@ -117,6 +117,16 @@ mod tests {
         A note.
         ");
         insta::assert_snapshot!(boxes_to_markdown(&lines[4..8], &["A note."]), @r"
+        **Box errors of matched vehicles: street (simulated)**
+
+        | by | slice | pairs | tracks | error | hull box: median | low | high | PCA box: median | low | high |
+        | :-- | :-- | --: | --: | :-- | --: | --: | --: | --: | --: | --: |
+        | occlusion | none | 0 | 0 | centre, m | – | – | – | – | – | – |
+        |  |  |  |  | length, m | – | – | – | – | – | – |
+        |  |  |  |  | width, m | – | – | – | – | – | – |
+        |  |  |  |  | yaw, deg | – | – | – | – | – | – |
+
+        - A note.
         ");
     }
 }
