@@ -48,7 +48,7 @@ fn a_model_says_what_it_was_made_of_and_what_was_held_out() {
         .collect();
     assert_eq!(last[0] + last[1], n_objects);
     assert_eq!(last[..2], last[2..], "at the lowest threshold everything is told a vehicle");
-    assert_eq!(workplace.read("model/importance.csv").lines().count(), 9);
+    assert_eq!(workplace.read("model/importance.csv").lines().count(), 15);
     assert!(workplace.read("model/curves.svg").contains("Held-out drives (simulated)"));
 }
 
