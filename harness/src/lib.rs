@@ -13,6 +13,7 @@ pub mod realism;
 pub mod density_survey;
 pub mod training;
 pub mod run;
+pub mod sweep;
 #[cfg(feature = "rerun")]
 pub mod stream;
 pub mod cli;

@@ -67,6 +67,16 @@ impl Resamples {
         };
         self.times_drawn.par_chunks(self.n_blocks.max(1)).map(sum).collect()
     }
+
+    /// Adds numerator and denominator of a ratio, a pair for every block, to the pairs of each resample.
+    pub fn add_terms(&self, of_blocks: &[[f64; 2]], resampled: &mut [[f64; 2]]) {
+        for (sum, times_drawn) in resampled.iter_mut().zip(self.times_drawn.chunks(self.n_blocks.max(1))) {
+            for (times, terms) in times_drawn.iter().zip(of_blocks) {
+                let times = f64::from(*times);
+                *sum = [sum[0] + times * terms[0], sum[1] + times * terms[1]];
+            }
+        }
+    }
 }
 
 /// Tells names apart (FNV-1a).

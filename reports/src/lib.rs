@@ -9,6 +9,7 @@ pub mod counts;
 pub mod metric;
 pub mod curve_pair;
 pub mod wilson_interval;
+pub mod rank_correlation;
 pub mod average_precision;
 pub mod gap_curve;
 pub mod box_errors;

@@ -1,5 +1,6 @@
 //! Tests of the hierarchical detector as a whole: on a drawn street, and against a reference.
 
+mod cell_fitness;
 mod drawn_street;
 mod velodyne_scans;
 mod drawn_vehicles;

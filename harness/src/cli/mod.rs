@@ -15,6 +15,7 @@ mod experiment;
 mod gaps;
 mod boxes;
 mod robustness;
+mod sweep;
 mod data;
 mod fit_density;
 mod train;
@@ -36,5 +37,6 @@ pub use scans::{CatalogueArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::StreamArgs;
+pub use sweep::SweepArgs;
 pub use timing::TimingArgs;
 pub use train::{ModelName, TrainArgs};

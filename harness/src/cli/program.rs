@@ -11,6 +11,7 @@ use super::gaps::GapsArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
 use super::selftest::SelftestArgs;
+use super::sweep::SweepArgs;
 use super::train::TrainArgs;
 
 /// Evaluates and benchmarks LiDAR object detectors side by side.
@@ -70,6 +71,8 @@ pub enum Command {
     Boxes(BoxesArgs),
     /// Run detectors on the same simulated streets under one condition after another
     Robustness(RobustnessArgs),
+    /// Run detectors with every combination of parameter values, for rates, times and cell fitness over a parameter
+    Sweep(Box<SweepArgs>),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"

@@ -14,6 +14,7 @@ use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::standard_streams::print_result;
+use crate::commands::sweep::sweep;
 use crate::commands::train::train;
 
 /// Does what the command line asks for.
@@ -34,6 +35,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Boxes(arguments) => boxes(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Selftest(arguments) => selftest(arguments),
+        Command::Sweep(arguments) => sweep(arguments),
         Command::Completions { shell } => completions(*shell),
     }
 }

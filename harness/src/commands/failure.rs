@@ -13,6 +13,9 @@ use crate::run::config::ConfigError;
 use crate::run::detector_list::DetectorListError;
 use crate::run::side_by_side::RunError;
 use crate::run::single_scan;
+use crate::sweep::journal::JournalError;
+use crate::sweep::quality_pass::SweepError;
+use crate::sweep::sweep_plan::SweepPlanError;
 
 /// Expected endings, with their documented exit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,13 +81,24 @@ impl Failure {
             Some(SurveyError::Interrupted { .. }) => return Self::Interrupted,
             None => {}
         }
+        if let Some(error) = error.downcast_ref::<SweepError>() {
+            return match error {
+                SweepError::Dataset(error) => of_dataset(error),
+                SweepError::Journal(error) => Self::of_journal(error),
+                SweepError::Threads { .. } => Self::Internal,
+                SweepError::Interrupted { .. } | SweepError::InterruptedWhileTimed => Self::Interrupted,
+            };
+        }
+        if let Some(error) = error.downcast_ref::<JournalError>() {
+            return Self::of_journal(error);
+        }
         if error.is::<single_scan::Interrupted>() {
             return Self::Interrupted;
         }
         if error.is::<NothingEvaluated>() {
             return Self::NothingEvaluated;
         }
-        if error.is::<ConfigError>() || error.is::<DetectorListError>() {
+        if error.is::<ConfigError>() || error.is::<DetectorListError>() || error.is::<SweepPlanError>() {
             return Self::Usage;
         }
         if let Some(error) = error.downcast_ref::<RunDirectoryError>() {
@@ -111,6 +125,15 @@ impl Failure {
         match error {
             ArchiveError::Write { source, .. } => Self::of_writing(source.kind()),
             _ => Self::Internal,
+        }
+    }
+
+    fn of_journal(error: &JournalError) -> Self {
+        match error {
+            JournalError::Another { .. } | JournalError::NoJournal { .. } | JournalError::Locked { .. } => {
+                Self::Usage
+            }
+            JournalError::Io { source, .. } => Self::of_writing(source.kind()),
         }
     }
 

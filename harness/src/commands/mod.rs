@@ -22,6 +22,11 @@ pub mod experiment;
 pub mod gaps;
 pub mod boxes;
 pub mod robustness;
+pub mod sweep_identity;
+pub mod sweep_files;
+#[cfg(feature = "rerun")]
+pub mod sweep_recording;
+pub mod sweep;
 pub mod data_list;
 pub mod data_realism;
 pub mod reproducible_command;

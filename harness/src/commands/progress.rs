@@ -17,3 +17,14 @@ pub fn progress_over_scans(n_scans: usize, label: &str) -> ProgressBar {
     bar.set_message(label.to_owned());
     bar
 }
+
+/// The same over `n_results` results of any kind, of which `n_done` were there before; `label` says what is done.
+pub fn progress_over_results(n_results: usize, n_done: usize, label: &str) -> ProgressBar {
+    let bar = progress_over_scans(n_results, label);
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {per_sec}, {eta} left")
+        .expect("the template is constant and tested by use");
+    bar.set_style(style);
+    bar.set_position(n_done as u64);
+    bar.reset_eta();
+    bar
+}

@@ -37,12 +37,12 @@ impl DatasetChecksum {
     /// The checksum in lower-case hexadecimal; the order of the additions does not matter.
     pub fn finish(mut self) -> String {
         self.lines.sort_unstable();
-        sha256(&self.lines.concat())
+        sha256(self.lines.concat())
     }
 }
 
 /// SHA-256 of `content` in lower-case hexadecimal.
-pub fn sha256(content: &str) -> String {
+pub fn sha256(content: impl AsRef<[u8]>) -> String {
     let digest = Sha256::digest(content);
     let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
     digits.map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)])).collect()

@@ -1,5 +1,7 @@
 //! What was found, missed and false, and the ratios of these.
 
+use serde::{Deserialize, Serialize};
+
 use crate::dataset::AnnotatedClasses;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::task::Task;
@@ -10,7 +12,8 @@ pub const SCORING_VERSION: u32 = 1;
 /// Counts of one task over any number of scans. Sums first, ratios last: a ratio of sums, never a mean of ratios.
 ///
 /// Paper: HG section 5 (NO, MO, FO).
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Counts {
     /// Annotations that count (NO).
     pub n_annotations: u64,

@@ -20,6 +20,7 @@ use rerun::{
 
 use super::entity_paths::ProductKind;
 use super::error::StreamError;
+use super::recording_axis::RecordingAxis;
 use super::{entity_paths, legend, palette};
 use crate::task::Task;
 
@@ -33,7 +34,7 @@ struct Property {
     value: Box<dyn AsComponents>,
 }
 
-/// Sends the blueprint for `detectors` along `stream`; the outcomes of `shown_task` are visible, those of the other
+/// Sends the blueprint for `detectors` along `stream`, over the time of `axis`; the outcomes of `shown_task` are visible, those of the other
 /// tasks one click away.
 ///
 /// # Errors
@@ -44,11 +45,12 @@ pub fn send_blueprint(
     application_id: &'static str,
     detectors: &[String],
     shown_task: Task,
+    axis: &RecordingAxis,
 ) -> Result<(), StreamError> {
     let mut properties = Vec::new();
     let scenes: Vec<ContainerLike> =
         detectors.iter().map(|detector| detector_tabs(detector, shown_task, &mut properties)).collect();
-    let series = series_row(detectors, shown_task, &mut properties);
+    let series = series_row(detectors, shown_task, axis, &mut properties);
     let layout = Vertical::new([Horizontal::new(scenes).into(), series]).with_row_shares(vec![3.2, 1.0]);
     let blueprint = Blueprint::new(layout)
         .with_auto_views(false)
@@ -58,8 +60,8 @@ pub fn send_blueprint(
         .with_time_panel(
             TimePanel::new()
                 .with_state(PanelState::Collapsed)
-                .with_timeline(entity_paths::SCAN_TIMELINE)
-                .with_fps(10.0),
+                .with_timeline(axis.timeline.as_str())
+                .with_fps(axis.steps_per_s),
         );
     let (messages, activation) = messages(application_id, &blueprint, &properties)
         .map_err(|reason| StreamError::Log { entity: "the blueprint".to_owned(), reason })?;
@@ -122,8 +124,13 @@ fn points_colored_by(column: ComponentIdentifier) -> Visualizer {
 }
 
 /// F-rate so far and latency, the stage times of each detector, and what the colours mean.
-fn series_row(detectors: &[String], shown_task: Task, properties: &mut Vec<Property>) -> ContainerLike {
-    let mut columns = vec![rates_and_latencies(shown_task, properties)];
+fn series_row(
+    detectors: &[String],
+    shown_task: Task,
+    axis: &RecordingAxis,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let mut columns = vec![rates_and_latencies(shown_task, axis, properties)];
     for detector in detectors {
         let view: ContainerLike = TimeSeriesView::new(format!("{detector}: stage times in ms"))
             .with_origin(entity_paths::stage_times(detector))
@@ -135,9 +142,13 @@ fn series_row(detectors: &[String], shown_task: Task, properties: &mut Vec<Prope
     Horizontal::new(columns).into()
 }
 
-fn rates_and_latencies(shown_task: Task, properties: &mut Vec<Property>) -> ContainerLike {
+fn rates_and_latencies(
+    shown_task: Task,
+    axis: &RecordingAxis,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
     let mut f_rate_view = |task: Task| {
-        let view: ContainerLike = TimeSeriesView::new(format!("F-rate so far: {}", task.name()))
+        let view: ContainerLike = TimeSeriesView::new(format!("{}: {}", axis.rates, task.name()))
             .with_origin(entity_paths::f_rates(task))
             .into();
         add(properties, &view, "ScalarAxis", ScalarAxis::new().with_range([0.0, 1.0]));
@@ -147,6 +158,8 @@ fn rates_and_latencies(shown_task: Task, properties: &mut Vec<Property>) -> Cont
     let mut tabs = vec![f_rate_view(shown_task)];
     tabs.extend(Task::ALL.into_iter().filter(|task| *task != shown_task).map(f_rate_view));
     tabs.push(TimeSeriesView::new("Latency in ms").with_origin(entity_paths::LATENCY).into());
+    let further = axis.further_series.iter();
+    tabs.extend(further.map(|it| TimeSeriesView::new(*it).with_origin(entity_paths::further(it)).into()));
     Tabs::new(tabs).into()
 }
 

@@ -32,6 +32,9 @@ pub const LATENCY: &str = "series/latency_ms";
 /// Stage times in milliseconds, one line per detector and stage.
 pub const STAGE_TIMES: &str = "series/stage_ms";
 
+/// Numbers that only some recordings have, one line each.
+pub const FURTHER: &str = "series/further";
+
 const DETECTORS: &str = "world/detectors";
 
 /// The kinds of stage products that have an entity of their own.
@@ -97,6 +100,11 @@ pub fn f_rates(task: Task) -> EntityPath {
 /// The F-rate of one detector for one task.
 pub fn f_rate(task: Task, detector: &str) -> EntityPath {
     below(F_RATE, &[task.name(), detector])
+}
+
+/// A series that only some recordings have.
+pub fn further(name: &str) -> EntityPath {
+    below(FURTHER, &[name])
 }
 
 /// The latency of one detector.

@@ -31,6 +31,15 @@ pub fn log_scan(stream: &RecordingStream, scan: &LabeledScan) -> Result<(), Stre
     recording::log(stream, entity_paths::ANNOTATIONS, &boxes)?;
 
     let title = format!("{}: {} points, {} annotations", scan.id, cloud.len(), scan.annotations.len());
+    log_title(stream, title)
+}
+
+/// Writes `title` where the scan is named.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_title(stream: &RecordingStream, title: String) -> Result<(), StreamError> {
     recording::log(stream, entity_paths::LEGEND_SCAN, &archetypes::written(legend::TITLE_POSITION, title))
 }
 

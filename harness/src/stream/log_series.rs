@@ -52,6 +52,23 @@ pub fn log_f_rates(
     Ok(())
 }
 
+/// Logs the values of further series at the current time; one that is undefined leaves a gap.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_further(
+    stream: &RecordingStream,
+    series: &[(&'static str, Option<f64>)],
+) -> Result<(), StreamError> {
+    for (name, value) in series {
+        if let Some(value) = value {
+            recording::log(stream, entity_paths::further(name), &Scalars::single(*value))?;
+        }
+    }
+    Ok(())
+}
+
 /// Logs the latency of the scan at the current time.
 ///
 /// # Errors

@@ -10,6 +10,7 @@ pub mod palette;
 mod error;
 mod legend;
 mod entity_paths;
+mod recording_axis;
 mod recording;
 mod archetypes;
 mod blueprint;
@@ -24,6 +25,7 @@ pub mod session;
 
 pub use error::StreamError;
 pub use log_series::RunningFRate;
+pub use recording_axis::RecordingAxis;
 pub use session::{DetectorView, Stream, StreamEnding, StreamOptions};
 pub use viewer::{ViewerChoice, ViewerState, ViewerUrl};
 

@@ -13,12 +13,13 @@ use super::blueprint::send_blueprint;
 use super::error::StreamError;
 use super::log_outcomes::log_outcomes;
 use super::log_products::log_products;
-use super::log_scan::log_scan;
-use super::log_series::{RunningFRate, log_f_rates, log_latency, log_lines, log_stage_times};
+use super::log_scan::{log_scan, log_title};
+use super::log_series::{RunningFRate, log_f_rates, log_further, log_latency, log_lines, log_stage_times};
 use super::log_static::log_static;
+use super::recording;
+use super::recording_axis::RecordingAxis;
 use super::recording_file::RecordingFile;
 use super::viewer::{ViewerChoice, ViewerLink, ViewerState};
-use super::{entity_paths, recording};
 use crate::annotation::LabeledScan;
 use crate::matching::outcome::Assignment;
 use crate::task::Task;
@@ -74,6 +75,7 @@ pub struct Stream {
     viewer: ViewerLink,
     path: PathBuf,
     detectors: Vec<DetectorState>,
+    axis: RecordingAxis,
 }
 
 /// What has to be remembered of a detector from scan to scan.
@@ -93,6 +95,19 @@ impl Stream {
     ///
     /// [`StreamError`] if the file cannot be written or a viewer has to be started and cannot be.
     pub fn open(options: &StreamOptions, detectors: &[&str]) -> Result<Self, StreamError> {
+        Self::open_along(options, detectors, RecordingAxis::scans())
+    }
+
+    /// The same for a recording over something else than scans.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::open`].
+    pub fn open_along(
+        options: &StreamOptions,
+        detectors: &[&str],
+        axis: RecordingAxis,
+    ) -> Result<Self, StreamError> {
         // Rerun's own answer to this variable would be an empty file.
         if !rerun::decide_logging_enabled(true) {
             return Err(StreamError::SwitchedOff);
@@ -115,7 +130,7 @@ impl Stream {
         recording.set_log_time_enabled(false);
 
         let names: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
-        send_blueprint(&recording, APPLICATION_ID, &names, options.shown_task)?;
+        send_blueprint(&recording, APPLICATION_ID, &names, options.shown_task, &axis)?;
         log_static(&recording)?;
         for (detector_idx, name) in names.iter().enumerate() {
             log_lines(&recording, name, detector_idx)?;
@@ -124,7 +139,7 @@ impl Stream {
             .into_iter()
             .map(|name| DetectorState { name, on_screen: BTreeSet::new(), stages: Vec::new() })
             .collect();
-        Ok(Self { recording, file, viewer, path: options.file.clone(), detectors })
+        Ok(Self { recording, file, viewer, path: options.file.clone(), detectors, axis })
     }
 
     /// How the viewer does; one that was lost is worth a warning.
@@ -143,8 +158,36 @@ impl Stream {
     /// [`StreamError`] if Rerun refuses, or if an earlier scan could not be written.
     pub fn log_scan(&mut self, scan_number: u32, scan: &LabeledScan) -> Result<(), StreamError> {
         self.flush()?;
-        self.recording.set_time_sequence(entity_paths::SCAN_TIMELINE, scan_number);
+        self.set_step(scan_number.into())?;
         log_scan(&self.recording, scan)
+    }
+
+    /// Logs points and annotations of `scan`, the only one of a recording over something else, from `step` on.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::log_scan`].
+    pub fn log_first(&mut self, step: i64, scan: &LabeledScan) -> Result<(), StreamError> {
+        self.set_step(step)?;
+        log_scan(&self.recording, scan)
+    }
+
+    /// Goes on to another place on the axis, and writes `title` where the scan is named; the scan stays. Its `further` series
+    /// have these values there; one that is undefined leaves a gap.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::log_scan`].
+    pub fn log_step(
+        &mut self,
+        step: i64,
+        title: String,
+        further: &[(&'static str, Option<f64>)],
+    ) -> Result<(), StreamError> {
+        self.flush()?;
+        self.set_step(step)?;
+        log_title(&self.recording, title)?;
+        log_further(&self.recording, further)
     }
 
     /// Logs what a detector made of `scan`, which is the one that was logged last.
@@ -189,6 +232,14 @@ impl Stream {
         Ok(StreamEnding { file_n_bytes, viewer })
     }
 
+    fn set_step(&self, step: i64) -> Result<(), StreamError> {
+        let timeline = rerun::TimelineName::try_new(&*self.axis.timeline).map_err(|error| {
+            StreamError::Log { entity: self.axis.timeline.clone(), reason: error.to_string() }
+        })?;
+        self.recording.set_time_sequence(timeline, step);
+        Ok(())
+    }
+
     /// Lets Rerun write what it holds back, so that memory stays flat and a full disk is noticed.
     fn flush(&self) -> Result<(), StreamError> {
         // Whatever the flush says is known better to the file.
@@ -229,6 +280,7 @@ mod tests {
     use super::*;
     use crate::annotation::{Annotation, AnnotationClass, PointRegion, ScanId};
     use crate::matching::outcome::{AnnotationOutcome, DetectionOutcome, FalseReason, MissReason};
+    use crate::stream::entity_paths;
 
     const N_POINTS: usize = 6;
 

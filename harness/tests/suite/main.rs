@@ -20,5 +20,6 @@ mod realism;
 mod readers;
 mod simulated_reference;
 mod fit_density;
+mod sweep;
 mod train;
 mod boxes;

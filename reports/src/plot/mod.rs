@@ -11,3 +11,8 @@ pub mod gap_plot;
 pub mod box_plot;
 pub mod operating_plot;
 pub mod plan_plot;
+mod curve_panel;
+mod sweep_panels;
+pub mod rate_plot;
+pub mod fitness_plot;
+pub mod pareto_plot;

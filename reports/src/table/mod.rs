@@ -4,6 +4,9 @@
 
 pub mod task_table;
 pub mod ablation_score;
+pub mod sweep_score;
+pub mod sweep_curve;
+pub mod fitness_verdict;
 mod grid;
 mod task_grids;
 mod notes;
@@ -16,6 +19,8 @@ pub mod ablation_table;
 pub mod gap_table;
 pub mod box_table;
 pub mod robustness_table;
+pub mod sweep_table;
+pub mod fitness_table;
 
 #[cfg(test)]
 mod sample;

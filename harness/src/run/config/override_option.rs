@@ -94,7 +94,8 @@ impl OverrideOption {
         ConfigPlace::Options(vec![self.written.clone()])
     }
 
-    fn keys(&self, known: &[Vec<String>], own: &[&str]) -> Result<Vec<String>, ConfigError> {
+    /// The full name of the parameter: its own, or the one that ends so among those of the tables `own`.
+    pub(super) fn keys(&self, known: &[Vec<String>], own: &[&str]) -> Result<Vec<String>, ConfigError> {
         let parts: Vec<&str> = self.name.split('.').collect();
         if let Some(keys) = known.iter().find(|keys| **keys == parts) {
             return Ok(keys.clone());

@@ -11,6 +11,7 @@ use super::error::ConfigError;
 use super::matching_table::{MATCHING_TOML, matching_from};
 use super::override_file::OverrideFile;
 use super::override_option::{OverrideOption, OverrideOptions};
+use super::parameter_tree::parameters;
 use super::value_problem::ValueProblem;
 use super::vehicle_model_table::{VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
 use crate::matching::assign::MatchingParams;
@@ -105,6 +106,21 @@ impl RunConfig {
         let mut resolved = self.resolved.clone();
         options.apply(&mut resolved)?;
         Self::from_resolved(resolved).map_err(|problem| options.value_error(problem))
+    }
+
+    /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
+    ///
+    /// # Errors
+    ///
+    /// [`ConfigError`] if it names nothing, or several parameters.
+    pub fn full_name(&self, option: &OverrideOption, own: &[&str]) -> Result<String, ConfigError> {
+        Ok(option.keys(&parameters(&self.resolved), own)?.join("."))
+    }
+
+    /// The value of the parameter of this full name.
+    pub fn value_of(&self, full_name: &str) -> Option<&Value> {
+        let (first, rest) = full_name.split_once('.')?;
+        rest.split('.').try_fold(self.resolved.get(first)?, |table, key| table.get(key))
     }
 
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {

@@ -1,0 +1,49 @@
+//! What `scanbench sweep` leaves behind.
+
+use reports::archive::ArchiveError;
+use reports::csv_rows::CsvRowWriter;
+use reports::plot::fitness_plot::fitness_plot;
+use reports::plot::pareto_plot::pareto_plot;
+use reports::plot::rate_plot::rate_plot;
+use reports::run_directory::RunDirectory;
+use reports::table::fitness_table::{fitness_to_markdown, fitness_to_terminal};
+use reports::table::fitness_verdict::fitness_verdicts;
+use reports::table::sweep_score::SweepScores;
+use reports::table::sweep_table::sweep_to_terminal;
+
+/// Writes tables and plots into `directory`, and returns what is to be printed.
+///
+/// # Errors
+///
+/// [`ArchiveError`] if a file cannot be written.
+pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<String, ArchiveError> {
+    let not_written = |name: &str| {
+        let path = directory.path_of(name);
+        move |source| ArchiveError::Csv { path, source }
+    };
+    directory.write_file("sweep.csv", &sweep.to_csv().map_err(not_written("sweep.csv"))?)?;
+    if !sweep.times.is_empty() {
+        directory.write_file("times.csv", &sweep.times_to_csv().map_err(not_written("times.csv"))?)?;
+    }
+    for extent in sweep.extents() {
+        let name = extent.name();
+        directory.write_file(&format!("f_rate_{name}.svg"), rate_plot(sweep, extent).as_bytes())?;
+        if let Some(plot) = fitness_plot(sweep, extent) {
+            directory.write_file(&format!("fitness_{name}.svg"), plot.as_bytes())?;
+        }
+        if let Some(plot) = pareto_plot(sweep, extent) {
+            directory.write_file(&format!("pareto_{name}.svg"), plot.as_bytes())?;
+        }
+    }
+    let verdicts = fitness_verdicts(sweep);
+    let mut printed = sweep_to_terminal(sweep);
+    if !verdicts.is_empty() {
+        let mut rows = CsvRowWriter::new(directory.begin_file("cell_fitness.csv")?)?;
+        verdicts.iter().try_for_each(|it| rows.write(it))?;
+        rows.finish()?;
+        directory.write_file("cell_fitness.md", fitness_to_markdown(&verdicts).as_bytes())?;
+        printed.push('\n');
+        printed.push_str(&fitness_to_terminal(&verdicts));
+    }
+    Ok(printed)
+}

@@ -1,0 +1,11 @@
+//! A run over a grid of parameters: every combination of values on the same scans.
+
+pub mod swept_values;
+pub mod sweep_plan;
+pub mod scan_at_point;
+pub mod timed_scan;
+pub mod journal;
+pub mod quality_pass;
+pub mod timing_pass;
+pub mod block_resamples;
+pub mod summary;

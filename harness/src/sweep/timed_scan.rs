@@ -1,0 +1,15 @@
+//! What is kept of the times of one scan.
+
+use serde::{Deserialize, Serialize};
+
+/// The times of one scan at all points.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimedScan {
+    /// Place of the data set among those of the sweep.
+    pub dataset_idx: usize,
+    /// Place of the scan among those taken from the data set.
+    pub scan_idx: usize,
+    /// For each point and then for each detector, in nanoseconds.
+    pub times_ns: Vec<Vec<Vec<u64>>>,
+}

@@ -1,0 +1,82 @@
+//! Some scans at all points once more, one after the other with nothing running beside, for the clock alone.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use detector::DetectorOutput;
+
+use crate::sweep::journal::JournalEntry;
+use crate::sweep::quality_pass::{SweepError, SweepPass};
+use crate::sweep::scan_at_point::of_sensor;
+use crate::sweep::timed_scan::TimedScan;
+
+/// Detections of a scan at a point that are timed, after one that is not.
+pub const DETECTIONS_PER_SCAN: usize = 3;
+
+impl SweepPass<'_> {
+    /// Times `n_scans` scans of each data set, spread over it, that are missing in `results`, and returns all.
+    ///
+    /// Of every other scan the points come in the opposite order, so that a disturbance of the machine meets all of them.
+    ///
+    /// # Errors
+    ///
+    /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
+    pub fn time(&self, results: Vec<TimedScan>, n_scans: usize) -> Result<Vec<TimedScan>, SweepError> {
+        let scans = self.timed_scans(n_scans);
+        let done: BTreeSet<_> = results.iter().map(|it| (it.dataset_idx, it.scan_idx)).collect();
+        let mut all = results;
+        for (place, &(dataset_idx, scan_idx)) in scans.iter().enumerate() {
+            if !done.contains(&(dataset_idx, scan_idx)) {
+                let timed = self.time_scan(dataset_idx, scan_idx, place)?;
+                self.journal.add(&JournalEntry::Times(timed.clone()))?;
+                all.push(timed);
+            }
+        }
+        all.sort_unstable_by_key(|it| (it.dataset_idx, it.scan_idx));
+        Ok(all)
+    }
+
+    /// The scans that are timed: data set and scan.
+    pub fn timed_scans(&self, n_scans: usize) -> Vec<(usize, usize)> {
+        let of_dataset = |(dataset_idx, n_all): (usize, usize)| {
+            let n_timed = n_scans.min(n_all);
+            // The middles of as many stretches.
+            (0..n_timed).map(move |it| (dataset_idx, (2 * it + 1) * n_all / (2 * n_timed)))
+        };
+        self.datasets.iter().map(|it| it.scan_indices.len()).enumerate().flat_map(of_dataset).collect()
+    }
+
+    fn time_scan(&self, dataset_idx: usize, scan_idx: usize, place: usize) -> Result<TimedScan, SweepError> {
+        let swept = &self.datasets[dataset_idx];
+        let description = swept.dataset.description();
+        let scan = swept.dataset.read_scan(swept.scan_indices[scan_idx])?;
+        let n_points = self.plan.points.len();
+        let mut times_ns = vec![Vec::new(); n_points];
+        let mut output = DetectorOutput::default();
+        for step in 0..n_points {
+            let point_idx = if place.is_multiple_of(2) { step } else { n_points - 1 - step };
+            let config = of_sensor(&self.plan.points[point_idx].config, description);
+            for listed in &self.plan.detectors {
+                if self.interrupted.load(Ordering::Relaxed) {
+                    // The whole scan is timed again, so that its points are timed side by side.
+                    return Err(SweepError::InterruptedWhileTimed);
+                }
+                let mut detector = listed.build(&config, description.sensor_height_m);
+                detector.detect(&scan.cloud, &mut output);
+                let mut detect = |_| {
+                    let started = Instant::now();
+                    detector.detect(&scan.cloud, &mut output);
+                    nanoseconds(started.elapsed())
+                };
+                times_ns[point_idx].push((0..DETECTIONS_PER_SCAN).map(&mut detect).collect());
+                (self.on_done)();
+            }
+        }
+        Ok(TimedScan { dataset_idx, scan_idx, times_ns })
+    }
+}
+
+fn nanoseconds(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}

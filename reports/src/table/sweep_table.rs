@@ -1,0 +1,91 @@
+//! The table of a sweep: for every curve the best point.
+
+use crate::fixed_decimals::fixed_decimals;
+use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::table::notes::Notes;
+use crate::table::sweep_curve::SweepCurve;
+use crate::table::sweep_score::SweepScores;
+use crate::table::task_table::{Extent, Origin};
+use crate::table::terminal::{wrapped, write_grid};
+
+/// The table for a terminal.
+pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
+    let mut text = format!("Best of {} over {}. Rates in %.\n\n", n_values(sweep), sweep.parameters[0]);
+    let column = |title, alignment| Column { group: None, title, alignment };
+    let names = ["data set", "detector", "task", "rate"].map(|title| column(title, Alignment::Left));
+    let numbers = ["scans", "NO", "best at", "rate there", "95 %", "lowest", "time ms"];
+    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let mut lines: Vec<Line> = sweep.curves().iter().map(line).collect();
+    // A rule stands above the first of them alone.
+    lines
+        .iter_mut()
+        .filter(|it| it.kind == LineKind::Overall)
+        .skip(1)
+        .for_each(|it| it.kind = LineKind::Dataset);
+    write_grid(&mut text, &Grid { columns, lines }, &Notes::none());
+    text.push('\n');
+    text.push_str(&wrapped(
+        "NO: annotations that count. Best at: the first of several values that are as good. 95 %: cluster bootstrap over \
+         blocks of scans a second long. Lowest: the rate at the worst value. Time: of a detection at the best value, the \
+         median over scans of the shortest of each.",
+    ));
+    text
+}
+
+fn n_values(sweep: &SweepScores) -> String {
+    let n = sweep.curves().first().map_or(0, |it| it.points.len());
+    format!("{n} values")
+}
+
+fn line(curve: &SweepCurve<'_>) -> Line {
+    let first = curve.points[0].score;
+    let subject = &first.subject;
+    let name = match (&subject.extent, subject.origin) {
+        (Extent::Dataset(id), Origin::Recorded) => id.clone(),
+        (extent, Origin::Recorded) => extent.name().to_owned(),
+        (extent, origin) => format!("{} ({})", extent.name(), origin.name()),
+    };
+    let undefined = || "–".to_owned();
+    let percent = |it: Option<f64>| it.map_or_else(undefined, |it| fixed_decimals(100.0 * it, 1));
+    let best = curve.best().map(|it| &curve.points[it]);
+    let lowest = curve.points.iter().filter_map(|it| it.score.rate()).reduce(f64::min);
+    let within = best.and_then(|it| it.score.rate_within());
+    let detector = [vec![subject.detector.clone()], curve.others.clone()].concat().join(", ");
+    let cells = [
+        name,
+        detector,
+        first.task.clone(),
+        first.rate_name().to_owned(),
+        first.n_scans.to_string(),
+        first.counts.no().to_string(),
+        best.map_or_else(undefined, |it| it.x_text.to_owned()),
+        percent(best.and_then(|it| it.score.rate())),
+        within.map_or_else(undefined, |it| it.map(|it| percent(Some(it))).join(" to ")),
+        percent(lowest),
+        best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2)),
+    ];
+    let kind = if subject.extent == Extent::Overall { LineKind::Overall } else { LineKind::Dataset };
+    Line { kind, cells: cells.map(Cell::new).to_vec() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::sweep_score::tests::cell_sizes;
+
+    #[test]
+    fn every_curve_has_its_best_point() {
+        let sweep = cell_sizes(&[(4, Some(6), None, 0.1), (8, Some(2), None, 0.3), (6, Some(4), None, 0.4)]);
+        insta::assert_snapshot!(sweep_to_terminal(&sweep), @r"
+        Best of 3 values over hierarchical.grid.cell_size_m. Rates in %.
+
+        data set            detector      task     rate    scans  NO  best at  rate there          95 %  lowest  time ms
+        ────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated)  hierarchical  objects  F-rate      2  10      0.4        80.0  10.0 to 90.0    40.0     3.20
+
+        NO: annotations that count. Best at: the first of several values that are as good. 95 %: cluster
+          bootstrap over blocks of scans a second long. Lowest: the rate at the worst value. Time: of a
+          detection at the best value, the median over scans of the shortest of each.
+        ");
+    }
+}
