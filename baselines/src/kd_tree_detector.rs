@@ -191,7 +191,8 @@ impl KdTreeDetector {
             object_points.extend(members.iter().map(|&place| self.foreground_points()[place as usize]));
             let positions_m = members.iter().map(|&place| self.positions_m[place as usize]);
             let sizes = &self.short_objects.params().vehicle_size;
-            let (class, score) = classify_object(model.as_mut(), bounding_box, positions_m, sizes);
+            let object_box = (bounding_box, self.short_objects.ground_below_m(bounding_box));
+            let (class, score) = classify_object(model.as_mut(), object_box, positions_m, sizes);
             output.detections.push(Detection {
                 point_indices: &object_points,
                 bounding_box: *bounding_box,

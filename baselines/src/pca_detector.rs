@@ -132,8 +132,11 @@ impl PcaDetector {
             self.object_points.clear();
             self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
             let positions_m = self.object_points.iter().map(|&it| cloud.position_m(it as usize));
+            // Without a terrain: what the box stands on. The model does not look at it.
+            let bottom_m = bounding_box.center_m[2] - 0.5 * bounding_box.length_width_height_m[2];
+            let object_box = (bounding_box, bottom_m);
             let (class, score) =
-                classify_object(self.vehicle_model.as_mut(), bounding_box, positions_m, &self.vehicle_size);
+                classify_object(self.vehicle_model.as_mut(), object_box, positions_m, &self.vehicle_size);
             output.detections.push(Detection {
                 point_indices: &self.object_points,
                 bounding_box: *bounding_box,

@@ -41,6 +41,7 @@ impl ObjectClassifier for PcaVehicleModel {
     fn decision(
         &mut self,
         bounding_box: &OrientedBox,
+        _: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32> {
         let features = self.describer.describe(bounding_box, positions_m)?;
@@ -79,7 +80,7 @@ mod tests {
         let mut model = PcaVehicleModel::shipped();
         let mut decide = |points: &[[f32; 3]]| {
             let bounding_box = principal_axes_box(points.iter().copied()).unwrap();
-            model.decision(&bounding_box, points.iter().copied()).unwrap()
+            model.decision(&bounding_box, -1.73, points.iter().copied()).unwrap()
         };
         let [car, person] = [decide(&car), decide(&person)];
         assert!(car > 0.0 && person < 0.0, "{car} and {person}");

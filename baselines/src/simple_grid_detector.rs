@@ -160,8 +160,8 @@ impl SimpleGridDetector {
             self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
             let positions_m = self.object_points.iter().map(|&it| cloud.position_m(it as usize));
             let sizes = &self.foreground.params().vehicle_size;
-            let (class, score) =
-                classify_object(self.vehicle_model.as_mut(), bounding_box, positions_m, sizes);
+            let object_box = (bounding_box, self.foreground.ground_below_m(bounding_box));
+            let (class, score) = classify_object(self.vehicle_model.as_mut(), object_box, positions_m, sizes);
             output.detections.push(Detection {
                 point_indices: &self.object_points,
                 bounding_box: *bounding_box,

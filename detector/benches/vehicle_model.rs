@@ -18,6 +18,7 @@ use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::pipeline::vehicle_model::N_FEATURES;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 const N_ROUNDS: usize = 20;
@@ -49,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn measure(scans: &[Vec<Candidate>], model: &SvmModel<8>) {
+fn measure(scans: &[Vec<Candidate>], model: &SvmModel<N_FEATURES>) {
     let mut describer = VehicleDescriber::new(PrototypeLibrary::drawn());
     let svm = NuSvm::new(model);
     let (mut features, mut decisions, mut vectors) = (Vec::new(), Vec::new(), Vec::new());
@@ -59,8 +60,11 @@ fn measure(scans: &[Vec<Candidate>], model: &SvmModel<8>) {
             vectors.clear();
             let started = Instant::now();
             for (bounding_box, points_m) in scan {
-                vectors
-                    .extend(describer.describe(bounding_box, points_m.iter().copied()).map(|it| it.values()));
+                vectors.extend(
+                    describer
+                        .describe(bounding_box, -SENSOR_HEIGHT_M, points_m.iter().copied())
+                        .map(|it| it.values()),
+                );
             }
             let described = Instant::now();
             sum += vectors.iter().map(|vector| svm.decision(vector)).sum::<f32>();
@@ -119,7 +123,7 @@ fn read_velodyne_bin(path: &Path) -> std::io::Result<PointCloud> {
 }
 
 /// A classifier whose classes differ by their distance from a centre, and now and then not.
-fn model_of_noise() -> Result<SvmModel<8>, Box<dyn std::error::Error>> {
+fn model_of_noise() -> Result<SvmModel<N_FEATURES>, Box<dyn std::error::Error>> {
     let mut state = 1_u64;
     let mut uniform = || {
         // SplitMix64.
@@ -128,7 +132,8 @@ fn model_of_noise() -> Result<SvmModel<8>, Box<dyn std::error::Error>> {
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((mixed ^ (mixed >> 31)) >> 40) as f32 / (1_u32 << 24) as f32
     };
-    let vectors: Vec<[f32; 8]> = (0..1200).map(|_| std::array::from_fn(|_| 2.0 * uniform() - 1.0)).collect();
+    let vectors: Vec<[f32; N_FEATURES]> =
+        (0..1200).map(|_| std::array::from_fn(|_| 2.0 * uniform() - 1.0)).collect();
     let is_first: Vec<bool> = vectors
         .iter()
         .map(|vector| vector.iter().take(3).map(|it| it * it).sum::<f32>() + 0.4 * uniform() < 1.2)

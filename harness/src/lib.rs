@@ -6,6 +6,8 @@ pub mod annotation;
 pub mod task;
 pub mod simulator;
 pub mod dataset;
+pub mod conversion;
+pub mod data_check;
 pub mod matching;
 pub mod metrics;
 pub mod object_box;

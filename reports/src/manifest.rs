@@ -73,6 +73,9 @@ pub struct DatasetEntry {
     pub checksum: Option<String>,
     /// Number of scans that were selected.
     pub n_scans: u64,
+    /// Those of them that were left out because they are damaged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub skipped_scans: Vec<SkippedScan>,
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
@@ -83,6 +86,16 @@ pub struct DatasetEntry {
     pub licence: Option<String>,
     /// What a simulation was asked for besides its seed; `None` for what was recorded.
     pub simulation: Option<Simulation>,
+}
+
+/// A scan that was left out because it is damaged.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkippedScan {
+    /// Which it is.
+    pub scan: String,
+    /// What is wrong with it.
+    pub reason: String,
 }
 
 /// A drive through a simulated street.
@@ -199,6 +212,7 @@ mod tests {
                 annotated: AnnotatedClasses::Only(vec!["car".to_owned()]),
                 checksum: None,
                 n_scans: 40,
+                skipped_scans: Vec::new(),
                 selection: Some("0..80:2".to_owned()),
                 sensor_height_m: 1.73,
                 sensor: "hdl-64e-s2".to_owned(),

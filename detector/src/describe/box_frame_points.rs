@@ -43,9 +43,23 @@ impl BoxFramePoints {
     }
 }
 
+/// Points that are looked at side by side.
+pub(super) const LANES: usize = 8;
+
+/// Sum of `value` over a column, in the same order on every machine.
+pub(super) fn sum(column: &[f32], value: impl Fn(f32) -> f32) -> f32 {
+    let (chunks, rest) = column.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for chunk in chunks {
+        for lane in 0..LANES {
+            sums[lane] += value(chunk[lane]);
+        }
+    }
+    sums.iter().sum::<f32>() + rest.iter().map(|&it| value(it)).sum::<f32>()
+}
+
 /// Least and greatest of a column. `None` without points.
 pub(super) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
-    const LANES: usize = 8;
     let mut low = [*column.first()?; LANES];
     let mut high = low;
     let (chunks, rest) = column.as_chunks::<LANES>();

@@ -1,9 +1,6 @@
 //! How far the surface of an object is from the upper corners of its box.
 
-use super::box_frame_points::{BoxFramePoints, extent_m, lesser};
-
-/// Points that are looked at side by side.
-const LANES: usize = 8;
+use super::box_frame_points::{BoxFramePoints, LANES, extent_m, lesser};
 
 /// Distances in metres from the four corners of a box, lifted to the highest point of the object, to its nearest point.
 ///

@@ -2,6 +2,8 @@
 
 pub mod box_frame_points;
 pub mod corner_spheres;
+pub mod elevation_spread;
+pub mod side_distance;
 pub mod side_profile;
 pub mod turning_function;
 pub mod trained_file;

@@ -1,13 +1,18 @@
-//! The eight values by which a vehicle is told from background.
+//! The values by which a vehicle is told from background.
 
 use super::box_frame_points::{BoxFramePoints, extent_m};
 use super::corner_spheres::{CornerSpheres, OrderedRadii};
+use super::elevation_spread::ElevationSpread;
 use super::prototype_library::PrototypeLibrary;
+use super::side_distance::mean_side_distance_m;
 use super::side_profile::{SideProfile, convex_contour};
 use crate::oriented_box::OrientedBox;
 use crate::stage_product::ProductSphere;
 
 /// What the classifier sees of an object.
+///
+/// The first eight values are the paper's. It has no height among them, nor anything that tells a shell from a filled
+/// volume, or which side of the object is seen; the other six say that.
 ///
 /// Paper: VM section 5.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,11 +25,18 @@ pub struct VehicleFeatures {
     pub radii: OrderedRadii,
     /// Difference to the nearest prototype's side profile in 0 to 1; 1 if the object has no profile.
     pub profile_difference: f32,
+    /// Where its points are above the ground.
+    pub elevation: ElevationSpread,
+    /// Mean distance of its points to the nearest side of the box.
+    pub side_distance_m: f32,
+    /// Cosine of the angle between the line of sight and the length of the box, without its sign: 1 if an end is seen, 0
+    /// if a side is.
+    pub view_cosine: f32,
 }
 
 impl VehicleFeatures {
     /// The names of [`Self::values`], as in files.
-    pub const NAMES: [&'static str; 8] = [
+    pub const NAMES: [&'static str; 14] = [
         "length_m",
         "width_m",
         "front_near_radius_m",
@@ -33,10 +45,16 @@ impl VehicleFeatures {
         "back_far_radius_m",
         "radius_difference_m",
         "profile_difference",
+        "bottom_m",
+        "top_m",
+        "mean_elevation_m",
+        "elevation_deviation_m",
+        "side_distance_m",
+        "view_cosine",
     ];
 
     /// The values in the order of [`Self::NAMES`].
-    pub fn values(&self) -> [f32; 8] {
+    pub fn values(&self) -> [f32; 14] {
         let OrderedRadii { front_m: [front_near, front_far], back_m: [back_near, back_far] } = self.radii;
         [
             self.length_m,
@@ -47,6 +65,12 @@ impl VehicleFeatures {
             back_far,
             self.radii.difference_m(),
             self.profile_difference,
+            self.elevation.bottom_m,
+            self.elevation.top_m,
+            self.elevation.mean_m,
+            self.elevation.deviation_m,
+            self.side_distance_m,
+            self.view_cosine,
         ]
     }
 }
@@ -71,10 +95,12 @@ impl VehicleDescriber {
         format!("prototypes of SHA-256 {}", library.checksum())
     }
 
-    /// The features of an object with these points, in the sensor frame. `None` without points.
+    /// The features of an object with these points, in the sensor frame, above ground of elevation `ground_m` there. `None`
+    /// without points.
     pub fn describe(
         &mut self,
         bounding_box: &OrientedBox,
+        ground_m: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<VehicleFeatures> {
         self.points.fill(bounding_box, positions_m);
@@ -86,6 +112,9 @@ impl VehicleDescriber {
             width_m,
             radii: spheres.ordered(),
             profile_difference: nearest.map_or(1.0, |it| it.difference),
+            elevation: ElevationSpread::of(&self.points, bounding_box.center_m[2] - ground_m)?,
+            side_distance_m: mean_side_distance_m(&self.points, length_m, width_m)?,
+            view_cosine: view_cosine(bounding_box),
         })
     }
 
@@ -133,6 +162,14 @@ pub struct VehicleShapes {
     pub nearest_prototype_m: Option<Vec<[f32; 3]>>,
 }
 
+/// Cosine between the line of sight and the length of the box, without its sign; 1 above and below the sensor.
+fn view_cosine(bounding_box: &OrientedBox) -> f32 {
+    let [x, y, _] = bounding_box.center_m;
+    let range_m = (x * x + y * y).sqrt();
+    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    if range_m > 0.0 { ((cos * x + sin * y) / range_m).abs().min(1.0) } else { 1.0 }
+}
+
 fn on_main_plane(bounding_box: &OrientedBox, contour_m: &[[f32; 2]]) -> Vec<[f32; 3]> {
     let (sin, cos) = bounding_box.yaw_rad.sin_cos();
     let [x, y, z] = bounding_box.center_m;
@@ -174,7 +211,16 @@ mod tests {
     #[test]
     fn names_and_values_belong_together() {
         let radii = OrderedRadii { front_m: [0.3, 0.5], back_m: [0.1, 0.1] };
-        let it = VehicleFeatures { length_m: 4.0, width_m: 1.8, radii, profile_difference: 0.07 };
+        let elevation = ElevationSpread { bottom_m: 0.2, top_m: 1.5, mean_m: 0.8, deviation_m: 0.4 };
+        let it = VehicleFeatures {
+            length_m: 4.0,
+            width_m: 1.8,
+            radii,
+            profile_difference: 0.07,
+            elevation,
+            side_distance_m: 0.1,
+            view_cosine: 0.9,
+        };
         let value =
             |name: &str| it.values()[VehicleFeatures::NAMES.iter().position(|it| *it == name).unwrap()];
         assert_eq!(value("length_m"), it.length_m);
@@ -182,14 +228,29 @@ mod tests {
         assert_eq!(value("back_near_radius_m"), 0.1);
         assert!((value("radius_difference_m") - 0.3).abs() < 1e-6);
         assert_eq!(value("profile_difference"), 0.07);
+        assert_eq!(value("top_m"), 1.5);
+        assert_eq!(value("elevation_deviation_m"), 0.4);
+        assert_eq!(value("view_cosine"), 0.9);
     }
 
     #[test]
     fn no_points_have_no_features() {
         let (bounding_box, _) = car(0.0, [0.0; 3]);
         let mut describer = VehicleDescriber::new(PrototypeLibrary::drawn());
-        assert_eq!(describer.describe(&bounding_box, std::iter::empty()), None);
+        assert_eq!(describer.describe(&bounding_box, 0.0, std::iter::empty()), None);
         assert_eq!(describer.shapes(&bounding_box, std::iter::empty()), None);
+    }
+
+    #[test]
+    fn the_view_is_along_or_across_whichever_way_the_box_faces() {
+        let seen = |center_m: [f32; 3], yaw_rad: f32| {
+            view_cosine(&OrientedBox { center_m, length_width_height_m: [4.0, 2.0, 1.5], yaw_rad })
+        };
+        assert_eq!(seen([10.0, 0.0, 0.0], 0.0), 1.0);
+        assert!((seen([10.0, 0.0, 0.0], std::f32::consts::PI) - 1.0).abs() < 1e-6);
+        assert!(seen([0.0, -7.0, 0.0], 0.0).abs() < 1e-6);
+        assert!((seen([5.0, 5.0, 0.0], 0.0) - 0.5_f32.sqrt()).abs() < 1e-6);
+        assert_eq!(seen([0.0, 0.0, 1.0], 0.3), 1.0);
     }
 
     #[test]
@@ -220,11 +281,13 @@ mod tests {
             let mut describe = |(mut bounding_box, positions_m): (OrientedBox, Vec<[f32; 3]>), turn: bool| {
                 // The box does not know which end is the front.
                 bounding_box.yaw_rad += if turn { std::f32::consts::PI } else { 0.0 };
-                describer.describe(&bounding_box, positions_m.into_iter()).unwrap().values()
+                let ground_m = bounding_box.center_m[2] - 0.8;
+                describer.describe(&bounding_box, ground_m, positions_m.into_iter()).unwrap().values()
             };
             let here = describe(car(0.0, [0.0; 3]), false);
             let there = describe(car(yaw_rad, [x, y, -0.9]), turn);
-            for (name, (a, b)) in VehicleFeatures::NAMES.iter().zip(here.iter().zip(there)) {
+            // The last is where it is seen from.
+            for (name, (a, b)) in VehicleFeatures::NAMES[..13].iter().zip(here.iter().zip(there)) {
                 prop_assert!((a - b).abs() < 0.02, "{name}: {a} against {b}");
             }
             prop_assert!(here[7] < 0.03, "unlike itself by {}", here[7]);

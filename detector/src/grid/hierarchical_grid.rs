@@ -187,6 +187,13 @@ impl HierarchicalGrid {
         [cell_idx % self.n_columns, cell_idx / self.n_columns]
     }
 
+    /// Steps along x and y from the first cell to the one at `position_m`, or to the nearest to it.
+    pub fn nearest_column_and_row(&self, position_m: [f32; 2]) -> [u32; 2] {
+        let GridParams { cell_size_m, extent_m, .. } = self.params;
+        // Casts saturate; the outermost cells are a border that holds no points.
+        position_m.map(|it| (((it + extent_m) / cell_size_m + 1.0) as u32).min(self.n_columns - 1))
+    }
+
     /// Corner of the cell with the smallest x and y, in metres.
     pub fn corner_m(&self, cell_idx: u32) -> [f32; 2] {
         self.column_and_row(cell_idx)

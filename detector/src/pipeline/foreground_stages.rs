@@ -1,11 +1,13 @@
 //! From a scan to the points that may belong to objects. Shared with baselines that start from the same foreground.
 
 use crate::detector::{StageClock, StageTime};
+use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
+use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
 use crate::segment::foreground::Foreground;
-use crate::segment::ground_segmentation::segment_ground;
+use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::segment::hough_lines::Segment;
 use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
@@ -17,6 +19,7 @@ pub struct ForegroundStages {
     params: HierarchicalParams,
     grid: HierarchicalGrid,
     terrain: Terrain,
+    ground: GroundSegmentation,
     walls: WallRefinement,
     classes: Vec<SurfaceClass>,
     foreground: Foreground,
@@ -27,9 +30,11 @@ impl ForegroundStages {
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
         let grid = HierarchicalGrid::new(params.grid.clone());
         let terrain = Terrain::new(params.terrain.clone(), &grid, sensor_height_m);
+        let weighting = DensityWeighting::new(&params.density_weighting);
+        let ground = GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting);
         let walls = WallRefinement::new(params.walls.clone(), &grid);
         let foreground = Foreground::new(params.foreground.clone());
-        Self { params, grid, terrain, walls, classes: Vec::new(), foreground }
+        Self { params, grid, terrain, ground, walls, classes: Vec::new(), foreground }
     }
 
     /// Runs the stages on `cloud`.
@@ -37,7 +42,7 @@ impl ForegroundStages {
         self.grid.fill(cloud);
         clock.lap("grid", stage_times);
         self.terrain.estimate(&self.grid);
-        segment_ground(&self.grid, &self.terrain, &self.params.ground, &mut self.classes);
+        self.ground.segment(&self.grid, &self.terrain, &mut self.classes);
         clock.lap("ground", stage_times);
         self.walls.refine(&self.grid, &self.terrain, &mut self.classes);
         clock.lap("walls", stage_times);
@@ -58,6 +63,12 @@ impl ForegroundStages {
     /// The ground under the latest scan.
     pub fn terrain(&self) -> &Terrain {
         &self.terrain
+    }
+
+    /// Elevation of the ground below the middle of a box in the latest scan, in metres.
+    pub fn ground_below_m(&self, bounding_box: &OrientedBox) -> f32 {
+        let [x_m, y_m, _] = bounding_box.center_m;
+        self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
     }
 
     /// The class of every cell of [`Self::grid`]; empty cells are unseen.

@@ -152,8 +152,8 @@ impl HierarchicalDetector {
             let bounding_box = object.bounding_box;
             let positions_m = self.clusters.points(object.cluster_idx).iter().map(|it| it.position_m);
             let sizes = &self.foreground.params().vehicle_size;
-            let (class, score) =
-                classify_object(self.vehicle_model.as_mut(), &bounding_box, positions_m, sizes);
+            let object_box = (&bounding_box, self.foreground.ground_below_m(&bounding_box));
+            let (class, score) = classify_object(self.vehicle_model.as_mut(), object_box, positions_m, sizes);
             output.detections.push(Detection { point_indices, bounding_box, class, score });
         }
     }

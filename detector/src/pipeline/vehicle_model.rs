@@ -16,11 +16,12 @@ pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
 
 /// Tells vehicles by a trained model.
 pub trait ObjectClassifier {
-    /// How surely an object with these points, in the sensor frame, is a vehicle: above 0 it is one. `None` without
-    /// points.
+    /// How surely an object with these points, in the sensor frame, above ground of elevation `ground_m` is a vehicle:
+    /// above 0 it is one. `None` without points.
     fn decision(
         &mut self,
         bounding_box: &OrientedBox,
+        ground_m: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32>;
 }
@@ -100,24 +101,25 @@ impl ObjectClassifier for VehicleModel {
     fn decision(
         &mut self,
         bounding_box: &OrientedBox,
+        ground_m: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32> {
-        let features = self.describer.describe(bounding_box, positions_m)?;
+        let features = self.describer.describe(bounding_box, ground_m, positions_m)?;
         Some(self.svm.decision(&features.values()))
     }
 }
 
-/// What an object with these points is, by `model` (VM sections 4 and 5), with how sure that is; by its size if there is
+/// What an object with these points in a box above ground of some elevation is, by `model` (VM sections 4 and 5), with how sure that is; by its size if there is
 /// no model. What has fewer points than a vehicle has by `sizes` is none either way: no model is trained on such.
 pub fn classify_object(
     model: Option<&mut impl ObjectClassifier>,
-    bounding_box: &OrientedBox,
+    (bounding_box, ground_m): (&OrientedBox, f32),
     positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     sizes: &SizeGateParams,
 ) -> (DetectedClass, Option<f32>) {
     let n_points = positions_m.len();
     let Some(model) = model else { return (size_gate(n_points, bounding_box, sizes), None) };
-    let decision = model.decision(bounding_box, positions_m);
+    let decision = model.decision(bounding_box, ground_m, positions_m);
     let is_vehicle = n_points >= sizes.min_points && decision.is_some_and(|it| it > 0.0);
     (if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }, decision)
 }
@@ -153,10 +155,11 @@ mod tests {
         let points_m = |n: usize| (0..n).map(move |it| [7.0 + 4.0 * it as f32 / n as f32, 0.85, -1.0]);
         let mut model = VehicleModel::shipped();
         let few = points_m(sizes.min_points - 1);
-        let (class, score) = classify_object(Some(&mut model), &bounding_box, few, &sizes);
+        let (class, score) = classify_object(Some(&mut model), (&bounding_box, -1.73), few, &sizes);
         assert_eq!(class, DetectedClass::Object);
         assert!(score.is_some_and(f32::is_finite));
-        let (class, score) = classify_object(None::<&mut VehicleModel>, &bounding_box, points_m(100), &sizes);
+        let (class, score) =
+            classify_object(None::<&mut VehicleModel>, (&bounding_box, -1.73), points_m(100), &sizes);
         assert_eq!((class, score), (DetectedClass::Vehicle, None));
     }
 }

@@ -2,15 +2,17 @@
 
 use serde::Deserialize;
 
-use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::grid::density_weighting::DensityWeighting;
+use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::segment::terrain::Terrain;
 use crate::stage_product::SurfaceClass;
 
-/// Tuning of [`segment_ground`].
+/// Tuning of [`GroundSegmentation::segment`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundSegmentationParams {
-    /// Cells with fewer points are clutter; the paper has 4 to 8.
+    /// Cells with fewer points are clutter; the paper has 4 to 8. Where the road itself puts fewer points into a cell,
+    /// that many are enough.
     pub min_points: u32,
     /// Highest minus lowest point of a ground cell stays below this, in metres.
     pub max_ground_extent_m: f32,
@@ -20,45 +22,66 @@ pub struct GroundSegmentationParams {
     pub tall_height_m: f32,
 }
 
-/// Writes the class of every cell of `grid` to `classes`, which has one entry a cell; empty cells are unseen.
+/// The classes of cells.
 ///
 /// The paper calls a cell tall above 1.40 m over the sensor or when it spans 3.10 m. With its sensor at 1.73 m both
 /// are 3.1 m over a level road; we take 3.10 m over the *terrain* for both, so that a climbing road does not turn
 /// its cars into walls.
 ///
-/// Paper: HG section 3.1.
-pub fn segment_ground(
-    grid: &HierarchicalGrid,
-    terrain: &Terrain,
-    params: &GroundSegmentationParams,
-    classes: &mut Vec<SurfaceClass>,
-) {
-    classes.clear();
-    classes.resize(grid.cells().len(), SurfaceClass::Unseen);
-    for &cell_idx in grid.occupied() {
-        classes[cell_idx as usize] = class_of(grid, terrain, params, cell_idx);
-    }
+/// A fixed number of points would make clutter of what stands far away: at 40 m the road puts a point into every third
+/// cell. So the number follows the weight of the range down to a single point, as all counts do in section 4.
+///
+/// Paper: HG sections 3.1 and 4.
+#[derive(Debug, Clone)]
+pub struct GroundSegmentation {
+    params: GroundSegmentationParams,
+    // A cell has at least so many points, or is clutter.
+    least_points_by_metre: Vec<u32>,
 }
 
-fn class_of(
-    grid: &HierarchicalGrid,
-    terrain: &Terrain,
-    params: &GroundSegmentationParams,
-    cell_idx: u32,
-) -> SurfaceClass {
-    let cell = &grid.cells()[cell_idx as usize];
-    if cell.n_points < params.min_points {
-        return SurfaceClass::Clutter;
+impl GroundSegmentation {
+    /// For grids of the geometry `grid`.
+    pub fn new(params: GroundSegmentationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
+        let points_at_weight_1 = weighting.peak_points_per_m2() * grid.cell_size_m * grid.cell_size_m;
+        let least_points = |weight: &f32| {
+            let expected = (points_at_weight_1 * weight).ceil() as u32;
+            expected.max(1).min(params.min_points)
+        };
+        let least_points_by_metre = weighting.weight_by_metre().iter().map(least_points).collect();
+        Self { params, least_points_by_metre }
     }
-    let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
-    if cell.z_max_m - terrain_m > params.tall_height_m || cell.z_extent_m() > params.tall_height_m {
-        return SurfaceClass::Tall;
+
+    /// Writes the class of every cell of `grid` to `classes`, which has one entry a cell; empty cells are unseen.
+    pub fn segment(&self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut Vec<SurfaceClass>) {
+        classes.clear();
+        classes.resize(grid.cells().len(), SurfaceClass::Unseen);
+        for &cell_idx in grid.occupied() {
+            classes[cell_idx as usize] = self.class_of(grid, terrain, cell_idx);
+        }
     }
-    let flat = cell.z_extent_m() < params.max_ground_extent_m;
-    if flat && (neighborhood_mean_m(grid, cell_idx) - terrain_m).abs() <= params.ground_band_m {
-        SurfaceClass::Ground
-    } else {
-        SurfaceClass::Short
+
+    fn class_of(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> SurfaceClass {
+        let params = &self.params;
+        let cell = &grid.cells()[cell_idx as usize];
+        if cell.n_points < params.min_points && cell.n_points < self.least_points(grid, cell_idx) {
+            return SurfaceClass::Clutter;
+        }
+        let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
+        if cell.z_max_m - terrain_m > params.tall_height_m || cell.z_extent_m() > params.tall_height_m {
+            return SurfaceClass::Tall;
+        }
+        let flat = cell.z_extent_m() < params.max_ground_extent_m;
+        if flat && (neighborhood_mean_m(grid, cell_idx) - terrain_m).abs() <= params.ground_band_m {
+            SurfaceClass::Ground
+        } else {
+            SurfaceClass::Short
+        }
+    }
+
+    fn least_points(&self, grid: &HierarchicalGrid, cell_idx: u32) -> u32 {
+        let [x_m, y_m] = grid.center_m(cell_idx);
+        let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;
+        self.least_points_by_metre[metre.min(self.least_points_by_metre.len() - 1)]
     }
 }
 
@@ -81,6 +104,11 @@ mod tests {
     use super::*;
     use crate::params::HierarchicalParams;
 
+    fn ground(params: &HierarchicalParams) -> GroundSegmentation {
+        let weighting = DensityWeighting::new(&params.density_weighting);
+        GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting)
+    }
+
     /// Level road with `extra` points over the cell around (9.0, 3.0); returns that cell's class.
     fn class_with(extra: &[[f32; 3]]) -> SurfaceClass {
         let params = HierarchicalParams::paper();
@@ -95,7 +123,7 @@ mod tests {
         let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
         terrain.estimate(&grid);
         let mut classes = Vec::new();
-        segment_ground(&grid, &terrain, &params.ground, &mut classes);
+        ground(&params).segment(&grid, &terrain, &mut classes);
         let near = |&&cell_idx: &&u32| {
             let [x, y] = grid.center_m(cell_idx);
             (x - 9.0).abs() <= 0.3 && (y - 3.0).abs() <= 0.3
@@ -127,14 +155,28 @@ mod tests {
         assert_eq!(class_with(&column(1.2, 1.6)), SurfaceClass::Tall);
     }
 
-    #[test]
-    fn few_points_are_clutter() {
-        let params = HierarchicalParams::paper();
+    /// The class of a cell that alone is occupied, `x_m` in front of the sensor, by `n_points` one above the other.
+    fn class_alone(n_points: usize, x_m: f32, weighted: bool) -> SurfaceClass {
+        let mut params = HierarchicalParams::paper();
+        params.density_weighting.enabled = weighted;
         let mut grid = HierarchicalGrid::new(params.grid.clone());
-        grid.fill(&[[5.0, 5.0, 0.0]; 3].into_iter().collect());
+        grid.fill(&(0..n_points).map(|it| [x_m, 0.1, it as f32 * 0.1 - 1.0]).collect());
         let terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
         let mut classes = Vec::new();
-        segment_ground(&grid, &terrain, &params.ground, &mut classes);
-        assert_eq!(classes[grid.occupied()[0] as usize], SurfaceClass::Clutter);
+        ground(&params).segment(&grid, &terrain, &mut classes);
+        classes[grid.occupied()[0] as usize]
+    }
+
+    #[test]
+    fn few_points_are_clutter_near_the_sensor() {
+        assert_eq!(class_alone(3, 5.0, true), SurfaceClass::Clutter);
+        assert_eq!(class_alone(4, 5.0, true), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn far_away_fewer_points_are_enough() {
+        assert_eq!(class_alone(1, 50.0, true), SurfaceClass::Short);
+        assert_eq!(class_alone(3, 50.0, false), SurfaceClass::Clutter);
+        assert_eq!(class_alone(4, 50.0, false), SurfaceClass::Short);
     }
 }

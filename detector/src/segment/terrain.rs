@@ -96,7 +96,8 @@ impl Terrain {
             sensor_height_m,
             n_block_columns,
             outward,
-            elevation_m: vec![0.0; n_blocks],
+            // A level road until a scan is seen.
+            elevation_m: vec![-sensor_height_m; n_blocks],
             knowledge: vec![Knowledge::NONE; n_blocks],
             places: (0..grid.n_columns()).map(|step| Place::of(step, params.block_cells, n_inner)).collect(),
             flat_m: vec![0.0; n_blocks * (params.block_cells * params.block_cells) as usize],

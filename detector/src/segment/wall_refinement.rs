@@ -279,8 +279,9 @@ fn turn_tall(classes: &mut [SurfaceClass], cell_idx: u32) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::PointCloud;
+    use crate::grid::density_weighting::DensityWeighting;
     use crate::params::HierarchicalParams;
-    use crate::segment::ground_segmentation::segment_ground;
+    use crate::segment::ground_segmentation::GroundSegmentation;
 
     const SENSOR_HEIGHT_M: f32 = 1.73;
     /// The rise of the topmost beam, as tangent.
@@ -325,7 +326,12 @@ mod tests {
             let mut terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
             terrain.estimate(&grid);
             let mut classes = Vec::new();
-            segment_ground(&grid, &terrain, &params.ground, &mut classes);
+            let weighting = DensityWeighting::new(&params.density_weighting);
+            GroundSegmentation::new(params.ground, &params.grid, &weighting).segment(
+                &grid,
+                &terrain,
+                &mut classes,
+            );
             let mut walls = WallRefinement::new(params.walls, &grid);
             walls.refine(&grid, &terrain, &mut classes);
             let near = |&&cell_idx: &&u32| {

@@ -79,7 +79,7 @@ fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     walls/cells: 84 clutter, 1406 ground, 117 short object, 127 tall
     walls/segments: 1 segments
     foreground/points: 249 clutter, 13608 ground, 5135 short object, 41301 tall
-    separation/cuts: 10 segments
+    separation/cuts: 11 segments
     separation/clusters: 3 of 2492, 2287, 356 points
     boxes/hulls: 3 of 4, 4, 4 corners
     boxes/boxes: 3 boxes

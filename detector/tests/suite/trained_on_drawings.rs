@@ -6,7 +6,7 @@ use detector::classify::svm_training::train_svm;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
-use detector::pipeline::vehicle_model::VehicleModel;
+use detector::pipeline::vehicle_model::{N_FEATURES, VehicleModel};
 
 /// Drawn vehicles of all kinds and sizes against upright blocks from a pole to a stretch of wall.
 pub fn vehicle_model() -> VehicleModel {
@@ -43,7 +43,7 @@ pub fn vehicle_model() -> VehicleModel {
 }
 
 /// The features of a profile that is drawn out to `width_m`.
-fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m: f32) -> [f32; 8] {
+fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m: f32) -> [f32; N_FEATURES] {
     let extent_m = |axis: usize| {
         contour_m.iter().fold([f32::MAX, f32::MIN], |[low, high], it| [low.min(it[axis]), high.max(it[axis])])
     };
@@ -62,5 +62,5 @@ fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m
             positions_m.extend([-1.0, 0.0, 1.0].map(|side| [along, side * width_m / 2.0, up]));
         }
     }
-    describer.describe(&bounding_box, positions_m.into_iter()).expect("features").values()
+    describer.describe(&bounding_box, 0.0, positions_m.into_iter()).expect("features").values()
 }

@@ -2,6 +2,8 @@
 
 use clap::{Args, Subcommand};
 
+use super::data_check::{CheckArgs, HashArgs};
+use super::data_convert::{CONVERT_EXAMPLES, ConvertArgs, SIMULATE_EXAMPLES};
 use super::output::OutputArgs;
 use super::scans::{CatalogueArgs, DatasetArgs};
 
@@ -11,6 +13,16 @@ pub enum DataCommand {
     /// List the data sets of the catalogue and whether they are there
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
+    /// Read scans and say what they are and what may be wrong with them
+    Check(Box<CheckArgs>),
+    /// Print the checksums of data sets, or write them into a catalogue
+    Hash(HashArgs),
+    /// Write scans and annotations in another format
+    #[command(after_help = CONVERT_EXAMPLES)]
+    Convert(Box<ConvertArgs>),
+    /// Write simulated streets to disk, as others read them
+    #[command(after_help = SIMULATE_EXAMPLES)]
+    Simulate(Box<ConvertArgs>),
     /// Measure how like the scans of one data set are to those of another
     Realism(Box<RealismArgs>),
 }

@@ -5,7 +5,7 @@ use clap::Args;
 use super::detectors::detectors_help;
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
-use super::scans::DatasetArgs;
+use super::scans::{DamageArgs, DatasetArgs};
 #[cfg(feature = "rerun")]
 use super::stream::StreamArgs;
 use super::timing::TimingArgs;
@@ -18,6 +18,9 @@ pub struct RunArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// What becomes of damaged ones.
+    #[command(flatten)]
+    pub damage: DamageArgs,
     /// The detectors, in the order of the tables.
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
     #[arg(default_values = DEFAULT_DETECTORS)]

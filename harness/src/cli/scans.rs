@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::source::DamagePolicy;
 use crate::simulator::sensor::EMBEDDED_SENSORS;
 
 /// Where data sets are looked up.
@@ -36,6 +37,12 @@ pub struct SourceArgs {
     /// Format of data sets given as paths, instead of recognising it.
     #[arg(long, value_name = "FORMAT", help = format_help())]
     pub format: Option<String>,
+    /// Topic of the clouds in MCAP recordings [default: the only one]
+    #[arg(long, value_name = "TOPIC")]
+    pub topic: Option<String>,
+    /// Topic of the annotations in MCAP recordings [default: /annotations, or the only one]
+    #[arg(long, value_name = "TOPIC")]
+    pub annotation_topic: Option<String>,
     /// Seed of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -53,6 +60,21 @@ pub struct SourceArgs {
 fn format_help() -> String {
     let names = DatasetFormat::names().join("`, `");
     format!("Format of data sets given as paths, instead of recognising it: `{names}`")
+}
+
+/// What becomes of damaged scans.
+#[derive(Debug, Clone, Args)]
+pub struct DamageArgs {
+    /// Leave damaged scans out, name each, and go on
+    #[arg(long)]
+    pub skip_damaged: bool,
+}
+
+impl DamageArgs {
+    /// What that means for readers.
+    pub fn policy(&self) -> DamagePolicy {
+        if self.skip_damaged { DamagePolicy::Skip } else { DamagePolicy::Refuse }
+    }
 }
 
 pub(super) fn sensor_help() -> String {

@@ -5,8 +5,7 @@ use clap::{Args, ValueEnum};
 use super::output::OutputArgs;
 use super::scans::DatasetArgs;
 use crate::run::detector_list::DETECTORS;
-use crate::training::model_kind::NU;
-use crate::training::{CHOICE_SEED, HOLD_OUT_EVERY, PROTOTYPES};
+use crate::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 
 /// Arguments of `scanbench train`.
 #[derive(Debug, Args)]
@@ -37,17 +36,17 @@ pub struct TrainArgs {
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
     pub vehicles: u32,
     /// Most other objects to train on, for each vehicle
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=20))]
-    pub others: u32,
+    #[arg(long, value_name = "N", default_value_t = OTHERS_PER_VEHICLE, value_parser = others_per_vehicle)]
+    pub others: f64,
     /// Most side profiles of each kind of vehicle to compare with
     #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
     pub prototypes: u32,
-    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078 [default: 0.5; for pca 0.1078]
+    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078 [default: 0.15; for pca 0.1078]
     #[arg(long, value_name = "X")]
     pub gamma: Option<f32>,
-    /// Share of vehicles and background that may lie inside the margin; the paper has 0.0377
-    #[arg(long, value_name = "X", default_value_t = NU)]
-    pub nu: f64,
+    /// Share of vehicles and background that may lie inside the margin; the paper has 0.0377 [default: 0.12; for pca 0.2]
+    #[arg(long, value_name = "X")]
+    pub nu: Option<f64>,
     /// Seed of the choice among objects, and of the regions that are cut out
     #[arg(long, value_name = "N", default_value_t = CHOICE_SEED)]
     pub choice_seed: u64,
@@ -63,6 +62,11 @@ pub enum ModelName {
     Hierarchical,
     /// By size, and by how points lie in their neighbourhoods
     Pca,
+}
+
+fn others_per_vehicle(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|error| format!("{error}"))?;
+    if (0.1..=20.0).contains(&number) { Ok(number) } else { Err(format!("{number} is not within 0.1 to 20")) }
 }
 
 fn clusters_help() -> String {

@@ -104,7 +104,7 @@ fn collect_all<'a>(
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Vec<Group<'a>>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
-    for OpenedDataset { dataset, scan_indices } in opened {
+    for OpenedDataset { dataset, scan_indices, .. } in opened {
         let description = dataset.description();
         warn_of_unknown_sensor(config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());

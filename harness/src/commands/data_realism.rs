@@ -66,6 +66,8 @@ fn against(arguments: &RealismArgs) -> DatasetArgs {
         scans: arguments.against_scans.clone(),
         source: SourceArgs {
             format: arguments.against_format.clone(),
+            topic: None,
+            annotation_topic: None,
             seed: None,
             simulated_scans: None,
             sensor: None,
@@ -86,7 +88,7 @@ fn begin_directory(
 
 fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> anyhow::Result<Vec<SurveyedScan>> {
     let mut scans = Vec::new();
-    for OpenedDataset { dataset, scan_indices } in side {
+    for OpenedDataset { dataset, scan_indices, .. } in side {
         let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
         scans.extend(survey(&**dataset, scan_indices, interrupted, || progress.inc(1))?);
         progress.finish_and_clear();

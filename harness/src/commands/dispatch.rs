@@ -6,6 +6,9 @@ use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::boxes::boxes;
 use crate::commands::compare::compare;
+use crate::commands::data_check::data_check;
+use crate::commands::data_convert::{data_convert, data_simulate};
+use crate::commands::data_hash::data_hash;
 use crate::commands::data_list::data_list;
 use crate::commands::data_realism::data_realism;
 use crate::commands::detect::detect;
@@ -30,6 +33,10 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Detect(arguments) => detect(arguments),
         Command::Ablation(arguments) => ablation(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
+        Command::Data(DataCommand::Check(arguments)) => data_check(arguments),
+        Command::Data(DataCommand::Hash(arguments)) => data_hash(arguments),
+        Command::Data(DataCommand::Convert(arguments)) => data_convert(arguments),
+        Command::Data(DataCommand::Simulate(arguments)) => data_simulate(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
         Command::FitDensity(arguments) => fit_density(arguments),
         Command::Train(arguments) => train(arguments),

@@ -12,6 +12,7 @@ use reports::gate::verdict::Conclusion;
 use reports::run_directory::RunDirectoryError;
 
 use crate::commands::standard_streams::print_diagnostic;
+use crate::conversion::ConversionError;
 use crate::dataset::DatasetError;
 use crate::realism::survey::SurveyError;
 use crate::run::config::ConfigError;
@@ -104,6 +105,13 @@ impl Failure {
             Some(SurveyError::Dataset(error)) => return of_dataset(error),
             Some(SurveyError::Interrupted { .. }) => return Self::Interrupted,
             None => {}
+        }
+        match error.downcast_ref::<ConversionError>() {
+            Some(ConversionError::Dataset(error)) => return of_dataset(error),
+            Some(ConversionError::Occupied { .. } | ConversionError::Unwritable { .. }) => {
+                return Self::Usage;
+            }
+            Some(_) | None => {}
         }
         if let Some(error) = error.downcast_ref::<SweepError>() {
             return match error {

@@ -46,7 +46,7 @@ pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
     // Now, so that a folder that is not there is not found out after all scans are read.
     let mut file = WholeFile::create(path)?;
     let mut scans = Vec::new();
-    for OpenedDataset { dataset, scan_indices } in &opened {
+    for OpenedDataset { dataset, scan_indices, .. } in &opened {
         let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
         scans.extend(count_rings(&**dataset, scan_indices, interrupted, || progress.inc(1))?);
         progress.finish_and_clear();

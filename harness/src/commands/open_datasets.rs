@@ -1,15 +1,22 @@
 //! From the names on the command line to data sets and the scans taken from them.
 
+use std::cell::RefCell;
 use std::path::Path;
 use std::str::FromStr as _;
 
+use reports::manifest::SkippedScan;
+
+use crate::annotation::ScanId;
 use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
-use crate::dataset::Dataset;
+use crate::commands::standard_streams::print_diagnostic;
 use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::mcap::topics::TopicChoice;
 use crate::dataset::open::{OpenOptions, open_dataset};
 use crate::dataset::scan_selection::ScanSelection;
+use crate::dataset::source::DamagePolicy;
+use crate::dataset::{Dataset, DatasetError};
 
 /// A data set and the scans that are asked for.
 pub struct OpenedDataset {
@@ -17,6 +24,30 @@ pub struct OpenedDataset {
     pub dataset: Box<dyn Dataset>,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: Vec<usize>,
+    /// What was left out because it is damaged: when it was opened, and later.
+    pub skipped: RefCell<Vec<SkippedScan>>,
+}
+
+impl OpenedDataset {
+    /// What becomes of scan `id`, which cannot be read: the error, or a note and a warning if damage is to be skipped.
+    ///
+    /// # Errors
+    ///
+    /// `error`, unless damage is to be skipped.
+    pub fn on_damage(
+        &self,
+        policy: DamagePolicy,
+        id: &ScanId,
+        error: DatasetError,
+    ) -> Result<(), DatasetError> {
+        if policy == DamagePolicy::Refuse {
+            return Err(error);
+        }
+        let reason = format!("{:#}", anyhow::Error::from(error));
+        print_diagnostic(format_args!("warning: scan {id} is left out: {reason}"));
+        self.skipped.borrow_mut().push(SkippedScan { scan: id.to_string(), reason });
+        Ok(())
+    }
 }
 
 /// The catalogue at `path`, or the built-in one.
@@ -40,8 +71,20 @@ pub fn open_catalogue(path: Option<&Path>) -> anyhow::Result<Catalogue> {
 ///
 /// If one of them does not exist, is damaged, or has no scan that is asked for.
 pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDataset>> {
+    open_datasets_past_damage(arguments, DamagePolicy::Refuse)
+}
+
+/// As [`open_datasets`], but what is damaged is treated by this policy.
+///
+/// # Errors
+///
+/// As [`open_datasets`].
+pub fn open_datasets_past_damage(
+    arguments: &DatasetArgs,
+    damage: DamagePolicy,
+) -> anyhow::Result<Vec<OpenedDataset>> {
     let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
-    let options = open_options(&arguments.source)?;
+    let options = OpenOptions { damage, ..open_options(&arguments.source)? };
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
     let mut opened: Vec<OpenedDataset> = Vec::new();
     for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
@@ -61,9 +104,21 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
         if scan_indices.is_empty() {
             return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
         }
-        opened.push(OpenedDataset { dataset, scan_indices });
+        let left_out = dataset.left_out().map(|reason| {
+            print_diagnostic(format_args!(
+                "warning: the end of {:?} is left out: it {reason}",
+                dataset.description().id
+            ));
+            SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
+        });
+        opened.push(OpenedDataset {
+            dataset,
+            scan_indices,
+            skipped: RefCell::new(left_out.into_iter().collect()),
+        });
     }
-    if !opened.iter().any(|it| it.dataset.description().is_simulated()) {
+    // What was simulated and written to disk is what it is.
+    if opened.iter().all(|it| it.dataset.description().root.is_some()) {
         refuse_simulation(&arguments.source)?;
     }
     Ok(opened)
@@ -80,6 +135,8 @@ pub fn open_options(source: &SourceArgs) -> anyhow::Result<OpenOptions> {
         seed: source.seed,
         n_simulated_scans: source.simulated_scans,
         sensor: source.sensor.clone(),
+        topics: TopicChoice { cloud: source.topic.clone(), annotations: source.annotation_topic.clone() },
+        damage: DamagePolicy::Refuse,
     })
 }
 

@@ -10,11 +10,9 @@ use crate::commands::failure::Usage;
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation};
 use crate::dataset::catalogue::KITTI_SENSOR;
 use crate::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
+use crate::dataset::mcap::recording::is_mcap;
 use crate::dataset::open::open_dataset;
-use crate::dataset::velodyne_bin::read_velodyne_bin;
-
-/// The ending of the names of scans that are files of their own.
-const SCAN_EXTENSION: &str = "bin";
+use crate::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, read_scan_file, scan_extension};
 
 /// A scan without ground truth.
 pub struct OpenedScan {
@@ -43,13 +41,14 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
     }
     let is_catalogued = catalogue.ids().any(|it| it == input);
     if !is_catalogued && !path.is_dir() {
-        if path.extension().is_some_and(|it| it.eq_ignore_ascii_case(SCAN_EXTENSION)) {
+        if scan_extension(path).is_some() {
             return open_file(input, id, source);
         }
         anyhow::ensure!(
-            !path.is_file(),
+            !path.is_file() || is_mcap(path),
             Usage(format!(
-                "{input:?} is not read: a scan is a Velodyne file whose name ends in .{SCAN_EXTENSION}"
+                "{input:?} is not read: a scan is a file whose name ends in .{}, or one of an MCAP recording",
+                SCAN_EXTENSIONS.join(", .")
             ))
         );
     }
@@ -77,7 +76,7 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Resu
     refuse_simulation(source)?;
     Ok(OpenedScan {
         name: input.to_owned(),
-        cloud: read_velodyne_bin(Path::new(input))?,
+        cloud: read_scan_file(Path::new(input))?,
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
         sensor: KITTI_SENSOR.to_owned(),
     })

@@ -23,7 +23,7 @@ use crate::cli::RunArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
@@ -63,7 +63,7 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
         started,
         config: judging_config(&arguments.config, &arguments.matching, &detectors)?,
         detectors,
-        datasets: open_datasets(&arguments.data)?,
+        datasets: open_datasets_past_damage(&arguments.data, arguments.damage.policy())?,
     };
     let directory = begin_directory(&plan)?;
     let mut archive = Archive::begin(&plan, &directory)?;
@@ -207,7 +207,9 @@ fn evaluate(
         interrupted,
     };
     let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
-    side_by_side.run(&mut detectors, |results| -> anyhow::Result<()> {
+    let on_damage =
+        |id: &_, error| progress.suspend(|| opened.on_damage(arguments.damage.policy(), id, error));
+    side_by_side.run_past_damage(&mut detectors, on_damage, |results| -> anyhow::Result<()> {
         scores.add(results.results);
         archive.add(description, &results, &scores, &progress)
     })?;

@@ -106,6 +106,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         },
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,
+        skipped_scans: opened.skipped.borrow().clone(),
         selection: arguments.scans.clone(),
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),

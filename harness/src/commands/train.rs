@@ -106,6 +106,8 @@ fn held_out_arguments(arguments: &TrainArgs) -> Option<DatasetArgs> {
         datasets: arguments.held_out.clone(),
         scans: arguments.held_out_scans.clone(),
         source: SourceArgs {
+            topic: None,
+            annotation_topic: None,
             format: arguments.held_out_format.clone(),
             seed: None,
             simulated_scans: None,
@@ -150,12 +152,17 @@ fn collect_all<'a>(
         CandidateBoxes::Fitted(kind.object_box())
     };
     let mut candidates = Vec::new();
-    for OpenedDataset { dataset, scan_indices } in opened {
+    for OpenedDataset { dataset, scan_indices, .. } in opened {
         let description = dataset.description();
         warn_of_unknown_sensor(&config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
         let new_detector = || -> Box<dyn Detector> { listed.build(&of_sensor, description.sensor_height_m) };
-        let source = CandidateSource { new_detector: &new_detector, boxes, seed: arguments.choice_seed };
+        let source = CandidateSource {
+            new_detector: &new_detector,
+            boxes,
+            ground: &of_sensor.hierarchical,
+            seed: arguments.choice_seed,
+        };
         let progress = progress_over_scans(scan_indices.len(), &description.id);
         let found = collect_candidates(&**dataset, scan_indices, &source, interrupted, || progress.inc(1))?;
         candidates.extend(found.into_iter().map(|it| (description.id.as_str(), it)));
@@ -182,7 +189,7 @@ fn provenance(
         ("--others", Some(arguments.others.to_string())),
         ("--prototypes", unless(arguments.prototypes.into(), PROTOTYPES.into())),
         ("--gamma", Some(arguments.gamma.unwrap_or(kind.gamma()).to_string())),
-        ("--nu", Some(arguments.nu.to_string())),
+        ("--nu", Some(arguments.nu.unwrap_or(kind.nu()).to_string())),
         ("--choice-seed", unless(arguments.choice_seed, CHOICE_SEED)),
     ]);
     let name = |it: &OpenedDataset| {
@@ -229,11 +236,11 @@ impl Training<'_> {
         named: ([&'static str; D], String),
         library: Option<&PrototypeLibrary>,
     ) -> anyhow::Result<FilesAndText> {
-        let numbers = (self.arguments.vehicles as usize, self.arguments.others as usize);
+        let numbers = (self.arguments.vehicles as usize, self.arguments.others);
         let selected = select(&self.taught, numbers, self.arguments.choice_seed);
         let params = NuSvcParams {
             gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),
-            nu: self.arguments.nu,
+            nu: self.arguments.nu.unwrap_or(self.kind.nu()),
             tolerance: TOLERANCE,
             max_steps: MOST_STEPS,
         };

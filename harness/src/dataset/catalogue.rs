@@ -1,20 +1,17 @@
 //! The catalogue of data sets, `datasets.toml`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::path::{Component, Path};
 
 use serde::Deserialize;
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Error as _, SeqAccess, Unexpected, Visitor};
 use toml::Spanned;
 
 use super::dataset_format::DatasetFormat;
+use super::mcap::topics::TopicChoice;
 use super::root_template::RootTemplate;
 use super::simulated_street::StreetDrive;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
-use crate::annotation::AnnotationClass;
 use crate::simulator::rain::RAIN_RATES_MM_PER_H;
 
 /// How high a simulated sensor may be mounted above the road, in metres.
@@ -88,6 +85,15 @@ pub enum CataloguedParts {
         /// These drives, or all that have labels.
         sequences: Option<BTreeSet<String>>,
     },
+    /// A recording.
+    Mcap(TopicChoice),
+    /// A folder of scans.
+    ScanFolder,
+    /// Argoverse 2.
+    Argoverse2 {
+        /// These logs, or all that have annotations.
+        sequences: Option<BTreeSet<String>>,
+    },
 }
 
 impl CataloguedParts {
@@ -97,6 +103,9 @@ impl CataloguedParts {
             DatasetFormat::KittiTracking => Self::KittiTracking { sequences: None },
             DatasetFormat::KittiObject => Self::KittiObject { scans: None },
             DatasetFormat::SemanticKitti => Self::SemanticKitti { sequences: None },
+            DatasetFormat::Mcap => Self::Mcap(TopicChoice::default()),
+            DatasetFormat::Argoverse2 => Self::Argoverse2 { sequences: None },
+            DatasetFormat::ScanFolder => Self::ScanFolder,
         }
     }
 
@@ -106,6 +115,9 @@ impl CataloguedParts {
             Self::KittiTracking { .. } => DatasetFormat::KittiTracking,
             Self::KittiObject { .. } => DatasetFormat::KittiObject,
             Self::SemanticKitti { .. } => DatasetFormat::SemanticKitti,
+            Self::Mcap(_) => DatasetFormat::Mcap,
+            Self::ScanFolder => DatasetFormat::ScanFolder,
+            Self::Argoverse2 { .. } => DatasetFormat::Argoverse2,
         }
     }
 }
@@ -220,7 +232,8 @@ struct WrittenEntry {
     root: Spanned<String>,
     sequences: Option<Spanned<BTreeSet<String>>>,
     scans: Option<Spanned<BTreeSet<u32>>>,
-    #[serde(deserialize_with = "annotated_classes")]
+    topic: Option<Spanned<String>>,
+    annotation_topic: Option<Spanned<String>>,
     annotated_classes: AnnotatedClasses,
     sensor_height_m: Spanned<f32>,
     #[serde(default = "kitti_sensor")]
@@ -266,7 +279,7 @@ fn entry_from_written(
         return Err(source.error(checksum.span().start, problem));
     }
     Ok(CatalogueEntry {
-        parts: parts(written.format, written.sequences, written.scans, source)?,
+        parts: parts(&written, source)?,
         root,
         annotated: written.annotated_classes,
         sensor_height_m,
@@ -277,19 +290,16 @@ fn entry_from_written(
     })
 }
 
-fn parts(
-    format: DatasetFormat,
-    sequences: Option<Spanned<BTreeSet<String>>>,
-    scans: Option<Spanned<BTreeSet<u32>>>,
-    source: &CatalogueText<'_>,
-) -> Result<CataloguedParts, DatasetError> {
+fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<CataloguedParts, DatasetError> {
+    let format = written.format;
     let misplaced = |field: &str, byte_offset: usize| {
         source.error(byte_offset, format!("{field} cannot be chosen in the format {format}"))
     };
     let mut parts = CataloguedParts::all(format);
-    if let Some(chosen) = sequences {
-        let (CataloguedParts::KittiTracking { sequences } | CataloguedParts::SemanticKitti { sequences }) =
-            &mut parts
+    if let Some(chosen) = &written.sequences {
+        let (CataloguedParts::KittiTracking { sequences }
+        | CataloguedParts::SemanticKitti { sequences }
+        | CataloguedParts::Argoverse2 { sequences }) = &mut parts
         else {
             return Err(misplaced("sequences", chosen.span().start));
         };
@@ -297,13 +307,21 @@ fn parts(
             let problem = format!("{name:?} is not the name of a folder");
             return Err(source.error(chosen.span().start, problem));
         }
-        *sequences = Some(chosen.into_inner());
+        *sequences = Some(chosen.get_ref().clone());
     }
-    if let Some(chosen) = scans {
+    if let Some(chosen) = &written.scans {
         let CataloguedParts::KittiObject { scans } = &mut parts else {
             return Err(misplaced("scans", chosen.span().start));
         };
-        *scans = Some(chosen.into_inner());
+        *scans = Some(chosen.get_ref().clone());
+    }
+    for (field, chosen) in [("topic", &written.topic), ("annotation_topic", &written.annotation_topic)] {
+        let Some(chosen) = chosen else { continue };
+        let CataloguedParts::Mcap(choice) = &mut parts else {
+            return Err(misplaced(field, chosen.span().start));
+        };
+        let slot = if field == "topic" { &mut choice.cloud } else { &mut choice.annotations };
+        *slot = Some(chosen.get_ref().clone());
     }
     Ok(parts)
 }
@@ -318,42 +336,10 @@ fn is_sha256(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Reads `"every-object"` or a list of classes.
-fn annotated_classes<'de, D: serde::Deserializer<'de>>(
-    deserializer: D,
-) -> Result<AnnotatedClasses, D::Error> {
-    struct AnnotatedClassesVisitor;
-
-    impl<'de> Visitor<'de> for AnnotatedClassesVisitor {
-        type Value = AnnotatedClasses;
-
-        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-            formatter.write_str("\"every-object\" or a list of classes")
-        }
-
-        fn visit_str<E: serde::de::Error>(self, keyword: &str) -> Result<AnnotatedClasses, E> {
-            match keyword {
-                "every-object" => Ok(AnnotatedClasses::EveryObject),
-                _ => Err(E::invalid_value(Unexpected::Str(keyword), &self)),
-            }
-        }
-
-        fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<AnnotatedClasses, A::Error> {
-            let classes: BTreeSet<AnnotationClass> =
-                Deserialize::deserialize(SeqAccessDeserializer::new(list))?;
-            if classes.is_empty() {
-                return Err(A::Error::invalid_length(0, &"at least one class"));
-            }
-            Ok(AnnotatedClasses::Only(classes.into_iter().collect()))
-        }
-    }
-
-    deserializer.deserialize_any(AnnotatedClassesVisitor)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::annotation::AnnotationClass;
     use crate::dataset::kitti::label::KITTI_CLASSES;
     use proptest::prelude::*;
 
@@ -410,8 +396,8 @@ url = "https://example.org"
     fn the_built_in_catalogue_knows_what_kitti_annotates() {
         let catalogue = built_in_catalogue().unwrap();
         let ids: Vec<&String> = catalogue.recorded.keys().collect();
-        assert_eq!(ids, ["kitti-object", "kitti-tracking", "semantic-kitti"]);
-        for id in &ids[..2] {
+        assert_eq!(ids, ["argoverse2", "kitti-object", "kitti-tracking", "semantic-kitti"]);
+        for id in &ids[1..3] {
             let entry = &catalogue.recorded[*id];
             assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
         }
@@ -494,6 +480,17 @@ url = "https://example.org"
     #[test]
     fn sequences_cannot_be_chosen_where_there_are_none() {
         check_refused("kitti-tracking", "kitti-object", 5, "sequences cannot be chosen");
+    }
+
+    #[test]
+    fn topics_are_chosen_in_recordings_only() {
+        let recording = ENTRY
+            .replace("kitti-tracking", "mcap")
+            .replace("sequences = [\"0003\", \"0001\"]", "topic = \"/top\"\nannotation_topic = \"/labels\"");
+        let catalogue = parse_catalogue("my.toml", &recording).unwrap();
+        let choice = TopicChoice { cloud: Some("/top".to_owned()), annotations: Some("/labels".to_owned()) };
+        assert_eq!(catalogue.recorded["my-drive"].parts, CataloguedParts::Mcap(choice));
+        check_refused("url", "topic = \"/top\"\nurl", 9, "topic cannot be chosen");
     }
 
     #[test]

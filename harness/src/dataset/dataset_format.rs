@@ -13,13 +13,27 @@ pub enum DatasetFormat {
     KittiTracking,
     /// KITTI's object benchmark: single scans.
     KittiObject,
-    /// SemanticKITTI: KITTI's odometry drives with a label for every point.
+    /// `SemanticKITTI`: KITTI's odometry drives with a label for every point.
     SemanticKitti,
+    /// A recording of ROS 2 or Foxglove.
+    Mcap,
+    /// Argoverse 2, the sensor data set.
+    #[serde(rename = "argoverse2")]
+    Argoverse2,
+    /// A folder of scans that are a file each.
+    ScanFolder,
 }
 
 impl DatasetFormat {
     /// All formats.
-    pub const ALL: [Self; 3] = [Self::KittiTracking, Self::KittiObject, Self::SemanticKitti];
+    pub const ALL: [Self; 6] = [
+        Self::KittiTracking,
+        Self::KittiObject,
+        Self::SemanticKitti,
+        Self::Mcap,
+        Self::Argoverse2,
+        Self::ScanFolder,
+    ];
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -27,6 +41,9 @@ impl DatasetFormat {
             Self::KittiTracking => "kitti-tracking",
             Self::KittiObject => "kitti-object",
             Self::SemanticKitti => "semantic-kitti",
+            Self::Mcap => "mcap",
+            Self::Argoverse2 => "argoverse2",
+            Self::ScanFolder => "scan-folder",
         }
     }
 

@@ -3,9 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::DatasetError;
+use super::argoverse2::sensor_logs::is_argoverse2;
 use super::dataset_format::DatasetFormat;
 use super::kitti::object::is_kitti_object;
 use super::kitti::tracking::is_kitti_tracking;
+use super::mcap::recording::is_mcap;
+use super::numbered_files::is_hidden;
+use super::scan_folder::folder::is_scan_folder;
 use super::semantic_kitti::sequence::is_semantic_kitti;
 
 /// A data set on disk.
@@ -18,7 +22,7 @@ pub struct FoundDataset {
 }
 
 /// Finds the data set at `path`: `path` itself, a split in it (`training`, else `testing`), or, if it is neither, the
-/// only one among the folders in it.
+/// only one among the files and folders in it.
 ///
 /// Only `formats` are looked for.
 ///
@@ -28,8 +32,11 @@ pub struct FoundDataset {
 /// [`DatasetError::SeveralDatasets`] if it cannot be told which data set is meant.
 pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundDataset, DatasetError> {
     let mut found = found_in(path, formats);
-    if found.is_empty() {
-        found = folders_in(path)?.iter().flat_map(|folder| found_in(folder, formats)).collect();
+    if found.is_empty() && !path.is_file() {
+        found = entries_of(path)?.iter().flat_map(|entry| found_in(entry, formats)).collect();
+    }
+    if found.is_empty() && formats.contains(&DatasetFormat::ScanFolder) && is_scan_folder(path) {
+        return Ok(FoundDataset { format: DatasetFormat::ScanFolder, path: path.to_path_buf() });
     }
     match found.len() {
         0 => Err(DatasetError::UnrecognizedFormat {
@@ -59,20 +66,21 @@ fn recognizes(format: DatasetFormat, folder: &Path) -> bool {
         DatasetFormat::KittiTracking => is_kitti_tracking(folder),
         DatasetFormat::KittiObject => is_kitti_object(folder),
         DatasetFormat::SemanticKitti => is_semantic_kitti(folder),
+        DatasetFormat::Mcap => is_mcap(folder),
+        DatasetFormat::Argoverse2 => is_argoverse2(folder),
+        // Parts of other layouts are folders of scans as well, so that it counts only where it is named.
+        DatasetFormat::ScanFolder => false,
     }
 }
 
-fn folders_in(path: &Path) -> Result<Vec<PathBuf>, DatasetError> {
+fn entries_of(path: &Path) -> Result<Vec<PathBuf>, DatasetError> {
     let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
-    let mut folders = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(io_error)? {
-        let path = entry.map_err(io_error)?.path();
-        if path.is_dir() {
-            folders.push(path);
-        }
-    }
-    folders.sort();
-    Ok(folders)
+    let entries = std::fs::read_dir(path).map_err(io_error)?;
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| entry.map(|it| it.path())).collect::<Result<_, _>>().map_err(io_error)?;
+    paths.retain(|path| !is_hidden(path));
+    paths.sort();
+    Ok(paths)
 }
 
 #[cfg(test)]

@@ -65,6 +65,16 @@ pub enum DatasetError {
         /// Format and folder of each.
         found: Vec<String>,
     },
+    /// A recording without the topic asked for, or with several where none was.
+    #[error("{path:?} {problem}: {}", topics.join(", "))]
+    Topic {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong, as the rest of a sentence about it.
+        problem: String,
+        /// The topics there are.
+        topics: Vec<String>,
+    },
     /// The selection of scans cannot be understood, or selects nothing.
     #[error("scan selection {selection:?}: {problem}")]
     ScanSelection {
@@ -296,6 +306,7 @@ impl DatasetError {
                 | Self::FormatContradictsCatalogue { .. }
                 | Self::UnrecognizedFormat { .. }
                 | Self::SeveralDatasets { .. }
+                | Self::Topic { .. }
                 | Self::ScanSelection { .. }
                 | Self::Catalogue { .. }
         )

@@ -14,16 +14,24 @@ pub mod error;
 pub mod text_file;
 pub mod numbered_files;
 pub mod velodyne_bin;
+pub mod packed_points;
+pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
 pub mod checksum;
+pub mod class_name;
+mod written_classes;
+pub mod simulated_street;
+pub mod data_sheet;
 pub mod dataset_format;
 pub mod source;
 
 // The formats, a folder each.
 pub mod kitti;
 pub mod semantic_kitti;
-pub mod simulated_street;
+pub mod mcap;
+pub mod argoverse2;
+pub mod scan_folder;
 
 // From what the user names to an open data set, and to the scans of it that are run.
 pub mod detect_format;
@@ -51,6 +59,11 @@ pub trait Dataset: Send + Sync {
 
     /// When scan `scan_idx` was taken, in nanoseconds since some start of time, as far as the files say.
     fn scan_time_ns(&self, _scan_idx: usize) -> Option<u64> {
+        None
+    }
+
+    /// What was left out when it was opened, since it is damaged and that was to be skipped.
+    fn left_out(&self) -> Option<&str> {
         None
     }
 

@@ -3,18 +3,26 @@
 use std::borrow::Cow;
 use std::path::Path;
 
+use super::argoverse2::sensor_logs::{
+    ARGOVERSE2_CLASSES, ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M, open_argoverse2,
+};
 use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts, KITTI_SENSOR};
+use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
 use super::detect_format::{FoundDataset, detect_format};
 use super::kitti::label::KITTI_CLASSES;
 use super::kitti::object::open_kitti_object;
 use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use super::kitti::tracking::open_kitti_tracking;
+use super::mcap::recording::open_recording;
+use super::mcap::topics::TopicChoice;
 use super::root_template::UnsetVariable;
+use super::scan_folder::folder::open_scan_folder;
 use super::semantic_kitti::sequence::open_semantic_kitti;
 use super::simulated_street::{StreetDrive, open_simulated_street};
-use super::source::DatasetSource;
+use super::source::{DamagePolicy, DatasetSource, StatedBy};
 use super::{AnnotatedClasses, Dataset, DatasetError};
+use crate::annotation::AnnotationClass;
 
 /// The group of the built-in catalogue that is run when no data set is asked for.
 pub const DEFAULT_DATASETS: &str = "streets";
@@ -30,6 +38,10 @@ pub struct OpenOptions {
     pub n_simulated_scans: Option<u32>,
     /// The sensor of a simulation: an id, or the path of a description.
     pub sensor: Option<String>,
+    /// The topics of a recording; the catalogue's or the only ones are taken else.
+    pub topics: TopicChoice,
+    /// What becomes of damaged parts that others do not depend on.
+    pub damage: DamagePolicy,
 }
 
 /// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path.
@@ -63,18 +75,18 @@ pub fn open_dataset(
         return open_simulated_street(id_or_path, &drive);
     }
     match catalogue.recorded.get(id_or_path) {
-        Some(entry) => open_catalogued(id_or_path, entry, options.format),
-        None => open_path(id_or_path, options.format, catalogue),
+        Some(entry) => open_catalogued(id_or_path, entry, options),
+        None => open_path(id_or_path, options, catalogue),
     }
 }
 
 fn open_catalogued(
     id: &str,
     entry: &CatalogueEntry,
-    format: Option<DatasetFormat>,
+    options: &OpenOptions,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let catalogued = entry.parts.format();
-    if let Some(asked_for) = format
+    if let Some(asked_for) = options.format
         && asked_for != catalogued
     {
         return Err(DatasetError::FormatContradictsCatalogue {
@@ -86,7 +98,7 @@ fn open_catalogued(
     let root = entry.root.expand(|name| std::env::var_os(name)).map_err(|UnsetVariable(variable)| {
         DatasetError::UnsetVariable { id: id.to_owned(), variable, url: entry.url.clone() }
     })?;
-    if !root.is_dir() {
+    if !root.exists() {
         let remedy = match entry.root.variable() {
             Some(variable) => format!("set {variable} to its folder"),
             None => "correct its root in the catalogue".to_owned(),
@@ -100,8 +112,12 @@ fn open_catalogued(
         sensor_height_m: entry.sensor_height_m,
         sensor: entry.sensor.clone(),
         licence: Some(entry.licence.clone()),
+        stated_by: StatedBy::Catalogue,
+        labeled_region: LabeledRegion::Camera,
+        simulation: None,
+        damage: options.damage,
     };
-    let dataset = open_parts(source, &entry.parts)?;
+    let dataset = open_parts(source, &entry.parts, &options.topics)?;
     match (&entry.checksum, &dataset.description().checksum) {
         (Some(expected), Some(found)) if expected != found => Err(DatasetError::Checksum {
             id: id.to_owned(),
@@ -114,7 +130,7 @@ fn open_catalogued(
 
 fn open_path(
     path: &str,
-    format: Option<DatasetFormat>,
+    options: &OpenOptions,
     catalogue: &Catalogue,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let is_a_word = !path.contains(std::path::is_separator);
@@ -122,17 +138,25 @@ fn open_path(
         let known = catalogue.groups.keys().chain(catalogue.ids()).cloned().collect();
         return Err(DatasetError::UnknownDataset { name: path.to_owned(), known });
     }
-    let formats = format.map_or_else(|| DatasetFormat::ALL.to_vec(), |format| vec![format]);
+    let formats = options.format.map_or_else(|| DatasetFormat::ALL.to_vec(), |format| vec![format]);
     let found = detect_format(Path::new(path), &formats)?;
+    let (sensor, sensor_height_m) = match found.format {
+        DatasetFormat::Argoverse2 => (ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M),
+        _ => (KITTI_SENSOR, KITTI_SENSOR_HEIGHT_M),
+    };
     let source = DatasetSource {
         id: name_of(&found),
         path: found.path,
         annotated: annotated_by(found.format),
-        sensor_height_m: KITTI_SENSOR_HEIGHT_M,
-        sensor: KITTI_SENSOR.to_owned(),
+        sensor_height_m,
+        sensor: sensor.to_owned(),
         licence: None,
+        stated_by: StatedBy::Nobody,
+        labeled_region: LabeledRegion::Camera,
+        simulation: None,
+        damage: options.damage,
     };
-    open_parts(source, &CataloguedParts::all(found.format))
+    open_parts(source, &CataloguedParts::all(found.format), &options.topics)
 }
 
 /// What the benchmark of the format annotates.
@@ -143,10 +167,22 @@ fn annotated_by(format: DatasetFormat) -> AnnotatedClasses {
         }
         // Every point has a label, and those that leave open whether they are an object are not judged.
         DatasetFormat::SemanticKitti => AnnotatedClasses::EveryObject,
+        DatasetFormat::Argoverse2 => AnnotatedClasses::Only(ARGOVERSE2_CLASSES.to_vec()),
+        // Whoever labels a recording labels its vehicles; whether everything else too, nobody said.
+        DatasetFormat::Mcap | DatasetFormat::ScanFolder => {
+            AnnotatedClasses::Only(AnnotationClass::ALL.to_vec())
+        }
     }
 }
 
-fn open_parts(source: DatasetSource, parts: &CataloguedParts) -> Result<Box<dyn Dataset>, DatasetError> {
+fn open_parts(
+    mut source: DatasetSource,
+    parts: &CataloguedParts,
+    topics: &TopicChoice,
+) -> Result<Box<dyn Dataset>, DatasetError> {
+    if let Some(sheet) = DataSheet::in_folder(&source.path)? {
+        source.take_sheet(sheet);
+    }
     Ok(match parts {
         CataloguedParts::KittiTracking { sequences } => {
             Box::new(open_kitti_tracking(source, sequences.as_ref())?)
@@ -154,6 +190,15 @@ fn open_parts(source: DatasetSource, parts: &CataloguedParts) -> Result<Box<dyn 
         CataloguedParts::KittiObject { scans } => Box::new(open_kitti_object(source, scans.as_ref())?),
         CataloguedParts::SemanticKitti { sequences } => {
             Box::new(open_semantic_kitti(source, sequences.as_ref())?)
+        }
+        CataloguedParts::Argoverse2 { sequences } => Box::new(open_argoverse2(source, sequences.as_ref())?),
+        CataloguedParts::ScanFolder => Box::new(open_scan_folder(source)?),
+        CataloguedParts::Mcap(catalogued) => {
+            let choice = TopicChoice {
+                cloud: topics.cloud.clone().or_else(|| catalogued.cloud.clone()),
+                annotations: topics.annotations.clone().or_else(|| catalogued.annotations.clone()),
+            };
+            Box::new(open_recording(source, &choice)?)
         }
     })
 }
@@ -164,5 +209,11 @@ fn name_of(found: &FoundDataset) -> String {
     let folder = found.path.canonicalize().unwrap_or_else(|_| found.path.clone());
     let mut names = folder.ancestors().filter_map(|it| it.file_name()).map(|name| name.to_string_lossy());
     let name = names.find(|name| name != "training" && name != "testing");
+    // A recording is called after its file.
+    let name = if found.path.is_file() {
+        Path::new(&found.path).file_stem().map(|it| it.to_string_lossy())
+    } else {
+        name
+    };
     name.map_or_else(|| found.format.to_string(), Cow::into_owned)
 }

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
+use super::simulated_street::StreetDrive;
 use super::{AnnotatedClasses, DatasetDescription};
 
 /// Where a data set lies, and what its files do not say.
@@ -12,6 +14,8 @@ pub struct DatasetSource {
     pub id: String,
     /// The file, or the folder that holds the scans and labels in the layout of the format.
     pub path: PathBuf,
+    /// Who says what follows.
+    pub stated_by: StatedBy,
     /// What its annotations cover. Labels of any other class are refused.
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
@@ -20,9 +24,46 @@ pub struct DatasetSource {
     pub sensor: String,
     /// Its licence, where known.
     pub licence: Option<String>,
+    /// Where labels in KITTI's layouts say something.
+    pub labeled_region: LabeledRegion,
+    /// What a simulation was asked for, if it made the scans.
+    pub simulation: Option<StreetDrive>,
+    /// What becomes of damaged parts that others do not depend on.
+    pub damage: DamagePolicy,
+}
+
+/// Who says what the files of a data set do not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StatedBy {
+    /// Its entry in the catalogue, which has the last word.
+    Catalogue,
+    /// Nobody: it is taken to be as the benchmark of its format, unless it says otherwise itself.
+    Nobody,
+}
+
+/// What becomes of damaged parts that others do not depend on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum DamagePolicy {
+    /// They are errors.
+    #[default]
+    Refuse,
+    /// They are left out.
+    Skip,
 }
 
 impl DatasetSource {
+    /// Takes over what the data set says about itself.
+    pub fn take_sheet(&mut self, sheet: DataSheet) {
+        self.simulation = sheet.simulation;
+        self.labeled_region = sheet.labeled_region;
+        if self.stated_by == StatedBy::Nobody {
+            self.annotated = sheet.annotated_classes;
+            self.sensor_height_m = sheet.sensor_height_m;
+            self.sensor = sheet.sensor;
+            self.licence = sheet.licence;
+        }
+    }
+
     /// The description of the recorded data set, once its files are known.
     pub fn describe(self, format: DatasetFormat, checksum: String) -> DatasetDescription {
         DatasetDescription {
@@ -34,7 +75,7 @@ impl DatasetSource {
             sensor: self.sensor,
             licence: self.licence,
             checksum: Some(checksum),
-            simulation: None,
+            simulation: self.simulation,
         }
     }
 }

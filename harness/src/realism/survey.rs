@@ -67,7 +67,10 @@ pub fn survey(
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<SurveyedScan>, SurveyError> {
     let description = dataset.description();
-    let new_stages = || ForegroundStages::new(HierarchicalParams::paper(), description.sensor_height_m);
+    let mut params = HierarchicalParams::paper();
+    // What is clutter follows no curve here, which belongs to one sensor.
+    params.density_weighting.enabled = false;
+    let new_stages = || ForegroundStages::new(params.clone(), description.sensor_height_m);
     let look = |stages: &mut ForegroundStages, &scan_idx: &usize| {
         if interrupted.load(Ordering::Relaxed) {
             let (dataset, n_scans) = (description.id.clone(), scan_indices.len());

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use detector::{Detector, DetectorOutput};
 use rayon::prelude::*;
 
-use crate::annotation::LabeledScan;
+use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::{Dataset, DatasetError};
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::Assignment;
@@ -80,16 +80,39 @@ impl SideBySide<'_> {
     pub fn run<E: From<RunError>>(
         &self,
         detectors: &mut [Box<dyn Detector>],
+        on_scan: impl FnMut(ScanResults<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.run_past_damage(detectors, |_, error| Err(error), on_scan)
+    }
+
+    /// As [`Self::run`], but of a scan that cannot be read `on_damage` says whether the run goes on without it.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`] if `on_damage` returns the error or the run is interrupted, and whatever `on_scan` returns.
+    pub fn run_past_damage<E: From<RunError>>(
+        &self,
+        detectors: &mut [Box<dyn Detector>],
+        mut on_damage: impl FnMut(&ScanId, DatasetError) -> Result<(), DatasetError>,
         mut on_scan: impl FnMut(ScanResults<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
+        let mut is_warm = false;
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
         for (batch_idx, batch) in self.scan_indices.chunks(self.n_jobs.max(1)).enumerate() {
             let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
             for (scan, in_batch_idx) in scans.into_iter().zip(0..) {
                 let run_idx = batch_idx * self.n_jobs.max(1) + in_batch_idx;
-                let scan = scan.map_err(RunError::from)?;
-                if run_idx == 0 {
+                let scan = match scan {
+                    Ok(scan) => scan,
+                    Err(error) => {
+                        let id = &self.dataset.scan_ids()[self.scan_indices[run_idx]];
+                        on_damage(id, error).map_err(RunError::from)?;
+                        continue;
+                    }
+                };
+                if !is_warm {
                     self.warm_up(detectors, &scan);
+                    is_warm = true;
                 }
                 if self.is_interrupted() {
                     let n_scans = self.scan_indices.len();

@@ -2,6 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use detector::detector::StageClock;
+use detector::params::HierarchicalParams;
+use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -14,11 +17,14 @@ use crate::matching::point_overlap::PointOverlap;
 use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
 
-/// Candidates and annotations of fewer points are left out: they are not judged in a run either.
-pub const LEAST_POINTS: usize = 20;
+/// Candidates of fewer points are left out: no detector takes them for objects.
+pub const LEAST_POINTS: usize = 15;
+/// Annotations of fewer points show no vehicle: they are not judged in a run either.
+const LEAST_ANNOTATED_POINTS: usize = 20;
 /// Least intersection over union of the points of a cluster and the vehicle it shows.
 const LEAST_IOU: f64 = 0.5;
-/// Background has no larger share of its points on vehicles, or on what may be one.
+/// Background has no larger share of its points on vehicles, or on what may be one; what has more and shows none of them
+/// is a fragment.
 const MOST_ON_VEHICLES: f64 = 0.05;
 /// Rectangles that are cut out of the foreground of a scan.
 const N_CUTS: usize = 4;
@@ -40,6 +46,8 @@ pub enum CandidateKind {
     },
     /// A cluster that shows none.
     Cluster,
+    /// A cluster of a part of a vehicle, of several, or of a vehicle and other things, that shows none of them well enough.
+    Fragment,
     /// What lies in a rectangle put anywhere over the foreground.
     CutRegion,
 }
@@ -50,6 +58,7 @@ impl CandidateKind {
         match self {
             Self::Vehicle { class, .. } => class.name(),
             Self::Cluster => "other cluster",
+            Self::Fragment => "fragment",
             Self::CutRegion => "cut region",
         }
     }
@@ -69,6 +78,8 @@ pub struct Candidate {
     pub kind: CandidateKind,
     /// The box around what is seen of it.
     pub bounding_box: OrientedBox,
+    /// Elevation of the ground below it in the sensor frame, in metres.
+    pub ground_m: f32,
     /// Its points, in the sensor frame.
     pub positions_m: Vec<[f32; 3]>,
 }
@@ -79,6 +90,8 @@ pub struct CandidateSource<'a> {
     pub new_detector: &'a (dyn Fn() -> Box<dyn Detector> + Sync),
     /// The box around them; the detector's own if it has it from the same fit.
     pub boxes: CandidateBoxes,
+    /// How the ground below them is found.
+    pub ground: &'a HierarchicalParams,
     /// What regions are cut out is drawn from it.
     pub seed: u64,
 }
@@ -109,7 +122,10 @@ pub fn collect_candidates(
     interrupted: &AtomicBool,
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<Candidate>, SurveyError> {
-    let of_scan = |detector: &mut Box<dyn Detector>, &scan_idx: &usize| {
+    let sensor_height_m = dataset.description().sensor_height_m;
+    let new_state =
+        || ((source.new_detector)(), ForegroundStages::new(source.ground.clone(), sensor_height_m));
+    let of_scan = |(detector, ground): &mut (Box<dyn Detector>, ForegroundStages), &scan_idx: &usize| {
         if interrupted.load(Ordering::Relaxed) {
             let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
             return Err(SurveyError::Interrupted { dataset, n_scans });
@@ -117,16 +133,20 @@ pub fn collect_candidates(
         let scan = dataset.read_scan(scan_idx)?;
         let mut output = DetectorOutput::default();
         detector.detect(&scan.cloud, &mut output);
+        ground.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
         // A stream for every scan, so that the order in which they are looked at does not matter.
         let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
         rng.set_stream(scan_idx as u64);
         let mut found = clusters(&scan, &output, source.boxes);
         found.extend(cut_regions(&scan, &output, source.boxes, &mut rng));
+        for candidate in &mut found {
+            candidate.ground_m = ground.ground_below_m(&candidate.bounding_box);
+        }
         on_scan();
         Ok(found)
     };
     // Collected before it is looked through for errors, so that the first in order is reported.
-    let of_scans: Vec<_> = scan_indices.par_iter().map_init(source.new_detector, of_scan).collect();
+    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_state, of_scan).collect();
     let of_scans: Vec<Vec<Candidate>> = of_scans.into_iter().collect::<Result<_, _>>()?;
     Ok(of_scans.into_iter().flatten().collect())
 }
@@ -144,7 +164,9 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) 
             let annotation = &scan.annotations[annotation_idx];
             let n_annotated = annotation.point_indices.len();
             let iou = n_shared as f64 / (n_points + n_annotated - n_shared) as f64;
-            let fits = counts_as_vehicle(annotation.class) && n_annotated >= LEAST_POINTS && iou >= LEAST_IOU;
+            let fits = counts_as_vehicle(annotation.class)
+                && n_annotated >= LEAST_ANNOTATED_POINTS
+                && iou >= LEAST_IOU;
             fits.then_some(annotation)
         });
         let kind = match matched {
@@ -152,7 +174,8 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) 
                 CandidateKind::Vehicle { class, whole: bounding_box, occlusion }
             }
             None if is_background(&maybe_vehicle, detection.point_indices) => CandidateKind::Cluster,
-            None => continue,
+            None if is_unscorable(scan, &overlap, detection_idx, n_points) => continue,
+            None => CandidateKind::Fragment,
         };
         let bounding_box = match boxes {
             CandidateBoxes::OfDetector(_) => Some(detection.bounding_box),
@@ -161,6 +184,17 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) 
         found.extend(candidate(scan, kind, (bounding_box, boxes), detection.point_indices));
     }
     found
+}
+
+/// Whether half of the points of a detection lie on what is not judged: vehicles of few points, and what may be one.
+fn is_unscorable(scan: &LabeledScan, overlap: &PointOverlap, detection_idx: usize, n_points: usize) -> bool {
+    use AnnotationClass::{Misc, Trailer, Tram};
+    let on_unscorable = overlap.of_detection(detection_idx).filter(|&(annotation_idx, _)| {
+        let annotation = &scan.annotations[annotation_idx];
+        let too_few = annotation.point_indices.len() < LEAST_ANNOTATED_POINTS;
+        too_few || matches!(annotation.class, Tram | Trailer | Misc)
+    });
+    2 * on_unscorable.map(|(_, n_shared)| n_shared).sum::<usize>() >= n_points
 }
 
 fn cut_regions(
@@ -232,5 +266,5 @@ fn candidate(
         point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
     let (CandidateBoxes::OfDetector(fit) | CandidateBoxes::Fitted(fit)) = boxes;
     let bounding_box = found_in.or_else(|| fit.around(&positions_m))?;
-    Some(Candidate { sequence: scan.id.sequence.clone(), kind, bounding_box, positions_m })
+    Some(Candidate { sequence: scan.id.sequence.clone(), kind, bounding_box, ground_m: 0.0, positions_m })
 }

@@ -19,7 +19,7 @@ pub trait CandidateDescriber<const D: usize> {
 impl CandidateDescriber<N_FEATURES> for VehicleDescriber {
     fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_FEATURES]> {
         let positions_m = candidate.positions_m.iter().copied();
-        self.describe(&candidate.bounding_box, positions_m).map(|it| it.values())
+        self.describe(&candidate.bounding_box, candidate.ground_m, positions_m).map(|it| it.values())
     }
 }
 

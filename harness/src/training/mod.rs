@@ -11,6 +11,8 @@ pub mod evaluation;
 
 /// The last of so many drives is held out.
 pub const HOLD_OUT_EVERY: u32 = 4;
+/// Other objects to train on for each vehicle.
+pub const OTHERS_PER_VEHICLE: f64 = 1.5;
 /// Side profiles of each kind of vehicle.
 pub const PROTOTYPES: u32 = 2;
 /// Seed of all that is drawn.

@@ -28,16 +28,20 @@ impl ModelKind {
         }
     }
 
-    /// Width of the Gaussian kernel, chosen by held-out simulated drives. For the first the paper's 0.1078 does a little
-    /// worse there; for the second it is the best.
+    /// Width of the Gaussian kernel, chosen by held-out simulated drives.
     pub fn gamma(self) -> f32 {
         match self {
-            Self::Hierarchical => 0.5,
+            Self::Hierarchical => 0.15,
             Self::Pca => 0.1078,
         }
     }
-}
 
-/// Bound of the share of objects inside the margin, chosen likewise for both; at the paper's 0.0377 there is none between
-/// objects as mixed as these.
-pub const NU: f64 = 0.2;
+    /// Bound of the share of objects inside the margin, chosen likewise; at the paper's 0.0377 there is none between objects
+    /// as mixed as these.
+    pub fn nu(self) -> f64 {
+        match self {
+            Self::Hierarchical => 0.12,
+            Self::Pca => 0.2,
+        }
+    }
+}

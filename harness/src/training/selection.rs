@@ -9,6 +9,8 @@ use super::candidates::{Candidate, CandidateKind};
 /// Cut regions are at most this share of the background: a street has more clusters to be taken for vehicles than
 /// rectangles that nobody put there.
 const MOST_CUT_REGIONS: f64 = 0.25;
+/// Fragments of vehicles are at most this share of it.
+const MOST_FRAGMENTS: f64 = 0.15;
 
 /// Up to `most_vehicles` vehicles of `candidates`, drawn from `seed`, and up to `others_per_vehicle` times as many others,
 /// in the order they have there.
@@ -16,7 +18,7 @@ const MOST_CUT_REGIONS: f64 = 0.25;
 /// Paper: VM section 6.
 pub fn select<'a>(
     candidates: &[&'a Candidate],
-    (most_vehicles, others_per_vehicle): (usize, usize),
+    (most_vehicles, others_per_vehicle): (usize, f64),
     seed: u64,
 ) -> Vec<&'a Candidate> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -28,11 +30,13 @@ pub fn select<'a>(
         places
     };
     let mut places = drawn(CandidateKind::is_vehicle, most_vehicles);
-    let most_others = others_per_vehicle * places.len();
-    let most_cut = (MOST_CUT_REGIONS * most_others as f64) as usize;
-    let cut = drawn(|it| *it == CandidateKind::CutRegion, most_cut);
-    places.extend(drawn(|it| *it == CandidateKind::Cluster, most_others - cut.len()));
+    let most_others = others_per_vehicle * places.len() as f64;
+    let most = |share: f64| (share * most_others) as usize;
+    let cut = drawn(|it| *it == CandidateKind::CutRegion, most(MOST_CUT_REGIONS));
+    let fragments = drawn(|it| *it == CandidateKind::Fragment, most(MOST_FRAGMENTS));
+    places.extend(drawn(|it| *it == CandidateKind::Cluster, most(1.0) - cut.len() - fragments.len()));
     places.extend(cut);
+    places.extend(fragments);
     places.sort_unstable();
     places.into_iter().map(|place| candidates[place]).collect()
 }

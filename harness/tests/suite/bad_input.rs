@@ -148,9 +148,9 @@ fn a_detection_on_a_damaged_scan() {
 fn a_detection_on_what_is_no_scan() {
     let it = Spoilt::drive();
     let file = format!("street/{SCAN}");
-    it.workplace.write("scan.pcd", "");
+    it.workplace.write("scan.xyz", "");
     for (arguments, part) in [
-        ("detect scan.pcd", "\"scan.pcd\" is not read: a scan is a Velodyne file whose name ends in .bin"),
+        ("detect scan.xyz", "\"scan.xyz\" is not read: a scan is a file whose name ends in .bin, .pcd"),
         ("detect nowhere --scan 1", "\"nowhere\" is neither a data set of the catalogue"),
         ("detect street", "say by --scan which scan of \"street\": it has 3 from 0000/000000 to 0000/000002"),
         ("detect street --scan 3", "\"street\" has no scan \"3\": it has 3"),

@@ -49,6 +49,7 @@ fn dataset(id: &str) -> DatasetEntry {
         },
         checksum: None,
         n_scans: 20,
+        skipped_scans: Vec::new(),
         selection: None,
         sensor_height_m: 1.73,
         sensor: "hdl-64e-s2".to_owned(),

@@ -1,22 +1,26 @@
-//! Clutter, ground, tall and short cells (HG section 3.1).
+//! Clutter, ground, tall and short cells (HG sections 3.1 and 4).
 
 use std::collections::BTreeMap;
 
-use detector::segment::ground_segmentation::GroundSegmentationParams;
+use detector::params::HierarchicalParams;
 use detector::stage_product::SurfaceClass;
 
 use super::cells::{Cell, CellPoints};
+use super::density::points_per_cell;
 use super::terrain::Terrain;
 
 pub fn cell_classes(
     cells: &BTreeMap<Cell, CellPoints>,
     terrain: &Terrain,
-    params: &GroundSegmentationParams,
+    params: &HierarchicalParams,
 ) -> BTreeMap<Cell, SurfaceClass> {
     let class_of = |(&cell, points): (&Cell, &CellPoints)| {
         let terrain_m = terrain.elevation_m(cell);
         let height_m = points.z_max_m() - terrain_m;
-        let class = if points.point_indices.len() < params.min_points as usize {
+        let expected = points_per_cell(cell, params.grid.cell_size_m, params).ceil();
+        let params = &params.ground;
+        let least = expected.clamp(1.0, params.min_points as f32);
+        let class = if (points.point_indices.len() as f32) < least {
             SurfaceClass::Clutter
         } else if height_m > params.tall_height_m || points.z_extent_m() > params.tall_height_m {
             SurfaceClass::Tall

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use detector::PointCloud;
 use detector::params::HierarchicalParams;
 
-use super::cells::{Cell, center_m, dense_cell};
+use super::cells::{Cell, dense_cell};
+use super::density::points_per_cell;
 use super::foreground::Foreground;
 
 pub struct Separated {
@@ -123,14 +124,8 @@ fn max_steps(coarse: Cell, params: &HierarchicalParams) -> u32 {
     share.cbrt().ceil().max(1.0) as u32
 }
 
-/// What all points together put into a dense cell at the range of a coarse cell (HG section 4).
 fn points_per_dense_cell(coarse: Cell, params: &HierarchicalParams) -> f32 {
-    let [x_m, y_m] = center_m(coarse, &params.grid);
-    let metre = (x_m * x_m + y_m * y_m).sqrt().trunc().min(79.0);
-    let weighting = &params.density_weighting;
-    let weight = if weighting.enabled { weighting.curve.weight(f64::from(metre) + 0.5) as f32 } else { 1.0 };
-    let dense_size_m = params.grid.cell_size_m / params.grid.xi as f32;
-    weighting.curve.peak_points_per_m2 as f32 * dense_size_m * dense_size_m * weight
+    points_per_cell(coarse, params.grid.cell_size_m / params.grid.xi as f32, params)
 }
 
 fn clusters(parts: Vec<Part>) -> Vec<Cluster> {

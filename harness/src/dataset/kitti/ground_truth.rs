@@ -7,6 +7,7 @@ use super::calibration::KittiCalibration;
 use super::camera_field_of_view::{CameraFieldOfView, point_regions};
 use super::label::{ImageBox, KittiLabel, KittiObject, Truncation};
 use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::points_of_boxes::points_of_boxes;
 
 /// What KITTI says about one scan.
@@ -16,6 +17,8 @@ pub struct KittiGroundTruth<'a> {
     pub calibration: &'a KittiCalibration,
     /// Width and height of the camera's image in pixels.
     pub image_size_px: [u32; 2],
+    /// Where the labels say something.
+    pub labeled_region: LabeledRegion,
     /// The labels of the scan.
     pub labels: &'a [KittiLabel],
 }
@@ -43,7 +46,10 @@ pub fn label_scan(id: ScanId, cloud: PointCloud, truth: &KittiGroundTruth<'_>) -
         image_size_px: truth.image_size_px,
         dont_care: &dont_care,
     };
-    let mut point_regions = point_regions(&cloud, &annotations, &view);
+    let mut point_regions = match truth.labeled_region {
+        LabeledRegion::Camera => point_regions(&cloud, &annotations, &view),
+        LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
+    };
     let ignored = objects.iter().zip(&annotations).filter(|(it, _)| it.truncation == Truncation::Ignored);
     for point_idx in ignored.flat_map(|(_, annotation)| &annotation.point_indices) {
         point_regions[*point_idx as usize] = PointRegion::Unscorable;
@@ -97,6 +103,7 @@ mod tests {
         let truth = KittiGroundTruth {
             calibration: &parse_calibration(Path::new("c.txt"), FORWARD_CAMERA).unwrap(),
             image_size_px: [1242, 375],
+            labeled_region: LabeledRegion::Camera,
             labels: &labels[&0],
         };
         let cloud = PointCloud::from_iter([[10.0, 1.5, -1.0], [20.0, 0.0, -1.0]]);

@@ -19,6 +19,18 @@ pub const KITTI_CLASSES: [AnnotationClass; 8] = [
     AnnotationClass::Misc,
 ];
 
+/// Names for classes that the benchmarks do not have, as they stand in converted data sets.
+pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
+    ("Bus", AnnotationClass::Bus),
+    ("ParkedCycle", AnnotationClass::ParkedCycle),
+    ("Trailer", AnnotationClass::Trailer),
+    ("Pole", AnnotationClass::Pole),
+    ("Tree", AnnotationClass::Tree),
+    ("Hedge", AnnotationClass::Hedge),
+    ("Fence", AnnotationClass::Fence),
+    ("StreetFurniture", AnnotationClass::StreetFurniture),
+];
+
 /// One line of a label file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum KittiLabel {
@@ -168,7 +180,10 @@ fn parse_class(
         "Cyclist" => AnnotationClass::Cyclist,
         "Tram" => AnnotationClass::Tram,
         "Misc" => AnnotationClass::Misc,
-        _ => return Err(line.error(format!("unknown class {}", quoted(word)))),
+        _ => match WRITTEN_CLASSES.iter().find(|(name, _)| *name == word) {
+            Some((_, class)) => *class,
+            None => return Err(line.error(format!("unknown class {}", quoted(word)))),
+        },
     };
     match annotated {
         AnnotatedClasses::Only(classes) if !classes.contains(&class) => {

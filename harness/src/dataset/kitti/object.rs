@@ -13,8 +13,10 @@ use std::path::{Path, PathBuf};
 use super::calibration::{KittiCalibration, parse_calibration};
 use super::ground_truth::{KittiGroundTruth, label_scan};
 use super::label::{KittiLabel, parse_object_labels};
+use super::region_file::{point_region_file, read_point_regions};
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::{numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
@@ -32,6 +34,7 @@ const SEQUENCE: &str = "training";
 pub struct KittiObjects {
     // Invariant: `scan_ids` and `scans` have the same length and order.
     description: DatasetDescription,
+    labeled_region: LabeledRegion,
     scan_ids: Vec<ScanId>,
     scans: Vec<Scan>,
 }
@@ -75,8 +78,9 @@ pub fn open_kitti_object(
         opened.push(open_scan(&mut folder, index, &source.annotated)?);
         scan_ids.push(ScanId { sequence: SEQUENCE.to_owned(), index });
     }
+    let labeled_region = source.labeled_region;
     let description = source.describe(DatasetFormat::KittiObject, folder.finish());
-    Ok(KittiObjects { description, scan_ids, scans: opened })
+    Ok(KittiObjects { description, labeled_region, scan_ids, scans: opened })
 }
 
 impl Dataset for KittiObjects {
@@ -89,14 +93,22 @@ impl Dataset for KittiObjects {
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let id = self.scan_ids[scan_idx].clone();
         let scan = &self.scans[scan_idx];
         let cloud = read_velodyne_bin(&scan.path)?;
         let truth = KittiGroundTruth {
             calibration: &scan.calibration,
             image_size_px: scan.image_size_px,
+            labeled_region: self.labeled_region,
             labels: &scan.labels,
         };
-        Ok(label_scan(self.scan_ids[scan_idx].clone(), cloud, &truth))
+        let mut labeled = label_scan(id, cloud, &truth);
+        if self.labeled_region == LabeledRegion::PerPoint {
+            let root = self.description.root.as_deref().expect("it was recorded");
+            let file = point_region_file(&format!("{:06}", labeled.id.index));
+            labeled.point_regions = read_point_regions(&root.join(file), labeled.cloud.len())?;
+        }
+        Ok(labeled)
     }
 }
 

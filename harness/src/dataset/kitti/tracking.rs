@@ -13,8 +13,10 @@ use std::path::{Path, PathBuf};
 use super::calibration::{KittiCalibration, parse_calibration};
 use super::ground_truth::{KittiGroundTruth, label_scan};
 use super::label::{KittiLabel, parse_tracking_labels};
+use super::region_file::{point_region_file, read_point_regions};
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
@@ -29,6 +31,7 @@ const LABELS: &str = "label_02";
 pub struct KittiTracking {
     // Invariant: `sequences` has every sequence that `scan_ids` names.
     description: DatasetDescription,
+    labeled_region: LabeledRegion,
     scan_ids: Vec<ScanId>,
     sequences: BTreeMap<String, Sequence>,
 }
@@ -78,8 +81,9 @@ pub fn open_kitti_tracking(
     if scan_ids.is_empty() {
         return Err(DatasetError::NoScans { path: velodyne });
     }
+    let labeled_region = source.labeled_region;
     let description = source.describe(DatasetFormat::KittiTracking, folder.finish());
-    Ok(KittiTracking { description, scan_ids, sequences: opened })
+    Ok(KittiTracking { description, labeled_region, scan_ids, sequences: opened })
 }
 
 impl Dataset for KittiTracking {
@@ -98,9 +102,16 @@ impl Dataset for KittiTracking {
         let truth = KittiGroundTruth {
             calibration: &sequence.calibration,
             image_size_px: sequence.image_size_px,
+            labeled_region: self.labeled_region,
             labels: sequence.labels_by_scan.get(&id.index).map_or(&[], Vec::as_slice),
         };
-        Ok(label_scan(id, cloud, &truth))
+        let mut labeled = label_scan(id, cloud, &truth);
+        if self.labeled_region == LabeledRegion::PerPoint {
+            let root = self.description.root.as_deref().expect("it was recorded");
+            let file = point_region_file(&format!("{}/{:06}", labeled.id.sequence, labeled.id.index));
+            labeled.point_regions = read_point_regions(&root.join(file), labeled.cloud.len())?;
+        }
+        Ok(labeled)
     }
 }
 

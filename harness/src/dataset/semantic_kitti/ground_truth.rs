@@ -36,13 +36,17 @@ pub fn label_scan(
             label: number,
         })?;
         let told_apart = match class {
-            SemanticClass::Object(class) if instance > 0 => Some(class),
+            SemanticClass::Object(class) | SemanticClass::UnscorableUnlessInstance(class) if instance > 0 => {
+                Some(class)
+            }
             SemanticClass::Upright if instance > 0 => Some(AnnotationClass::Pole),
             SemanticClass::Upright => {
                 uprights.push(point_idx);
                 None
             }
-            SemanticClass::Object(_) | SemanticClass::Unscorable => {
+            SemanticClass::Object(_)
+            | SemanticClass::Unscorable
+            | SemanticClass::UnscorableUnlessInstance(_) => {
                 *region = PointRegion::Unscorable;
                 None
             }

@@ -14,6 +14,8 @@ pub enum SemanticClass {
     /// Unlabelled, or a thing that may or may not be an object of its own: vegetation, trunks, fences, other
     /// structures and objects, whose labels do not tell one from another.
     Unscorable,
+    /// The same, of a kind whose instances are objects in converted data sets.
+    UnscorableUnlessInstance(AnnotationClass),
 }
 
 /// The meaning of the lower 16 bits of a label, or `None` if the format does not know them.
@@ -22,7 +24,11 @@ pub enum SemanticClass {
 pub fn semantic_class(number: u16) -> Option<SemanticClass> {
     use AnnotationClass as Class;
     Some(match number {
-        0 | 1 | 51 | 52 | 70 | 71 | 99 => SemanticClass::Unscorable,
+        0 | 1 | 52 => SemanticClass::Unscorable,
+        51 => SemanticClass::UnscorableUnlessInstance(Class::Fence),
+        70 => SemanticClass::UnscorableUnlessInstance(Class::Hedge),
+        71 => SemanticClass::UnscorableUnlessInstance(Class::Tree),
+        99 => SemanticClass::UnscorableUnlessInstance(Class::StreetFurniture),
         10 | 252 => SemanticClass::Object(Class::Car),
         11 | 15 => SemanticClass::Object(Class::ParkedCycle),
         13 | 257 => SemanticClass::Object(Class::Bus),
@@ -36,6 +42,12 @@ pub fn semantic_class(number: u16) -> Option<SemanticClass> {
         _ => return None,
     })
 }
+
+/// The label of what is not judged.
+pub const UNLABELED_NUMBER: u16 = 0;
+
+/// The label of what is no object, if nothing more is known about it: *other ground*.
+pub const BACKGROUND_NUMBER: u16 = 49;
 
 /// The number that stands for objects of `class`.
 ///
@@ -79,6 +91,8 @@ mod tests {
         assert_eq!(known, 34);
         assert_eq!(semantic_class(50), Some(SemanticClass::Background));
         assert_eq!(semantic_class(52), Some(SemanticClass::Unscorable));
+        assert_eq!(semantic_class(UNLABELED_NUMBER), Some(SemanticClass::Unscorable));
+        assert_eq!(semantic_class(BACKGROUND_NUMBER), Some(SemanticClass::Background));
     }
 
     #[test]

@@ -7,7 +7,15 @@ use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::{Dataset, DatasetError};
 
+mod argoverse2;
+mod commands;
+mod conversion;
+mod mcap;
+mod mutations;
+mod scan_folder;
 mod semantic_kitti;
+
+pub use crate::program::real_data;
 
 fn try_open(path: &Path) -> Result<Box<dyn Dataset>, DatasetError> {
     open_dataset(path.to_str().unwrap(), &OpenOptions::default(), &built_in_catalogue().unwrap())

@@ -1,0 +1,34 @@
+"""Holds what scanbench reads and writes against other libraries; see check-formats beside this folder."""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import check_argoverse2
+import check_mcap
+import check_scan_folder
+
+CHECKS = [
+    ("MCAP, written", check_mcap.check_written),
+    ("MCAP, read", check_mcap.check_read),
+    ("Argoverse 2, read", check_argoverse2.check_read),
+    ("PCD, PLY and .npy, read", check_scan_folder.check_read),
+]
+
+
+def main():
+    program = Path(sys.argv[1]).absolute()
+
+    def scanbench(*arguments):
+        ended = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True)
+        assert ended.returncode == 0, f"{arguments}: {ended.stderr}"
+        return ended.stdout
+
+    for name, check in CHECKS:
+        with tempfile.TemporaryDirectory() as scratch:
+            print(f"ok  {name}: {check(scanbench, Path(scratch))}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+"""Recordings as the Python libraries of their makers read and write them, against what scanbench does."""
+
+import json
+import struct
+from pathlib import Path
+
+import numpy
+from mcap.reader import make_reader
+from mcap_protobuf.decoder import DecoderFactory
+from mcap_ros2.writer import Writer as RosWriter
+
+# The makers' own classes, to hold the descriptions that scanbench writes against.
+from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
+from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+
+OFFICIAL = {"foxglove.PointCloud": PointCloud, "foxglove.SceneUpdate": SceneUpdate, "foxglove.FrameTransform": FrameTransform}
+
+POINT_CLOUD_2 = """std_msgs/Header header
+uint32 height
+uint32 width
+sensor_msgs/PointField[] fields
+bool is_bigendian
+uint32 point_step
+uint32 row_step
+uint8[] data
+bool is_dense
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec
+================================================================================
+MSG: sensor_msgs/PointField
+uint8 INT8=1
+uint8 UINT8=2
+uint8 INT16=3
+uint8 UINT16=4
+uint8 INT32=5
+uint8 UINT32=6
+uint8 FLOAT32=7
+uint8 FLOAT64=8
+string name
+uint32 offset
+uint8 datatype
+uint32 count
+"""
+
+
+def check_written(scanbench, scratch: Path):
+    """A simulated drive as a recording and as .bin and .label files: the libraries find the same points in both."""
+    scanbench("data", "simulate", "street-narrow", "--simulated-scans", "3", "-o", scratch / "narrow.mcap")
+    scanbench("data", "simulate", "street-narrow", "--simulated-scans", "3", "-o", scratch / "narrow", "--to", "kitti-tracking")
+    scans = sorted((scratch / "narrow/training/velodyne").rglob("*.bin"))
+    labels = next((scratch / "narrow/training/label_02").iterdir()).read_text().splitlines()
+    n_clouds = n_boxes = 0
+    with open(scratch / "narrow.mcap", "rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        summary = reader.get_summary()
+        assert summary.statistics.message_count == 6 and summary.chunk_indexes, summary.statistics
+        for schema, channel, message, decoded in reader.iter_decoded_messages():
+            official = OFFICIAL[schema.name]()
+            official.ParseFromString(message.data)
+            # Nothing that the makers' classes would not know, and the same for both descriptions.
+            assert official.SerializeToString(deterministic=True) == decoded.SerializeToString(deterministic=True)
+            if schema.name == "foxglove.PointCloud":
+                names = [(field.name, field.offset, field.type) for field in official.fields]
+                assert names[:4] == [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7)], names
+                rows = numpy.frombuffer(official.data, numpy.uint8).reshape(-1, official.point_stride)
+                points = rows[:, :16].copy().view("<f4")
+                assert numpy.array_equal(points, numpy.fromfile(scans[n_clouds], "<f4").reshape(-1, 4))
+                n_clouds += 1
+            if schema.name == "foxglove.SceneUpdate":
+                number = int(scans[n_clouds].stem)
+                expected = [line.split() for line in labels if int(line.split()[0]) == number]
+                for entity, label in zip(official.entities, expected, strict=True):
+                    if not entity.cubes:
+                        continue
+                    cube, (height, width, length, x, y, z, turn) = entity.cubes[0], map(float, label[10:17])
+                    at, size = cube.pose.position, cube.size
+                    found = [at.x, at.y, at.z - size.z / 2, size.x, size.y, size.z]
+                    assert numpy.allclose(found, [z, -x, -y, length, width, height], atol=1e-4), (found, label)
+                    n_boxes += 1
+    assert n_clouds == 3 and n_boxes > 10
+    metadata = next(iter(make_reader(open(scratch / "narrow.mcap", "rb")).iter_metadata()))
+    assert json.loads(metadata.metadata["data_sheet"])["simulation"]["street"] == "street-narrow"
+    return f"{n_clouds} clouds and {n_boxes} boxes read by mcap and foxglove-schemas-protobuf"
+
+
+def check_read(scanbench, scratch: Path):
+    """Clouds written by mcap-ros2-support: scanbench finds the same points."""
+    random = numpy.random.default_rng(5)
+    expected = []
+    with open(scratch / "ros.mcap", "wb") as stream:
+        writer = RosWriter(stream)
+        schema = writer.register_msgdef("sensor_msgs/msg/PointCloud2", POINT_CLOUD_2)
+        for number in range(4):
+            n_rows, n_columns = 16, 500 + number
+            points = random.normal(0, 20, (n_rows, n_columns, 4)).astype("<f4")
+            data = b"".join(
+                b"".join(struct.pack("<ffHxxfd", *[z, y], 7, i, x) for x, y, z, i in row) for row in points.tolist()
+            )
+            fields = [("z", 0, 7), ("y", 4, 7), ("ring", 8, 4), ("intensity", 12, 7), ("x", 16, 8)]
+            writer.write_message(
+                topic="/top",
+                schema=schema,
+                log_time=number * 10**8,
+                publish_time=number * 10**8,
+                sequence=number,
+                message={
+                    "header": {"stamp": {"sec": 0, "nanosec": number * 10**8}, "frame_id": "lidar"},
+                    "height": n_rows,
+                    "width": n_columns,
+                    "fields": [{"name": n, "offset": o, "datatype": t, "count": 1} for n, o, t in fields],
+                    "is_bigendian": False,
+                    "point_step": 24,
+                    "row_step": 24 * n_columns,
+                    "data": data,
+                    "is_dense": True,
+                },
+            )
+            expected.append(points.reshape(-1, 4))
+        writer.finish()
+    scanbench("data", "convert", scratch / "ros.mcap", "-o", scratch / "ros", "--to", "kitti-object")
+    for number, points in enumerate(expected):
+        found = numpy.fromfile(scratch / f"ros/training/velodyne/{number:06}.bin", "<f4").reshape(-1, 4)
+        assert numpy.array_equal(found, points)
+    return f"{sum(map(len, expected))} points written by mcap-ros2-support"

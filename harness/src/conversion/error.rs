@@ -1,0 +1,50 @@
+//! Why scans cannot be converted.
+
+use std::path::PathBuf;
+
+use reports::archive::ArchiveError;
+
+use crate::dataset::DatasetError;
+
+/// Why scans cannot be converted.
+#[derive(Debug, thiserror::Error)]
+pub enum ConversionError {
+    /// They cannot be read.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// Something cannot be written.
+    #[error("cannot write {path:?}")]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A recording cannot be written.
+    #[error("cannot write {path:?}")]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong.
+        source: mcap::McapError,
+    },
+    /// There is something already.
+    #[error("{path:?} exists already; choose another name or remove it")]
+    Occupied {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// The format cannot hold it.
+    #[error("scan {scan} cannot be written as {format}: {problem}")]
+    Unwritable {
+        /// The scan.
+        scan: String,
+        /// The format.
+        format: &'static str,
+        /// Why not.
+        problem: String,
+    },
+}

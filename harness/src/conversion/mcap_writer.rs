@@ -1,0 +1,251 @@
+//! Scans as an MCAP recording: `foxglove.PointCloud`, `foxglove.SceneUpdate` and `foxglove.FrameTransform` in protobuf, in chunks with
+//! indexes.
+//!
+//! What these messages cannot say is in further fields of the points (see [`own_fields`]) and in a metadata record (see
+//! [`own_metadata`]), so that reading a recording gives what was written.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{Compression, McapError, WriteOptions, Writer};
+use nalgebra::Isometry3;
+use prost::Message;
+use reports::whole_file::WholeFile;
+
+use super::foxglove_schema::file_descriptor_set;
+use super::scene::{SENSOR_FRAME, entities_of, scene_of};
+use super::{ConversionError, ScanToWrite, ScanWriter};
+use crate::annotation::{LabeledScan, PointRegion};
+use crate::dataset::data_sheet::DataSheet;
+use crate::dataset::mcap::foxglove_messages::{
+    FRAME_TRANSFORM, FrameTransform, POINT_CLOUD, PackedElementField, PointCloud, Pose, Quaternion,
+    SCENE_UPDATE, SceneUpdate, Timestamp, Vector3, number_of,
+};
+use crate::dataset::mcap::recording::{number_of_region, own_fields, own_metadata};
+use crate::dataset::mcap::topics::ANNOTATION_TOPIC;
+use crate::dataset::packed_points::NumberType;
+use crate::dataset::points_of_boxes::points_of_boxes;
+
+/// The topic of the clouds.
+pub const CLOUD_TOPIC: &str = "/lidar/points";
+
+const TRANSFORM_TOPIC: &str = "/tf";
+
+/// The frame that the sensor moves in.
+const WORLD_FRAME: &str = "map";
+
+/// How chunks are compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum ChunkCompression {
+    /// Smallest
+    Zstd,
+    /// Fastest to read of the compressed ones
+    Lz4,
+    /// Not at all
+    None,
+}
+
+impl ChunkCompression {
+    fn method(self) -> Option<Compression> {
+        match self {
+            Self::Zstd => Some(Compression::Zstd),
+            Self::Lz4 => Some(Compression::Lz4),
+            Self::None => None,
+        }
+    }
+}
+
+/// A recording that is being written.
+pub struct McapWriter {
+    path: PathBuf,
+    writer: Writer<NoSeek<WholeFile>>,
+    channels: BTreeMap<String, u16>,
+    n_written: u32,
+    sheet: DataSheet,
+    scan_ids: Vec<(String, u32)>,
+}
+
+impl McapWriter {
+    /// Begins the recording `path`, with what `sheet` says about the scans.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if nothing can be written there.
+    pub fn create(
+        path: &Path,
+        compression: ChunkCompression,
+        sheet: DataSheet,
+    ) -> Result<Self, ConversionError> {
+        let file = WholeFile::create(path)?;
+        let options = WriteOptions::new()
+            .compression(compression.method())
+            .compression_threads(0)
+            .disable_seeking(true)
+            .library(concat!("scanbench ", env!("CARGO_PKG_VERSION")));
+        let writer = options.create(NoSeek::new(file)).map_err(refused(path))?;
+        let (path, channels) = (path.to_path_buf(), BTreeMap::new());
+        Ok(Self { path, writer, channels, n_written: 0, sheet, scan_ids: Vec::new() })
+    }
+
+    /// Appends a message; its topic is announced if it is the first.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if the disk does not take it.
+    pub fn write_message(
+        &mut self,
+        topic: &str,
+        schema: &str,
+        time_ns: u64,
+        message: &impl Message,
+    ) -> Result<(), ConversionError> {
+        let refused = refused(&self.path);
+        let channel_id = if let Some(id) = self.channels.get(topic) {
+            *id
+        } else {
+            let schema = self.writer.add_schema(schema, "protobuf", &file_descriptor_set());
+            let channel =
+                schema.and_then(|it| self.writer.add_channel(it, topic, "protobuf", &BTreeMap::new()));
+            let id = channel.map_err(&refused)?;
+            self.channels.insert(topic.to_owned(), id);
+            id
+        };
+        let header =
+            MessageHeader { channel_id, sequence: self.n_written, log_time: time_ns, publish_time: time_ns };
+        self.n_written = self.n_written.wrapping_add(1);
+        self.writer.write_to_known_channel(&header, &message.encode_to_vec()).map_err(refused)
+    }
+
+    /// Appends a scene on `topic`.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if the disk does not take it.
+    pub fn write_scene(
+        &mut self,
+        topic: &str,
+        time_ns: u64,
+        scene: &SceneUpdate,
+    ) -> Result<(), ConversionError> {
+        self.write_message(topic, SCENE_UPDATE, time_ns, scene)
+    }
+}
+
+impl ScanWriter for McapWriter {
+    fn write(&mut self, to_write: &ScanToWrite<'_>) -> Result<(), ConversionError> {
+        let &ScanToWrite { scan, time_ns, world_from_sensor } = to_write;
+        if let Some(world_from_sensor) = world_from_sensor {
+            self.write_message(
+                TRANSFORM_TOPIC,
+                FRAME_TRANSFORM,
+                time_ns,
+                &transform(time_ns, &world_from_sensor),
+            )?;
+        }
+        // Before the cloud, so that both are in one chunk. Where nothing is labelled, nothing is said.
+        let says_something = scan.point_regions.iter().any(|it| *it != PointRegion::Outside);
+        if says_something || !scan.annotations.is_empty() {
+            let scene = scene_of(time_ns, entities_of(time_ns, &scan.annotations));
+            self.write_scene(ANNOTATION_TOPIC, time_ns, &scene)?;
+        }
+        self.write_message(CLOUD_TOPIC, POINT_CLOUD, time_ns, &cloud_of(scan, time_ns))?;
+        self.scan_ids.push((scan.id.sequence.clone(), scan.id.index));
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<(), ConversionError> {
+        let refused = refused(&self.path);
+        let scan_ids = serde_json::to_string(&self.scan_ids).expect("texts and numbers");
+        let metadata = BTreeMap::from([
+            (own_metadata::DATA_SHEET.to_owned(), self.sheet.to_json()),
+            (own_metadata::SCAN_IDS.to_owned(), scan_ids),
+        ]);
+        let record = Metadata { name: own_metadata::RECORD.to_owned(), metadata };
+        self.writer.write_metadata(&record).map_err(&refused)?;
+        self.writer.finish().map_err(&refused)?;
+        self.writer.into_inner().into_inner().finish()?;
+        Ok(())
+    }
+}
+
+fn refused(path: &Path) -> impl Fn(McapError) -> ConversionError + use<> {
+    let path = path.to_path_buf();
+    move |source| ConversionError::Recording { path: path.clone(), source }
+}
+
+fn transform(time_ns: u64, world_from_sensor: &Isometry3<f64>) -> FrameTransform {
+    let at = world_from_sensor.translation.vector;
+    let turn = world_from_sensor.rotation.quaternion();
+    FrameTransform {
+        timestamp: Some(Timestamp::from_nanoseconds(time_ns)),
+        parent_frame_id: WORLD_FRAME.to_owned(),
+        child_frame_id: SENSOR_FRAME.to_owned(),
+        translation: Some(Vector3 { x: at.x, y: at.y, z: at.z }),
+        rotation: Some(Quaternion { x: turn.i, y: turn.j, z: turn.k, w: turn.w }),
+    }
+}
+
+fn cloud_of(scan: &LabeledScan, time_ns: u64) -> PointCloud {
+    let cloud = &scan.cloud;
+    let objects = objects_of_points(scan);
+    let regions = scan
+        .point_regions
+        .iter()
+        .any(|it| *it != PointRegion::Labeled)
+        .then(|| scan.point_regions.iter().map(|it| number_of_region(*it)).collect::<Vec<u8>>());
+    let mut fields = Vec::new();
+    let mut point_stride = 0;
+    let mut add_field = |name: &str, number: NumberType| {
+        fields.push(PackedElementField {
+            name: name.to_owned(),
+            offset: point_stride,
+            number: number_of(number),
+        });
+        point_stride += number.n_bytes() as u32;
+    };
+    for name in ["x", "y", "z", "intensity"] {
+        add_field(name, NumberType::F32);
+    }
+    if objects.is_some() {
+        add_field(own_fields::OBJECT, NumberType::U32);
+    }
+    if regions.is_some() {
+        add_field(own_fields::REGION, NumberType::U8);
+    }
+    let mut data = Vec::with_capacity(cloud.len() * point_stride as usize);
+    for (point_idx, ([x, y, z], intensity)) in cloud.positions_m().zip(cloud.intensity()).enumerate() {
+        for value in [x, y, z, *intensity] {
+            data.extend_from_slice(&value.to_le_bytes());
+        }
+        if let Some(objects) = &objects {
+            data.extend_from_slice(&objects[point_idx].to_le_bytes());
+        }
+        if let Some(regions) = &regions {
+            data.push(regions[point_idx]);
+        }
+    }
+    let timestamp = Some(Timestamp::from_nanoseconds(time_ns));
+    let orientation = Some(Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 });
+    let pose = Some(Pose { position: Some(Vector3::default()), orientation });
+    PointCloud { timestamp, frame_id: SENSOR_FRAME.to_owned(), pose, point_stride, fields, data }
+}
+
+/// For every point, the number of its annotation from 1; `None` where the boxes say the same.
+fn objects_of_points(scan: &LabeledScan) -> Option<Vec<u32>> {
+    let boxes: Vec<_> = scan.annotations.iter().filter_map(|it| it.bounding_box).collect();
+    if boxes.len() == scan.annotations.len() {
+        let in_boxes = points_of_boxes(&scan.cloud, &boxes);
+        if scan.annotations.iter().zip(&in_boxes).all(|(it, points)| it.point_indices == *points) {
+            return None;
+        }
+    }
+    let mut objects = vec![0; scan.cloud.len()];
+    for (number, annotation) in (1..).zip(&scan.annotations) {
+        for point_idx in &annotation.point_indices {
+            objects[*point_idx as usize] = number;
+        }
+    }
+    Some(objects)
+}

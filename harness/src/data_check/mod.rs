@@ -1,0 +1,4 @@
+//! What a data set is like, and what may be wrong with it, before anything is run on it.
+
+pub mod scan_facts;
+pub mod check_report;

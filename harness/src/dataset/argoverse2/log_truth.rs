@@ -1,0 +1,165 @@
+//! What the files of a log say beside the points: boxes, poses, and where the lidars are.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use detector::OrientedBox;
+use nalgebra::{Isometry3, Vector3};
+
+use crate::annotation::{Annotation, AnnotationClass};
+use crate::dataset::DatasetError;
+use crate::dataset::class_name::class_named;
+use crate::dataset::feather::FeatherTable;
+use crate::dataset::mcap::ros_messages::isometry;
+
+/// The lidars in the frame of the car, in metres, halfway between the two. For logs without their calibration.
+const USUAL_CAR_FROM_LIDARS_M: [f64; 3] = [1.35, 0.0, 1.6];
+
+/// The names of the lidars in the calibration.
+const LIDARS: [&str; 2] = ["up_lidar", "down_lidar"];
+
+const POSE: [&str; 7] = ["tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw"];
+
+/// Everything about a log but its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LogTruth {
+    /// Annotations without points by time, in nanoseconds, in the sensor frame.
+    pub annotations: BTreeMap<i64, Vec<Annotation>>,
+    /// Where the sensor was, by time.
+    pub world_from_sensor: BTreeMap<i64, Isometry3<f64>>,
+    /// Where the sensor is in the frame of the car.
+    pub car_from_sensor_m: Vector3<f64>,
+}
+
+impl LogTruth {
+    /// Reads those of the log in `folder`.
+    ///
+    /// The origin becomes the point halfway between the two lidars; the axes stay those of the car.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file is missing or damaged; poses and calibration may be missing.
+    pub fn read(folder: &Path) -> Result<Self, DatasetError> {
+        let car_from_sensor_m = car_from_sensor_m(&folder.join("calibration/egovehicle_SE3_sensor.feather"))?;
+        let annotations = read_annotations(&folder.join("annotations.feather"), &car_from_sensor_m)?;
+        let poses = folder.join("city_SE3_egovehicle.feather");
+        let mut world_from_sensor = BTreeMap::new();
+        if poses.exists() {
+            let names = [&POSE[..], &["timestamp_ns"]].concat();
+            let mut table = FeatherTable::read(&poses, &names)?;
+            let damaged = |problem| DatasetError::Damaged { path: poses.clone(), problem };
+            let times = table.take_integers("timestamp_ns").map_err(damaged)?;
+            for (time, pose) in times.into_iter().zip(take_poses(&mut table).map_err(damaged)?) {
+                world_from_sensor.insert(
+                    time,
+                    pose * Isometry3::translation(
+                        car_from_sensor_m.x,
+                        car_from_sensor_m.y,
+                        car_from_sensor_m.z,
+                    ),
+                );
+            }
+        }
+        Ok(Self { annotations, world_from_sensor, car_from_sensor_m })
+    }
+}
+
+fn car_from_sensor_m(path: &Path) -> Result<Vector3<f64>, DatasetError> {
+    if !path.exists() {
+        return Ok(Vector3::from(USUAL_CAR_FROM_LIDARS_M));
+    }
+    let names = [&POSE[..], &["sensor_name"]].concat();
+    let mut table = FeatherTable::read(path, &names)?;
+    let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
+    let sensors = table.take_texts("sensor_name").map_err(damaged)?;
+    let poses = take_poses(&mut table).map_err(damaged)?;
+    let lidars: Vec<Vector3<f64>> = sensors
+        .iter()
+        .zip(poses)
+        .filter(|(name, _)| LIDARS.contains(&name.as_str()))
+        .map(|(_, pose)| pose.translation.vector)
+        .collect();
+    match lidars[..] {
+        [first, second] => Ok((first + second) / 2.0),
+        _ => Err(damaged(format!("names {} of the sensors {}", lidars.len(), LIDARS.join(" and ")))),
+    }
+}
+
+fn take_poses(table: &mut FeatherTable) -> Result<Vec<Isometry3<f64>>, String> {
+    let mut columns = Vec::with_capacity(POSE.len());
+    for name in POSE {
+        columns.push(table.take_numbers(name)?);
+    }
+    let n_rows = columns.iter().map(Vec::len).min().unwrap_or(0);
+    let row = |row: usize| {
+        let at = |column: usize| columns[column][row];
+        isometry([at(0), at(1), at(2)], [at(3), at(4), at(5), at(6)])
+    };
+    (0..n_rows).map(row).collect()
+}
+
+fn read_annotations(
+    path: &Path,
+    car_from_sensor_m: &Vector3<f64>,
+) -> Result<BTreeMap<i64, Vec<Annotation>>, DatasetError> {
+    let names = ["timestamp_ns", "track_uuid", "category", "length_m", "width_m", "height_m"];
+    let mut table = FeatherTable::read(path, &[&names[..], &POSE[..]].concat())?;
+    let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
+    let times = table.take_integers("timestamp_ns").map_err(damaged)?;
+    let tracks = table.take_texts("track_uuid").map_err(damaged)?;
+    let categories = table.take_texts("category").map_err(damaged)?;
+    let mut sides_m = Vec::new();
+    for name in ["length_m", "width_m", "height_m"] {
+        sides_m.push(table.take_numbers(name).map_err(damaged)?);
+    }
+    let poses = take_poses(&mut table).map_err(damaged)?;
+    let n_rows = times.len();
+    let lengths =
+        [tracks.len(), categories.len(), poses.len(), sides_m[0].len(), sides_m[1].len(), sides_m[2].len()];
+    if lengths.iter().any(|it| *it != n_rows) {
+        return Err(damaged(format!("has columns of {n_rows} and of {lengths:?} rows")));
+    }
+    // Tracks are numbered by the order of their names, so that the numbers do not depend on which sweeps there are.
+    let mut sorted: Vec<&String> = tracks.iter().collect();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let mut annotations: BTreeMap<i64, Vec<Annotation>> = BTreeMap::new();
+    for row in 0..n_rows {
+        let size_m = [sides_m[0][row], sides_m[1][row], sides_m[2][row]];
+        if !size_m.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4) {
+            return Err(damaged(format!("has a box with sides of {size_m:?} m in row {row}")));
+        }
+        let track = sorted.binary_search(&&tracks[row]).ok().map(|number| number as u32);
+        annotations.entry(times[row]).or_default().push(annotation(
+            class_named(&categories[row]),
+            &poses[row],
+            size_m,
+            track,
+            car_from_sensor_m,
+        ));
+    }
+    Ok(annotations)
+}
+
+fn annotation(
+    class: AnnotationClass,
+    car_from_box: &Isometry3<f64>,
+    size_m: [f64; 3],
+    track: Option<u32>,
+    car_from_sensor_m: &Vector3<f64>,
+) -> Annotation {
+    let center_m = car_from_box.translation.vector - car_from_sensor_m;
+    let heading = car_from_box.rotation * Vector3::x();
+    Annotation {
+        class,
+        bounding_box: Some(OrientedBox {
+            center_m: [center_m.x as f32, center_m.y as f32, center_m.z as f32],
+            length_width_height_m: size_m.map(|it| it as f32),
+            yaw_rad: heading.y.atan2(heading.x) as f32,
+        }),
+        point_indices: Vec::new(),
+        track,
+        occlusion: None,
+        truncation: None,
+    }
+}

@@ -1,0 +1,226 @@
+//! Argoverse 2's folders.
+//!
+//! ```text
+//! LOG/sensors/lidar/TIMESTAMP.feather          the sweeps, named after nanoseconds
+//! LOG/annotations.feather                      logs without it are the test split and left out
+//! LOG/city_SE3_egovehicle.feather              optional: poses
+//! LOG/calibration/egovehicle_SE3_sensor.feather   optional: where the lidars are
+//! ```
+//!
+//! Logs lie in the folder itself, or in `train`, `val` or `test`, with or without `sensor` above.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use detector::PointCloud;
+use nalgebra::{Isometry3, Vector3};
+
+use super::log_truth::LogTruth;
+use crate::annotation::{AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::feather::FeatherTable;
+use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::source::DatasetSource;
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+
+const SWEEPS: &str = "sensors/lidar";
+
+/// Where logs may lie below the folder that is named.
+const SPLITS: [&str; 7] = [".", "train", "val", "test", "sensor/train", "sensor/val", "sensor/test"];
+
+/// Height of the point between the lidars above the road: that above the rear axle, and the axle's.
+pub const ARGOVERSE2_SENSOR_HEIGHT_M: f32 = 1.95;
+
+/// Two of these, one upside down.
+pub const ARGOVERSE2_SENSOR: &str = "vlp-32c-twice";
+
+/// What is labelled, where the car may drive and five metres beside it.
+pub const ARGOVERSE2_CLASSES: [AnnotationClass; 12] = [
+    AnnotationClass::Car,
+    AnnotationClass::Truck,
+    AnnotationClass::Bus,
+    AnnotationClass::Pedestrian,
+    AnnotationClass::SittingPerson,
+    AnnotationClass::Cyclist,
+    AnnotationClass::ParkedCycle,
+    AnnotationClass::Tram,
+    AnnotationClass::Trailer,
+    AnnotationClass::Pole,
+    AnnotationClass::StreetFurniture,
+    AnnotationClass::Misc,
+];
+
+/// An open data set: names of sweeps are in memory, and the boxes of the log that was last read from.
+#[derive(Debug)]
+pub struct SensorLogs {
+    // Invariant: `scan_ids` and `sweeps` have the same length and order.
+    description: DatasetDescription,
+    scan_ids: Vec<ScanId>,
+    sweeps: Vec<Sweep>,
+    last_truth: Mutex<Option<(PathBuf, Arc<LogTruth>)>>,
+}
+
+#[derive(Debug)]
+struct Sweep {
+    log: PathBuf,
+    time_ns: i64,
+}
+
+/// Whether logs of Argoverse 2 lie in `folder`.
+pub fn is_argoverse2(folder: &Path) -> bool {
+    !logs_below(folder).is_empty()
+}
+
+/// Opens the folder of `source`: all logs that have annotations, or only those of `sequences`.
+///
+/// # Errors
+///
+/// [`DatasetError`] if a log asked for is missing, or files are named otherwise. Nothing is looked into.
+pub fn open_argoverse2(
+    source: DatasetSource,
+    sequences: Option<&BTreeSet<String>>,
+) -> Result<SensorLogs, DatasetError> {
+    let (mut scan_ids, mut sweeps, mut checksum) = (Vec::new(), Vec::new(), DatasetChecksum::default());
+    let mut found = BTreeSet::new();
+    for log in logs_below(&source.path) {
+        let name = log.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+        if !log.join("annotations.feather").is_file() || sequences.is_some_and(|it| !it.contains(&name)) {
+            continue;
+        }
+        add_file(&mut checksum, &log, "annotations.feather", &name)?;
+        for (index, time_ns) in (0..).zip(sweep_times(&log.join(SWEEPS))?) {
+            add_file(&mut checksum, &log, &format!("{SWEEPS}/{time_ns}.feather"), &name)?;
+            scan_ids.push(ScanId { sequence: name.clone(), index });
+            sweeps.push(Sweep { log: log.clone(), time_ns });
+        }
+        found.insert(name);
+    }
+    if let Some(missing) = sequences.and_then(|names| names.difference(&found).next()) {
+        return Err(DatasetError::MissingSelected {
+            path: source.path.join(missing).join("annotations.feather"),
+        });
+    }
+    if scan_ids.is_empty() {
+        let labels = source.path.join("*/annotations.feather");
+        return Err(DatasetError::Unlabeled { scans: source.path, labels });
+    }
+    let description = source.describe(DatasetFormat::Argoverse2, checksum.finish());
+    Ok(SensorLogs { description, scan_ids, sweeps, last_truth: Mutex::new(None) })
+}
+
+impl Dataset for SensorLogs {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let sweep = &self.sweeps[scan_idx];
+        let truth = self.truth_of(&sweep.log)?;
+        let path = sweep.log.join(SWEEPS).join(format!("{}.feather", sweep.time_ns));
+        let cloud = read_sweep(&path, &truth.car_from_sensor_m)?;
+        let mut annotations = truth.annotations.get(&sweep.time_ns).cloned().unwrap_or_default();
+        let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
+        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
+            annotation.point_indices = points;
+        }
+        let point_regions = vec![PointRegion::Labeled; cloud.len()];
+        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        u64::try_from(self.sweeps[scan_idx].time_ns).ok()
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        let sweep = &self.sweeps[scan_idx];
+        Ok(self.truth_of(&sweep.log)?.world_from_sensor.get(&sweep.time_ns).copied())
+    }
+}
+
+impl SensorLogs {
+    fn truth_of(&self, log: &Path) -> Result<Arc<LogTruth>, DatasetError> {
+        let last = || self.last_truth.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((path, truth)) = last().as_ref()
+            && path == log
+        {
+            return Ok(Arc::clone(truth));
+        }
+        let truth = Arc::new(LogTruth::read(log)?);
+        *last() = Some((log.to_path_buf(), Arc::clone(&truth)));
+        Ok(truth)
+    }
+}
+
+fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<PointCloud, DatasetError> {
+    let mut table = FeatherTable::read(path, &["x", "y", "z", "intensity"])?;
+    let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
+    let mut take = |name: &str| table.take_numbers(name).map_err(damaged);
+    let (x, y, z, intensity) = (take("x")?, take("y")?, take("z")?, take("intensity")?);
+    let n_points = x.len();
+    if [&y, &z, &intensity].iter().any(|it| it.len() != n_points) {
+        return Err(damaged("has columns of different lengths".to_owned()));
+    }
+    if n_points == 0 {
+        return Err(DatasetError::NoPoints { path: path.to_path_buf() });
+    }
+    let mut cloud = PointCloud::with_capacity(n_points);
+    for point_idx in 0..n_points {
+        let position_m = Vector3::new(x[point_idx], y[point_idx], z[point_idx]) - car_from_sensor_m;
+        // A byte, brought to the range that other sensors have.
+        let intensity = intensity[point_idx] as f32 / 255.0;
+        cloud.push([position_m.x as f32, position_m.y as f32, position_m.z as f32], intensity);
+    }
+    Ok(cloud)
+}
+
+/// The folders of logs in the splits of `folder`, or `folder` itself.
+fn logs_below(folder: &Path) -> Vec<PathBuf> {
+    let is_log = |path: &Path| path.join(SWEEPS).is_dir();
+    if is_log(folder) {
+        return vec![folder.to_path_buf()];
+    }
+    let mut logs = Vec::new();
+    for split in SPLITS {
+        let entries = std::fs::read_dir(folder.join(split)).into_iter().flatten().flatten();
+        logs.extend(entries.map(|it| it.path()).filter(|path| !is_hidden(path) && is_log(path)));
+    }
+    logs.sort();
+    logs
+}
+
+fn sweep_times(folder: &Path) -> Result<Vec<i64>, DatasetError> {
+    let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
+    let mut times_ns = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(io_error)? {
+        let path = entry.map_err(io_error)?.path();
+        if is_hidden(&path) || path.extension().is_none_or(|it| it != "feather") {
+            continue;
+        }
+        let time_ns = path.file_stem().and_then(|it| it.to_str()).and_then(|it| it.parse().ok());
+        times_ns.push(time_ns.ok_or(DatasetError::FileName {
+            path,
+            expected: "a number of nanoseconds, such as 315973157959879000",
+        })?);
+    }
+    times_ns.sort_unstable();
+    Ok(times_ns)
+}
+
+fn add_file(
+    checksum: &mut DatasetChecksum,
+    log: &Path,
+    name: &str,
+    log_name: &str,
+) -> Result<(), DatasetError> {
+    let path = log.join(name);
+    let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
+    checksum.add_scan(&format!("{log_name}/{name}"), metadata.len());
+    Ok(())
+}

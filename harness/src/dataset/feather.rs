@@ -1,0 +1,283 @@
+//! Feather files: columns in Arrow's file format, plain or compressed by LZ4 or Zstandard.
+//!
+//! The descriptions are read by Arrow's own crate, the columns here: its reader takes the sizes that a file claims at their word.
+
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::path::Path;
+
+use arrow_ipc::{CompressionType, Field, Footer, Precision, RecordBatch, Type};
+use half::f16;
+
+use super::DatasetError;
+
+const MAGIC: &[u8; 6] = b"ARROW1";
+
+/// A column may grow to this many bytes, or so many times its compressed size, whichever is more.
+const MAX_COLUMN_BYTES: usize = 64 << 20;
+const MAX_GROWTH: usize = 64;
+
+/// One column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Column {
+    /// Whole numbers of any width.
+    Integers(Vec<i64>),
+    /// Numbers with a fraction, of any width.
+    Numbers(Vec<f64>),
+    /// Texts.
+    Texts(Vec<String>),
+}
+
+/// The columns of a file by their names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeatherTable {
+    columns: BTreeMap<String, Column>,
+}
+
+impl FeatherTable {
+    /// Reads the columns called `names` of the file at `path`; others are not looked at.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Io`]; [`DatasetError::Damaged`] if one is missing or the file is no such file.
+    pub fn read(path: &Path, names: &[&str]) -> Result<Self, DatasetError> {
+        let bytes =
+            std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+        Self::parse(&bytes, names)
+            .map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })
+    }
+
+    /// The columns called `names` in `bytes`. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If one is missing or the file is no such file.
+    pub fn parse(bytes: &[u8], names: &[&str]) -> Result<Self, String> {
+        let footer = footer_of(bytes)?;
+        let fields: Vec<Field<'_>> =
+            footer.schema().and_then(|it| it.fields()).map(|it| it.iter().collect()).unwrap_or_default();
+        let mut columns: BTreeMap<String, Column> = BTreeMap::new();
+        for name in names {
+            let field = fields.iter().find(|it| it.name() == Some(name));
+            let field = field.ok_or_else(|| format!("has no column {name:?}"))?;
+            columns.insert((*name).to_owned(), empty_column(field)?);
+        }
+        for block in footer.recordBatches().into_iter().flatten() {
+            let offset = usize::try_from(block.offset()).unwrap_or(usize::MAX);
+            let n_metadata_bytes = usize::try_from(block.metaDataLength()).unwrap_or(usize::MAX);
+            let body_begin = offset.checked_add(n_metadata_bytes);
+            let body_end = body_begin.and_then(|begin| {
+                begin.checked_add(usize::try_from(block.bodyLength()).unwrap_or(usize::MAX))
+            });
+            let parts = body_begin.zip(body_end);
+            let parts =
+                parts.and_then(|(begin, end)| Some((bytes.get(offset..begin)?, bytes.get(begin..end)?)));
+            let (metadata, body) = parts.ok_or("is cut off within a batch of rows")?;
+            // The length of the description comes before it, in newer files after four bytes of ones.
+            let skipped = if metadata.starts_with(&[0xff; 4]) { 8 } else { 4 };
+            let message = arrow_ipc::root_as_message(metadata.get(skipped..).unwrap_or_default())
+                .map_err(|error| format!("has a batch of rows without a description: {error}"))?;
+            let batch = message.header_as_record_batch().ok_or("has a batch that holds no rows")?;
+            append_batch(&batch, body, &fields, &mut columns)?;
+        }
+        Ok(Self { columns })
+    }
+
+    /// Takes the column called `name`, as numbers.
+    ///
+    /// # Errors
+    ///
+    /// If it was not read or holds texts; the rest of a sentence about the file. The same holds below.
+    pub fn take_numbers(&mut self, name: &str) -> Result<Vec<f64>, String> {
+        match self.columns.remove(name) {
+            Some(Column::Numbers(numbers)) => Ok(numbers),
+            Some(Column::Integers(numbers)) => Ok(numbers.into_iter().map(|it| it as f64).collect()),
+            _ => Err(format!("has no numbers in the column {name:?}")),
+        }
+    }
+
+    /// Takes the column called `name`, as whole numbers.
+    ///
+    /// # Errors
+    ///
+    /// If it was not read or holds anything else.
+    pub fn take_integers(&mut self, name: &str) -> Result<Vec<i64>, String> {
+        match self.columns.remove(name) {
+            Some(Column::Integers(numbers)) => Ok(numbers),
+            _ => Err(format!("has no whole numbers in the column {name:?}")),
+        }
+    }
+
+    /// Takes the column called `name`, as texts.
+    ///
+    /// # Errors
+    ///
+    /// If it was not read or holds anything else.
+    pub fn take_texts(&mut self, name: &str) -> Result<Vec<String>, String> {
+        match self.columns.remove(name) {
+            Some(Column::Texts(texts)) => Ok(texts),
+            _ => Err(format!("has no texts in the column {name:?}")),
+        }
+    }
+}
+
+fn footer_of(bytes: &[u8]) -> Result<Footer<'_>, String> {
+    let not_feather = "is no Feather file, or is cut off: it does not begin and end with ARROW1";
+    let inner = bytes.strip_prefix(MAGIC).and_then(|it| it.strip_suffix(MAGIC)).ok_or(not_feather)?;
+    let (inner, length) = inner.split_last_chunk::<4>().ok_or(not_feather)?;
+    let n_footer_bytes = usize::try_from(i32::from_le_bytes(*length)).unwrap_or(usize::MAX);
+    let begin = inner.len().checked_sub(n_footer_bytes).ok_or("has a footer that is longer than the file")?;
+    arrow_ipc::root_as_footer(&inner[begin..])
+        .map_err(|error| format!("has a footer that cannot be read: {error}"))
+}
+
+fn empty_column(field: &Field<'_>) -> Result<Column, String> {
+    match field.type_type() {
+        Type::Int => Ok(Column::Integers(Vec::new())),
+        Type::FloatingPoint => Ok(Column::Numbers(Vec::new())),
+        Type::Utf8 => Ok(Column::Texts(Vec::new())),
+        other => Err(format!("has a column {:?} of the type {other:?}", field.name().unwrap_or_default())),
+    }
+}
+
+/// Appends the rows of a batch to those of `columns` that are wanted.
+fn append_batch(
+    batch: &RecordBatch<'_>,
+    body: &[u8],
+    fields: &[Field<'_>],
+    columns: &mut BTreeMap<String, Column>,
+) -> Result<(), String> {
+    let n_rows = usize::try_from(batch.length()).map_err(|_| "has a batch with a negative number of rows")?;
+    let codec = batch.compression().map(|it| it.codec());
+    let mut buffers = batch.buffers().map(|it| it.iter()).into_iter().flatten();
+    let mut next = || -> Result<&[u8], String> {
+        let buffer = buffers.next().ok_or("has a batch that lacks a column")?;
+        let begin = usize::try_from(buffer.offset()).unwrap_or(usize::MAX);
+        let end = begin.checked_add(usize::try_from(buffer.length()).unwrap_or(usize::MAX));
+        Ok(end.and_then(|end| body.get(begin..end)).ok_or("has a column that ends beyond its batch")?)
+    };
+    for field in fields {
+        let column = field.name().and_then(|name| columns.get_mut(name));
+        match field.type_type() {
+            Type::Null => {}
+            Type::Utf8 | Type::Binary => {
+                let (_validity, offsets, data) = (next()?, next()?, next()?);
+                if let Some(Column::Texts(texts)) = column {
+                    append_texts(&plain(offsets, codec)?, &plain(data, codec)?, n_rows, texts)?;
+                }
+            }
+            Type::Int | Type::FloatingPoint | Type::Bool | Type::Date | Type::Time | Type::Timestamp => {
+                let (_validity, values) = (next()?, next()?);
+                if let Some(column) = column {
+                    append_numbers(field, &plain(values, codec)?, n_rows, column)?;
+                }
+            }
+            other => return Err(format!("has a column of the type {other:?}, which is not read")),
+        }
+    }
+    Ok(())
+}
+
+/// What a buffer holds once it is decompressed: the size comes first, -1 if it is not compressed after all.
+fn plain(buffer: &[u8], codec: Option<CompressionType>) -> Result<Vec<u8>, String> {
+    let Some(codec) = codec.filter(|_| !buffer.is_empty()) else { return Ok(buffer.to_vec()) };
+    let (size, compressed) = buffer.split_first_chunk::<8>().ok_or("has a column without its size")?;
+    let size = i64::from_le_bytes(*size);
+    if size == -1 {
+        return Ok(compressed.to_vec());
+    }
+    let limit = MAX_COLUMN_BYTES.max(compressed.len().saturating_mul(MAX_GROWTH));
+    let size = usize::try_from(size).ok().filter(|size| *size <= limit).ok_or_else(|| {
+        format!("has a column of {} bytes that claims to be {size} uncompressed", compressed.len())
+    })?;
+    let mut plain = Vec::new();
+    let read = match codec {
+        CompressionType::LZ4_FRAME => {
+            lz4::Decoder::new(compressed).and_then(|it| it.take(size as u64 + 1).read_to_end(&mut plain))
+        }
+        CompressionType::ZSTD => {
+            zstd::Decoder::new(compressed).and_then(|it| it.take(size as u64 + 1).read_to_end(&mut plain))
+        }
+        other => return Err(format!("has a column compressed by {other:?}")),
+    };
+    read.map_err(|error| format!("has a column that does not decompress: {error}"))?;
+    if plain.len() == size {
+        Ok(plain)
+    } else {
+        Err(format!("has a column of {} bytes, not {size}", plain.len()))
+    }
+}
+
+fn append_numbers(
+    field: &Field<'_>,
+    values: &[u8],
+    n_rows: usize,
+    column: &mut Column,
+) -> Result<(), String> {
+    fn rows<const N: usize>(values: &[u8], n_rows: usize) -> Result<&[[u8; N]], String> {
+        let (rows, _) = values.as_chunks::<N>();
+        rows.get(..n_rows).ok_or_else(|| format!("has a column of {} rows, not {n_rows}", rows.len()))
+    }
+    match column {
+        Column::Integers(integers) => {
+            let int = field.type_as_int().ok_or("has a column without a width")?;
+            match (int.bitWidth(), int.is_signed()) {
+                (8, true) => {
+                    integers.extend(rows::<1>(values, n_rows)?.iter().map(|it| i64::from(it[0] as i8)));
+                }
+                (8, false) => integers.extend(rows::<1>(values, n_rows)?.iter().map(|it| i64::from(it[0]))),
+                (16, true) => {
+                    integers
+                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(i16::from_le_bytes(*it))));
+                }
+                (16, false) => {
+                    integers
+                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(u16::from_le_bytes(*it))));
+                }
+                (32, true) => {
+                    integers
+                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(i32::from_le_bytes(*it))));
+                }
+                (32, false) => {
+                    integers
+                        .extend(rows(values, n_rows)?.iter().map(|it| i64::from(u32::from_le_bytes(*it))));
+                }
+                (64, _) => integers.extend(rows(values, n_rows)?.iter().map(|it| i64::from_le_bytes(*it))),
+                (width, _) => return Err(format!("has a column of whole numbers of {width} bits")),
+            }
+        }
+        Column::Numbers(numbers) => {
+            let float = field.type_as_floating_point().ok_or("has a column without a width")?;
+            match float.precision() {
+                Precision::HALF => {
+                    numbers.extend(rows(values, n_rows)?.iter().map(|it| f16::from_le_bytes(*it).to_f64()));
+                }
+                Precision::SINGLE => {
+                    numbers.extend(rows(values, n_rows)?.iter().map(|it| f64::from(f32::from_le_bytes(*it))));
+                }
+                Precision::DOUBLE => {
+                    numbers.extend(rows(values, n_rows)?.iter().map(|it| f64::from_le_bytes(*it)));
+                }
+                other => return Err(format!("has a column of numbers of the precision {other:?}")),
+            }
+        }
+        Column::Texts(_) => {}
+    }
+    Ok(())
+}
+
+fn append_texts(offsets: &[u8], data: &[u8], n_rows: usize, texts: &mut Vec<String>) -> Result<(), String> {
+    if n_rows == 0 {
+        return Ok(());
+    }
+    let (offsets, _) = offsets.as_chunks::<4>();
+    let bounds = n_rows.checked_add(1).and_then(|n| offsets.get(..n));
+    let bounds = bounds.ok_or_else(|| format!("has a column of less than {n_rows} texts"))?;
+    for pair in bounds.windows(2) {
+        let [begin, end] =
+            [pair[0], pair[1]].map(|it| usize::try_from(i32::from_le_bytes(it)).unwrap_or(usize::MAX));
+        let text = data.get(begin..end).and_then(|it| std::str::from_utf8(it).ok());
+        texts.push(text.ok_or("has a text that is not UTF-8 or lies beyond its column")?.to_owned());
+    }
+    Ok(())
+}

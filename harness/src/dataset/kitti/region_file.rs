@@ -1,0 +1,67 @@
+//! Where the labels of a converted data set say something, point by point: a byte for every point of the scan.
+//!
+//! KITTI's own layouts can say no more than which camera looked at the street.
+
+use std::path::Path;
+
+use crate::annotation::PointRegion;
+use crate::dataset::DatasetError;
+
+/// The file that belongs to the scan called `name`, relative to the split.
+pub fn point_region_file(name: &str) -> String {
+    format!("point_region/{name}.u8")
+}
+
+/// The content of such a file.
+pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
+    let byte = |region: &PointRegion| match region {
+        PointRegion::Labeled => 0,
+        PointRegion::Unscorable => 1,
+        PointRegion::Outside => 2,
+    };
+    regions.iter().map(byte).collect()
+}
+
+/// The regions of the `n_points` points of a scan; all is labelled where there is no file.
+///
+/// # Errors
+///
+/// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
+pub fn read_point_regions(path: &Path, n_points: usize) -> Result<Vec<PointRegion>, DatasetError> {
+    if !path.exists() {
+        return Ok(vec![PointRegion::Labeled; n_points]);
+    }
+    let bytes =
+        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    if bytes.len() != n_points {
+        return Err(DatasetError::LabelCount { path: path.to_path_buf(), n_labels: bytes.len(), n_points });
+    }
+    let region = |byte: &u8| match byte {
+        0 => Ok(PointRegion::Labeled),
+        1 => Ok(PointRegion::Unscorable),
+        2 => Ok(PointRegion::Outside),
+        other => {
+            let problem = format!("has the byte {other}, known are 0, 1 and 2");
+            Err(DatasetError::Damaged { path: path.to_path_buf(), problem })
+        }
+    };
+    bytes.iter().map(region).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("000000.u8");
+        assert_eq!(read_point_regions(&path, 2).unwrap(), [PointRegion::Labeled; 2]);
+        let regions = [PointRegion::Outside, PointRegion::Labeled, PointRegion::Unscorable];
+        std::fs::write(&path, region_bytes(&regions)).unwrap();
+        assert_eq!(read_point_regions(&path, 3).unwrap(), regions);
+        assert!(matches!(read_point_regions(&path, 4), Err(DatasetError::LabelCount { .. })));
+        std::fs::write(&path, [0, 3]).unwrap();
+        assert!(matches!(read_point_regions(&path, 2), Err(DatasetError::Damaged { .. })));
+    }
+}

@@ -1,0 +1,368 @@
+//! The messages of Foxglove that are read and written, in protobuf and in JSON.
+//!
+//! Only the fields that mean something here are declared; both decoders skip the others.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use nalgebra::Isometry3;
+use serde::{Deserialize, Deserializer};
+
+use super::ros_messages::{StampedTransform, isometry};
+use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+
+/// `foxglove.PointCloud`.
+pub const POINT_CLOUD: &str = "foxglove.PointCloud";
+
+/// `foxglove.SceneUpdate`.
+pub const SCENE_UPDATE: &str = "foxglove.SceneUpdate";
+
+/// `foxglove.FrameTransform`.
+pub const FRAME_TRANSFORM: &str = "foxglove.FrameTransform";
+
+/// `foxglove.FrameTransforms`.
+pub const FRAME_TRANSFORMS: &str = "foxglove.FrameTransforms";
+
+/// A moment or a duration.
+#[derive(Clone, Copy, PartialEq, Eq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct Timestamp {
+    /// Whole seconds.
+    #[prost(int64, tag = "1")]
+    #[serde(rename = "sec")]
+    pub seconds: i64,
+    /// Billionths of a second beyond them.
+    #[prost(int32, tag = "2")]
+    #[serde(rename = "nsec")]
+    pub nanos: i32,
+}
+
+impl Timestamp {
+    /// In nanoseconds; 0 for what is before the start of time.
+    pub fn nanoseconds(self) -> u64 {
+        let nanoseconds = self.seconds.saturating_mul(1_000_000_000).saturating_add(i64::from(self.nanos));
+        u64::try_from(nanoseconds).unwrap_or(0)
+    }
+
+    /// From nanoseconds.
+    pub fn from_nanoseconds(nanoseconds: u64) -> Self {
+        let (seconds, nanos) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
+        Self { seconds: seconds as i64, nanos: nanos as i32 }
+    }
+}
+
+/// Three numbers.
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct Vector3 {
+    /// Along x.
+    #[prost(double, tag = "1")]
+    pub x: f64,
+    /// Along y.
+    #[prost(double, tag = "2")]
+    pub y: f64,
+    /// Along z.
+    #[prost(double, tag = "3")]
+    pub z: f64,
+}
+
+/// A turn.
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct Quaternion {
+    /// First part of the axis.
+    #[prost(double, tag = "1")]
+    pub x: f64,
+    /// Second part of the axis.
+    #[prost(double, tag = "2")]
+    pub y: f64,
+    /// Third part of the axis.
+    #[prost(double, tag = "3")]
+    pub z: f64,
+    /// The real part.
+    #[prost(double, tag = "4")]
+    pub w: f64,
+}
+
+/// Where something is and how it is turned.
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct Pose {
+    /// Where.
+    #[prost(message, optional, tag = "1")]
+    pub position: Option<Vector3>,
+    /// How.
+    #[prost(message, optional, tag = "2")]
+    pub orientation: Option<Quaternion>,
+}
+
+impl Pose {
+    /// As a transform. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If a number is not finite.
+    pub fn isometry(&self) -> Result<Isometry3<f64>, String> {
+        let (at, turn) = (self.position.unwrap_or_default(), self.orientation.unwrap_or_default());
+        isometry([at.x, at.y, at.z], [turn.x, turn.y, turn.z, turn.w])
+    }
+}
+
+/// One number of every point.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct PackedElementField {
+    /// Its name.
+    #[prost(string, tag = "1")]
+    pub name: String,
+    /// Where it begins in a point.
+    #[prost(fixed32, tag = "2")]
+    pub offset: u32,
+    /// How it is stored.
+    #[prost(int32, tag = "3")]
+    #[serde(rename = "type")]
+    pub number: i32,
+}
+
+/// A cloud.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct PointCloud {
+    /// When it was taken.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// The frame that `pose` is in.
+    #[prost(string, tag = "2")]
+    pub frame_id: String,
+    /// Where the origin of the points is.
+    #[prost(message, optional, tag = "3")]
+    pub pose: Option<Pose>,
+    /// Bytes of a point.
+    #[prost(fixed32, tag = "4")]
+    pub point_stride: u32,
+    /// What a point is made of.
+    #[prost(message, repeated, tag = "5")]
+    pub fields: Vec<PackedElementField>,
+    /// The points.
+    #[prost(bytes = "vec", tag = "6")]
+    #[serde(deserialize_with = "base64_bytes")]
+    pub data: Vec<u8>,
+}
+
+impl PointCloud {
+    /// The points, as they lie in the message. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If a field has an unknown type, or the points do not fill the data.
+    pub fn packed(&self) -> Result<PackedPoints<'_>, String> {
+        let field = |field: &PackedElementField| {
+            let (name, offset) = (field.name.clone(), field.offset as usize);
+            number_type(field.number).map(|number| PackedField { name, offset, number })
+        };
+        let fields = self.fields.iter().map(field).collect::<Result<_, String>>()?;
+        let (point_step, n_bytes) = (self.point_stride as usize, self.data.len());
+        if point_step == 0 || n_bytes % point_step != 0 {
+            return Err(format!("has a cloud of {n_bytes} bytes in points of {point_step}"));
+        }
+        Ok(PackedPoints {
+            fields,
+            n_columns: n_bytes / point_step,
+            n_rows: 1,
+            point_step,
+            row_step: n_bytes,
+            byte_order: ByteOrder::Little,
+            data: &self.data,
+        })
+    }
+}
+
+fn number_type(number: i32) -> Result<NumberType, String> {
+    Ok(match number {
+        1 => NumberType::U8,
+        2 => NumberType::I8,
+        3 => NumberType::U16,
+        4 => NumberType::I16,
+        5 => NumberType::U32,
+        6 => NumberType::I32,
+        7 => NumberType::F32,
+        8 => NumberType::F64,
+        _ => return Err(format!("has a cloud with a field of the unknown type {number}")),
+    })
+}
+
+/// The number that Foxglove has for a type.
+pub fn number_of(number: NumberType) -> i32 {
+    match number {
+        NumberType::U8 => 1,
+        NumberType::I8 => 2,
+        NumberType::U16 => 3,
+        NumberType::I16 => 4,
+        NumberType::U32 => 5,
+        NumberType::I32 => 6,
+        NumberType::F32 => 7,
+        NumberType::F64 => 8,
+    }
+}
+
+/// A name with a value.
+#[derive(Clone, PartialEq, Eq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct KeyValuePair {
+    /// The name.
+    #[prost(string, tag = "1")]
+    pub key: String,
+    /// The value.
+    #[prost(string, tag = "2")]
+    pub value: String,
+}
+
+/// A colour, each part from 0 to 1.
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct Color {
+    /// Red.
+    #[prost(double, tag = "1")]
+    pub r: f64,
+    /// Green.
+    #[prost(double, tag = "2")]
+    pub g: f64,
+    /// Blue.
+    #[prost(double, tag = "3")]
+    pub b: f64,
+    /// How little shines through.
+    #[prost(double, tag = "4")]
+    pub a: f64,
+}
+
+/// A box.
+#[derive(Clone, Copy, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct CubePrimitive {
+    /// Its centre and turn.
+    #[prost(message, optional, tag = "1")]
+    pub pose: Option<Pose>,
+    /// Its extent along its own axes.
+    #[prost(message, optional, tag = "2")]
+    pub size: Option<Vector3>,
+    /// Its colour.
+    #[prost(message, optional, tag = "3")]
+    pub color: Option<Color>,
+}
+
+/// An object of a scene.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct SceneEntity {
+    /// Since when it is there.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// The frame of its shapes.
+    #[prost(string, tag = "2")]
+    pub frame_id: String,
+    /// What it is called.
+    #[prost(string, tag = "3")]
+    pub id: String,
+    /// What else is known about it.
+    #[prost(message, repeated, tag = "6")]
+    pub metadata: Vec<KeyValuePair>,
+    /// Its boxes.
+    #[prost(message, repeated, tag = "8")]
+    pub cubes: Vec<CubePrimitive>,
+}
+
+/// Objects that go away.
+#[derive(Clone, PartialEq, Eq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct SceneEntityDeletion {
+    /// When.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// 0 for the one called `id`, 1 for all.
+    #[prost(int32, tag = "2")]
+    #[serde(rename = "type")]
+    pub kind: i32,
+    /// Which.
+    #[prost(string, tag = "3")]
+    pub id: String,
+}
+
+/// A scene.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct SceneUpdate {
+    /// What goes away.
+    #[prost(message, repeated, tag = "1")]
+    pub deletions: Vec<SceneEntityDeletion>,
+    /// What is there.
+    #[prost(message, repeated, tag = "2")]
+    pub entities: Vec<SceneEntity>,
+}
+
+/// One frame within another.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct FrameTransform {
+    /// Since when.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// The frame that the other lies in.
+    #[prost(string, tag = "2")]
+    pub parent_frame_id: String,
+    /// The frame that lies in the other.
+    #[prost(string, tag = "3")]
+    pub child_frame_id: String,
+    /// Where it lies.
+    #[prost(message, optional, tag = "4")]
+    pub translation: Option<Vector3>,
+    /// How it is turned.
+    #[prost(message, optional, tag = "5")]
+    pub rotation: Option<Quaternion>,
+}
+
+impl FrameTransform {
+    /// In the terms of both kinds of recordings. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If a number is not finite.
+    pub fn stamped(&self) -> Result<StampedTransform, String> {
+        let pose = Pose { position: self.translation, orientation: self.rotation };
+        Ok(StampedTransform {
+            stamp_ns: self.timestamp.unwrap_or_default().nanoseconds(),
+            parent: self.parent_frame_id.clone(),
+            child: self.child_frame_id.clone(),
+            parent_from_child: pose.isometry()?,
+        })
+    }
+}
+
+/// Several of those.
+#[derive(Clone, PartialEq, prost::Message, Deserialize)]
+#[serde(default)]
+pub struct FrameTransforms {
+    /// In any order.
+    #[prost(message, repeated, tag = "1")]
+    pub transforms: Vec<FrameTransform>,
+}
+
+/// The message in `bytes`, in the encoding of its channel. Errors are the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// If it is not such a message, or the encoding is neither `protobuf` nor `json`.
+pub fn decode<M: prost::Message + Default + serde::de::DeserializeOwned>(
+    encoding: &str,
+    bytes: &[u8],
+) -> Result<M, String> {
+    match encoding {
+        "protobuf" => M::decode(bytes).map_err(|error| format!("has a message that cannot be read: {error}")),
+        "json" => serde_json::from_slice(bytes)
+            .map_err(|error| format!("has a message that cannot be read: {error}")),
+        other => Err(format!("has messages encoded as {other:?}, which is not known")),
+    }
+}
+
+fn base64_bytes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    STANDARD.decode(text).map_err(serde::de::Error::custom)
+}

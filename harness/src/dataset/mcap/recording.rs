@@ -1,0 +1,438 @@
+//! An MCAP recording as a data set: every message of one topic of clouds is a scan.
+//!
+//! Scans are read one at a time, with the annotations that are stamped the same; of the rest of the recording only the places
+//! of messages are kept, 32 bytes each.
+
+use std::path::Path;
+
+use detector::PointCloud;
+use nalgebra::{Isometry3, Point3};
+
+use super::foxglove_messages::{
+    FrameTransform, FrameTransforms, PointCloud as FoxgloveCloud, SceneUpdate, decode,
+};
+use super::frame_tree::FrameTree;
+use super::recording_file::RecordingFile;
+use super::recording_index::{MessagePlace, RecordingIndex, index_recording};
+use super::ros_messages::{StampedTransform, detection_3d_array, point_cloud_2, tf_message};
+use super::scene_objects::{SceneObject, objects_of_detections, objects_of_scene};
+use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
+use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::data_sheet::DataSheet;
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::packed_points::PackedPoints;
+use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::source::{DamagePolicy, DatasetSource};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+
+/// The metadata record in which scanbench says what the messages do not, and the names in it.
+pub mod own_metadata {
+    /// The record.
+    pub const RECORD: &str = "scanbench";
+    /// A data sheet, as JSON.
+    pub const DATA_SHEET: &str = "data_sheet";
+    /// The ids of the scans, in order: a JSON list of pairs of a sequence and a number.
+    pub const SCAN_IDS: &str = "scan_ids";
+}
+
+/// The fields of points in which scanbench says what boxes cannot.
+pub mod own_fields {
+    /// [`PointRegion`](crate::annotation::PointRegion): 0 labelled, 1 unscorable, 2 outside.
+    pub const REGION: &str = "region";
+    /// The place of the point's annotation in its message, from 1; 0 for none.
+    pub const OBJECT: &str = "object";
+}
+
+/// Annotations of another time than the cloud's are taken if they are nearer than this, in nanoseconds.
+const MAX_ANNOTATION_OFFSET_NS: u64 = 50_000_000;
+
+/// Annotations may be logged this long after the cloud they belong to, in nanoseconds.
+const MAX_ANNOTATION_DELAY_NS: u64 = 2_000_000_000;
+
+/// Transforms this far before and after a scan are looked at, in nanoseconds.
+const TRANSFORM_WINDOW_NS: u64 = 1_000_000_000;
+
+/// This many transforms of each topic are read at the start: those that never change are often sent only once.
+const N_FIRST_TRANSFORMS: usize = 200;
+
+/// Messages of objects and transforms that are larger than this are not read: small on disk, they may be large in memory.
+const MAX_SMALL_MESSAGE_BYTES: usize = 4 << 20;
+
+/// An open recording.
+#[derive(Debug)]
+pub struct Recording {
+    // Invariant: `scan_ids` and `clouds.places` have the same length and order.
+    description: DatasetDescription,
+    scan_ids: Vec<ScanId>,
+    file: RecordingFile,
+    clouds: Channel,
+    annotations: Option<Channel>,
+    transforms: Vec<Channel>,
+    first_transforms: Vec<StampedTransform>,
+    cut_off: Option<String>,
+}
+
+/// A channel with the places of its messages, by time.
+#[derive(Debug)]
+struct Channel {
+    kind: MessageKind,
+    encoding: String,
+    places: Vec<MessagePlace>,
+}
+
+/// A cloud as it was recorded.
+struct RecordedCloud {
+    cloud: PointCloud,
+    frame: String,
+    stamp_ns: u64,
+    /// From the frame to the sensor's.
+    sensor_from_frame: Isometry3<f64>,
+    regions: Option<Vec<f64>>,
+    objects: Option<Vec<f64>>,
+}
+
+/// Whether the file at `path` is MCAP, by its first bytes.
+pub fn is_mcap(path: &Path) -> bool {
+    use std::io::Read as _;
+    let mut magic = [0; 8];
+    path.is_file()
+        && std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
+        && magic == mcap::MAGIC
+}
+
+/// Opens the recording of `source`.
+///
+/// # Errors
+///
+/// [`DatasetError`] if it has no clouds, several topics of them and none is chosen, or if it is cut off or damaged and damage is
+/// not to be skipped. Clouds are not looked into.
+pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result<Recording, DatasetError> {
+    let path = source.path.clone();
+    let mut index =
+        index_recording(&path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
+    let damaged = |problem: String| DatasetError::Damaged { path: path.clone(), problem };
+    if let (Some(problem), DamagePolicy::Refuse) = (&index.cut_off, source.damage) {
+        return Err(damaged(problem.clone()));
+    }
+    if let Some(sheet) = index.metadata.get(own_metadata::DATA_SHEET) {
+        let sheet = DataSheet::from_json(sheet)
+            .map_err(|problem| damaged(format!("has a data sheet that cannot be read: {problem}")))?;
+        source.take_sheet(sheet);
+    }
+    let chosen = choose_channels(&path, &index, choice)?;
+    let checksum = checksum_of(&path, &index)?;
+    let own_ids = index.metadata.get(own_metadata::SCAN_IDS).and_then(|ids| serde_json::from_str(ids).ok());
+    let chunks = std::mem::take(&mut index.chunks);
+    let mut channel = |chosen: ChosenChannel| Channel {
+        kind: chosen.kind,
+        encoding: chosen.info.encoding,
+        places: index.messages.remove(&chosen.id).unwrap_or_default(),
+    };
+    let clouds = channel(chosen.cloud);
+    let mut recording = Recording {
+        scan_ids: scan_ids(&path, clouds.places.len(), own_ids),
+        description: source.describe(DatasetFormat::Mcap, checksum),
+        annotations: chosen.annotations.map(&mut channel),
+        transforms: chosen.transforms.into_iter().map(&mut channel).collect(),
+        clouds,
+        file: RecordingFile::new(&path, chunks),
+        first_transforms: Vec::new(),
+        cut_off: index.cut_off.take(),
+    };
+    if recording.scan_ids.is_empty() {
+        return Err(DatasetError::NoScans { path });
+    }
+    for channel in &recording.transforms {
+        for place in channel.places.iter().take(N_FIRST_TRANSFORMS) {
+            recording.first_transforms.extend(recording.read_transforms(channel, *place)?);
+        }
+    }
+    Ok(recording)
+}
+
+fn checksum_of(path: &Path, index: &RecordingIndex) -> Result<String, DatasetError> {
+    let metadata =
+        std::fs::metadata(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let mut checksum = DatasetChecksum::default();
+    // Not its name: a recording is the same under any.
+    checksum.add_scan("recording", metadata.len());
+    let crcs: Vec<String> = index.chunks.iter().map(|chunk| format!("{:08x}\n", chunk.crc)).collect();
+    checksum.add_text("chunks", &crcs.concat());
+    Ok(checksum.finish())
+}
+
+fn scan_ids(path: &Path, n_scans: usize, own: Option<Vec<(String, u32)>>) -> Vec<ScanId> {
+    match own {
+        Some(own) if own.len() == n_scans => {
+            own.into_iter().map(|(sequence, index)| ScanId { sequence, index }).collect()
+        }
+        _ => {
+            let stem = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+            (0..n_scans as u32).map(|index| ScanId { sequence: stem.clone(), index }).collect()
+        }
+    }
+}
+
+impl Dataset for Recording {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let place = self.clouds.places[scan_idx];
+        let recorded = self.read_cloud(place)?;
+        let annotations = self.annotations_of(&recorded, place)?;
+        let is_annotated = annotations.is_some();
+        let mut annotations = annotations.unwrap_or_default();
+        match &recorded.objects {
+            Some(objects) => assign_points(objects, &mut annotations),
+            None => assign_points_in_boxes(&recorded.cloud, &mut annotations),
+        }
+        let n_points = recorded.cloud.len();
+        let point_regions = match recorded.regions {
+            Some(regions) => regions.into_iter().map(region_of).collect(),
+            None if is_annotated => vec![PointRegion::Labeled; n_points],
+            None => vec![PointRegion::Outside; n_points],
+        };
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan { id, cloud: recorded.cloud, annotations, point_regions })
+    }
+
+    fn left_out(&self) -> Option<&str> {
+        self.cut_off.as_deref()
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        Some(self.clouds.places[scan_idx].log_time_ns)
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        if self.transforms.is_empty() {
+            return Ok(None);
+        }
+        let recorded = self.read_cloud(self.clouds.places[scan_idx])?;
+        let tree = self.frames_at(recorded.stamp_ns, self.clouds.places[scan_idx].log_time_ns)?;
+        Ok(Some(tree.root_from(&recorded.frame) * recorded.sensor_from_frame.inverse()))
+    }
+}
+
+impl Recording {
+    fn damaged(&self, problem: String) -> DatasetError {
+        self.file.damaged(problem)
+    }
+
+    fn read_cloud(&self, place: MessagePlace) -> Result<RecordedCloud, DatasetError> {
+        let message = self.file.message(place)?;
+        let named = |problem: String| self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns));
+        let recorded = if self.clouds.kind == MessageKind::RosCloud {
+            let (header, packed) = point_cloud_2(message.as_slice()).map_err(named)?;
+            recorded_cloud(&packed, header.frame, header.stamp_ns, &Isometry3::identity())
+        } else {
+            let message: FoxgloveCloud = decode(&self.clouds.encoding, message.as_slice()).map_err(named)?;
+            let pose = message.pose.unwrap_or_default().isometry().map_err(named)?;
+            let stamp_ns = message.timestamp.unwrap_or_default().nanoseconds();
+            message
+                .packed()
+                .and_then(|packed| recorded_cloud(&packed, message.frame_id.clone(), stamp_ns, &pose))
+        };
+        let mut recorded = recorded.map_err(named)?;
+        if recorded.stamp_ns == 0 {
+            recorded.stamp_ns = place.log_time_ns;
+        }
+        Ok(recorded)
+    }
+
+    /// The annotations of the scan without their points; `None` where no message belongs to it.
+    fn annotations_of(
+        &self,
+        recorded: &RecordedCloud,
+        place: MessagePlace,
+    ) -> Result<Option<Vec<Annotation>>, DatasetError> {
+        let Some(channel) = &self.annotations else { return Ok(None) };
+        let window = window(
+            &channel.places,
+            place.log_time_ns.saturating_sub(MAX_ANNOTATION_OFFSET_NS),
+            place.log_time_ns.saturating_add(MAX_ANNOTATION_DELAY_NS),
+        );
+        let mut nearest: Option<(u64, Vec<SceneObject>)> = None;
+        for candidate in window {
+            let (stamp_ns, objects) = self.read_objects(channel, *candidate)?;
+            let offset_ns = stamp_ns.unwrap_or(candidate.log_time_ns).abs_diff(recorded.stamp_ns);
+            if nearest.as_ref().is_none_or(|(least_ns, _)| offset_ns < *least_ns) {
+                nearest = Some((offset_ns, objects));
+            }
+            if offset_ns == 0 {
+                break;
+            }
+        }
+        let Some((_, objects)) = nearest.filter(|(offset_ns, _)| *offset_ns < MAX_ANNOTATION_OFFSET_NS)
+        else {
+            return Ok(None);
+        };
+        let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != recorded.frame;
+        let tree = if objects.iter().any(is_elsewhere) {
+            self.frames_at(recorded.stamp_ns, place.log_time_ns)?
+        } else {
+            FrameTree::default()
+        };
+        let annotation = |object: &SceneObject| -> Result<Annotation, DatasetError> {
+            let frame = if object.frame.is_empty() { &recorded.frame } else { &object.frame };
+            let cloud_from_frame = tree.to_from(&recorded.frame, frame).ok_or_else(|| {
+                self.damaged(format!(
+                    "has annotations in the frame {frame:?}, which nothing connects with {:?}",
+                    recorded.frame
+                ))
+            })?;
+            let sensor_from_frame = recorded.sensor_from_frame * cloud_from_frame;
+            object.annotation(&sensor_from_frame).map_err(|problem| self.damaged(problem))
+        };
+        objects.iter().map(annotation).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// The objects in a message and the moment it is about, if it says so.
+    fn read_objects(
+        &self,
+        channel: &Channel,
+        place: MessagePlace,
+    ) -> Result<(Option<u64>, Vec<SceneObject>), DatasetError> {
+        let message = self.file.message(place)?;
+        let bytes = message.as_slice();
+        let read = || -> Result<(u64, Vec<SceneObject>), String> {
+            check_size(bytes)?;
+            if channel.kind == MessageKind::RosDetections {
+                let (header, detections) = detection_3d_array(bytes)?;
+                let mut objects = objects_of_detections(&detections);
+                for object in objects.iter_mut().filter(|it| it.frame.is_empty()) {
+                    object.frame.clone_from(&header.frame);
+                }
+                return Ok((header.stamp_ns, objects));
+            }
+            let scene: SceneUpdate = decode(&channel.encoding, bytes)?;
+            let stamp = scene.entities.iter().find_map(|it| it.timestamp);
+            let stamp = stamp.or_else(|| scene.deletions.iter().find_map(|it| it.timestamp));
+            Ok((stamp.unwrap_or_default().nanoseconds(), objects_of_scene(&scene)?))
+        };
+        let named = |problem: String| self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns));
+        let (stamp_ns, objects) = read().map_err(named)?;
+        Ok(((stamp_ns > 0).then_some(stamp_ns), objects))
+    }
+
+    /// How the frames lie to each other at `stamp_ns`, of what was logged around `log_time_ns`.
+    fn frames_at(&self, stamp_ns: u64, log_time_ns: u64) -> Result<FrameTree, DatasetError> {
+        let mut transforms = self.first_transforms.clone();
+        for channel in &self.transforms {
+            let begin_ns = log_time_ns.saturating_sub(TRANSFORM_WINDOW_NS);
+            for place in window(&channel.places, begin_ns, log_time_ns.saturating_add(TRANSFORM_WINDOW_NS)) {
+                transforms.extend(self.read_transforms(channel, *place)?);
+            }
+        }
+        Ok(FrameTree::at(stamp_ns, transforms))
+    }
+
+    fn read_transforms(
+        &self,
+        channel: &Channel,
+        place: MessagePlace,
+    ) -> Result<Vec<StampedTransform>, DatasetError> {
+        let message = self.file.message(place)?;
+        let bytes = message.as_slice();
+        let read = || -> Result<Vec<StampedTransform>, String> {
+            check_size(bytes)?;
+            match channel.kind {
+                MessageKind::RosTransforms => tf_message(bytes),
+                MessageKind::FoxgloveTransform => {
+                    Ok(vec![decode::<FrameTransform>(&channel.encoding, bytes)?.stamped()?])
+                }
+                _ => {
+                    let all: FrameTransforms = decode(&channel.encoding, bytes)?;
+                    all.transforms.iter().map(FrameTransform::stamped).collect()
+                }
+            }
+        };
+        read().map_err(|problem| self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns)))
+    }
+}
+
+fn recorded_cloud(
+    packed: &PackedPoints<'_>,
+    frame: String,
+    stamp_ns: u64,
+    frame_from_points: &Isometry3<f64>,
+) -> Result<RecordedCloud, String> {
+    let mut cloud = packed.cloud()?;
+    // The axes become those of the frame, the origin stays with the sensor.
+    if frame_from_points.rotation.angle() > 0.0 {
+        let turned = |[x, y, z]: [f32; 3]| {
+            let turned = frame_from_points.rotation * Point3::from([x, y, z].map(f64::from));
+            [turned.x as f32, turned.y as f32, turned.z as f32]
+        };
+        let mut all = PointCloud::with_capacity(cloud.len());
+        for (position_m, intensity) in cloud.positions_m().zip(cloud.intensity()) {
+            all.push(turned(position_m), *intensity);
+        }
+        cloud = all;
+    }
+    Ok(RecordedCloud {
+        cloud,
+        frame,
+        stamp_ns,
+        sensor_from_frame: frame_from_points.translation.inverse() * Isometry3::identity(),
+        regions: packed.column(own_fields::REGION)?,
+        objects: packed.column(own_fields::OBJECT)?,
+    })
+}
+
+fn region_of(number: f64) -> PointRegion {
+    match number as u8 {
+        0 => PointRegion::Labeled,
+        1 => PointRegion::Unscorable,
+        _ => PointRegion::Outside,
+    }
+}
+
+/// The number that stands for a region in recordings.
+pub fn number_of_region(region: PointRegion) -> u8 {
+    match region {
+        PointRegion::Labeled => 0,
+        PointRegion::Unscorable => 1,
+        PointRegion::Outside => 2,
+    }
+}
+
+fn assign_points(objects: &[f64], annotations: &mut [Annotation]) {
+    for (point_idx, number) in (0_u32..).zip(objects) {
+        let annotation = (*number as usize).checked_sub(1).and_then(|idx| annotations.get_mut(idx));
+        if let Some(annotation) = annotation {
+            annotation.point_indices.push(point_idx);
+        }
+    }
+}
+
+fn assign_points_in_boxes(cloud: &PointCloud, annotations: &mut [Annotation]) {
+    let mut boxed: Vec<&mut Annotation> =
+        annotations.iter_mut().filter(|it| it.bounding_box.is_some()).collect();
+    let boxes: Vec<_> = boxed.iter().filter_map(|it| it.bounding_box).collect();
+    for (annotation, points) in boxed.iter_mut().zip(points_of_boxes(cloud, &boxes)) {
+        annotation.point_indices = points;
+    }
+}
+
+fn check_size(message: &[u8]) -> Result<(), String> {
+    let n_bytes = message.len();
+    if n_bytes > MAX_SMALL_MESSAGE_BYTES {
+        return Err(format!("has a message of {n_bytes} bytes where only few objects are expected"));
+    }
+    Ok(())
+}
+
+/// The places from `begin_ns` to `end_ns`; `places` ascend by time.
+fn window(places: &[MessagePlace], begin_ns: u64, end_ns: u64) -> &[MessagePlace] {
+    let begin = places.partition_point(|it| it.log_time_ns < begin_ns);
+    let end = places.partition_point(|it| it.log_time_ns <= end_ns);
+    &places[begin..end.max(begin)]
+}

@@ -1,0 +1,326 @@
+//! Where in an MCAP file the messages are that matter.
+//!
+//! The file is walked once from record to record; of chunks only headers and message indexes are read. A recording that was
+//! never finished has no summary that says what its channels are: then its chunks are looked into.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use mcap::records::op;
+
+use super::chunk::{N_RECORD_HEADER_BYTES, decompressed, record_at, split_header};
+use super::record_body::RecordBody;
+use crate::dataset::DatasetError;
+
+/// Records other than chunks are read whole; larger ones are no part of a sensible recording.
+const MAX_RECORD_BYTES: u64 = 256 << 20;
+
+/// A chunk's header fits in here, with the name of its compression.
+const MAX_CHUNK_HEADER_BYTES: u64 = 256;
+
+/// Footer: opcode, length, two offsets and a checksum.
+const N_FOOTER_BYTES: i64 = 9 + 8 + 8 + 4;
+
+/// What is in a recording, and where.
+#[derive(Debug, Clone, Default)]
+pub struct RecordingIndex {
+    /// The channels by their numbers.
+    pub channels: BTreeMap<u16, ChannelInfo>,
+    /// The places of the messages of the channels that were asked for, by time.
+    pub messages: BTreeMap<u16, Vec<MessagePlace>>,
+    /// Where the chunks begin, and their checksums.
+    pub chunks: Vec<ChunkPlace>,
+    /// What the record called after this program says.
+    pub metadata: BTreeMap<String, String>,
+    /// Why the walk ended early, in a file that was cut off or is damaged.
+    pub cut_off: Option<String>,
+}
+
+/// What a channel carries.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChannelInfo {
+    /// Its name.
+    pub topic: String,
+    /// The name of the schema of its messages; empty if it has none.
+    pub schema: String,
+    /// How messages are encoded, such as `cdr`.
+    pub encoding: String,
+}
+
+/// Where a message is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MessagePlace {
+    /// When it was logged, in nanoseconds.
+    pub log_time_ns: u64,
+    /// Which chunk it is in; `None` for one of its own.
+    pub chunk_idx: Option<u32>,
+    /// Where its record begins: in the decompressed chunk, or in the file.
+    pub offset: u64,
+}
+
+/// Where a chunk is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ChunkPlace {
+    /// Where its record begins in the file.
+    pub offset: u64,
+    /// Length of the body of its record.
+    pub n_bytes: u64,
+    /// Checksum of what it holds.
+    pub crc: u32,
+}
+
+/// Walks the file at `path` and notes the messages of the channels that `matters` picks; metadata are those called `name`.
+///
+/// A file that is cut off gives what comes before the cut.
+///
+/// # Errors
+///
+/// [`DatasetError::Io`]; [`DatasetError::Damaged`] for a file that does not begin as MCAP does.
+pub fn index_recording(
+    path: &Path,
+    name: &str,
+    matters: impl Fn(&ChannelInfo) -> bool,
+) -> Result<RecordingIndex, DatasetError> {
+    let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
+    let mut file = File::open(path).map_err(io_error)?;
+    let n_file_bytes = file.metadata().map_err(io_error)?.len();
+    let mut magic = [0; 8];
+    let is_mcap = file.read_exact(&mut magic).is_ok() && magic == mcap::MAGIC;
+    if !is_mcap {
+        let problem = "is no MCAP file, it begins otherwise".to_owned();
+        return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
+    }
+    let mut walk =
+        Walk { schemas: BTreeMap::new(), index: RecordingIndex::default(), name, matters: &matters };
+    // Where the summary is whole, it names all channels, and chunks need not be opened.
+    let has_summary = walk.read_summary(&mut file).is_some();
+    match walk.walk(&mut file, n_file_bytes, has_summary) {
+        Ok(()) => {}
+        Err(WalkError::Io(source)) => return Err(io_error(source)),
+        Err(WalkError::Damaged(problem)) => walk.index.cut_off = Some(problem),
+    }
+    for places in walk.index.messages.values_mut() {
+        places.sort_by_key(|place| place.log_time_ns);
+    }
+    Ok(walk.index)
+}
+
+enum WalkError {
+    Io(std::io::Error),
+    Damaged(String),
+}
+
+impl From<std::io::Error> for WalkError {
+    fn from(error: std::io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl From<String> for WalkError {
+    fn from(problem: String) -> Self {
+        Self::Damaged(problem)
+    }
+}
+
+struct Walk<'a> {
+    schemas: BTreeMap<u16, String>,
+    index: RecordingIndex,
+    name: &'a str,
+    matters: &'a dyn Fn(&ChannelInfo) -> bool,
+}
+
+impl Walk<'_> {
+    /// Takes schemas and channels from the end of the file; `None` if there is no summary that can be read.
+    fn read_summary(&mut self, file: &mut File) -> Option<()> {
+        let mut footer = [0; N_FOOTER_BYTES as usize];
+        let end = file.seek(SeekFrom::End(-N_FOOTER_BYTES - 8)).ok()?;
+        file.read_exact(&mut footer).ok()?;
+        let (op::FOOTER, body, _) = record_at(&footer, 0)? else { return None };
+        let begin = RecordBody::new(body).footer().ok()?;
+        let n_bytes = end.checked_sub(begin)?;
+        if begin == 0 || n_bytes > MAX_RECORD_BYTES {
+            return None;
+        }
+        file.seek(SeekFrom::Start(begin)).ok()?;
+        let mut summary = Vec::new();
+        file.take(n_bytes).read_to_end(&mut summary).ok()?;
+        let mut offset = 0;
+        while let Some((opcode, body, next)) = record_at(&summary, offset) {
+            if matches!(opcode, op::SCHEMA | op::CHANNEL) {
+                self.note(opcode, body).ok()?;
+            }
+            offset = next;
+        }
+        (!self.index.channels.is_empty()).then_some(())
+    }
+
+    fn walk(&mut self, file: &mut File, n_file_bytes: u64, has_summary: bool) -> Result<(), WalkError> {
+        let mut offset = mcap::MAGIC.len() as u64;
+        // The chunk whose message indexes may follow, and whether none did yet: indexes may be left out.
+        let (mut open_chunk, mut lacks_index) = (None, false);
+        loop {
+            file.seek(SeekFrom::Start(offset))?;
+            let mut header = [0; N_RECORD_HEADER_BYTES];
+            if n_file_bytes < offset + N_RECORD_HEADER_BYTES as u64 {
+                return Err(WalkError::Damaged(format!("is cut off at byte {n_file_bytes}")));
+            }
+            file.read_exact(&mut header)?;
+            let (opcode, n_bytes) = split_header(&header);
+            let body_offset = offset + N_RECORD_HEADER_BYTES as u64;
+            let end = body_offset.checked_add(n_bytes).filter(|end| *end <= n_file_bytes).ok_or_else(|| {
+                format!("is cut off: a record at byte {offset} has {n_bytes} bytes, the file has {n_file_bytes}")
+            })?;
+            if let Some(chunk_idx) = open_chunk
+                && lacks_index
+                && opcode != op::MESSAGE_INDEX
+            {
+                self.look_into(file, chunk_idx)?;
+                (open_chunk, lacks_index) = (None, false);
+                continue;
+            }
+            match opcode {
+                op::DATA_END | op::FOOTER => return Ok(()),
+                op::CHUNK => {
+                    let chunk_idx = self.note_chunk(file, offset, n_bytes)?;
+                    if has_summary {
+                        (open_chunk, lacks_index) = (Some(chunk_idx), true);
+                    } else {
+                        self.look_into(file, chunk_idx)?;
+                    }
+                }
+                op::MESSAGE_INDEX if has_summary => {
+                    let body = read_body(file, n_bytes)?;
+                    lacks_index = false;
+                    self.note_message_index(&body, open_chunk)?;
+                }
+                op::MESSAGE => {
+                    let mut start = [0; 22];
+                    let n_read = start.len().min(n_bytes as usize);
+                    file.read_exact(&mut start[..n_read])?;
+                    self.note_message(&start[..n_read], None, offset)?;
+                }
+                op::SCHEMA | op::CHANNEL | op::METADATA => self.note(opcode, &read_body(file, n_bytes)?)?,
+                _ => {}
+            }
+            offset = end;
+        }
+    }
+
+    fn note(&mut self, opcode: u8, body: &[u8]) -> Result<(), String> {
+        let body = RecordBody::new(body);
+        match opcode {
+            op::SCHEMA => {
+                let schema = body.schema()?;
+                self.schemas.insert(schema.id, schema.name);
+            }
+            op::CHANNEL => {
+                let channel = body.channel()?;
+                let schema = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                let info = ChannelInfo { topic: channel.topic, schema, encoding: channel.encoding };
+                self.index.channels.insert(channel.id, info);
+            }
+            op::METADATA => {
+                let (name, metadata) = body.metadata()?;
+                if name == self.name {
+                    self.index.metadata = metadata;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn note_chunk(&mut self, file: &mut File, offset: u64, n_bytes: u64) -> Result<u32, WalkError> {
+        let start = read_body(file, n_bytes.min(MAX_CHUNK_HEADER_BYTES))?;
+        let (header, _) = RecordBody::new(&start).chunk_header()?;
+        self.index.chunks.push(ChunkPlace { offset, n_bytes, crc: header.uncompressed_crc });
+        u32::try_from(self.index.chunks.len() - 1)
+            .map_err(|_| WalkError::Damaged("has more chunks than can be counted".to_owned()))
+    }
+
+    fn look_into(&mut self, file: &mut File, chunk_idx: u32) -> Result<(), WalkError> {
+        let place = self.index.chunks[chunk_idx as usize];
+        let records = read_chunk(file, place)?;
+        let mut offset = 0;
+        while offset < records.len() {
+            let (opcode, body, next) =
+                record_at(&records, offset).ok_or("has a chunk that ends within a record".to_owned())?;
+            match opcode {
+                op::MESSAGE => self.note_message(body, Some(chunk_idx), offset as u64)?,
+                op::SCHEMA | op::CHANNEL => self.note(opcode, body)?,
+                _ => {}
+            }
+            offset = next;
+        }
+        Ok(())
+    }
+
+    fn note_message(&mut self, body: &[u8], chunk_idx: Option<u32>, offset: u64) -> Result<(), String> {
+        let (channel_id, log_time_ns) = RecordBody::new(body).message()?;
+        if self.index.channels.get(&channel_id).is_some_and(self.matters) {
+            let place = MessagePlace { log_time_ns, chunk_idx, offset };
+            self.index.messages.entry(channel_id).or_default().push(place);
+        }
+        Ok(())
+    }
+
+    fn note_message_index(&mut self, body: &[u8], chunk_idx: Option<u32>) -> Result<(), String> {
+        let (channel_id, entries) = RecordBody::new(body).message_index()?;
+        if chunk_idx.is_some() && self.index.channels.get(&channel_id).is_some_and(self.matters) {
+            let places = entries.into_iter().map(|it| MessagePlace {
+                log_time_ns: it.log_time,
+                chunk_idx,
+                offset: it.offset,
+            });
+            self.index.messages.entry(channel_id).or_default().extend(places);
+        }
+        Ok(())
+    }
+}
+
+/// The next `n_bytes` of `file`, which is known to be as long.
+fn read_body(file: &mut File, n_bytes: u64) -> Result<Vec<u8>, WalkError> {
+    if n_bytes > MAX_RECORD_BYTES {
+        return Err(WalkError::Damaged(format!("has a record of {n_bytes} bytes")));
+    }
+    let mut body = Vec::new();
+    file.take(n_bytes).read_to_end(&mut body)?;
+    Ok(body)
+}
+
+/// The decompressed records of the chunk at `place`.
+///
+/// # Errors
+///
+/// [`ChunkError`] if it cannot be read or is damaged.
+pub fn read_chunk(file: &mut File, place: ChunkPlace) -> Result<Vec<u8>, ChunkError> {
+    file.seek(SeekFrom::Start(place.offset + N_RECORD_HEADER_BYTES as u64)).map_err(ChunkError::Io)?;
+    let mut body = Vec::new();
+    file.take(place.n_bytes).read_to_end(&mut body).map_err(ChunkError::Io)?;
+    let (header, begin) = RecordBody::new(&body).chunk_header().map_err(ChunkError::Damaged)?;
+    let end = usize::try_from(header.compressed_size).ok().and_then(|size| begin.checked_add(size));
+    let compressed = end
+        .and_then(|end| body.get(begin..end))
+        .ok_or_else(|| ChunkError::Damaged("has a chunk that is cut off".to_owned()))?;
+    decompressed(&header, compressed).map_err(ChunkError::Damaged)
+}
+
+/// Why a chunk cannot be read.
+#[derive(Debug)]
+pub enum ChunkError {
+    /// The operating system refused.
+    Io(std::io::Error),
+    /// What is wrong with it, as the rest of a sentence about the file.
+    Damaged(String),
+}
+
+impl From<ChunkError> for WalkError {
+    fn from(error: ChunkError) -> Self {
+        match error {
+            ChunkError::Io(error) => Self::Io(error),
+            ChunkError::Damaged(problem) => Self::Damaged(problem),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Objects with boxes, from whichever message, in the sensor frame.
+
+use detector::OrientedBox;
+use nalgebra::{Isometry3, Vector3};
+
+use super::foxglove_messages::{SceneEntity, SceneUpdate};
+use super::ros_messages::Detection3D;
+use crate::annotation::{Annotation, AnnotationClass, Occlusion};
+use crate::dataset::class_name::class_named;
+
+/// The names of what is known about an object, in the metadata of Foxglove's scene entities.
+pub mod keys {
+    /// Its class.
+    pub const CLASS: &str = "class";
+    /// Its number within the drive.
+    pub const TRACK: &str = "track";
+    /// How much of it is hidden.
+    pub const OCCLUSION: &str = "occlusion";
+    /// Share of it outside the labelled region.
+    pub const TRUNCATION: &str = "truncation";
+}
+
+/// The names that the class goes by in the recordings of others.
+const CLASS_KEYS: [&str; 5] = [keys::CLASS, "label", "category", "type", "name"];
+
+/// An object in the frame that its message names.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneObject {
+    /// The frame of its box; empty for that of the message.
+    pub frame: String,
+    /// What it is.
+    pub class: AnnotationClass,
+    /// The centre and turn of its box, and its extent along its own axes in metres.
+    pub frame_from_box: Option<(Isometry3<f64>, [f64; 3])>,
+    /// Its number within the drive.
+    pub track: Option<u32>,
+    /// How much of it is hidden.
+    pub occlusion: Option<Occlusion>,
+    /// Share of it outside the labelled region.
+    pub truncation: Option<f32>,
+}
+
+impl SceneObject {
+    /// The object as an annotation without points, once it is known how its frame lies to the sensor's.
+    ///
+    /// The box is set upright. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If a side of the box is not above 0, or it lies beyond all measure.
+    pub fn annotation(&self, sensor_from_frame: &Isometry3<f64>) -> Result<Annotation, String> {
+        let bounding_box = self
+            .frame_from_box
+            .as_ref()
+            .map(|(frame_from_box, size_m)| upright_box(&(sensor_from_frame * frame_from_box), *size_m))
+            .transpose()?;
+        Ok(Annotation {
+            class: self.class,
+            bounding_box,
+            point_indices: Vec::new(),
+            track: self.track,
+            occlusion: self.occlusion,
+            truncation: self.truncation,
+        })
+    }
+}
+
+fn upright_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<OrientedBox, String> {
+    let center_m: [f64; 3] = sensor_from_box.translation.vector.into();
+    // Beyond this a mistake, and sums of squares would overflow in single precision.
+    let is_sensible =
+        center_m.iter().all(|it| it.abs() < 1e9) && size_m.iter().all(|it| *it > 0.0 && *it < 1e9);
+    if !is_sensible {
+        return Err(format!("has a box at {center_m:?} m with sides of {size_m:?} m"));
+    }
+    let heading = sensor_from_box.rotation * Vector3::x();
+    Ok(OrientedBox {
+        center_m: center_m.map(|it| it as f32),
+        length_width_height_m: size_m.map(|it| it as f32),
+        yaw_rad: heading.y.atan2(heading.x) as f32,
+    })
+}
+
+/// The objects of a scene, in order. Errors are the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// If a number is not finite.
+pub fn objects_of_scene(scene: &SceneUpdate) -> Result<Vec<SceneObject>, String> {
+    scene.entities.iter().map(object_of_entity).collect()
+}
+
+fn object_of_entity(entity: &SceneEntity) -> Result<SceneObject, String> {
+    let value = |key: &str| entity.metadata.iter().find(|it| it.key == key).map(|it| it.value.as_str());
+    let frame_from_box = match entity.cubes.first() {
+        None => None,
+        Some(cube) => {
+            let size = cube.size.unwrap_or_default();
+            Some((cube.pose.unwrap_or_default().isometry()?, [size.x, size.y, size.z]))
+        }
+    };
+    let occlusion = [Occlusion::None, Occlusion::Partly, Occlusion::Largely];
+    Ok(SceneObject {
+        frame: entity.frame_id.clone(),
+        class: CLASS_KEYS.iter().find_map(|key| value(key)).map_or(AnnotationClass::Misc, class_named),
+        frame_from_box,
+        track: value(keys::TRACK).and_then(|it| it.parse().ok()),
+        occlusion: value(keys::OCCLUSION).and_then(|name| occlusion.into_iter().find(|it| it.name() == name)),
+        truncation: value(keys::TRUNCATION).and_then(|it| it.parse().ok()),
+    })
+}
+
+/// The objects of `vision_msgs`, in order.
+pub fn objects_of_detections(detections: &[Detection3D]) -> Vec<SceneObject> {
+    let object = |it: &Detection3D| SceneObject {
+        frame: it.header.frame.clone(),
+        class: class_named(&it.class),
+        frame_from_box: Some((it.frame_from_box, it.size_m)),
+        track: it.id.parse().ok(),
+        occlusion: None,
+        truncation: None,
+    };
+    detections.iter().map(object).collect()
+}

@@ -1,0 +1,307 @@
+//! Points as rows of bytes whose fields are described beside them, as in ROS, Foxglove and PCD.
+
+use detector::PointCloud;
+
+/// How a number is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NumberType {
+    /// One byte with a sign.
+    I8,
+    /// One byte.
+    U8,
+    /// Two bytes with a sign.
+    I16,
+    /// Two bytes.
+    U16,
+    /// Four bytes with a sign.
+    I32,
+    /// Four bytes.
+    U32,
+    /// Four bytes with a fraction.
+    F32,
+    /// Eight bytes with a fraction.
+    F64,
+}
+
+impl NumberType {
+    /// Bytes of such a number.
+    pub fn n_bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+/// The byte order of numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ByteOrder {
+    /// Least significant byte first.
+    Little,
+    /// Most significant byte first.
+    Big,
+}
+
+/// One number of every point.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PackedField {
+    /// What it is called.
+    pub name: String,
+    /// Where it begins in a point, in bytes.
+    pub offset: usize,
+    /// How it is stored.
+    pub number: NumberType,
+}
+
+/// Points in rows: `n_rows` of `n_columns` points, with room between points and rows.
+#[derive(Debug, Clone)]
+pub struct PackedPoints<'a> {
+    /// What a point is made of.
+    pub fields: Vec<PackedField>,
+    /// Points of a row.
+    pub n_columns: usize,
+    /// Rows.
+    pub n_rows: usize,
+    /// Bytes from one point to the next.
+    pub point_step: usize,
+    /// Bytes from one row to the next.
+    pub row_step: usize,
+    /// The byte order of all numbers.
+    pub byte_order: ByteOrder,
+    /// All of them.
+    pub data: &'a [u8],
+}
+
+/// The names that the intensity goes by, the first that there is counts.
+const INTENSITY_NAMES: [&str; 4] = ["intensity", "intensities", "reflectivity", "i"];
+
+impl PackedPoints<'_> {
+    /// Makes sure that every number lies within the data. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If it does not, or if x, y or z is missing.
+    fn check(&self) -> Result<(), String> {
+        for field in &self.fields {
+            let end = field.offset.checked_add(field.number.n_bytes());
+            if end.is_none_or(|end| end > self.point_step) {
+                let (name, step) = (&field.name, self.point_step);
+                return Err(format!("has a field {name:?} that ends beyond the {step} bytes of a point"));
+            }
+        }
+        let n_points = self.n_rows.checked_mul(self.n_columns);
+        let n_row_bytes = self.n_columns.checked_mul(self.point_step);
+        let n_needed = match (self.n_rows, n_row_bytes) {
+            (0, _) | (_, Some(0)) => Some(0),
+            (n_rows, Some(n_row_bytes)) if n_row_bytes <= self.row_step || n_rows == 1 => {
+                (n_rows - 1).checked_mul(self.row_step).and_then(|before| before.checked_add(n_row_bytes))
+            }
+            _ => None,
+        };
+        let n_bytes = self.data.len();
+        match (n_points, n_needed) {
+            (Some(_), Some(n_needed)) if n_needed <= n_bytes => Ok(()),
+            _ => {
+                let (rows, columns, step) = (self.n_rows, self.n_columns, self.point_step);
+                Err(format!(
+                    "announces {rows} x {columns} points of {step} bytes, {} a row, and holds {n_bytes} bytes",
+                    self.row_step
+                ))
+            }
+        }
+    }
+
+    /// Number of points.
+    pub fn n_points(&self) -> usize {
+        if self.point_step == 0 { 0 } else { self.n_rows * self.n_columns }
+    }
+
+    /// The points in metres. What was not measured may be NaN.
+    ///
+    /// # Errors
+    ///
+    /// If x, y or z is missing, or there are fewer bytes than announced; the rest of a sentence about the file.
+    pub fn cloud(&self) -> Result<PointCloud, String> {
+        self.check()?;
+        let position = ["x", "y", "z"].map(|name| self.field(name).ok_or_else(|| self.lacks(name)));
+        let [x, y, z] = position;
+        let (x, y, z) = (x?, y?, z?);
+        let intensity = INTENSITY_NAMES.iter().find_map(|name| self.field(name));
+        let mut cloud = PointCloud::with_capacity(self.n_points());
+        let is_common = |field: &PackedField| field.number == NumberType::F32;
+        if self.byte_order == ByteOrder::Little && [x, y, z].into_iter().chain(intensity).all(is_common) {
+            let number = |point: &[u8], offset: usize| {
+                point[offset..].first_chunk().map_or(f32::NAN, |bytes| f32::from_le_bytes(*bytes))
+            };
+            let (x, y, z) = (x.offset, y.offset, z.offset);
+            let intensity = intensity.map(|field| field.offset);
+            for point in self.points() {
+                let intensity = intensity.map_or(0.0, |offset| number(point, offset));
+                cloud.push([number(point, x), number(point, y), number(point, z)], intensity);
+            }
+        } else {
+            let number = |point: &[u8], field: &PackedField| self.number(point, field) as f32;
+            for point in self.points() {
+                let intensity = intensity.map_or(0.0, |field| number(point, field));
+                cloud.push([number(point, x), number(point, y), number(point, z)], intensity);
+            }
+        }
+        Ok(cloud)
+    }
+
+    /// The numbers of the field called `name`, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// If there are fewer bytes than announced; the rest of a sentence about the file.
+    pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
+        self.check()?;
+        Ok(self.field(name).map(|field| self.points().map(|point| self.number(point, field)).collect()))
+    }
+
+    fn field(&self, name: &str) -> Option<&PackedField> {
+        self.fields.iter().find(|field| field.name.eq_ignore_ascii_case(name))
+    }
+
+    fn lacks(&self, name: &str) -> String {
+        let names: Vec<&str> = self.fields.iter().map(|field| field.name.as_str()).collect();
+        format!("has points without {name}, only {}", names.join(", "))
+    }
+
+    /// The bytes of every point; checked before.
+    fn points(&self) -> impl Iterator<Item = &[u8]> {
+        // Rows without bytes may be announced beyond the data.
+        let n_rows = if self.point_step == 0 || self.n_columns == 0 { 0 } else { self.n_rows };
+        (0..n_rows).flat_map(move |row| {
+            let begin = row * self.row_step;
+            self.data[begin..begin + self.n_columns * self.point_step].chunks_exact(self.point_step.max(1))
+        })
+    }
+
+    fn number(&self, point: &[u8], field: &PackedField) -> f64 {
+        let mut bytes = [0; 8];
+        let n_bytes = field.number.n_bytes();
+        let number = &mut bytes[..n_bytes];
+        number.copy_from_slice(&point[field.offset..field.offset + n_bytes]);
+        if self.byte_order == ByteOrder::Big {
+            number.reverse();
+        }
+        let [a, b, c, d, ..] = bytes;
+        match field.number {
+            NumberType::I8 => f64::from(a as i8),
+            NumberType::U8 => f64::from(a),
+            NumberType::I16 => f64::from(i16::from_le_bytes([a, b])),
+            NumberType::U16 => f64::from(u16::from_le_bytes([a, b])),
+            NumberType::I32 => f64::from(i32::from_le_bytes([a, b, c, d])),
+            NumberType::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
+            NumberType::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
+            NumberType::F64 => f64::from_le_bytes(bytes),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn field(name: &str, offset: usize, number: NumberType) -> PackedField {
+        PackedField { name: name.to_owned(), offset, number }
+    }
+
+    #[test]
+    fn fields_come_in_any_order_type_and_byte_order() {
+        // i16 z, one byte of padding, u8 intensity, f64 x, f32 y; two rows of one point with two bytes between rows.
+        let mut data = Vec::new();
+        for (z, intensity, x, y) in [(-2_i16, 7_u8, 1.5_f64, 2.5_f32), (3, 200, -4.5, f32::NAN)] {
+            data.extend(z.to_be_bytes());
+            data.extend([99, intensity]);
+            data.extend(x.to_be_bytes());
+            data.extend(y.to_be_bytes());
+            data.extend([1, 2]);
+        }
+        let fields = vec![
+            field("z", 0, NumberType::I16),
+            field("Reflectivity", 3, NumberType::U8),
+            field("x", 4, NumberType::F64),
+            field("y", 12, NumberType::F32),
+        ];
+        let packed = PackedPoints {
+            fields,
+            n_columns: 1,
+            n_rows: 2,
+            point_step: 16,
+            row_step: 18,
+            byte_order: ByteOrder::Big,
+            data: &data[..34],
+        };
+        let cloud = packed.cloud().unwrap();
+        assert_eq!((cloud.x_m(), cloud.z_m()), (&[1.5, -4.5][..], &[-2.0, 3.0][..]));
+        assert!(cloud.y_m()[0] == 2.5 && cloud.y_m()[1].is_nan());
+        assert_eq!(cloud.intensity(), [7.0, 200.0]);
+        assert_eq!(packed.column("z").unwrap().unwrap(), [-2.0, 3.0]);
+        assert_eq!(packed.column("ring").unwrap(), None);
+    }
+
+    fn xyz(n_columns: usize, n_rows: usize, row_step: usize, data: &[u8]) -> PackedPoints<'_> {
+        let fields =
+            [("x", 0), ("y", 4), ("z", 8)].map(|(name, offset)| field(name, offset, NumberType::F32));
+        let byte_order = ByteOrder::Little;
+        PackedPoints {
+            fields: fields.to_vec(),
+            n_columns,
+            n_rows,
+            point_step: 12,
+            row_step,
+            byte_order,
+            data,
+        }
+    }
+
+    #[track_caller]
+    fn check_refused(packed: &PackedPoints<'_>, part: &str) {
+        let problem = packed.cloud().expect_err("damaged");
+        assert!(problem.contains(part), "{problem}");
+    }
+
+    #[test]
+    fn what_is_announced_must_be_there() {
+        assert_eq!(xyz(2, 1, 24, &[0; 24]).cloud().unwrap().len(), 2);
+        assert_eq!(xyz(0, 1, 0, &[]).cloud().unwrap().len(), 0);
+        // Some drivers leave the row step of a single row at 0.
+        assert_eq!(xyz(2, 1, 0, &[0; 24]).cloud().unwrap().len(), 2);
+        check_refused(
+            &xyz(2, 1, 24, &[0; 23]),
+            "announces 1 x 2 points of 12 bytes, 24 a row, and holds 23 bytes",
+        );
+        check_refused(&xyz(2, 2, 12, &[0; 48]), "12 a row");
+        check_refused(&xyz(usize::MAX, 2, 24, &[0; 24]), "announces");
+        check_refused(&xyz(4_294_967_295, 1, 0, &[0; 24]), "announces 1 x 4294967295");
+        let mut without_y = xyz(2, 1, 24, &[0; 24]);
+        without_y.fields.remove(1);
+        check_refused(&without_y, "without y, only x, z");
+        let mut beyond = xyz(2, 1, 24, &[0; 24]);
+        beyond.fields[2].offset = usize::MAX;
+        check_refused(&beyond, "field \"z\" that ends beyond the 12 bytes of a point");
+    }
+
+    proptest! {
+        #[test]
+        fn any_layout_gives_points_or_an_error(
+            n_columns in 0_usize..9, n_rows in 0_usize..9, point_step in 0_usize..20, row_step in 0_usize..99,
+            offsets in prop::array::uniform3(0_usize..20), data in prop::collection::vec(any::<u8>(), 0..200),
+        ) {
+            let fields = [("x", NumberType::F32), ("y", NumberType::U8), ("z", NumberType::F64)];
+            let fields = fields.into_iter().zip(offsets).map(|((name, number), offset)| field(name, offset, number));
+            for byte_order in [ByteOrder::Little, ByteOrder::Big] {
+                let fields = fields.clone().collect();
+                let packed = PackedPoints { fields, n_columns, n_rows, point_step, row_step, byte_order, data: &data };
+                if let Ok(cloud) = packed.cloud() {
+                    prop_assert_eq!(cloud.len(), if point_step == 0 { 0 } else { n_rows * n_columns });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! How files write which objects a data set labels: `"every-object"` or a list of classes.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Error as _, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::AnnotatedClasses;
+use crate::annotation::AnnotationClass;
+
+/// The word for all of them.
+const EVERY_OBJECT: &str = "every-object";
+
+impl Serialize for AnnotatedClasses {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::EveryObject => serializer.serialize_str(EVERY_OBJECT),
+            Self::Only(classes) => classes.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for AnnotatedClasses {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(AnnotatedClassesVisitor)
+    }
+}
+
+struct AnnotatedClassesVisitor;
+
+impl<'de> Visitor<'de> for AnnotatedClassesVisitor {
+    type Value = AnnotatedClasses;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("\"every-object\" or a list of classes")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, keyword: &str) -> Result<AnnotatedClasses, E> {
+        match keyword {
+            EVERY_OBJECT => Ok(AnnotatedClasses::EveryObject),
+            _ => Err(E::invalid_value(Unexpected::Str(keyword), &self)),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<AnnotatedClasses, A::Error> {
+        let classes: BTreeSet<AnnotationClass> = Deserialize::deserialize(SeqAccessDeserializer::new(list))?;
+        if classes.is_empty() {
+            return Err(A::Error::invalid_length(0, &"at least one class"));
+        }
+        Ok(AnnotatedClasses::Only(classes.into_iter().collect()))
+    }
+}

@@ -1,0 +1,182 @@
+//! `scanbench data convert` and `scanbench data simulate`, and runs on what they leave.
+
+use crate::program::{Workplace, real_data};
+
+/// Counts and rates of every detector, without what times decide: the second table of the terminal from its third line on.
+fn counts(stdout: &str) -> Vec<Vec<String>> {
+    let is_row = |line: &&str| ["hierarchical", "kd-tree", "pca"].iter().any(|name| line.contains(name));
+    let row = |line: &str| {
+        let from_detector = line.find("hierarchical").or(line.find("kd-tree")).or(line.find("pca"));
+        line[from_detector.unwrap_or_default()..].split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let rows = stdout.lines().filter(is_row).map(row);
+    rows.filter(|row| row.len() > 8 && row[1].parse::<u32>().is_ok()).collect()
+}
+
+#[track_caller]
+fn check_same_counts(name: &str, test: &str) {
+    let Some(folder) = real_data(name, test) else { return };
+    let folder = folder.to_str().unwrap();
+    let workplace = Workplace::new();
+    workplace.succeed(&["data", "convert", folder, "-o", "made.mcap", "--scans", "0..3"]);
+    let run = |data: &str| {
+        workplace.succeed(&["run", data, "-d", "hierarchical,pca", "--scans", "0..3", "--no-rrd"])
+    };
+    let (original, recording) = (run(folder), run("made.mcap"));
+    let expected = counts(&original.stdout);
+    assert_eq!(expected.len(), 4, "{}", original.stdout);
+    assert_eq!(counts(&recording.stdout), expected);
+}
+
+#[test]
+fn a_recording_of_kitti_tracking_scores_the_same() {
+    check_same_counts("kitti_tracking", "a_recording_of_kitti_tracking_scores_the_same");
+}
+
+#[test]
+fn a_recording_of_semantic_kitti_scores_the_same() {
+    check_same_counts("semantic_kitti", "a_recording_of_semantic_kitti_scores_the_same");
+}
+
+#[test]
+fn simulated_streets_are_written_and_stay_simulated() {
+    let workplace = Workplace::new();
+    let small = ["--simulated-scans", "2", "--sensor", "vlp-16"];
+    let simulate =
+        |arguments: &[&str]| workplace.succeed(&[&["data", "simulate"], arguments, &small].concat());
+    simulate(&["street-narrow", "-o", "narrow.mcap"]);
+    let all = simulate(&["streets", "-o", "streets", "--to", "kitti-tracking"]);
+    assert_eq!(
+        all.stdout.lines().filter(|line| line.ends_with("2 scans  kitti-tracking, simulated")).count(),
+        3
+    );
+    let ended = workplace.succeed(&["run", "narrow.mcap", "streets/street-narrow", "-d", "pca", "--no-rrd"]);
+    assert!(ended.stdout.contains("narrow (simulated)"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("street-narrow (simulated)"), "{}", ended.stdout);
+    workplace.succeed(&["selftest", "narrow.mcap"]);
+}
+
+#[test]
+fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
+    let workplace = Workplace::new();
+    workplace.write("there.mcap", "already");
+    let refused = |arguments: &[&str], exit_code: i32, part: &str| {
+        let small = ["--simulated-scans", "1", "--sensor", "vlp-16"];
+        let ended = workplace.run(&[&["data", "simulate", "street-narrow"], arguments, &small].concat());
+        assert_eq!(ended.exit_code, Some(exit_code), "{ended:#?}");
+        assert!(ended.stderr.contains(part), "{ended:#?}");
+        assert_eq!(workplace.top_names(), ["there.mcap"]);
+    };
+    refused(&["-o", "there.mcap"], 2, "exists already");
+    refused(&["-o", "out"], 2, "say by --to in which format");
+    refused(&["-o", "nowhere/out.mcap"], 1, "nowhere");
+    refused(&["-o", "nowhere/out", "--to", "kitti-object"], 1, "nowhere");
+    assert_eq!(workplace.read("there.mcap"), "already");
+}
+
+#[test]
+fn sound_data_are_checked_without_a_warning() {
+    let test = "sound_data_are_checked_without_a_warning";
+    let workplace = Workplace::new();
+    for (name, expected) in [
+        ("kitti_tracking", "40 of 1 drive"),
+        ("kitti_object", "8 of 1 drive"),
+        ("semantic_kitti", "103.7 ms; 0 gaps"),
+    ] {
+        let Some(folder) = real_data(name, test) else { continue };
+        let ended = workplace.succeed(&["data", "check", folder.to_str().unwrap()]);
+        assert!(ended.stdout.contains(expected), "{}", ended.stdout);
+        assert!(!ended.stdout.contains("WARNING"), "{}", ended.stdout);
+    }
+}
+
+#[test]
+fn what_is_wrong_with_data_is_said() {
+    let workplace = Workplace::new();
+    let drawn = crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 3);
+    let check = || workplace.run(&["data", "check", "street"]);
+    let sound = check();
+    assert_eq!(sound.exit_code, Some(0), "{sound:#?}");
+    assert!(sound.stdout.contains("6: 6 car") && !sound.stdout.contains("WARNING"), "{}", sound.stdout);
+
+    // Labels as if the camera were turned to the left.
+    let calibration = "training/calib/0000.txt";
+    let turned = workplace.read(&format!("street/{calibration}"));
+    let turned = turned.replace("0 -1 0 0 0 0 -1 0 1 0 0 0", "1 0 0 0 0 0 -1 0 0 1 0 0");
+    let original = workplace.read(&format!("street/{calibration}"));
+    drawn.write(calibration, &turned);
+    let ended = check();
+    assert!(ended.stdout.contains("hold no point: labels and scans are not in the same frame"), "{ended:#?}");
+    drawn.write(calibration, &original);
+
+    drawn.remove("training/velodyne/0000/000001.bin");
+    drawn.repeat_first_scan(2);
+    drawn.change("training/velodyne/0000/000002.bin", |bytes| bytes.truncate(1001));
+    let ended = check();
+    assert_eq!(ended.exit_code, Some(3));
+    assert!(ended.stdout.contains("1 scan repeated, such as 0000/000001"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("1 scan cannot be read, the first is 0000/000002"), "{}", ended.stdout);
+    assert!(ended.stderr.contains("000002.bin") && ended.stderr.contains("1001 bytes"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_checksum_in_the_catalogue_refuses_other_files() {
+    let workplace = Workplace::new();
+    let drawn = crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 1);
+    workplace.write(
+        "my.toml",
+        "[recorded.mine]\nformat = \"kitti-tracking\"\nroot = \"street\"\nannotated_classes = [\"car\"]\n\
+         sensor_height_m = 1.73\nlicence = \"mine\"\nurl = \"https://example.org\"\n",
+    );
+    let printed = workplace.succeed(&["data", "hash", "mine", "--catalogue", "my.toml", "--write"]).stdout;
+    let checksum = printed.trim().strip_prefix("mine  ").unwrap();
+    assert!(workplace.read("my.toml").ends_with(&format!("checksum = \"{checksum}\"\n")));
+    workplace.succeed(&["data", "check", "mine", "--catalogue", "my.toml"]);
+    drawn.change("training/velodyne/0000/000000.bin", |bytes| bytes.truncate(160));
+    let refused = workplace.run(&["data", "check", "mine", "--catalogue", "my.toml"]);
+    assert_eq!(refused.exit_code, Some(3));
+    assert!(refused.stderr.contains("the catalogue says"), "{}", refused.stderr);
+    workplace.succeed(&["data", "hash", "mine", "--catalogue", "my.toml", "--write"]);
+    workplace.succeed(&["data", "check", "mine", "--catalogue", "my.toml"]);
+    assert_eq!(workplace.run(&["data", "hash", "street", "--write"]).exit_code, Some(2));
+}
+
+#[test]
+fn a_damaged_scan_ends_a_run_unless_it_is_to_be_skipped() {
+    let workplace = Workplace::new();
+    let drawn = crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 4);
+    drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(1001));
+    let run = |more: &[&str]| {
+        let arguments = ["run", "street", "-d", "pca", "--no-rrd", "-o", "out", "--overwrite"];
+        workplace.run(&[&arguments, more].concat())
+    };
+    let refused = run(&[]);
+    assert_eq!(refused.exit_code, Some(3), "{refused:#?}");
+    assert!(refused.stderr.contains("000001.bin"), "{}", refused.stderr);
+    let skipped = run(&["--skip-damaged"]);
+    assert_eq!(skipped.exit_code, Some(0), "{skipped:#?}");
+    assert!(skipped.stderr.contains("warning: scan 0000/000001 is left out: "), "{}", skipped.stderr);
+    let manifest: serde_json::Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    let entry = &manifest["datasets"][0];
+    assert_eq!((&entry["n_scans"], &entry["skipped_scans"][0]["scan"]), (&4.into(), &"0000/000001".into()));
+    assert_eq!(entry["skipped_scans"].as_array().unwrap().len(), 1);
+    assert_eq!(workplace.read("out/scans.csv").lines().count(), 1 + 3 * 2);
+    let converted = workplace.succeed(&["data", "convert", "street", "-o", "a.mcap", "--skip-damaged"]);
+    assert_eq!(converted.stdout, "a.mcap  3 scans  mcap\n");
+}
+
+#[test]
+fn a_recording_that_was_cut_off_is_read_to_the_cut() {
+    let workplace = Workplace::new();
+    crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 30);
+    workplace.succeed(&["data", "convert", "street", "-o", "a.mcap", "--compression", "none"]);
+    let path = workplace.path("a.mcap");
+    let bytes = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let checked = workplace.run(&["data", "check", "a.mcap"]);
+    assert_eq!(checked.exit_code, Some(3), "{checked:#?}");
+    assert!(checked.stderr.contains("\"a.mcap\" is cut off"), "{}", checked.stderr);
+    let rescued = workplace.succeed(&["data", "convert", "a.mcap", "-o", "b.mcap", "--skip-damaged"]);
+    assert!(rescued.stderr.contains("the end of \"a\" is left out: it is cut off"), "{}", rescued.stderr);
+    workplace.succeed(&["data", "check", "b.mcap"]);
+}
