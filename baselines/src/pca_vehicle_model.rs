@@ -10,7 +10,7 @@ use crate::pca_features::{N_PCA_FEATURES, PcaDescriber, PcaFeatures};
 
 /// Features and their classifier, with buffers for one object after another.
 ///
-/// The classifier is of the same kind as that of the hierarchical detector's model, trained and chosen alike, so that a
+/// The classifier is of the same kind as that of the hierarchical detector's model, trained on the same drives, so that a
 /// comparison is about the features.
 ///
 /// Paper: VM section 6.

@@ -27,6 +27,7 @@ pub mod experiment_manifest;
 pub mod scan_row;
 pub mod match_outcome;
 pub mod match_row;
+pub mod worst;
 pub mod curve_row;
 pub mod box_row;
 pub mod cluster_of_point;

@@ -15,6 +15,7 @@ use super::run::RunArgs;
 use super::selftest::SelftestArgs;
 use super::sweep::SweepArgs;
 use super::train::TrainArgs;
+use super::view::ViewArgs;
 
 /// Evaluates and benchmarks LiDAR object detectors side by side.
 #[derive(Debug, Parser)]
@@ -70,6 +71,8 @@ pub enum Command {
     Train(Box<TrainArgs>),
     /// Compare two runs over the same scans, or two detectors of a run, with intervals
     Compare(CompareArgs),
+    /// List the worst mistakes of a run, and record the scans they are in
+    View(ViewArgs),
     /// Judge a run by an accepted one: fail if it is worse, or judged otherwise on any scan
     Gate(GateArgs),
     /// Keep the run that others are judged by

@@ -21,6 +21,7 @@ use crate::commands::selftest::selftest;
 use crate::commands::standard_streams::print_result;
 use crate::commands::sweep::sweep;
 use crate::commands::train::train;
+use crate::commands::view::view;
 
 /// Does what the command line asks for.
 ///
@@ -44,6 +45,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Boxes(arguments) => boxes(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Compare(arguments) => compare(arguments),
+        Command::View(arguments) => view(arguments),
         Command::Gate(arguments) => gate(arguments),
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline_accept(arguments),
         Command::Selftest(arguments) => selftest(arguments),

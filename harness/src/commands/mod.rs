@@ -39,5 +39,8 @@ pub mod train_summary;
 pub mod train;
 pub mod open_run;
 pub mod compare;
+#[cfg(feature = "rerun")]
+pub mod view_recording;
+pub mod view;
 pub mod gate;
 pub mod dispatch;

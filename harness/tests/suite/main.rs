@@ -24,3 +24,4 @@ mod gate;
 mod sweep;
 mod train;
 mod boxes;
+mod view;

@@ -2,8 +2,9 @@
 
 use crate::program::{Workplace, real_data};
 
-/// Counts and rates of every detector, without what times decide: the second table of the terminal from its third line on.
+/// Counts and rates of every detector: what is printed before the times.
 fn counts(stdout: &str) -> Vec<Vec<String>> {
+    let (stdout, _) = stdout.split_once("Times of detection").expect("times come last");
     let is_row = |line: &&str| ["hierarchical", "kd-tree", "pca"].iter().any(|name| line.contains(name));
     let row = |line: &str| {
         let from_detector = line.find("hierarchical").or(line.find("kd-tree")).or(line.find("pca"));

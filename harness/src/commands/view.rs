@@ -1,0 +1,54 @@
+//! `scanbench view`.
+
+use reports::worst::{Mistake, MistakeChoice, worst, worst_to_terminal};
+
+use crate::cli::{OutcomeName, TaskName, ViewArgs};
+use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::open_run::open_run;
+use crate::commands::standard_streams::print_bytes;
+
+/// Lists the worst mistakes of a detector, and records the scans they are in.
+///
+/// # Errors
+///
+/// If the run cannot be read, has no such mistakes, or its scans cannot be run again as they were.
+pub fn view(arguments: &ViewArgs) -> anyhow::Result<()> {
+    let run = open_run(&arguments.run)?;
+    let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
+    let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
+    anyhow::ensure!(
+        names.contains(&detector),
+        Usage(format!("the run has no detector {detector:?}, but {}", names.join(", ")))
+    );
+    let choice = MistakeChoice {
+        detector,
+        task: match arguments.task {
+            TaskName::Objects => "objects",
+            TaskName::Vehicles => "vehicles",
+        },
+        kind: arguments.outcome.map(|it| match it {
+            OutcomeName::Missed => Mistake::Missed,
+            OutcomeName::False => Mistake::False,
+        }),
+        class: arguments.class.as_deref(),
+    };
+    let mistakes = worst(&run.matches, &choice, arguments.worst as usize);
+    if mistakes.is_empty() {
+        return Err(NothingEvaluated { reason: "the run has no such mistakes".to_owned() }.into());
+    }
+    print_bytes(worst_to_terminal(&mistakes).as_bytes())?;
+    record(arguments, &run.manifest, &mistakes)
+}
+
+#[cfg(feature = "rerun")]
+use crate::commands::view_recording::record;
+
+/// Nothing is recorded by a program that was built without Rerun.
+#[cfg(not(feature = "rerun"))]
+fn record(
+    _: &ViewArgs,
+    _: &reports::manifest::Manifest,
+    _: &[reports::worst::ListedMistake<'_>],
+) -> anyhow::Result<()> {
+    Ok(())
+}
