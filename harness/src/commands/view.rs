@@ -6,6 +6,8 @@ use crate::cli::{OutcomeName, TaskName, ViewArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::standard_streams::print_bytes;
+#[cfg(feature = "rerun")]
+use crate::commands::view_recording::record;
 
 /// Lists the worst mistakes of a detector, and records the scans they are in.
 ///
@@ -37,18 +39,8 @@ pub fn view(arguments: &ViewArgs) -> anyhow::Result<()> {
         return Err(NothingEvaluated { reason: "the run has no such mistakes".to_owned() }.into());
     }
     print_bytes(worst_to_terminal(&mistakes).as_bytes())?;
-    record(arguments, &run.manifest, &mistakes)
-}
-
-#[cfg(feature = "rerun")]
-use crate::commands::view_recording::record;
-
-/// Nothing is recorded by a program that was built without Rerun.
-#[cfg(not(feature = "rerun"))]
-fn record(
-    _: &ViewArgs,
-    _: &reports::manifest::Manifest,
-    _: &[reports::worst::ListedMistake<'_>],
-) -> anyhow::Result<()> {
+    // A program that was built without Rerun only lists them.
+    #[cfg(feature = "rerun")]
+    record(arguments, &run.manifest, &mistakes)?;
     Ok(())
 }
