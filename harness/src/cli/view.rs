@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 #[cfg(feature = "rerun")]
 use super::stream::StreamArgs;
+use crate::task::Task;
 
 /// Arguments of `scanbench view`.
 #[derive(Debug, Args)]
@@ -44,6 +45,16 @@ pub enum TaskName {
     Vehicles,
 }
 
+impl TaskName {
+    /// The task.
+    pub fn task(self) -> Task {
+        match self {
+            Self::Objects => Task::Objects,
+            Self::Vehicles => Task::Vehicles,
+        }
+    }
+}
+
 /// Mistakes by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum OutcomeName {
@@ -53,6 +64,7 @@ pub enum OutcomeName {
     False,
 }
 
+#[cfg(feature = "rerun")]
 const VIEW_EXAMPLES: &str = "\
 Examples:
   scanbench view runs/latest
@@ -63,3 +75,13 @@ Lists the mistakes with most points first, and why each is one. The scans they a
 run again, as the manifest of the run says, and recorded alone, the worst first:
 in worst.rrd of the run directory unless --save-rrd=FILE or --no-rrd says otherwise.
 Paths of data are taken from the run: start it in the same folder.";
+
+#[cfg(not(feature = "rerun"))]
+const VIEW_EXAMPLES: &str = "\
+Examples:
+  scanbench view runs/latest
+  scanbench view runs/latest --worst 30 --outcome missed --class van
+  scanbench view runs/latest -d pca --task objects
+
+Lists the mistakes with most points first, and why each is one. This program was built
+without Rerun and records nothing.";

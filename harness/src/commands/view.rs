@@ -2,7 +2,7 @@
 
 use reports::worst::{Mistake, MistakeChoice, worst, worst_to_terminal};
 
-use crate::cli::{OutcomeName, TaskName, ViewArgs};
+use crate::cli::{OutcomeName, ViewArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::standard_streams::print_bytes;
@@ -24,10 +24,7 @@ pub fn view(arguments: &ViewArgs) -> anyhow::Result<()> {
     );
     let choice = MistakeChoice {
         detector,
-        task: match arguments.task {
-            TaskName::Objects => "objects",
-            TaskName::Vehicles => "vehicles",
-        },
+        task: arguments.task.task().name(),
         kind: arguments.outcome.map(|it| match it {
             OutcomeName::Missed => Mistake::Missed,
             OutcomeName::False => Mistake::False,

@@ -1,22 +1,25 @@
 //! The recording of the scans with the worst mistakes.
 
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
 use clap::Parser as _;
-use reports::manifest::Manifest;
+use reports::manifest::{DatasetEntry, Manifest};
 use reports::worst::ListedMistake;
 
-use crate::cli::{Cli, Command, RunArgs, StreamArgs, TaskName, ViewArgs};
+use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::judging_config;
 use crate::commands::failure::Usage;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::recording::Recording;
+use crate::commands::run_manifest::{dataset_entry, seeds};
 use crate::commands::standard_streams::print_diagnostic;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
 use crate::run::scores::DatasetScores;
 use crate::run::side_by_side::SideBySide;
-use crate::task::Task;
 
 /// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
 ///
@@ -31,6 +34,8 @@ pub fn record(
     if arguments.stream.no_rrd {
         return Ok(());
     }
+    // Before anything is written, so that Ctrl-C leaves nothing behind.
+    let interrupted = interruption_flag()?;
     let again = RunAgain::of(manifest)?;
     let scans = again.scans_of(mistakes)?;
     let file = arguments.run.join("worst.rrd");
@@ -41,17 +46,13 @@ pub fn record(
         connect: arguments.stream.connect.clone(),
         spawn: arguments.stream.spawn,
     };
-    let shown_task = match arguments.task {
-        TaskName::Objects => Task::Objects,
-        TaskName::Vehicles => Task::Vehicles,
-    };
     let written = stream.save_rrd.clone().flatten().unwrap_or_default();
     let names: Vec<&str> = again.detectors.iter().map(|it| it.name).collect();
     let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
-    let Some(mut recording) = Recording::begin(&stream, file, &name, shown_task, &names)? else {
+    let Some(mut recording) = Recording::begin(&stream, file, &name, arguments.task.task(), &names)? else {
         return Ok(());
     };
-    again.log(&scans, &mut recording)?;
+    again.log(&scans, interrupted, &mut recording)?;
     if let Some(warning) = recording.finish()? {
         print_diagnostic(format_args!("warning: {warning}"));
     }
@@ -81,13 +82,19 @@ impl RunAgain {
             Usage("the parameters are not those of the run: a file or this program has changed".to_owned())
         );
         let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
-        for (opened, entry) in datasets.iter().zip(&manifest.datasets) {
-            let found = &opened.dataset.description().checksum;
+        for opened in &datasets {
+            let id = &opened.dataset.description().id;
+            let found = dataset_entry(opened, &arguments.data);
+            // Simulated scans have no checksum: they are what version, street and seed make.
+            let is_same = |entry: &&DatasetEntry| {
+                (&entry.id, &entry.checksum, &entry.simulation)
+                    == (&found.id, &found.checksum, &found.simulation)
+            };
             anyhow::ensure!(
-                *found == entry.checksum,
+                manifest.datasets.iter().any(|entry| is_same(&entry))
+                    && seeds(&datasets).get(id) == manifest.seeds.get(id),
                 Usage(format!(
-                    "{:?} is not what was run: its checksum is {found:?} and was {:?}",
-                    entry.id, entry.checksum
+                    "the scans of {id:?} are not those of the run: data or simulator have changed"
                 ))
             );
         }
@@ -119,28 +126,36 @@ impl RunAgain {
         Ok(scans)
     }
 
-    fn log(&self, scans: &[[usize; 2]], recording: &mut Recording) -> anyhow::Result<()> {
-        let interrupted = interruption_flag()?;
+    fn log(
+        &self,
+        scans: &[[usize; 2]],
+        interrupted: &AtomicBool,
+        recording: &mut Recording,
+    ) -> anyhow::Result<()> {
         let names: Vec<&'static str> = self.detectors.iter().map(|it| it.name).collect();
+        // Detectors and rates so far of every data set that has had a scan.
+        let mut begun = BTreeMap::new();
         let progress = progress_over_scans(scans.len(), "worst scans");
         for &[dataset_idx, scan_idx] in scans {
             let opened = &self.datasets[dataset_idx];
             let description = opened.dataset.description();
             let config = self.config.for_sensor(&description.sensor).unwrap_or_else(|| self.config.clone());
-            let mut detectors: Vec<_> =
-                self.detectors.iter().map(|it| it.build(&config, description.sensor_height_m)).collect();
-            let mut scores = DatasetScores::new(description.clone(), &names);
+            let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
+            let (detectors, scores) = begun.entry(dataset_idx).or_insert_with(|| {
+                let built = self.detectors.iter().map(|it| it.build(&config, description.sensor_height_m));
+                (built.collect::<Vec<_>>(), DatasetScores::new(description.clone(), &names))
+            });
             let side_by_side = SideBySide {
                 dataset: &*opened.dataset,
                 scan_indices: &[scan_idx],
                 matching: config.matching,
-                n_warmup: self.arguments.timing.warmup.into(),
+                n_warmup: n_warmup.into(),
                 n_jobs: 1,
                 interrupted,
             };
-            side_by_side.run(&mut detectors, |results| -> anyhow::Result<()> {
+            side_by_side.run(detectors, |results| -> anyhow::Result<()> {
                 scores.add(results.results);
-                if let Some(warning) = recording.log(&results, &scores)? {
+                if let Some(warning) = recording.log(&results, scores)? {
                     progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
                 }
                 Ok(())

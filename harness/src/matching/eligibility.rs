@@ -48,6 +48,11 @@ pub fn counts_as_vehicle(class: AnnotationClass) -> bool {
     role(Task::Vehicles, class) == Role::Target
 }
 
+/// Whether it cannot be said of this class if it is to be found in the task *vehicles*.
+pub fn may_be_vehicle(class: AnnotationClass) -> bool {
+    role(Task::Vehicles, class) == Role::Ambiguous
+}
+
 /// Whether `task` asks for detections of this class.
 pub fn asks_for(task: Task, class: DetectedClass) -> bool {
     match task {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::annotation::{Annotation, AnnotationClass, LabeledScan, Occlusion, PointRegion};
 use crate::dataset::Dataset;
-use crate::matching::eligibility::counts_as_vehicle;
+use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, may_be_vehicle};
 use crate::matching::point_overlap::PointOverlap;
 use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
@@ -20,7 +20,7 @@ use crate::realism::survey::SurveyError;
 /// Candidates of fewer points are left out: no detector takes them for objects.
 pub const LEAST_POINTS: usize = 15;
 /// Annotations of fewer points show no vehicle: they are not judged in a run either.
-const LEAST_ANNOTATED_POINTS: usize = 20;
+const LEAST_ANNOTATED_POINTS: usize = EligibilityParams::STANDARD.min_points;
 /// Least intersection over union of the points of a cluster and the vehicle it shows.
 const LEAST_IOU: f64 = 0.5;
 /// Background has no larger share of its points on vehicles, or on what may be one; what has more and shows none of them
@@ -188,11 +188,10 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) 
 
 /// Whether half of the points of a detection lie on what is not judged: vehicles of few points, and what may be one.
 fn is_unscorable(scan: &LabeledScan, overlap: &PointOverlap, detection_idx: usize, n_points: usize) -> bool {
-    use AnnotationClass::{Misc, Trailer, Tram};
     let on_unscorable = overlap.of_detection(detection_idx).filter(|&(annotation_idx, _)| {
         let annotation = &scan.annotations[annotation_idx];
         let too_few = annotation.point_indices.len() < LEAST_ANNOTATED_POINTS;
-        too_few || matches!(annotation.class, Tram | Trailer | Misc)
+        too_few || may_be_vehicle(annotation.class)
     });
     2 * on_unscorable.map(|(_, n_shared)| n_shared).sum::<usize>() >= n_points
 }
@@ -232,10 +231,9 @@ fn cut_regions(
 
 /// For every point whether it is on a vehicle, or on something of which the task does not say whether it is one.
 fn points_of_vehicles(scan: &LabeledScan) -> Vec<bool> {
-    use AnnotationClass::{Misc, Trailer, Tram};
     let mut is_vehicle = vec![false; scan.cloud.len()];
     for annotation in &scan.annotations {
-        if counts_as_vehicle(annotation.class) || matches!(annotation.class, Tram | Trailer | Misc) {
+        if counts_as_vehicle(annotation.class) || may_be_vehicle(annotation.class) {
             for &point_idx in &annotation.point_indices {
                 is_vehicle[point_idx as usize] = true;
             }

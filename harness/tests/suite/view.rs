@@ -62,3 +62,21 @@ fn what_cannot_be_viewed_is_said() {
         assert!(ended.stderr.contains(message), "{arguments:?}: {}", ended.stderr);
     }
 }
+
+#[test]
+#[cfg(feature = "rerun")]
+fn scans_that_would_not_be_the_same_are_not_recorded() {
+    let workplace = small_run();
+    let manifest = workplace.read("run/manifest.json");
+    for (from, to, message) in [
+        ("\"simulator_version\": ", "\"simulator_version\": 9", "are not those of the run"),
+        ("\"cell_size_m\": 0.6", "\"cell_size_m\": 0.7", "the parameters are not those of the run"),
+    ] {
+        assert!(manifest.contains(from), "{manifest}");
+        workplace.write("run/manifest.json", &manifest.replace(from, to));
+        let ended = workplace.run(&["view", "run", "--task", "objects"]);
+        assert_eq!(ended.exit_code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains(message), "{}", ended.stderr);
+        assert!(!workplace.path("run/worst.rrd").exists());
+    }
+}
