@@ -1,0 +1,293 @@
+//! Objects that are cut, or joined, where the vehicle model likes that better.
+
+use serde::Deserialize;
+
+use super::object_classifier::ObjectClassifier;
+use crate::fit::convex_hull_box::ConvexHullBox;
+use crate::fit::fitted_objects::{FittedObject, FittedObjects};
+use crate::oriented_box::OrientedBox;
+
+/// Tuning of [`Regrouping`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RegroupingParams {
+    /// Whether objects are regrouped at all.
+    pub enabled: bool,
+    /// Objects as long as this are cut across, in metres: longer than a car.
+    pub min_length_m: f32,
+    /// Objects as wide as this are cut along, in metres: wider than a van.
+    pub min_width_m: f32,
+    /// Cuts are at least this far from both ends, in metres.
+    pub min_end_m: f32,
+    /// How many places are tried along each axis, those with the fewest points first.
+    pub n_places: usize,
+    /// A part has at least this many points.
+    pub min_points: usize,
+    /// By how much more the model has to like one part than the whole if it does not like the other.
+    pub lone_part_margin: f32,
+    /// Objects no farther apart than this may be joined, in metres.
+    pub max_gap_m: f32,
+    /// Longer objects are not joined with others, in metres.
+    pub max_joined_length_m: f32,
+}
+
+/// Cuts objects in which several vehicles stand, or one and something else, and joins vehicles that came apart.
+///
+/// A row of parked cars is one cluster where the gaps between them are hidden from the sensor, however the dense cells are
+/// weighed. Where both parts are taken for vehicles more surely than the whole, it is cut, and so are the parts again. In
+/// the same way two objects side by side, not both of them vehicles, become one if that is taken for one more surely than
+/// either.
+///
+/// Not in the papers, which have no step from the classifier back to the clusters.
+#[derive(Debug, Clone)]
+pub struct Regrouping {
+    params: RegroupingParams,
+    to_cut: Vec<FittedObject>,
+    n_in_column: Vec<u32>,
+    places: Vec<usize>,
+    parts_m: [Vec<[f32; 3]>; 2],
+}
+
+/// What looks at an object as it might be.
+pub struct Judge<'a, M, G> {
+    /// Fits its box.
+    pub box_fit: &'a mut ConvexHullBox,
+    /// Tells how surely it is a vehicle.
+    pub model: &'a mut M,
+    /// Elevation of the ground below a box, in metres.
+    pub ground_m: G,
+}
+
+impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
+    /// Box and decision of an object of these points, of which there is one at least.
+    fn judge(&mut self, positions_m: &[[f32; 3]]) -> (OrientedBox, f32) {
+        let widen = |[low, high]: [f32; 2], &[_, _, z_m]: &[f32; 3]| [low.min(z_m), high.max(z_m)];
+        let z_range_m = positions_m.iter().fold([f32::INFINITY, f32::NEG_INFINITY], widen);
+        let on_plan_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
+        let bounding_box = self.box_fit.fit(on_plan_m, z_range_m).expect("it has points");
+        let ground_m = (self.ground_m)(&bounding_box);
+        let decision = self.model.decision(&bounding_box, ground_m, positions_m.iter().copied());
+        (bounding_box, decision.expect("it has points"))
+    }
+}
+
+/// A vertical plane through an object.
+#[derive(Debug, Clone, Copy)]
+struct Plane {
+    normal: [f32; 2],
+    offset_m: f32,
+}
+
+impl Plane {
+    fn is_before(&self, [x_m, y_m, _]: [f32; 3]) -> bool {
+        x_m * self.normal[0] + y_m * self.normal[1] < self.offset_m
+    }
+}
+
+/// Width of the columns in which points are counted, in metres; cuts lie in their middles.
+const COLUMN_M: f32 = 0.2;
+/// Places this many columns or fewer apart are one place.
+const NEAR_COLUMNS: usize = 3;
+
+impl Regrouping {
+    /// Nothing regrouped yet.
+    pub fn new(params: RegroupingParams) -> Self {
+        Self {
+            params,
+            to_cut: Vec::new(),
+            n_in_column: Vec::new(),
+            places: Vec::new(),
+            parts_m: [Vec::new(), Vec::new()],
+        }
+    }
+
+    /// Cuts and joins `fitted`, whose objects have their decisions. Parts stand where the whole stood, a joined object where
+    /// the first of its parts stood.
+    pub fn regroup<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        mut judge: Judge<'_, M, G>,
+    ) {
+        if self.params.enabled {
+            self.cut(fitted, &mut judge);
+            self.join(fitted, &mut judge);
+        }
+    }
+
+    fn cut<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        judge: &mut Judge<'_, M, G>,
+    ) {
+        self.to_cut.clear();
+        self.to_cut.extend(fitted.objects.drain(..).rev());
+        while let Some(object) = self.to_cut.pop() {
+            let Some(plane) = self.best_cut(fitted, &object, judge) else {
+                fitted.objects.push(object);
+                continue;
+            };
+            let parts = fitted.members.part(&object.members, |position_m| plane.is_before(position_m));
+            for members in parts.into_iter().rev() {
+                let (bounding_box, decision) = judge.judge(fitted.members.positions_m(&members));
+                let mut part = fitted.object(members, bounding_box, judge.box_fit.hull_m());
+                part.decision = Some(decision);
+                self.to_cut.push(part);
+            }
+        }
+    }
+
+    /// The cut whose parts are liked best, if they are liked better than the whole.
+    fn best_cut<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &FittedObjects,
+        object: &FittedObject,
+        judge: &mut Judge<'_, M, G>,
+    ) -> Option<Plane> {
+        let positions_m = fitted.members.positions_m(&object.members);
+        let (sin, cos) = object.bounding_box.yaw_rad.sin_cos();
+        let [length_m, width_m, _] = object.bounding_box.length_width_height_m;
+        let axes = [([cos, sin], length_m, self.params.min_length_m), ([-sin, cos], width_m, self.params.min_width_m)];
+        let mut best = (object.decision.unwrap_or(0.0).max(0.0), None);
+        for (normal, extent_m, min_extent_m) in axes {
+            if extent_m < min_extent_m {
+                continue;
+            }
+            let [x_m, y_m, _] = object.bounding_box.center_m;
+            let start_m = x_m * normal[0] + y_m * normal[1] - 0.5 * extent_m;
+            self.find_places(positions_m, normal, start_m, extent_m);
+            for place_idx in 0..self.places.len() {
+                let offset_m = start_m + (self.places[place_idx] as f32 + 0.5) * COLUMN_M;
+                let plane = Plane { normal, offset_m };
+                if let Some(value) = self.value(positions_m, plane, judge) && value > best.0 {
+                    best = (value, Some(plane));
+                }
+            }
+        }
+        best.1
+    }
+
+    /// How much the model likes the parts on both sides of a plane. `None` if one of them has too few points.
+    fn value<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        positions_m: &[[f32; 3]],
+        plane: Plane,
+        judge: &mut Judge<'_, M, G>,
+    ) -> Option<f32> {
+        for part_m in &mut self.parts_m {
+            part_m.clear();
+        }
+        for &position_m in positions_m {
+            self.parts_m[usize::from(!plane.is_before(position_m))].push(position_m);
+        }
+        if self.parts_m.iter().any(|part_m| part_m.len() < self.params.min_points.max(1)) {
+            return None;
+        }
+        let [(_, a), (_, b)] = self.parts_m.each_ref().map(|part_m| judge.judge(part_m));
+        Some(a.min(b).max(a.max(b) - self.params.lone_part_margin))
+    }
+
+    /// The columns with the fewest points along an axis, neighbours included by half; not near the ends, nor near each other.
+    fn find_places(&mut self, positions_m: &[[f32; 3]], normal: [f32; 2], start_m: f32, extent_m: f32) {
+        let last = (extent_m / COLUMN_M) as usize;
+        self.n_in_column.clear();
+        self.n_in_column.resize(last + 1, 0);
+        for [x_m, y_m, _] in positions_m {
+            let along_m = x_m * normal[0] + y_m * normal[1] - start_m;
+            self.n_in_column[((along_m / COLUMN_M) as usize).min(last)] += 1;
+        }
+        let n_in = |column: usize| self.n_in_column.get(column).copied().unwrap_or(0);
+        let doubled = |column: usize| 2 * n_in(column) + n_in(column.wrapping_sub(1)) + n_in(column + 1);
+        let n_end = (self.params.min_end_m / COLUMN_M) as usize;
+        self.places.clear();
+        for _ in 0..self.params.n_places {
+            let is_free = |column: &usize| self.places.iter().all(|it| it.abs_diff(*column) > NEAR_COLUMNS);
+            // Of equal ones the one nearest to the middle.
+            let key = |column: &usize| (doubled(*column), (2 * column).abs_diff(last));
+            let Some(place) = (n_end..(last + 1).saturating_sub(n_end)).filter(is_free).min_by_key(key) else {
+                break;
+            };
+            self.places.push(place);
+        }
+    }
+
+    fn join<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        judge: &mut Judge<'_, M, G>,
+    ) {
+        let mut first = 0;
+        while first < fitted.objects.len() {
+            let mut second = first + 1;
+            while second < fitted.objects.len() {
+                if let Some(joined) = self.joined(fitted, [first, second], judge) {
+                    fitted.objects[first] = joined;
+                    fitted.objects.remove(second);
+                    second = first + 1;
+                } else {
+                    second += 1;
+                }
+            }
+            first += 1;
+        }
+    }
+
+    /// What two objects are together, if the model likes that better than either.
+    fn joined<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        pair: [usize; 2],
+        judge: &mut Judge<'_, M, G>,
+    ) -> Option<FittedObject> {
+        let [a, b] = pair.map(|it| &fitted.objects[it]);
+        if !self.may_be_joined(fitted, a, b) {
+            return None;
+        }
+        let [a_decision, b_decision] = [a, b].map(|it| it.decision.unwrap_or(0.0));
+        let [positions_m, _] = &mut self.parts_m;
+        positions_m.clear();
+        for object in [a, b] {
+            positions_m.extend_from_slice(fitted.members.positions_m(&object.members));
+        }
+        let (bounding_box, decision) = judge.judge(positions_m);
+        if decision <= a_decision.max(b_decision).max(0.0) {
+            return None;
+        }
+        let members = fitted.members.joined([&a.members.clone(), &b.members.clone()]);
+        let mut joined = fitted.object(members, bounding_box, judge.box_fit.hull_m());
+        joined.decision = Some(decision);
+        Some(joined)
+    }
+
+    fn may_be_joined(&self, fitted: &FittedObjects, a: &FittedObject, b: &FittedObject) -> bool {
+        let RegroupingParams { max_gap_m, max_joined_length_m, .. } = self.params;
+        let are_vehicles = [a, b].iter().all(|it| it.decision.is_some_and(|decision| decision > 0.0));
+        let is_long = |it: &FittedObject| it.bounding_box.length_width_height_m[0] > max_joined_length_m;
+        if are_vehicles || is_long(a) || is_long(b) {
+            return false;
+        }
+        let [dx, dy] = [0, 1].map(|axis| a.bounding_box.center_m[axis] - b.bounding_box.center_m[axis]);
+        let reach_m = half_diagonal_m(&a.bounding_box) + half_diagonal_m(&b.bounding_box) + max_gap_m;
+        dx * dx + dy * dy <= reach_m * reach_m
+            && (gap_m(&a.bounding_box, fitted.hull_m(b)) <= max_gap_m
+                || gap_m(&b.bounding_box, fitted.hull_m(a)) <= max_gap_m)
+    }
+}
+
+fn half_diagonal_m(bounding_box: &OrientedBox) -> f32 {
+    let [length_m, width_m, _] = bounding_box.length_width_height_m;
+    0.5 * (length_m * length_m + width_m * width_m).sqrt()
+}
+
+/// From a box to the nearest corner of a hull on the ground plan, in metres.
+fn gap_m(bounding_box: &OrientedBox, hull_m: &[[f32; 2]]) -> f32 {
+    let [x_m, y_m, _] = bounding_box.center_m;
+    let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
+    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let distance_m = |&[corner_x_m, corner_y_m]: &[f32; 2]| {
+        let (dx, dy) = (corner_x_m - x_m, corner_y_m - y_m);
+        let beyond_end_m = ((cos * dx + sin * dy).abs() - half_length_m).max(0.0);
+        let beside_m = ((cos * dy - sin * dx).abs() - half_width_m).max(0.0);
+        (beyond_end_m * beyond_end_m + beside_m * beside_m).sqrt()
+    };
+    hull_m.iter().map(distance_m).fold(f32::INFINITY, f32::min)
+}
