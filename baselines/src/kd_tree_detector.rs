@@ -179,11 +179,7 @@ impl KdTreeDetector {
     }
 
     /// For every point of the scan, its cluster among `cluster_indices`, numbered in their order.
-    fn cluster_of_point(
-        &self,
-        n_points: usize,
-        cluster_indices: &[usize],
-    ) -> Vec<Option<u32>> {
+    fn cluster_of_point(&self, n_points: usize, cluster_indices: &[usize]) -> Vec<Option<u32>> {
         let mut cluster_of_point = vec![None; n_points];
         for (number, &cluster_idx) in (0..).zip(cluster_indices) {
             for &place in self.clusters.members(cluster_idx) {

@@ -146,7 +146,10 @@ impl Regrouping {
         let positions_m = fitted.members.positions_m(&object.members);
         let (sin, cos) = object.bounding_box.yaw_rad.sin_cos();
         let [length_m, width_m, _] = object.bounding_box.length_width_height_m;
-        let axes = [([cos, sin], length_m, self.params.min_length_m), ([-sin, cos], width_m, self.params.min_width_m)];
+        let axes = [
+            ([cos, sin], length_m, self.params.min_length_m),
+            ([-sin, cos], width_m, self.params.min_width_m),
+        ];
         let mut best = (object.decision.unwrap_or(0.0).max(0.0), None);
         for (normal, extent_m, min_extent_m) in axes {
             if extent_m < min_extent_m {
@@ -158,7 +161,9 @@ impl Regrouping {
             for place_idx in 0..self.places.len() {
                 let offset_m = start_m + (self.places[place_idx] as f32 + 0.5) * COLUMN_M;
                 let plane = Plane { normal, offset_m };
-                if let Some(value) = self.value(positions_m, plane, judge) && value > best.0 {
+                if let Some(value) = self.value(positions_m, plane, judge)
+                    && value > best.0
+                {
                     best = (value, Some(plane));
                 }
             }
@@ -203,7 +208,8 @@ impl Regrouping {
             let is_free = |column: &usize| self.places.iter().all(|it| it.abs_diff(*column) > NEAR_COLUMNS);
             // Of equal ones the one nearest to the middle.
             let key = |column: &usize| (doubled(*column), (2 * column).abs_diff(last));
-            let Some(place) = (n_end..(last + 1).saturating_sub(n_end)).filter(is_free).min_by_key(key) else {
+            let Some(place) = (n_end..(last + 1).saturating_sub(n_end)).filter(is_free).min_by_key(key)
+            else {
                 break;
             };
             self.places.push(place);
@@ -290,4 +296,97 @@ fn gap_m(bounding_box: &OrientedBox, hull_m: &[[f32; 2]]) -> f32 {
         (beyond_end_m * beyond_end_m + beside_m * beside_m).sqrt()
     };
     hull_m.iter().map(distance_m).fold(f32::INFINITY, f32::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::HierarchicalParams;
+
+    /// Likes what is about 4 m long, and the more so the nearer to that.
+    struct FourMetres;
+
+    impl ObjectClassifier for FourMetres {
+        fn decision(
+            &mut self,
+            bounding_box: &OrientedBox,
+            _ground_m: f32,
+            positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+        ) -> Option<f32> {
+            (positions_m.len() > 0).then(|| 1.0 - (bounding_box.length_width_height_m[0] - 4.0).abs())
+        }
+    }
+
+    /// Two sides of a thing of this length and 1.8 m width, from `start_m` on along x.
+    fn sides(start_m: f32, length_m: f32) -> Vec<[f32; 3]> {
+        let n_along = (length_m / 0.05) as u8;
+        let along =
+            (0..=n_along).map(|it| [start_m + length_m * f32::from(it) / f32::from(n_along), 5.0, -1.0]);
+        along.chain((0..=36_u8).map(|it| [start_m, 5.0 + 0.05 * f32::from(it), -1.0])).collect()
+    }
+
+    /// The lengths and numbers of points of what becomes of objects of these points, each a list.
+    fn regrouped(objects: &[Vec<[f32; 3]>], change: impl Fn(&mut RegroupingParams)) -> Vec<(i32, usize)> {
+        let mut params = HierarchicalParams::paper().regrouping;
+        change(&mut params);
+        let (mut fitted, mut box_fit, mut model) =
+            (FittedObjects::default(), ConvexHullBox::default(), FourMetres);
+        let mut judge = Judge { box_fit: &mut box_fit, model: &mut model, ground_m: |_: &OrientedBox| -1.7 };
+        let mut next_point = 0;
+        for positions_m in objects {
+            let start = fitted.members.len();
+            for &position_m in positions_m {
+                fitted.members.push(next_point, position_m);
+                next_point += 1;
+            }
+            let (bounding_box, decision) = judge.judge(positions_m);
+            let mut object = fitted.object(start..fitted.members.len(), bounding_box, judge.box_fit.hull_m());
+            object.decision = Some(decision);
+            fitted.objects.push(object);
+        }
+        Regrouping::new(params).regroup(&mut fitted, judge);
+        let mut seen: Vec<u32> = Vec::new();
+        let found = fitted.objects.iter().map(|it| {
+            let point_indices = fitted.members.point_indices(&it.members);
+            assert!(point_indices.windows(2).all(|pair| pair[0] < pair[1]));
+            seen.extend(point_indices);
+            (it.bounding_box.length_width_height_m[0].round() as i32, point_indices.len())
+        });
+        let found = found.collect();
+        seen.sort_unstable();
+        assert!(seen.into_iter().eq(0..next_point), "a point is lost, or in two objects");
+        found
+    }
+
+    #[test]
+    fn a_row_of_cars_is_cut_between_them_and_a_car_is_not() {
+        let car = sides(10.0, 4.0);
+        let row = [car.clone(), sides(14.6, 4.0), sides(19.2, 4.0)].concat();
+        // Only one part of the first cut is liked.
+        let lone_part = |it: &mut RegroupingParams| it.lone_part_margin = 0.5;
+        assert_eq!(regrouped(&[row.clone()], lone_part), [(4, 118), (4, 118), (4, 118)]);
+        let pair = [car.clone(), sides(14.6, 4.0)].concat();
+        assert_eq!(regrouped(&[pair], |_| ()), [(4, 118), (4, 118)]);
+        assert_eq!(regrouped(&[car], |_| ()), [(4, 118)]);
+        assert_eq!(regrouped(&[row], |it| it.enabled = false), [(13, 354)]);
+    }
+
+    #[test]
+    fn a_car_is_cut_off_what_is_none_if_it_alone_is_liked_well_enough() {
+        let with_hedge = [sides(10.0, 4.0), sides(14.6, 7.5)].concat();
+        let n_points = with_hedge.len();
+        let margin = |margin: f32| move |it: &mut RegroupingParams| it.lone_part_margin = margin;
+        assert_eq!(regrouped(&[with_hedge.clone()], margin(0.5))[0], (4, 118));
+        assert_eq!(regrouped(&[with_hedge], margin(1.0)), [(12, n_points)]);
+    }
+
+    #[test]
+    fn halves_of_a_car_are_joined_and_cars_are_not() {
+        let (front, rear) = (sides(10.0, 1.9), sides(12.1, 1.9));
+        let n_points = front.len() + rear.len();
+        assert_eq!(regrouped(&[rear.clone(), front.clone()], |_| ()), [(4, n_points)]);
+        assert_eq!(regrouped(&[rear.clone(), front.clone()], |it| it.max_gap_m = 0.1).len(), 2);
+        assert_eq!(regrouped(&[rear, front], |it| it.max_joined_length_m = 1.5).len(), 2);
+        assert_eq!(regrouped(&[sides(10.0, 3.5), sides(13.7, 3.5)], |_| ()).len(), 2);
+    }
 }

@@ -120,8 +120,8 @@ impl Members {
         let start = self.len();
         let (mut next_a, mut next_b) = (a.start, b.start);
         while next_a < a.end || next_b < b.end {
-            let is_a = next_b == b.end
-                || next_a < a.end && self.point_indices[next_a] < self.point_indices[next_b];
+            let is_a =
+                next_b == b.end || next_a < a.end && self.point_indices[next_a] < self.point_indices[next_b];
             let next = if is_a { &mut next_a } else { &mut next_b };
             self.push(self.point_indices[*next], self.positions_m[*next]);
             *next += 1;

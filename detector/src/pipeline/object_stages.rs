@@ -133,7 +133,8 @@ impl ObjectStages {
         ];
         if let Some(model) = &self.model {
             let positions_m = |it: &FittedObject| members.positions_m(&it.members).iter().copied();
-            products.extend(model.stage_products(objects.iter().map(|it| (it.bounding_box, positions_m(it)))));
+            products
+                .extend(model.stage_products(objects.iter().map(|it| (it.bounding_box, positions_m(it)))));
         }
         let clusters = Shape::Clusters(self.object_of_point(n_points));
         products.push(StageProduct { stage: "completion", name: "objects", shape: clusters });
