@@ -1,6 +1,5 @@
 //! From objects with boxes to detections. Shared with baselines that classify as the paper does.
 
-use crate::classify::object_classifier::ObjectClassifier as _;
 use crate::classify::regrouping::{Judge, Regrouping};
 use crate::classify::size_gate::size_gate;
 use crate::detection::Detection;
@@ -11,7 +10,7 @@ use crate::fit::fitted_objects::{FittedObject, FittedObjects};
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
-use crate::pipeline::vehicle_model::{VehicleModel, class_by_decision};
+use crate::pipeline::vehicle_model::{N_FEATURES, VehicleModel, class_by_decision};
 use crate::point_cloud::PointCloud;
 use crate::stage_product::{Shape, StageProduct};
 
@@ -20,6 +19,7 @@ use crate::stage_product::{Shape, StageProduct};
 pub struct ObjectStages {
     fitted: FittedObjects,
     model: Option<VehicleModel>,
+    values: Vec<Option<[f32; N_FEATURES]>>,
     regrouping: Option<Regrouping>,
     completion: Completion,
     point_indices: Vec<u32>,
@@ -31,6 +31,7 @@ impl ObjectStages {
         Self {
             fitted: FittedObjects::default(),
             model: None,
+            values: Vec::new(),
             regrouping: None,
             completion: Completion::new(params.completion.clone()),
             point_indices: Vec::new(),
@@ -77,13 +78,19 @@ impl ObjectStages {
         output: &mut DetectorOutput,
     ) {
         if let Some(model) = &mut self.model {
-            for object in &mut self.fitted.objects {
-                let positions_m = self.fitted.members.positions_m(&object.members).iter().copied();
-                let ground_m = foreground.ground_below_m(&object.bounding_box);
-                object.decision = model.decision(&object.bounding_box, ground_m, positions_m);
+            let members = &self.fitted.members;
+            let values = self.fitted.objects.iter().map(|it| {
+                let positions_m = members.positions_m(&it.members).iter().copied();
+                model.values(&it.bounding_box, foreground.ground_below_m(&it.bounding_box), positions_m)
+            });
+            self.values.clear();
+            self.values.extend(values);
+            clock.lap("features", &mut output.stage_times);
+            for (object, values) in self.fitted.objects.iter_mut().zip(&self.values) {
+                object.decision = values.as_ref().map(|it| model.decision_on(it));
             }
+            clock.lap("svm", &mut output.stage_times);
         }
-        clock.lap("classify", &mut output.stage_times);
         if let (Some(regrouping), Some(model)) = (&mut self.regrouping, &mut self.model) {
             let ground_m = |bounding_box: &OrientedBox| foreground.ground_below_m(bounding_box);
             regrouping.regroup(&mut self.fitted, Judge { box_fit, model, ground_m });

@@ -62,6 +62,22 @@ impl VehicleModel {
         Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm) }
     }
 
+    /// What the classifier sees of an object with these points, in the sensor frame, above ground of elevation `ground_m`. `None`
+    /// without points.
+    pub fn values(
+        &mut self,
+        bounding_box: &OrientedBox,
+        ground_m: f32,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<[f32; N_FEATURES]> {
+        Some(self.describer.describe(bounding_box, ground_m, positions_m)?.values())
+    }
+
+    /// How surely what is seen like this is a vehicle: above 0 it is one.
+    pub fn decision_on(&self, values: &[f32; N_FEATURES]) -> f32 {
+        self.svm.decision(values)
+    }
+
     /// What the features of `objects`, boxes with their points, were taken from.
     pub fn stage_products<P: ExactSizeIterator<Item = [f32; 3]>>(
         &self,
@@ -93,8 +109,8 @@ impl ObjectClassifier for VehicleModel {
         ground_m: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32> {
-        let features = self.describer.describe(bounding_box, ground_m, positions_m)?;
-        Some(self.svm.decision(&features.values()))
+        let values = self.values(bounding_box, ground_m, positions_m)?;
+        Some(self.decision_on(&values))
     }
 }
 
