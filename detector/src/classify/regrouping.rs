@@ -3,6 +3,8 @@
 use serde::Deserialize;
 
 use super::object_classifier::ObjectClassifier;
+use super::size_gate::{SizeGateParams, size_gate};
+use crate::detection::DetectedClass;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
 use crate::oriented_box::OrientedBox;
@@ -56,20 +58,42 @@ pub struct Judge<'a, M, G> {
     pub model: &'a mut M,
     /// Elevation of the ground below a box, in metres.
     pub ground_m: G,
+    /// What has not the size of a vehicle is none, without asking the model.
+    pub sizes: &'a SizeGateParams,
 }
 
 impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
-    /// Box and decision of an object of these points, of which there is one at least.
+    /// How surely these points, one at least, are a vehicle; [`NO_VEHICLE`] if their size says no.
+    fn decision(&mut self, positions_m: &[[f32; 3]]) -> f32 {
+        let bounding_box = self.bounding_box(positions_m);
+        match size_gate(positions_m.len(), &bounding_box, self.sizes) {
+            DetectedClass::Vehicle => self.decision_in(&bounding_box, positions_m),
+            DetectedClass::Object => NO_VEHICLE,
+        }
+    }
+
+    /// Box and decision of an object of these points, one at least.
     fn judge(&mut self, positions_m: &[[f32; 3]]) -> (OrientedBox, f32) {
+        let bounding_box = self.bounding_box(positions_m);
+        (bounding_box, self.decision_in(&bounding_box, positions_m))
+    }
+
+    fn bounding_box(&mut self, positions_m: &[[f32; 3]]) -> OrientedBox {
         let widen = |[low, high]: [f32; 2], &[_, _, z_m]: &[f32; 3]| [low.min(z_m), high.max(z_m)];
         let z_range_m = positions_m.iter().fold([f32::INFINITY, f32::NEG_INFINITY], widen);
         let on_plan_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
-        let bounding_box = self.box_fit.fit(on_plan_m, z_range_m).expect("it has points");
-        let ground_m = (self.ground_m)(&bounding_box);
-        let decision = self.model.decision(&bounding_box, ground_m, positions_m.iter().copied());
-        (bounding_box, decision.expect("it has points"))
+        self.box_fit.fit(on_plan_m, z_range_m).expect("it has points")
+    }
+
+    fn decision_in(&mut self, bounding_box: &OrientedBox, positions_m: &[[f32; 3]]) -> f32 {
+        let ground_m = (self.ground_m)(bounding_box);
+        let decision = self.model.decision(bounding_box, ground_m, positions_m.iter().copied());
+        decision.expect("it has points")
     }
 }
+
+/// A decision that is on the margin of the other class.
+const NO_VEHICLE: f32 = -1.0;
 
 /// A vertical plane through an object.
 #[derive(Debug, Clone, Copy)]
@@ -187,7 +211,7 @@ impl Regrouping {
         if self.parts_m.iter().any(|part_m| part_m.len() < self.params.min_points.max(1)) {
             return None;
         }
-        let [(_, a), (_, b)] = self.parts_m.each_ref().map(|part_m| judge.judge(part_m));
+        let [a, b] = self.parts_m.each_ref().map(|part_m| judge.decision(part_m));
         Some(a.min(b).max(a.max(b) - self.params.lone_part_margin))
     }
 
@@ -254,10 +278,11 @@ impl Regrouping {
         for object in [a, b] {
             positions_m.extend_from_slice(fitted.members.positions_m(&object.members));
         }
-        let (bounding_box, decision) = judge.judge(positions_m);
+        let decision = judge.decision(positions_m);
         if decision <= a_decision.max(b_decision).max(0.0) {
             return None;
         }
+        let bounding_box = judge.bounding_box(positions_m);
         let members = fitted.members.joined([&a.members.clone(), &b.members.clone()]);
         let mut joined = fitted.object(members, bounding_box, judge.box_fit.hull_m());
         joined.decision = Some(decision);
@@ -327,11 +352,19 @@ mod tests {
 
     /// The lengths and numbers of points of what becomes of objects of these points, each a list.
     fn regrouped(objects: &[Vec<[f32; 3]>], change: impl Fn(&mut RegroupingParams)) -> Vec<(i32, usize)> {
-        let mut params = HierarchicalParams::paper().regrouping;
+        let HierarchicalParams { regrouping: mut params, vehicle_size: mut sizes, .. } =
+            HierarchicalParams::paper();
+        // Drawings are flat.
+        sizes.min_height_m = 0.0;
         change(&mut params);
         let (mut fitted, mut box_fit, mut model) =
             (FittedObjects::default(), ConvexHullBox::default(), FourMetres);
-        let mut judge = Judge { box_fit: &mut box_fit, model: &mut model, ground_m: |_: &OrientedBox| -1.7 };
+        let mut judge = Judge {
+            box_fit: &mut box_fit,
+            model: &mut model,
+            ground_m: |_: &OrientedBox| -1.7,
+            sizes: &sizes,
+        };
         let mut next_point = 0;
         for positions_m in objects {
             let start = fitted.members.len();

@@ -93,7 +93,8 @@ impl ObjectStages {
         }
         if let (Some(regrouping), Some(model)) = (&mut self.regrouping, &mut self.model) {
             let ground_m = |bounding_box: &OrientedBox| foreground.ground_below_m(bounding_box);
-            regrouping.regroup(&mut self.fitted, Judge { box_fit, model, ground_m });
+            let sizes = &foreground.params().vehicle_size;
+            regrouping.regroup(&mut self.fitted, Judge { box_fit, model, ground_m, sizes });
             clock.lap("regroup", &mut output.stage_times);
         }
         self.complete(cloud, foreground, output);
