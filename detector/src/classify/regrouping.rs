@@ -65,7 +65,11 @@ pub struct Judge<'a, M, G> {
 impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
     /// How surely these points, one at least, are a vehicle; [`NO_VEHICLE`] if their size says no.
     fn decision(&mut self, positions_m: &[[f32; 3]]) -> f32 {
-        let bounding_box = self.bounding_box(positions_m);
+        let z_range_m = z_range_m(positions_m);
+        if !self.has_height(z_range_m) {
+            return NO_VEHICLE;
+        }
+        let bounding_box = self.box_over(positions_m, z_range_m);
         match size_gate(positions_m.len(), &bounding_box, self.sizes) {
             DetectedClass::Vehicle => self.decision_in(&bounding_box, positions_m),
             DetectedClass::Object => NO_VEHICLE,
@@ -78,9 +82,16 @@ impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
         (bounding_box, self.decision_in(&bounding_box, positions_m))
     }
 
+    /// Whether it could be a vehicle by its height.
+    fn has_height(&self, [low_m, high_m]: [f32; 2]) -> bool {
+        (self.sizes.min_height_m..=self.sizes.max_height_m).contains(&(high_m - low_m))
+    }
+
     fn bounding_box(&mut self, positions_m: &[[f32; 3]]) -> OrientedBox {
-        let widen = |[low, high]: [f32; 2], &[_, _, z_m]: &[f32; 3]| [low.min(z_m), high.max(z_m)];
-        let z_range_m = positions_m.iter().fold([f32::INFINITY, f32::NEG_INFINITY], widen);
+        self.box_over(positions_m, z_range_m(positions_m))
+    }
+
+    fn box_over(&mut self, positions_m: &[[f32; 3]], z_range_m: [f32; 2]) -> OrientedBox {
         let on_plan_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
         self.box_fit.fit(on_plan_m, z_range_m).expect("it has points")
     }
@@ -92,7 +103,15 @@ impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
     }
 }
 
-/// A decision that is on the margin of the other class.
+/// From the lowest to the highest of some points.
+fn z_range_m(positions_m: &[[f32; 3]]) -> [f32; 2] {
+    let widen = |[low, high]: [f32; 2], &[_, _, z_m]: &[f32; 3]| {
+        [if z_m < low { z_m } else { low }, if z_m > high { z_m } else { high }]
+    };
+    positions_m.iter().fold([f32::INFINITY, f32::NEG_INFINITY], widen)
+}
+
+/// A decision on the margin of the other class.
 const NO_VEHICLE: f32 = -1.0;
 
 /// A vertical plane through an object.
@@ -269,7 +288,9 @@ impl Regrouping {
         judge: &mut Judge<'_, M, G>,
     ) -> Option<FittedObject> {
         let [a, b] = pair.map(|it| &fitted.objects[it]);
-        if !self.may_be_joined(fitted, a, b) {
+        let [a_range_m, b_range_m] = [a, b].map(|it| ends_m(&it.bounding_box));
+        let both_m = [a_range_m[0].min(b_range_m[0]), a_range_m[1].max(b_range_m[1])];
+        if !self.may_be_joined(fitted, a, b) || !judge.has_height(both_m) {
             return None;
         }
         let [a_decision, b_decision] = [a, b].map(|it| it.decision.unwrap_or(0.0));
@@ -302,6 +323,11 @@ impl Regrouping {
             && (gap_m(&a.bounding_box, fitted.hull_m(b)) <= max_gap_m
                 || gap_m(&b.bounding_box, fitted.hull_m(a)) <= max_gap_m)
     }
+}
+
+/// The lower and the upper end of a box.
+fn ends_m(bounding_box: &OrientedBox) -> [f32; 2] {
+    [-0.5, 0.5].map(|it| bounding_box.center_m[2] + it * bounding_box.length_width_height_m[2])
 }
 
 fn half_diagonal_m(bounding_box: &OrientedBox) -> f32 {

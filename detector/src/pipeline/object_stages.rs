@@ -115,12 +115,15 @@ impl ObjectStages {
                 None => size_gate(n_points, &object.bounding_box, sizes),
             };
             self.point_indices.clear();
-            self.point_indices.extend_from_slice(members.point_indices(&object.members));
-            while let Some([_, point_idx]) = added.next_if(|[of_object, _]| *of_object == object_idx) {
-                self.point_indices.push(*point_idx);
-                include(&mut object.bounding_box, cloud.z_m()[*point_idx as usize]);
+            let mut own = members.point_indices(&object.members);
+            while let Some(&[_, point_idx]) = added.next_if(|[of_object, _]| *of_object == object_idx) {
+                let (before, behind) = own.split_at(own.partition_point(|it| *it < point_idx));
+                self.point_indices.extend_from_slice(before);
+                self.point_indices.push(point_idx);
+                own = behind;
+                include(&mut object.bounding_box, cloud.z_m()[point_idx as usize]);
             }
-            self.point_indices.sort_unstable();
+            self.point_indices.extend_from_slice(own);
             output.detections.push(Detection {
                 point_indices: &self.point_indices,
                 bounding_box: object.bounding_box,
