@@ -1,6 +1,6 @@
 //! What each stage of the hierarchical detector makes of a drawn street.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use detector::params::HierarchicalParams;
@@ -44,6 +44,11 @@ fn shape_in_words(shape: &Shape) -> String {
         Shape::Spheres(spheres) => {
             let radii_m: Vec<String> = spheres.iter().map(|it| rounded(it.radius_m)).collect();
             format!("{} with radii {}", spheres.len(), radii_m.join(", "))
+        }
+        Shape::Links(links) => counts_in_words(links.iter().map(|link| link.fate.name())),
+        Shape::ObjectCells { cell_size_m, cells } => {
+            let objects: BTreeSet<u32> = cells.iter().map(|cell| cell.object).collect();
+            format!("{} of {} m and {} objects", cells.len(), rounded(*cell_size_m), objects.len())
         }
         Shape::Contours(contours) => {
             let n_corners: Vec<String> = contours.iter().map(|it| it.len().to_string()).collect();

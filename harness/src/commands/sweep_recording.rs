@@ -8,8 +8,13 @@ use reports::table::sweep_score::{SweepScore, SweepScores};
 use reports::table::task_table::Extent;
 
 use crate::annotation::LabeledScan;
+use crate::commands::recording::task_views;
 use crate::matching::assign::assign;
-use crate::stream::{DetectorView, RecordingAxis, RunningFRate, Stream, StreamOptions, ViewerChoice};
+use crate::matching::mistake::Evidence;
+use crate::run::side_by_side::DetectorScan;
+use crate::stream::{
+    DetectorView, FirstTab, Opening, RecordingAxis, ScanView, Stream, StreamOptions, ViewerChoice,
+};
 use crate::sweep::scan_at_point::of_sensor;
 use crate::sweep::summary::SweepResults;
 use crate::sweep::swept_values::SweptValues;
@@ -38,7 +43,8 @@ pub fn record_sweep(
         name: directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         file: directory.path_of(SWEEP_RRD),
         viewer: ViewerChoice::None,
-        shown_task,
+        opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false },
+        max_points: None,
     };
     let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
     let of_dataset = Extent::Dataset(description.id.clone());
@@ -58,7 +64,8 @@ pub fn record_sweep(
     for (place, &(step, point_idx)) in steps.ascending().iter().enumerate() {
         let there = at_point(point_idx);
         if place == 0 {
-            stream.log_first(step, &scan)?;
+            let view = ScanView { scan: &scan, step, marks: &[], world_from_sensor: None, drive_m: &[] };
+            stream.log_scan(&view)?;
         }
         let values: Vec<String> =
             plan.parameters().iter().zip(&plan.points[point_idx].values).map(of_name).collect();
@@ -73,15 +80,22 @@ pub fn record_sweep(
             let latency = started.elapsed();
             let judge =
                 |&task| assign(&scan, &output.detections, task, &description.annotated, &config.matching);
+            let result = DetectorScan {
+                detector: listed.name,
+                output: output.clone(),
+                latency,
+                assignments: Task::ALL.iter().map(judge).collect(),
+            };
+            let products = detector.stage_products(&scan.cloud);
+            let evidence =
+                Evidence::gather(&scan, &result.output.detections, &products, config.matching.criterion);
             let of_detector = there.iter().filter(|it| it.subject.detector == listed.name);
-            let f_rate =
-                |(&task, it): (&Task, &&SweepScore)| RunningFRate { task, f_rate: it.counts.f_rate() };
+            let tasks = task_views(&result, description, &evidence, of_detector.map(|it| it.counts.f_rate()));
             let view = DetectorView {
                 name: listed.name,
-                output: &output,
-                products: &detector.stage_products(&scan.cloud),
-                assignments: &Task::ALL.iter().map(judge).collect::<Vec<_>>(),
-                f_rates_so_far: &Task::ALL.iter().zip(of_detector).map(f_rate).collect::<Vec<_>>(),
+                output: &result.output,
+                products: &products,
+                tasks: &tasks,
                 latency,
             };
             stream.log_detector(&scan, &view)?;
