@@ -16,7 +16,8 @@ from pathlib import Path
 from PIL import Image
 from rerun.experimental import RrdReader, ViewerClient
 
-PATIENCE_S = 60
+# Until everything has been drawn.
+PATIENCE_S = float(os.environ.get("SCREEN_PATIENCE_S", "60"))
 SIZE = "1600x900"
 
 # harness/src/stream/palette.rs

@@ -48,6 +48,8 @@ pub struct RecordingPlan<'a> {
     pub detectors: &'a [&'a str],
     /// Where the scans come from.
     pub datasets: &'a [OpenedDataset],
+    /// Whether it opens at its first scan, and not at the last.
+    pub at_the_start: bool,
 }
 
 /// A scan that is recorded.
@@ -103,6 +105,7 @@ impl Recording {
                 TabName::Drive => FirstTab::Drive,
             },
             has_poses: plan.datasets.iter().any(has_poses),
+            at_the_start: plan.at_the_start,
         };
         let (name, max_points) = (plan.name.to_owned(), arguments.rerun_points);
         let options = StreamOptions { name, file, viewer, opening, max_points };
@@ -129,7 +132,7 @@ impl Recording {
     pub fn log(&mut self, recorded: &RecordedScan<'_>) -> anyhow::Result<Option<String>> {
         let number = self.n_scans;
         self.n_scans += 1;
-        if number % self.every != 0 {
+        if !number.is_multiple_of(self.every) {
             return Ok(None);
         }
         let RecordedScan { results, scores, dataset, .. } = recorded;

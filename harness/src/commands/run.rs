@@ -220,6 +220,7 @@ fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<
         shown_task,
         detectors: &detectors,
         datasets: &plan.datasets,
+        at_the_start: false,
     })
 }
 

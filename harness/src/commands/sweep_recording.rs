@@ -2,14 +2,15 @@
 
 use std::time::Instant;
 
-use detector::DetectorOutput;
+use detector::{Detector, DetectorOutput};
 use reports::run_directory::RunDirectory;
 use reports::table::sweep_score::{SweepScore, SweepScores};
 use reports::table::task_table::Extent;
 
 use crate::annotation::LabeledScan;
 use crate::commands::recording::task_views;
-use crate::matching::assign::assign;
+use crate::dataset::DatasetDescription;
+use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::mistake::Evidence;
 use crate::run::side_by_side::DetectorScan;
 use crate::stream::{
@@ -43,7 +44,7 @@ pub fn record_sweep(
         name: directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         file: directory.path_of(SWEEP_RRD),
         viewer: ViewerChoice::None,
-        opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false },
+        opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false, at_the_start: true },
         max_points: None,
     };
     let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
@@ -60,7 +61,6 @@ pub fn record_sweep(
         further_series: further(&at_point(0)).iter().map(|it| it.0).collect(),
     };
     let mut stream = Stream::open_along(&options, &detectors, axis)?;
-    let mut output = DetectorOutput::default();
     for (place, &(step, point_idx)) in steps.ascending().iter().enumerate() {
         let there = at_point(point_idx);
         if place == 0 {
@@ -72,36 +72,43 @@ pub fn record_sweep(
         stream.log_step(step, title(&scan, &values), &further(&there))?;
         let config = of_sensor(&plan.points[point_idx].config, description);
         for listed in &plan.detectors {
-            let mut detector = listed.build(&config, description.sensor_height_m);
-            // Its buffers find their size.
-            detector.detect(&scan.cloud, &mut output);
-            let started = Instant::now();
-            detector.detect(&scan.cloud, &mut output);
-            let latency = started.elapsed();
-            let judge =
-                |&task| assign(&scan, &output.detections, task, &description.annotated, &config.matching);
-            let result = DetectorScan {
-                detector: listed.name,
-                output: output.clone(),
-                latency,
-                assignments: Task::ALL.iter().map(judge).collect(),
-            };
-            let products = detector.stage_products(&scan.cloud);
-            let evidence =
-                Evidence::gather(&scan, &result.output.detections, &products, config.matching.criterion);
+            let detector = listed.build(&config, description.sensor_height_m);
             let of_detector = there.iter().filter(|it| it.subject.detector == listed.name);
-            let tasks = task_views(&result, description, &evidence, of_detector.map(|it| it.counts.f_rate()));
-            let view = DetectorView {
-                name: listed.name,
-                output: &result.output,
-                products: &products,
-                tasks: &tasks,
-                latency,
-            };
-            stream.log_detector(&scan, &view)?;
+            let f_rates = of_detector.map(|it| it.counts.f_rate());
+            look_again(&mut stream, (&scan, description), detector, &config.matching, f_rates)?;
         }
     }
     stream.finish()?;
+    Ok(())
+}
+
+/// Logs what `detector` makes of the scan of a data set, with the F-rates that it has on all scans, in the order of the tasks.
+fn look_again(
+    stream: &mut Stream,
+    (scan, dataset): (&LabeledScan, &DatasetDescription),
+    mut detector: Box<dyn Detector>,
+    matching: &MatchingParams,
+    f_rates: impl Iterator<Item = Option<f64>>,
+) -> anyhow::Result<()> {
+    let mut output = DetectorOutput::default();
+    // Its buffers find their size.
+    detector.detect(&scan.cloud, &mut output);
+    let started = Instant::now();
+    detector.detect(&scan.cloud, &mut output);
+    let latency = started.elapsed();
+    let judge = |&task| assign(scan, &output.detections, task, &dataset.annotated, matching);
+    let assignments = Task::ALL.iter().map(judge).collect();
+    let result = DetectorScan { detector: detector.name(), output, latency, assignments };
+    let products = detector.stage_products(&scan.cloud);
+    let evidence = Evidence::gather(scan, &result.output.detections, &products, matching.criterion);
+    let view = DetectorView {
+        name: result.detector,
+        output: &result.output,
+        products: &products,
+        tasks: &task_views(&result, dataset, &evidence, f_rates),
+        latency,
+    };
+    stream.log_detector(scan, &view)?;
     Ok(())
 }
 

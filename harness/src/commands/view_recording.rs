@@ -55,6 +55,7 @@ pub fn record(
         shown_task: arguments.task.task(),
         detectors: &names,
         datasets: &again.datasets,
+        at_the_start: true,
     })?
     else {
         return Ok(());

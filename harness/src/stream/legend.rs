@@ -117,7 +117,7 @@ pub struct LegendDot {
 /// Left and right end of a drawn legend.
 pub const VISIBLE_X: [f64; 2] = [-1.5, 9.3];
 /// Top and bottom of a drawn legend.
-pub const VISIBLE_Y: [f64; 2] = [-1.5, 2.8];
+pub const VISIBLE_Y: [f64; 2] = [-1.6, 3.2];
 /// Where the name of the scan is written.
 pub const TITLE_POSITION: [f32; 2] = [3.9, -1.5];
 /// From dot to dot: what is written below them is wider than high.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use detector::stage_product::{LinkFate, Shape, StageProduct, SurfaceClass};
+use detector::stage_product::{LinkFate, ProductCell, ProductLink, Shape, StageProduct, SurfaceClass};
 use rerun::{EntityPath, LineStrips3D, Radius, RecordingStream, SerializedComponentBatch};
 
 use super::archetypes::Column;
@@ -64,41 +64,13 @@ fn log_entity(
     let color = palette::line_color(product.name);
     match &product.shape {
         Shape::LabeledPoints(_) | Shape::Clusters(_) => return Ok(()),
-        Shape::Cells { cell_size_m, cells } => {
-            for class in SurfaceClass::ALL {
-                let of_class = cells.iter().filter(|cell| cell.class == class);
-                if of_class.clone().next().is_none() {
-                    continue;
-                }
-                let columns = of_class.map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
-                let drawn =
-                    archetypes::columns(*cell_size_m, columns).with_class_ids([legend::surface_id(class)]);
-                let path = entity_paths::product_part(&path, class.name());
-                recording::log(stream, path.clone(), &drawn)?;
-                logged.insert(path);
-            }
-            return Ok(());
-        }
+        Shape::Cells { cell_size_m, cells } => return log_cells(stream, &path, *cell_size_m, cells, logged),
+        Shape::Links(links) => return log_links(stream, &path, links, logged),
         Shape::ObjectCells { cell_size_m, cells } => {
             let columns = cells.iter().map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
             let ids = cells.iter().map(|cell| legend::cluster_id(cell.object));
             let drawn = archetypes::columns(*cell_size_m, columns).with_class_ids(ids);
             recording::log(stream, path.clone(), &drawn)?;
-        }
-        Shape::Links(links) => {
-            for fate in LinkFate::ALL {
-                let of_fate = links.iter().filter(|link| link.fate == fate);
-                if of_fate.clone().next().is_none() {
-                    continue;
-                }
-                let drawn = archetypes::links(of_fate)
-                    .with_radii([Radius::new_ui_points(LINK_RADIUS_PX)])
-                    .with_class_ids([legend::link_id(fate)]);
-                let path = entity_paths::product_part(&path, fate.name());
-                recording::log(stream, path.clone(), &drawn)?;
-                logged.insert(path);
-            }
-            return Ok(());
         }
         Shape::Segments(segments) => {
             let drawn = colored_lines(archetypes::segments(segments), color);
@@ -122,6 +94,50 @@ fn log_entity(
         }
     }
     logged.insert(path);
+    Ok(())
+}
+
+/// Logs the cells of each class as an entity of its own.
+fn log_cells(
+    stream: &RecordingStream,
+    product: &EntityPath,
+    cell_size_m: f32,
+    cells: &[ProductCell],
+    logged: &mut BTreeSet<EntityPath>,
+) -> Result<(), StreamError> {
+    for class in SurfaceClass::ALL {
+        let of_class = cells.iter().filter(|cell| cell.class == class);
+        if of_class.clone().next().is_none() {
+            continue;
+        }
+        let columns = of_class.map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
+        let drawn = archetypes::columns(cell_size_m, columns).with_class_ids([legend::surface_id(class)]);
+        let path = entity_paths::product_part(product, class.name());
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
+    }
+    Ok(())
+}
+
+/// Logs the links of each fate as an entity of their own.
+fn log_links(
+    stream: &RecordingStream,
+    product: &EntityPath,
+    links: &[ProductLink],
+    logged: &mut BTreeSet<EntityPath>,
+) -> Result<(), StreamError> {
+    for fate in LinkFate::ALL {
+        let of_fate = links.iter().filter(|link| link.fate == fate);
+        if of_fate.clone().next().is_none() {
+            continue;
+        }
+        let drawn = archetypes::links(of_fate)
+            .with_radii([Radius::new_ui_points(LINK_RADIUS_PX)])
+            .with_class_ids([legend::link_id(fate)]);
+        let path = entity_paths::product_part(product, fate.name());
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
+    }
     Ok(())
 }
 

@@ -36,6 +36,22 @@ pub fn log_lines(stream: &RecordingStream, detector: &str, detector_idx: usize) 
     recording::log_static(stream, entity_paths::latency(detector), &line)
 }
 
+/// Logs how the lines of the series `names` are drawn, for the whole recording.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_further_lines(stream: &RecordingStream, names: &[&str]) -> Result<(), StreamError> {
+    for name in names {
+        let line = SeriesLines::new()
+            .with_names([*name])
+            .with_colors([legend::rgba(palette::YELLOW)])
+            .with_widths([2.0]);
+        recording::log_static(stream, entity_paths::further(name), &line)?;
+    }
+    Ok(())
+}
+
 /// Logs the F-rate so far at the current time; one that is undefined leaves a gap.
 ///
 /// # Errors

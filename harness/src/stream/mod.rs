@@ -15,10 +15,10 @@ mod recording;
 mod drawn_points;
 mod archetypes;
 mod product_views;
-mod blueprint;
 mod recording_file;
 mod viewer;
 mod stream_options;
+mod blueprint;
 mod scan_views;
 mod log_static;
 mod log_scan;
@@ -30,12 +30,11 @@ mod log_mistakes;
 mod log_series;
 pub mod session;
 
-pub use blueprint::FirstTab;
 pub use error::StreamError;
 pub use recording_axis::RecordingAxis;
 pub use scan_views::{DetectorView, Mark, ScanView, TaskView};
 pub use session::{Stream, StreamEnding};
-pub use stream_options::{Opening, StreamOptions};
+pub use stream_options::{FirstTab, Opening, StreamOptions};
 pub use viewer::{ServedRecording, ViewerChoice, ViewerState, ViewerUrl};
 
 /// Version of the Rerun library; a viewer of this version opens the recordings.

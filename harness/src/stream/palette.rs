@@ -58,12 +58,11 @@ pub fn link_color(fate: LinkFate) -> Rgb {
 /// The colour of lines of the stage product `name`; what is not known here is yellow.
 pub fn line_color(name: &str) -> Rgb {
     match name {
-        "rectangles" | "concave_profiles" => ORANGE,
+        "segments" | "rectangles" | "concave_profiles" => ORANGE,
         "convex_profiles" => SKY_BLUE,
         "nearest_prototypes" => REDDISH_PURPLE,
         "corner_spheres" => GREY,
         "cuts" => VERMILION,
-        "segments" => ORANGE,
         _ => YELLOW,
     }
 }

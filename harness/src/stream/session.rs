@@ -16,7 +16,9 @@ use super::log_pose::log_pose;
 use super::log_products::log_products;
 use super::log_scan::{log_scan, log_title};
 use super::log_scores::log_scores;
-use super::log_series::{log_counts, log_f_rate, log_further, log_latency, log_lines, log_stage_times};
+use super::log_series::{
+    log_counts, log_f_rate, log_further, log_further_lines, log_latency, log_lines, log_stage_times,
+};
 use super::log_static::log_static;
 use super::product_views::DetectorViews;
 use super::recording;
@@ -28,6 +30,9 @@ use super::viewer::{ServedRecording, ViewerLink, ViewerState};
 use crate::annotation::LabeledScan;
 
 const APPLICATION_ID: &str = "scanbench";
+/// So many scans are written at once if no viewer waits for them. The index of the file, which Rerun holds in memory until
+/// its end, has a place for every component in every chunk: a third of a megabyte for each time that something is written.
+const MAX_HELD_BACK: u32 = 8;
 
 /// How a recording ended.
 #[derive(Debug)]
@@ -55,6 +60,7 @@ pub struct Stream {
     max_points: Option<usize>,
     drawn_points: DrawnPoints,
     is_laid_out: bool,
+    n_held_back: u32,
 }
 
 /// What has to be remembered of a detector from scan to scan.
@@ -115,6 +121,7 @@ impl Stream {
         for (detector_idx, name) in names.iter().enumerate() {
             log_lines(&recording, name, detector_idx)?;
         }
+        log_further_lines(&recording, &axis.further_series)?;
         let detectors = names
             .into_iter()
             .map(|name| DetectorState { name, on_screen: BTreeSet::new(), stages: Vec::new(), views: None })
@@ -130,6 +137,7 @@ impl Stream {
             max_points: options.max_points,
             drawn_points: DrawnPoints::default(),
             is_laid_out: false,
+            n_held_back: 0,
         })
     }
 
@@ -146,7 +154,7 @@ impl Stream {
     /// Logs points and annotations of a scan.
     ///
     /// Whatever is logged afterwards belongs to it, until the next call or [`Self::log_step`]. Call it from the thread that
-    /// logs the detectors, and outside every stopwatch: what was logged before is written now, so that nothing of the
+    /// logs the detectors, and outside every stopwatch: what was logged before is written now or later, so that nothing of the
     /// recording runs beside a detector. (A viewer is sent to beside it, and shares the processor with it if it runs on the
     /// same machine.)
     ///
@@ -154,7 +162,11 @@ impl Stream {
     ///
     /// [`StreamError`] if Rerun refuses, or if an earlier scan could not be written.
     pub fn log_scan(&mut self, view: &ScanView<'_>) -> Result<(), StreamError> {
-        self.flush()?;
+        if self.n_held_back == MAX_HELD_BACK || self.viewer.state() == ViewerState::Connected {
+            self.flush()?;
+            self.n_held_back = 0;
+        }
+        self.n_held_back += 1;
         self.set_step(view.step)?;
         self.drawn_points = DrawnPoints::choose(&view.scan.cloud, self.max_points);
         log_scan(&self.recording, view, &self.drawn_points)?;
@@ -240,9 +252,8 @@ impl Stream {
     fn lay_out(&mut self) -> Result<(), StreamError> {
         let views = |it: &DetectorState| it.views.clone().unwrap_or_else(|| DetectorViews::of(&it.name, &[]));
         let detectors: Vec<DetectorViews> = self.detectors.iter().map(views).collect();
-        let Opening { shown_task, first_tab, has_poses } = self.opening;
-        let layout =
-            RecordingLayout { detectors: &detectors, shown_task, axis: &self.axis, has_poses, first_tab };
+        let opening = self.opening;
+        let layout = RecordingLayout { detectors: &detectors, axis: &self.axis, opening };
         send_blueprint(&self.recording, APPLICATION_ID, &layout)?;
         self.is_laid_out = true;
         Ok(())
@@ -265,7 +276,7 @@ impl Stream {
     }
 }
 
-/// Only our own flush, once a scan, cuts chunks and sends them: a timer would do so while a detector is timed.
+/// Only our own flush, between scans, cuts chunks and sends them: a timer would do so while a detector is timed.
 fn batching() -> ChunkBatcherConfig {
     ChunkBatcherConfig::NEVER
 }

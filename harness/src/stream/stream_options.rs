@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::blueprint::FirstTab;
 use super::viewer::ViewerChoice;
 use crate::task::Task;
 
@@ -21,6 +20,18 @@ pub struct StreamOptions {
     pub max_points: Option<usize>,
 }
 
+/// Which tab of a recording is in front when it is opened.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FirstTab {
+    /// Detectors side by side.
+    #[default]
+    Compare,
+    /// The first detector, stage by stage.
+    Stages,
+    /// The drive in a frame that rests, if poses are known.
+    Drive,
+}
+
 /// How a recording opens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Opening {
@@ -30,4 +41,6 @@ pub struct Opening {
     pub first_tab: FirstTab,
     /// Whether the poses of the sensor are known for some scans at least.
     pub has_poses: bool,
+    /// What is first on the axis is shown first, instead of what came last.
+    pub at_the_start: bool,
 }

@@ -21,13 +21,17 @@ use crate::task::Task;
 
 /// A scene for each detector, and below them what is wrong in words and the series.
 pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
-    let scenes: Vec<ContainerLike> =
+    let mut scenes: Vec<ContainerLike> =
         layout.detectors.iter().map(|it| detector_tabs(layout, it, properties)).collect();
+    let mut shares = vec![1.0; scenes.len()];
+    if layout.axis.is_of_a_sweep() {
+        // What is looked at are the curves, and what the scene is where they turn.
+        scenes.push(Vertical::new(curves(layout, properties)).into());
+        shares.push(0.7);
+    }
+    let scenes = Horizontal::new(scenes).with_column_shares(shares).into();
     let below = bottom_row(layout, properties);
-    Vertical::new([Horizontal::new(scenes).into(), below])
-        .with_row_shares(vec![2.9, 1.0])
-        .with_name("compare detectors")
-        .into()
+    Vertical::new([scenes, below]).with_row_shares(vec![2.9, 1.0]).with_name("compare detectors").into()
 }
 
 /// What a detector got right and wrong, in `frame`; its stage products are one click away.
@@ -47,7 +51,7 @@ pub fn outcomes(
     for kind in ProductKind::ALL {
         hide(properties, &view, &entity_paths::products(name, kind));
     }
-    for task in Task::ALL.into_iter().filter(|task| *task != layout.shown_task) {
+    for task in Task::ALL.into_iter().filter(|task| *task != layout.opening.shown_task) {
         hide(properties, &view, &entity_paths::outcomes(name, task));
     }
     view
@@ -77,8 +81,11 @@ fn detector_tabs(
 
 /// F-rates, what each detector has wrong in words, and what the colours mean.
 fn bottom_row(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
-    let mut columns = vec![rates(layout, properties)];
-    let mut shares = vec![0.8];
+    let (mut columns, mut shares) = (Vec::new(), Vec::new());
+    if !layout.axis.is_of_a_sweep() {
+        columns.push(rates(layout, properties));
+        shares.push(0.8);
+    }
     for detector in layout.detectors {
         columns.push(words_and_numbers(layout, &detector.detector, properties));
         shares.push(1.3);
@@ -97,15 +104,27 @@ fn rates(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Contai
         add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftBottom));
         view
     };
-    let others = Task::ALL.into_iter().filter(|task| *task != layout.shown_task);
+    let others = Task::ALL.into_iter().filter(|task| *task != layout.opening.shown_task);
     let mut tabs: Vec<ContainerLike> =
-        std::iter::once(layout.shown_task).chain(others).map(&mut f_rate_view).collect();
+        std::iter::once(layout.opening.shown_task).chain(others).map(&mut f_rate_view).collect();
     tabs.push(TimeSeriesView::new("latency in ms").with_origin(entity_paths::LATENCY).into());
-    let rates: ContainerLike = Tabs::new(tabs).into();
+    Tabs::new(tabs).into()
+}
+
+/// Over a parameter: rates, and what only this recording has.
+fn curves(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Vec<ContainerLike> {
+    let mut curves = vec![rates(layout, properties)];
     let further = layout.axis.further_series.iter();
-    let further: Vec<ContainerLike> =
-        further.map(|it| TimeSeriesView::new(*it).with_origin(entity_paths::further(it)).into()).collect();
-    if further.is_empty() { rates } else { Horizontal::new([rates, Tabs::new(further).into()]).into() }
+    let further: Vec<ContainerLike> = further
+        .map(|it| {
+            let name = format!("cell fitness: {it}");
+            TimeSeriesView::new(name).with_origin(entity_paths::further(it)).into()
+        })
+        .collect();
+    if !further.is_empty() {
+        curves.push(Tabs::new(further).into());
+    }
+    curves
 }
 
 /// What a detector has wrong in the scan, in words; its counts and its stage times one click away.
@@ -120,7 +139,7 @@ fn words_and_numbers(
         add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
         view
     };
-    let counts = series("counts", entity_paths::counts(detector, layout.shown_task));
+    let counts = series("counts", entity_paths::counts(detector, layout.opening.shown_task));
     let times = series("stage times in ms", entity_paths::stage_times(detector));
     Tabs::new([mistakes, counts, times]).into()
 }
@@ -132,7 +151,7 @@ pub fn mistakes(
     properties: &mut Vec<Property>,
 ) -> ContainerLike {
     let view: ContainerLike = TextLogView::new(format!("{detector}: missed and false"))
-        .with_origin(entity_paths::mistakes(detector, layout.shown_task))
+        .with_origin(entity_paths::mistakes(detector, layout.opening.shown_task))
         .into();
     let body = datatypes::TextLogColumn { visible: true.into(), kind: TextLogColumnKind::Body };
     let timeline = layout.axis.timeline.as_str().into();

@@ -2,7 +2,7 @@
 
 use rerun::blueprint::{Blueprint, BlueprintActivation, BlueprintPanel, SelectionPanel, Tabs, TimePanel};
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
-use rerun::external::re_sdk_types::blueprint::components::PanelState;
+use rerun::external::re_sdk_types::blueprint::components::{PanelState, PlayState};
 use rerun::{RecordingStream, RecordingStreamBuilder};
 
 use self::compare::compare;
@@ -12,37 +12,21 @@ use self::stages::stages;
 use super::error::StreamError;
 use super::product_views::DetectorViews;
 use super::recording_axis::RecordingAxis;
-use crate::task::Task;
+use super::stream_options::{FirstTab, Opening};
 
 mod scene;
 mod compare;
 mod stages;
 mod drive;
 
-/// Which tab of a recording is in front when it is opened.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum FirstTab {
-    /// Detectors side by side.
-    #[default]
-    Compare,
-    /// The first detector, stage by stage.
-    Stages,
-    /// The drive in a frame that rests, if poses are known.
-    Drive,
-}
-
 /// What there is to lay out.
 pub struct RecordingLayout<'a> {
     /// The detectors, in the order in which they are shown.
     pub detectors: &'a [DetectorViews],
-    /// The task whose outcomes are visible; those of the others are one click away.
-    pub shown_task: Task,
     /// What time is.
     pub axis: &'a RecordingAxis,
-    /// Whether it is known where the sensor was.
-    pub has_poses: bool,
-    /// Which tab is in front.
-    pub first_tab: FirstTab,
+    /// What is visible at first.
+    pub opening: Opening,
 }
 
 /// Sends the blueprint of `layout` along `stream`.
@@ -58,12 +42,12 @@ pub fn send_blueprint(
     let mut properties = Vec::new();
     let mut tabs = vec![compare(layout, &mut properties)];
     tabs.extend(layout.detectors.iter().map(|detector| stages(layout, detector, &mut properties)));
-    if layout.has_poses {
+    if layout.opening.has_poses {
         tabs.push(drive(layout, &mut properties));
     }
-    let front = match layout.first_tab {
+    let front = match layout.opening.first_tab {
         FirstTab::Stages if !layout.detectors.is_empty() => 1,
-        FirstTab::Drive if layout.has_poses => tabs.len() - 1,
+        FirstTab::Drive if layout.opening.has_poses => tabs.len() - 1,
         FirstTab::Compare | FirstTab::Stages | FirstTab::Drive => 0,
     };
     tabs.rotate_left(front);
@@ -72,16 +56,20 @@ pub fn send_blueprint(
         .with_auto_layout(false)
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
-        .with_time_panel(
-            TimePanel::new()
-                .with_state(PanelState::Collapsed)
-                .with_timeline(layout.axis.timeline.as_str())
-                .with_fps(layout.axis.steps_per_s),
-        );
+        .with_time_panel(time_panel(layout));
     let (messages, activation) = messages(application_id, &blueprint, &properties)
         .map_err(|reason| StreamError::Log { entity: "the blueprint".to_owned(), reason })?;
     stream.send_blueprint(messages, activation);
     Ok(())
+}
+
+fn time_panel(layout: &RecordingLayout<'_>) -> TimePanel {
+    let panel = TimePanel::new()
+        .with_state(PanelState::Collapsed)
+        .with_timeline(layout.axis.timeline.as_str())
+        .with_fps(layout.axis.steps_per_s);
+    // Left alone, a viewer follows what comes in, and stays at the end.
+    if layout.opening.at_the_start { panel.with_play_state(PlayState::Paused) } else { panel }
 }
 
 /// The messages of the blueprint store: the layout by Rerun's builders, then the properties, logged into the same store.

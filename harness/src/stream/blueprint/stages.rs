@@ -30,8 +30,8 @@ pub fn stages(
     let n_stages = detector.stages.len();
     let scores = format!("{} score: vehicle or not", n_stages + 1);
     views.push(scene(&scores, vec![entity_paths::scores(name)], ScenePoints::by(detector.clusters)));
-    let outcomes = format!("{} {}: right and wrong", n_stages + 2, layout.shown_task.name());
-    let judged = vec![entity_paths::outcomes(name, layout.shown_task)];
+    let outcomes = format!("{} {}: right and wrong", n_stages + 2, layout.opening.shown_task.name());
+    let judged = vec![entity_paths::outcomes(name, layout.opening.shown_task)];
     views.push(scene(&outcomes, judged, ScenePoints::by(detector.surfaces)));
     let n_columns = views.len().div_ceil(2) as u32;
     let grid = Grid::new(views).with_grid_columns(n_columns);

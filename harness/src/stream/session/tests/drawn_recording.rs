@@ -110,7 +110,12 @@ pub fn one_of_each(task: Task) -> Assignment {
 
 pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
     let (name, file) = ("test".to_owned(), folder.join("run.rrd"));
-    let opening = Opening { shown_task: Task::Objects, first_tab: FirstTab::Compare, has_poses: true };
+    let opening = Opening {
+        shown_task: Task::Objects,
+        first_tab: FirstTab::Compare,
+        has_poses: true,
+        at_the_start: false,
+    };
     StreamOptions { name, file, viewer, opening, max_points: None }
 }
 
