@@ -84,9 +84,12 @@ fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     walls/cells: 84 clutter, 1406 ground, 117 short object, 127 tall
     walls/segments: 1 segments
     foreground/points: 249 clutter, 13608 ground, 5135 short object, 41301 tall
+    merge/links: 11 link cut, 205 link kept
+    separation/dense_cells: 463 of 0.20 m and 3 objects
     separation/cuts: 11 segments
     separation/clusters: 3 of 2492, 2287, 356 points
     boxes/hulls: 3 of 4, 4, 4 corners
+    boxes/rectangles: 3 of 4, 4, 4 corners
     boxes/boxes: 3 boxes
     vehicle of 2492 points, centre 6.20 3.00 -0.88 m, 4.20 x 1.80 x 1.30 m, yaw 0.00 degrees
     vehicle of 2287 points, centre 10.70 3.10 -0.88 m, 4.00 x 1.80 x 1.30 m, yaw 0.00 degrees
