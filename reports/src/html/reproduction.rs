@@ -80,11 +80,13 @@ fn recording(manifest: &Manifest) -> Markup {
     // The library says its own version, maybe with its name before it.
     let version = manifest.rerun_version.as_deref().unwrap_or_default();
     html! {
-        h3 { "Every stage on every scan" }
-        p { "The recording " a href="run.rrd" { "run.rrd" } " opens in the Rerun viewer, on the desktop or in a browser:" }
-        (commands(
-            &format!("pip install rerun-sdk=={version}\nrerun run.rrd\nrerun --web-viewer run.rrd"),
-            "Commands that open the recording"
-        ))
+        div.recording {
+            h3 { "Every stage on every scan" }
+            p { "The recording " a href="run.rrd" { "run.rrd" } " opens in the Rerun viewer, on the desktop or in a browser:" }
+            (commands(
+                &format!("pip install rerun-sdk=={version}\nrerun run.rrd\nrerun --web-viewer run.rrd"),
+                "Commands that open the recording"
+            ))
+        }
     }
 }

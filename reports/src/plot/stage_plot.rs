@@ -15,10 +15,15 @@ const ROW_PX: u32 = 22;
 const NAMES_PX: i32 = 104;
 const TIMES_PX: i32 = 70;
 
-/// A panel with a bar for every stage, whose median times are in milliseconds, in the order of the stages. Bars are to the
-/// scale of the longest of the panel.
-pub fn stage_plot(detector: &str, detector_idx: usize, stages: &[(String, f64)]) -> ThemedPanel {
-    let size_px = (WIDTH_PX, HEADING_PX + ROW_PX * stages.len().max(1) as u32 + 4);
+/// A panel with a bar for every stage, whose median times are in milliseconds, in the order of the stages, and room for
+/// `n_rows` of them. Bars are to the scale of the longest of the panel.
+pub fn stage_plot(
+    detector: &str,
+    detector_idx: usize,
+    stages: &[(String, f64)],
+    n_rows: usize,
+) -> ThemedPanel {
+    let size_px = (WIDTH_PX, HEADING_PX + ROW_PX * n_rows.max(stages.len()) as u32 + 4);
     let mut svg = String::new();
     let root = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
     draw(&root, detector, detector_idx, stages)

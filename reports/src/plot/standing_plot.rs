@@ -24,11 +24,11 @@ pub struct StandingRow {
     pub paper_percent: Option<f64>,
 }
 
-const WIDTH_PX: u32 = 540;
+const WIDTH_PX: u32 = 430;
 const HEADING_PX: i32 = 26;
 const ROW_PX: i32 = 30;
 const AXIS_PX: i32 = 44;
-const NAMES_PX: i32 = 104;
+const NAMES_PX: i32 = 100;
 const VALUES_PX: i32 = 62;
 
 /// A panel with a line for every detector; `title` says of which task, `rate` what is measured.
