@@ -36,9 +36,8 @@ pub fn to_terminal(table: &TaskTable, width: usize) -> String {
 /// columns that say what its lines are about; a group of columns stays together.
 pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
     let has_groups = grid.columns.iter().any(|it| it.group.is_some());
-    let is_head = |column: &Column| match has_groups {
-        true => column.group.is_none(),
-        false => column.alignment == Alignment::Left,
+    let is_head = |column: &Column| {
+        if has_groups { column.group.is_none() } else { column.alignment == Alignment::Left }
     };
     let n_heads = grid.columns.iter().take_while(|it| is_head(it)).count();
     let fits = |columns: &[usize]| {
