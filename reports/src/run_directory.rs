@@ -25,6 +25,10 @@ pub const WORST_POINTS_JSON: &str = "worst_points.json";
 pub const REPORT_HTML: &str = "report.html";
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
+/// Rates of a sweep.
+pub const SWEEP_CSV: &str = "sweep.csv";
+/// Times of a sweep.
+pub const SWEEP_TIMES_CSV: &str = "times.csv";
 /// Points at the newest run beside it.
 pub const LATEST: &str = "latest";
 

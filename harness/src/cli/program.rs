@@ -78,7 +78,7 @@ pub enum Command {
     Train(Box<TrainArgs>),
     /// Compare two runs over the same scans, or two detectors of a run, with intervals
     Compare(CompareArgs),
-    /// Make the page of a run again, from its directory alone
+    /// Make the page of a run or a sweep, from its directory alone
     Report(ReportArgs),
     /// List the worst mistakes of a run, and record the scans they are in
     View(ViewArgs),

@@ -8,7 +8,7 @@ use clap::Args;
 #[derive(Debug, Args)]
 #[command(after_help = REPORT_EXAMPLES)]
 pub struct ReportArgs {
-    /// Run directory
+    /// Directory of a run or of a sweep
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
 }
@@ -16,6 +16,7 @@ pub struct ReportArgs {
 const REPORT_EXAMPLES: &str = "\
 Examples:
   scanbench report runs/latest
+  scanbench report runs/cell-sizes         of a sweep: its plots and its table
 
 Makes report.html and figures/ again from the other files of the run directory alone. The
 page needs no network and no scripts. Of worst_points.json, which every run leaves, it takes

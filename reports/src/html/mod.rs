@@ -4,6 +4,7 @@
 
 mod run_facts;
 mod markup;
+mod document;
 mod overview;
 mod task_tables;
 mod ranges;
@@ -12,4 +13,7 @@ mod times;
 mod worst;
 mod reproduction;
 mod parameters;
+#[cfg(test)]
+mod sample_run;
 pub mod run_page;
+pub mod sweep_page;

@@ -25,6 +25,8 @@ pub(crate) const QUIET_COLOR: RGBColor = color(QUIET);
 pub(crate) const QUIET: Rgb = [215, 215, 215];
 /// What the library writes for black.
 pub(crate) const BLACK_HEX: &str = "#000000";
+/// What it writes for white, which it puts behind what stands alone.
+pub(crate) const WHITE_HEX: &str = "#FFFFFF";
 /// Behind the ratios that pass for alike.
 pub(crate) const BAND_COLOR: RGBColor = RGBColor(225, 225, 225);
 /// Width of the lines of the data, in pixels.

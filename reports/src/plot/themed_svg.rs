@@ -9,7 +9,7 @@ use quick_xml::escape::escape;
 use quick_xml::events::{BytesStart, BytesText, Event};
 use quick_xml::{Reader, Writer};
 
-use super::style::{BLACK_HEX, QUIET, hex};
+use super::style::{BLACK_HEX, QUIET, WHITE_HEX, hex};
 use crate::palette::{DETECTOR_HUES, Hue, Rgb};
 
 /// A drawing without a background.
@@ -57,12 +57,17 @@ pub fn theme_css(selector: &str) -> String {
 impl ThemedPanel {
     /// Makes classes of the colours of `svg`, a document of the drawing library.
     pub(crate) fn of_library(svg: &str, size_px: [u32; 2], label: String) -> Self {
+        Self::of_file(svg, size_px, label).expect("the library writes XML")
+    }
+
+    /// The same of a file, which somebody may have changed; `None` if it is no XML.
+    pub(crate) fn of_file(svg: &str, size_px: [u32; 2], label: String) -> Option<Self> {
         let mut reader = Reader::from_str(svg);
         let mut writer = Writer::new(Vec::new());
         // Of one element, with references as they are; the library puts lines around it.
         let mut text = String::new();
         loop {
-            let event = reader.read_event().expect("the library writes XML");
+            let event = reader.read_event().ok()?;
             if matches!(event, Event::Start(_) | Event::Empty(_) | Event::End(_)) {
                 let whole = std::mem::take(&mut text);
                 write(&mut writer, Event::Text(BytesText::from_escaped(whole.trim())));
@@ -83,8 +88,8 @@ impl ThemedPanel {
                 _ => {}
             }
         }
-        let elements = String::from_utf8(writer.into_inner()).expect("the library writes UTF-8");
-        Self { size_px, label, elements }
+        let elements = String::from_utf8(writer.into_inner()).ok()?;
+        Some(Self { size_px, label, elements })
     }
 
     /// A panel of elements that have classes already.
@@ -193,6 +198,9 @@ fn with_classes(tag: &BytesStart<'_>) -> BytesStart<'static> {
 fn class_of(color: &str) -> Option<String> {
     if color == BLACK_HEX {
         return Some("ink".to_owned());
+    }
+    if color == WHITE_HEX {
+        return Some("paper".to_owned());
     }
     if color == hex(QUIET) {
         return Some("grid".to_owned());
