@@ -126,7 +126,7 @@ impl Stream {
             .into_iter()
             .map(|name| DetectorState { name, on_screen: BTreeSet::new(), stages: Vec::new(), views: None })
             .collect();
-        Ok(Self {
+        let stream = Self {
             recording,
             file,
             viewer,
@@ -138,7 +138,10 @@ impl Stream {
             drawn_points: DrawnPoints::default(),
             is_laid_out: false,
             n_held_back: 0,
-        })
+        };
+        // A full disk shows here, and not after the first scans.
+        stream.flush()?;
+        Ok(stream)
     }
 
     /// Where viewers can connect to, if the recording is served.
