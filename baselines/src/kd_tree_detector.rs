@@ -91,8 +91,8 @@ impl Detector for KdTreeDetector {
         };
         let of_points = |clusters: &[usize]| Shape::Clusters(self.cluster_of_point(cloud.len(), clusters));
         products.extend([
-            StageProduct { stage: "components", name: "clusters", shape: of_points(&self.kept) },
             StageProduct { stage: "components", name: "dropped_clusters", shape: of_points(&self.dropped) },
+            StageProduct { stage: "components", name: "clusters", shape: of_points(&self.kept) },
         ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products

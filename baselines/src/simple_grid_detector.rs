@@ -11,6 +11,7 @@ use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
 use detector::segment::connected_components::connected_components;
 use detector::segment::disjoint_sets::DisjointSets;
+use detector::segment::merge_graph::merge_graph;
 use detector::segment::object_points::ObjectPoint;
 use detector::stage_product::Shape;
 use detector::{Detector, PointCloud, StageProduct};
@@ -82,7 +83,11 @@ impl Detector for SimpleGridDetector {
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let mut products = self.foreground.stage_products();
         let clusters = Shape::Clusters(self.cluster_of_point(cloud.len()));
-        products.push(StageProduct { stage: "merge", name: "clusters", shape: clusters });
+        let links = merge_graph(self.foreground.grid(), &self.cells, &self.links, &[]);
+        products.extend([
+            StageProduct { stage: "merge", name: "links", shape: links },
+            StageProduct { stage: "merge", name: "clusters", shape: clusters },
+        ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products
     }

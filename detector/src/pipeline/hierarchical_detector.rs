@@ -13,6 +13,8 @@ use crate::pipeline::vehicle_model::VehicleModel;
 use crate::point_cloud::PointCloud;
 use crate::segment::connected_components::connected_components;
 use crate::segment::dense_separation::DenseSeparation;
+use crate::segment::merge_graph::merge_graph;
+use crate::segment::object_cells::object_cells;
 use crate::segment::object_points::ObjectPoints;
 use crate::stage_product::{Shape, StageProduct};
 
@@ -85,7 +87,18 @@ impl Detector for HierarchicalDetector {
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let mut products = self.foreground.stage_products();
         let cuts = self.separation.cut_links().iter().map(|&blocks| self.cut(blocks)).collect();
+        let grid = self.foreground.grid();
         products.extend([
+            StageProduct {
+                stage: "merge",
+                name: "links",
+                shape: merge_graph(grid, &self.dense, &self.links, self.separation.cut_links()),
+            },
+            StageProduct {
+                stage: "separation",
+                name: "dense_cells",
+                shape: object_cells(grid, &self.dense, &self.clusters),
+            },
             StageProduct { stage: "separation", name: "cuts", shape: Shape::Segments(cuts) },
             StageProduct {
                 stage: "separation",

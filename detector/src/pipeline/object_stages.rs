@@ -137,9 +137,11 @@ impl ObjectStages {
     pub fn stage_products(&self, n_points: usize) -> Vec<StageProduct> {
         let FittedObjects { objects, members, .. } = &self.fitted;
         let hulls = objects.iter().map(|object| self.hull(object)).collect();
+        let rectangles = objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
         let boxes = objects.iter().map(|object| object.bounding_box).collect();
         let mut products = vec![
             StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
+            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
             StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
         ];
         if let Some(model) = &self.model {

@@ -54,7 +54,8 @@ Examples:
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md, table_stages.md and, unless --no-rrd, run.rrd for the Rerun viewer.";
+table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
+report.html, figures/ and, unless --no-rrd, run.rrd for the Rerun viewer.";
 
 #[cfg(not(feature = "rerun"))]
 const RUN_EXAMPLES: &str = "\
@@ -66,4 +67,5 @@ Examples:
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md and table_stages.md. This program was built without Rerun.";
+table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
+report.html and figures/. This program was built without Rerun.";

@@ -1,44 +1,56 @@
 //! `scanbench run`.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use indicatif::ProgressBar;
 use jiff::Timestamp;
 use reports::csv_rows::{CsvRowWriter, to_csv_bytes};
+use reports::html::run_page::RunPage;
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
     LatestPointer, MANIFEST_JSON, MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
+    WORST_POINTS_JSON,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
+use reports::standing::{Speeds, Standing, speeds, standing_to_terminal, standings};
 use reports::table::stage_table::StageTable;
 use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::times_table::TimesTable;
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 use reports::tally::Tally;
+use reports::worst_places::WorstPlaces;
+use reports::worst_points::{PlanCells, WorstPoints};
 
 use crate::cli::RunArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
+use crate::commands::plan_cells::plan_cells;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
+#[cfg(feature = "rerun")]
+use crate::commands::recording::{RecordedScan, Recording, RecordingPlan, serve_until_interrupted};
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::{
+    Verbosity, is_said, print_detail, print_diagnostic, print_result, result_width,
+};
 use crate::dataset::DatasetDescription;
+use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
 use crate::run::scores::{DatasetScores, overall_time_rows};
 use crate::run::side_by_side::{ScanResults, SideBySide};
 #[cfg(feature = "rerun")]
-use crate::{commands::recording::Recording, task::Task};
+use crate::{stream::ServedRecording, task::Task};
 
 /// What is to be run.
 struct Plan<'a> {
@@ -72,7 +84,9 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     for opened in &plan.datasets {
         scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
     }
-    let tally = archive.finish()?;
+    let finished = archive.finish()?;
+    let tally = finished.tally;
+    directory.write_file(WORST_POINTS_JSON, WorstPoints::new(&finished.worst).to_json().as_bytes())?;
     let Plan { config, detectors, datasets, started, .. } = &plan;
     let manifest = run_manifest(RunSettings {
         data: &arguments.data,
@@ -90,8 +104,16 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
         directory.write_file("table_stages.md", stages.to_markdown().as_bytes())?;
     }
     directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
-    let finished = directory.finish()?;
-    print(&tables, &times, &finished)
+    // Made of the files, so that `report` makes the same.
+    RunPage::of(directory.folder())?.write(directory.folder())?;
+    let written = directory.finish()?;
+    let (standings, speeds) = (standings(&tally, &manifest, &report), speeds(&manifest, &report));
+    print(&tables, &times, (&standings, &speeds), &written)?;
+    #[cfg(feature = "rerun")]
+    if let Some(served) = finished.served {
+        serve_until_interrupted(&served, interrupted);
+    }
+    Ok(())
 }
 
 fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunReport> {
@@ -111,10 +133,19 @@ fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
 struct Archive {
     scans: CsvRowWriter<ScanRow>,
     matches: CsvRowWriter<MatchRow>,
-    criterion: &'static str,
+    criterion: Criterion,
     tally: Tally,
+    worst: WorstPlaces<PlanCells>,
     #[cfg(feature = "rerun")]
     recording: Option<Recording>,
+}
+
+/// What is left of an archive once its files are written.
+struct FinishedArchive {
+    tally: Tally,
+    worst: WorstPlaces<PlanCells>,
+    #[cfg(feature = "rerun")]
+    served: Option<ServedRecording>,
 }
 
 impl Archive {
@@ -122,8 +153,9 @@ impl Archive {
         Ok(Self {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
             matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
-            criterion: plan.config.matching.criterion.name(),
+            criterion: plan.config.matching.criterion,
             tally: Tally::default(),
+            worst: WorstPlaces::default(),
             #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
         })
@@ -131,45 +163,83 @@ impl Archive {
 
     fn add(
         &mut self,
-        dataset: &DatasetDescription,
+        opened: &OpenedDataset,
         results: &ScanResults<'_>,
         scores: &DatasetScores,
         progress: &ProgressBar,
     ) -> anyhow::Result<()> {
+        let dataset = opened.dataset.description();
         for result in results.results {
             for assignment in &result.assignments {
                 let row = scan_row(dataset, results.scan, result, assignment);
                 self.tally.add_scan(&row);
                 self.scans.write(&row)?;
-                for row in match_rows(dataset, self.criterion, results.scan, result, assignment) {
+                for row in match_rows(dataset, self.criterion.name(), results.scan, result, assignment) {
                     self.tally.add_match(&row);
+                    let cloud = &results.scan.cloud;
+                    self.worst.add(&row, |window| plan_cells(cloud, window, dataset.sensor_height_m));
                     self.matches.write(&row)?;
                 }
             }
         }
         #[cfg(feature = "rerun")]
-        if let Some(recording) = &mut self.recording
-            && let Some(warning) = recording.log(results, scores)?
-        {
-            warn(progress, &warning);
+        if let Some(recording) = &mut self.recording {
+            let recorded = RecordedScan {
+                results,
+                scores,
+                dataset: &*opened.dataset,
+                scan_idx: opened.scan_indices[results.run_idx],
+                criterion: self.criterion,
+                marks: &[],
+            };
+            if let Some(warning) = recording.log(&recorded)? {
+                warn(progress, &warning);
+            }
         }
         #[cfg(not(feature = "rerun"))]
         let _ = scores;
+        if is_said(Verbosity::Verbose) {
+            progress.suspend(|| print_detail(scan_line(dataset, results)));
+        }
         progress.inc(1);
         Ok(())
     }
 
-    fn finish(self) -> anyhow::Result<Tally> {
+    fn finish(self) -> anyhow::Result<FinishedArchive> {
         self.scans.finish()?;
         self.matches.finish()?;
         #[cfg(feature = "rerun")]
-        if let Some(recording) = self.recording
-            && let Some(warning) = recording.finish()?
-        {
-            print_diagnostic(format_args!("warning: {warning}"));
-        }
-        Ok(self.tally)
+        let served = match self.recording.map(Recording::finish).transpose()? {
+            Some(ending) => {
+                if let Some(warning) = ending.warning {
+                    print_diagnostic(format_args!("warning: {warning}"));
+                }
+                ending.served
+            }
+            None => None,
+        };
+        Ok(FinishedArchive {
+            tally: self.tally,
+            worst: self.worst,
+            #[cfg(feature = "rerun")]
+            served,
+        })
     }
+}
+
+/// What came of a scan, for those who want to know while it runs: of every detector the time, its longest stage, and the
+/// number of detections.
+fn scan_line(dataset: &DatasetDescription, results: &ScanResults<'_>) -> String {
+    let mut line = format!("{} {}: {} points", dataset.id, results.scan.id, results.scan.cloud.len());
+    for result in results.results {
+        let ms = |time: std::time::Duration| 1e3 * time.as_secs_f64();
+        let n_detections = result.output.detections.len();
+        let _ = write!(line, "; {} {:.2} ms, {n_detections} detections", result.detector, ms(result.latency));
+        if let Some(longest) = result.output.stage_times.iter().max_by_key(|it| it.duration) {
+            let _ = write!(line, " ({} {:.2} ms)", longest.stage, ms(longest.duration));
+        }
+    }
+    line
 }
 
 /// Not through the bar itself, which says nothing where it is hidden.
@@ -185,7 +255,15 @@ fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<
     let shown_task = if plan.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy();
     let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
-    Recording::begin(&plan.arguments.stream, directory.path_of("run.rrd"), &name, shown_task, &detectors)
+    Recording::begin(&RecordingPlan {
+        arguments: &plan.arguments.stream,
+        default_file: directory.path_of("run.rrd"),
+        name: &name,
+        shown_task,
+        detectors: &detectors,
+        datasets: &plan.datasets,
+        at_the_start: false,
+    })
 }
 
 fn evaluate(
@@ -215,7 +293,7 @@ fn evaluate(
         |id: &_, error| progress.suspend(|| opened.on_damage(arguments.damage.policy(), id, error));
     side_by_side.run_past_damage(&mut detectors, on_damage, |results| -> anyhow::Result<()> {
         scores.add(results.results);
-        archive.add(description, &results, &scores, &progress)
+        archive.add(opened, &results, &scores, &progress)
     })?;
     progress.finish_and_clear();
     if scores.n_annotations() == 0 {
@@ -247,8 +325,15 @@ fn write_report(
     Ok(tables)
 }
 
-fn print(tables: &[TaskTable], times: &TimesTable, finished: &Path) -> anyhow::Result<()> {
-    let texts = tables.iter().map(to_terminal).chain([times.to_terminal()]);
+fn print(
+    tables: &[TaskTable],
+    times: &TimesTable,
+    (standings, speeds): (&[Standing], &Speeds),
+    finished: &Path,
+) -> anyhow::Result<()> {
+    let width = result_width();
+    let texts = tables.iter().map(|it| to_terminal(it, width)).chain([times.to_terminal(width)]);
+    let texts = texts.chain([standing_to_terminal(standings, speeds, width)]);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));
