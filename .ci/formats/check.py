@@ -11,6 +11,7 @@ import check_scan_folder
 
 CHECKS = [
     ("MCAP, written", check_mcap.check_written),
+    ("MCAP of results, written", check_mcap.check_results),
     ("MCAP, read", check_mcap.check_read),
     ("Argoverse 2, read", check_argoverse2.check_read),
     ("PCD, PLY and .npy, read", check_scan_folder.check_read),

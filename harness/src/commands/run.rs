@@ -30,8 +30,10 @@ use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::conversion::whole_folder::folder_name;
 use crate::dataset::DatasetDescription;
 use crate::metrics::counts::SCORING_VERSION;
+use crate::results_recording::recording::{DetectorResult, ResultsRecording};
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
 use crate::run::scores::{DatasetScores, overall_time_rows};
@@ -69,7 +71,9 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let mut archive = Archive::begin(&plan, &directory)?;
     let mut scores = Vec::new();
     for opened in &plan.datasets {
+        archive.mcap = begin_mcap(&plan, opened, &directory)?;
         scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
+        archive.mcap.take().map_or(Ok(()), ResultsRecording::finish)?;
     }
     let tally = archive.finish()?;
     let Plan { config, detectors, datasets, started, .. } = &plan;
@@ -104,22 +108,25 @@ fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
 }
 
 /// The files that grow scan by scan.
-struct Archive {
+struct Archive<'a> {
     scans: CsvRowWriter<ScanRow>,
     matches: CsvRowWriter<MatchRow>,
     criterion: &'static str,
     tally: Tally,
+    // Of the data set at hand.
+    mcap: Option<ResultsRecording<'a>>,
     #[cfg(feature = "rerun")]
     recording: Option<Recording>,
 }
 
-impl Archive {
+impl Archive<'_> {
     fn begin(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Self> {
         Ok(Self {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
             matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
             criterion: plan.config.matching.criterion.name(),
             tally: Tally::default(),
+            mcap: None,
             #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
         })
@@ -132,14 +139,23 @@ impl Archive {
         scores: &DatasetScores,
         progress: &ProgressBar,
     ) -> anyhow::Result<()> {
+        if let Some(mcap) = &mut self.mcap {
+            mcap.add_scan(results.run_idx, results.scan)?;
+        }
         for result in results.results {
             for assignment in &result.assignments {
                 let row = scan_row(dataset, results.scan, result, assignment);
+                let matches = match_rows(dataset, self.criterion, results.scan, result, assignment);
                 self.tally.add_scan(&row);
                 self.scans.write(&row)?;
-                for row in match_rows(dataset, self.criterion, results.scan, result, assignment) {
-                    self.tally.add_match(&row);
-                    self.matches.write(&row)?;
+                for row in &matches {
+                    self.tally.add_match(row);
+                    self.matches.write(row)?;
+                }
+                if let Some(mcap) = &mut self.mcap {
+                    let (scan_row, match_rows) = (&row, &matches[..]);
+                    let stage_times = &result.output.stage_times;
+                    mcap.add_result(results.scan, &DetectorResult { scan_row, match_rows, stage_times })?;
                 }
             }
         }
@@ -168,6 +184,23 @@ impl Archive {
     }
 }
 
+/// The recording for Foxglove, if one is asked for: one for each data set, which have times and sensors of their own.
+fn begin_mcap<'a>(
+    plan: &'a Plan<'_>,
+    opened: &'a OpenedDataset,
+    directory: &RunDirectory,
+) -> anyhow::Result<Option<ResultsRecording<'a>>> {
+    if !plan.arguments.mcap {
+        return Ok(None);
+    }
+    let name = match &plan.datasets[..] {
+        [_] => "run.mcap".to_owned(),
+        _ => format!("run-{}.mcap", folder_name(&opened.dataset.description().id)),
+    };
+    let path = directory.path_of(&name);
+    Ok(Some(ResultsRecording::create(&path, &*opened.dataset, &opened.scan_indices)?))
+}
+
 /// Not through the bar itself, which says nothing where it is hidden.
 #[cfg(feature = "rerun")]
 fn warn(progress: &ProgressBar, warning: &str) {
@@ -188,7 +221,7 @@ fn evaluate(
     plan: &Plan<'_>,
     opened: &OpenedDataset,
     interrupted: &AtomicBool,
-    archive: &mut Archive,
+    archive: &mut Archive<'_>,
 ) -> anyhow::Result<DatasetScores> {
     let Plan { arguments, detectors: listed, .. } = plan;
     let description = opened.dataset.description();

@@ -12,6 +12,7 @@ mod commands;
 mod conversion;
 mod mcap;
 mod mutations;
+mod results_recording;
 mod scan_folder;
 mod semantic_kitti;
 
