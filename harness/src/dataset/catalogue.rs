@@ -94,6 +94,18 @@ pub enum CataloguedParts {
         /// These logs, or all that have annotations.
         sequences: Option<BTreeSet<String>>,
     },
+    /// KITTI raw.
+    KittiRaw {
+        /// These drives, such as `2011_09_26_drive_0001_sync`, or all.
+        sequences: Option<BTreeSet<String>>,
+    },
+    /// nuScenes.
+    NuScenes {
+        /// These scenes, such as `scene-0061`, or all.
+        sequences: Option<BTreeSet<String>>,
+    },
+    /// A capture of packets.
+    VelodynePcap,
 }
 
 impl CataloguedParts {
@@ -105,6 +117,9 @@ impl CataloguedParts {
             DatasetFormat::SemanticKitti => Self::SemanticKitti { sequences: None },
             DatasetFormat::Mcap => Self::Mcap(TopicChoice::default()),
             DatasetFormat::Argoverse2 => Self::Argoverse2 { sequences: None },
+            DatasetFormat::KittiRaw => Self::KittiRaw { sequences: None },
+            DatasetFormat::NuScenes => Self::NuScenes { sequences: None },
+            DatasetFormat::VelodynePcap => Self::VelodynePcap,
             DatasetFormat::ScanFolder => Self::ScanFolder,
         }
     }
@@ -118,6 +133,9 @@ impl CataloguedParts {
             Self::Mcap(_) => DatasetFormat::Mcap,
             Self::ScanFolder => DatasetFormat::ScanFolder,
             Self::Argoverse2 { .. } => DatasetFormat::Argoverse2,
+            Self::KittiRaw { .. } => DatasetFormat::KittiRaw,
+            Self::NuScenes { .. } => DatasetFormat::NuScenes,
+            Self::VelodynePcap => DatasetFormat::VelodynePcap,
         }
     }
 }
@@ -299,7 +317,9 @@ fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<Catalogue
     if let Some(chosen) = &written.sequences {
         let (CataloguedParts::KittiTracking { sequences }
         | CataloguedParts::SemanticKitti { sequences }
-        | CataloguedParts::Argoverse2 { sequences }) = &mut parts
+        | CataloguedParts::Argoverse2 { sequences }
+        | CataloguedParts::KittiRaw { sequences }
+        | CataloguedParts::NuScenes { sequences }) = &mut parts
         else {
             return Err(misplaced("sequences", chosen.span().start));
         };
