@@ -59,12 +59,11 @@ def check_read(scanbench, scratch: Path):
         # There, the end of a capture belongs to no scan.
         assert len(expected) <= len(found) and len(expected) > 0.6 * len(found), (len(expected), len(found))
         found = found[: len(expected)]
-        # There, angles are rounded to hundredths of a degree; and lasers of an HDL-32E leave it some centimetres beside its axis.
+        # There, angles are rounded to hundredths of a degree; and lasers of the HDLs leave them some centimetres beside the axis.
         off = numpy.abs(found[:, :3] - expected[:, :3])
         distance = numpy.linalg.norm(expected[:, :2], axis=1)
-        assert (off[:, :2].max(1) < 0.005 + numpy.radians(0.03) * distance).all(), (name, off.max(0))
-        assert off[:, 2].max() < {"vlp-16": 0.003, "hdl-32e": 0.02, "hdl-64e": 0.005}[name], (name, off.max(0))
-        print(name, off.max(0))
+        assert (off[:, :2].max(1) < (0.05 if n_banks == 2 else 0.005) + numpy.radians(0.03) * distance).all(), (name, off.max(0))
+        assert off[:, 2].max() < {"vlp-16": 0.003, "hdl-32e": 0.02, "hdl-64e": 0.05}[name], (name, off.max(0))
         if n_banks == 1:
             assert numpy.allclose(found[:, 3] * 255, expected[:, 3], atol=1e-3)
         n_points += len(found)

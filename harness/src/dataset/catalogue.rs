@@ -416,8 +416,10 @@ url = "https://example.org"
     fn the_built_in_catalogue_knows_what_kitti_annotates() {
         let catalogue = built_in_catalogue().unwrap();
         let ids: Vec<&String> = catalogue.recorded.keys().collect();
-        assert_eq!(ids, ["argoverse2", "kitti-object", "kitti-tracking", "semantic-kitti"]);
-        for id in &ids[1..3] {
+        let expected =
+            ["argoverse2", "kitti-object", "kitti-raw", "kitti-tracking", "nuscenes", "semantic-kitti"];
+        assert_eq!(ids, expected);
+        for id in &ids[1..4] {
             let entry = &catalogue.recorded[*id];
             assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
         }

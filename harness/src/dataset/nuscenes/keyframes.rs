@@ -26,7 +26,7 @@ pub const NUSCENES_SENSOR: &str = "hdl-32e";
 pub const NUSCENES_SENSOR_HEIGHT_M: f32 = 1.84;
 
 /// What is labelled: what moves by itself, and what is moved about.
-pub const NUSCENES_CLASSES: [AnnotationClass; 12] = [
+pub const NUSCENES_CLASSES: [AnnotationClass; 11] = [
     AnnotationClass::Car,
     AnnotationClass::Van,
     AnnotationClass::Truck,
@@ -36,7 +36,6 @@ pub const NUSCENES_CLASSES: [AnnotationClass; 12] = [
     AnnotationClass::Cyclist,
     AnnotationClass::ParkedCycle,
     AnnotationClass::Trailer,
-    AnnotationClass::Pole,
     AnnotationClass::StreetFurniture,
     AnnotationClass::Misc,
 ];

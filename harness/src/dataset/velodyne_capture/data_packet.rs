@@ -165,7 +165,8 @@ fn position_m(laser: &Laser, azimuth_rad: f32, measured_m: f32) -> [f32; 3] {
         Some(nearby_m) => {
             let seen_m = [right_m(along_m(distance_m)).abs(), forward_m(along_m(distance_m)).abs()];
             std::array::from_fn(|axis| {
-                let share = (seen_m[axis] - NEAR_M[axis]) / (FAR_M - NEAR_M[axis]);
+                // Between the two; beyond them, as at the nearer one of them.
+                let share = ((seen_m[axis] - NEAR_M[axis]) / (FAR_M - NEAR_M[axis])).clamp(0.0, 1.0);
                 distance_m + (laser.distance_m - nearby_m[axis]) * (share - 1.0)
             })
         }
@@ -244,5 +245,7 @@ mod tests {
         assert!((x - FAR_M).abs() < 1e-4 && y.abs() < 1e-4, "{x} {y}");
         let [x, _, _] = position_m(&laser, 0.0, NEAR_M[1] - 1.0);
         assert!((x - (NEAR_M[1] + 0.5)).abs() < 1e-4, "{x}");
+        let [x, _, _] = position_m(&laser, 0.0, 99.0);
+        assert!((x - 100.0).abs() < 1e-4, "{x}");
     }
 }

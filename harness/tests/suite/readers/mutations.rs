@@ -188,3 +188,13 @@ fn captures_of_packets() {
 fn las_and_laz() {
     check(&super::las::drawn().path("drive"), 70);
 }
+
+#[test]
+fn projects_of_annotation_tools() {
+    let workplace = Workplace::new();
+    for (seed, tool) in [(80, "labelcloud"), (81, "sustechpoints"), (82, "kitti")] {
+        let street = ["data", "prelabel", "street-main-road", "--sensor", "vlp-16", "--simulated-scans", "2"];
+        workplace.succeed(&[&street[..], &["--to", tool, "-o", tool]].concat());
+        check(&workplace.path(tool), seed);
+    }
+}
