@@ -15,8 +15,8 @@ use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::velodyne_bin::read_velodyne_bin;
 
-#[path = "../tests/suite/readers/made.rs"]
-#[allow(dead_code, reason = "the tests make more of it")]
+#[path = "../tests/suite/readers/made/mod.rs"]
+#[allow(dead_code, unused_imports, reason = "the tests make more of it")]
 mod made;
 
 const N_SCANS: u32 = 10;

@@ -197,7 +197,9 @@ fn damage_in_the_middle_of_a_drive_is_skipped_by_all_that_read_scans() {
     let workplace = Workplace::new();
     let drawn = crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 4);
     drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(1001));
-    let sweep = ["sweep", "street", "-P", "cell_size_m=0.5", "-d", "hierarchical", "-o", "swept"];
+    // A sweep that was ended by damage is not gone on with, but begun again.
+    let sweep =
+        ["sweep", "street", "-L", "cell_size_m=0.5,0.6", "-d", "hierarchical", "-o", "swept", "--overwrite"];
     let prelabel = ["data", "prelabel", "street", "--to", "kitti", "-o", "project"];
     let verbs = [&["selftest", "street"][..], &["data", "check", "street"], &sweep, &prelabel];
     for verb in verbs {

@@ -33,6 +33,7 @@ fn a_drive_is_read_as_it_was_made() {
     assert!((way_m.y - 1.1132).abs() < 1e-3 && way_m.x.abs() < 1e-6, "{way_m}");
     assert!((poses[0].translation.vector.norm() - (0.8_f64 * 0.8 * 2.0 + 0.09).sqrt()).abs() < 1e-9);
     workplace.succeed(&["selftest", "."]);
+    workplace.succeed(&["run", DRIVE.split('/').next().unwrap(), "-d", "pca", "--no-rrd"]);
     // A single drive, a day, and the folder of all days.
     assert_eq!(open(&workplace.path(DRIVE)).scan_ids().len(), 3);
     assert_eq!(open(&workplace.path("2011_09_26")).scan_ids().len(), 3);
