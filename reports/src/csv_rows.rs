@@ -92,6 +92,17 @@ fn not_written(path: &Path, error: csv::Error) -> ArchiveError {
 /// [`ArchiveError`] if the file cannot be read, has other columns, or a row (the source says at which line) does not
 /// fit them or contradicts itself.
 pub fn read_rows<Row: CsvRow>(path: &Path) -> Result<Vec<Row>, ArchiveError> {
+    let mut rows = Vec::new();
+    each_row(path, |row| rows.push(row))?;
+    Ok(rows)
+}
+
+/// Hands the rows of a CSV file to `on_row`, one after the other.
+///
+/// # Errors
+///
+/// As [`read_rows`].
+pub fn each_row<Row: CsvRow>(path: &Path, mut on_row: impl FnMut(Row)) -> Result<(), ArchiveError> {
     let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
     let file = std::fs::File::open(path)
         .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
@@ -104,5 +115,8 @@ pub fn read_rows<Row: CsvRow>(path: &Path) -> Result<Vec<Row>, ArchiveError> {
             found: columns.iter().collect::<Vec<_>>().join(","),
         });
     }
-    reader.deserialize().collect::<Result<_, _>>().map_err(bad_row)
+    for row in reader.deserialize() {
+        on_row(row.map_err(bad_row)?);
+    }
+    Ok(())
 }

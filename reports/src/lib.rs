@@ -4,6 +4,8 @@
 //!
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
+pub mod palette;
+
 // Numbers.
 pub mod counts;
 pub mod metric;
@@ -46,6 +48,8 @@ pub mod bootstrap;
 pub mod tally;
 pub mod estimates;
 pub mod run_archive;
+pub mod worst_places;
+pub mod worst_points;
 
 // Tables.
 pub mod paper_figures;
@@ -54,6 +58,11 @@ pub mod table;
 // Verdicts.
 pub mod gate;
 
+// Who leads.
+pub mod standing;
+
 // Pictures.
-pub mod palette;
 pub mod plot;
+
+// Pages.
+pub mod html;

@@ -41,4 +41,14 @@ impl PrecisionRecallRow {
             recall: (no > 0).then(|| Fixed(point.tp as f64 / no as f64)),
         }
     }
+
+    /// Of which data set, in which task, of which detector.
+    pub fn subject(&self) -> [&str; 3] {
+        [&self.dataset, &self.task, &self.detector]
+    }
+
+    /// Recall and precision, where recall is defined.
+    pub fn place(&self) -> Option<(f64, f64)> {
+        Some((self.recall?.0, self.precision.0))
+    }
 }

@@ -19,6 +19,16 @@ pub const SCANS_CSV: &str = "scans.csv";
 pub const MATCHES_CSV: &str = "matches.csv";
 /// Precision over recall, where detections have scores.
 pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
+/// What the sensor saw around the worst mistakes.
+pub const WORST_POINTS_JSON: &str = "worst_points.json";
+/// The run as a page.
+pub const REPORT_HTML: &str = "report.html";
+/// Folder of the figures of the page, each as a file of its own.
+pub const FIGURES: &str = "figures";
+/// Rates of a sweep.
+pub const SWEEP_CSV: &str = "sweep.csv";
+/// Times of a sweep.
+pub const SWEEP_TIMES_CSV: &str = "times.csv";
 /// Points at the newest run beside it.
 pub const LATEST: &str = "latest";
 
@@ -133,6 +143,11 @@ impl RunDirectory {
     /// Where the run will be.
     pub fn target(&self) -> &Path {
         &self.target
+    }
+
+    /// Where all of it is written now.
+    pub fn folder(&self) -> &Path {
+        self.partial.path()
     }
 
     /// Where the file `name` is to be written now, for writers that open it themselves.

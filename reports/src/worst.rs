@@ -6,7 +6,7 @@ use crate::match_outcome::MatchOutcome;
 use crate::match_row::MatchRow;
 
 /// The two kinds of mistakes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mistake {
     /// An annotation that nothing found.
     Missed,

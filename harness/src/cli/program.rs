@@ -10,6 +10,7 @@ use super::detect::DetectArgs;
 use super::fit_density::FitDensityArgs;
 use super::gaps::GapsArgs;
 use super::gate::{BaselineCommand, GateArgs};
+use super::report::ReportArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
 use super::selftest::SelftestArgs;
@@ -24,6 +25,12 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Say nothing but results and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say what is done, scan by scan
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
 }
 
 const EXAMPLES: &str = "\
@@ -71,6 +78,8 @@ pub enum Command {
     Train(Box<TrainArgs>),
     /// Compare two runs over the same scans, or two detectors of a run, with intervals
     Compare(CompareArgs),
+    /// Make the page of a run or a sweep, from its directory alone
+    Report(ReportArgs),
     /// List the worst mistakes of a run, and record the scans they are in
     View(ViewArgs),
     /// Judge a run by an accepted one: fail if it is worse, or judged otherwise on any scan

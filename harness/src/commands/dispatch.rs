@@ -16,10 +16,11 @@ use crate::commands::detect::detect;
 use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::gate::{baseline_accept, gate};
+use crate::commands::report::report;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
-use crate::commands::standard_streams::print_result;
+use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
 use crate::commands::sweep::sweep;
 use crate::commands::train::train;
 use crate::commands::view::view;
@@ -30,6 +31,11 @@ use crate::commands::view::view;
 ///
 /// Whatever the verb returns; [`Failure::of`](crate::commands::failure::Failure::of) tells the exit code.
 pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
+    set_verbosity(match (cli.quiet, cli.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (false, true) => Verbosity::Verbose,
+        (false, false) => Verbosity::Usual,
+    });
     match &cli.command {
         Command::Run(arguments) => run(arguments),
         Command::Detect(arguments) => detect(arguments),
@@ -47,6 +53,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Boxes(arguments) => boxes(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Compare(arguments) => compare(arguments),
+        Command::Report(arguments) => report(arguments),
         Command::View(arguments) => view(arguments),
         Command::Gate(arguments) => gate(arguments),
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline_accept(arguments),

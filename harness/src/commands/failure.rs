@@ -11,7 +11,7 @@ use reports::gate::tolerances::TolerancesError;
 use reports::gate::verdict::Conclusion;
 use reports::run_directory::RunDirectoryError;
 
-use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::standard_streams::print_error;
 use crate::conversion::ConversionError;
 use crate::dataset::DatasetError;
 use crate::realism::survey::SurveyError;
@@ -78,7 +78,7 @@ pub fn exit_code_of(work: impl FnOnce() -> anyhow::Result<()>) -> u8 {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => 0,
         Ok(Err(error)) => {
-            print_diagnostic(format_args!("error: {error:#}"));
+            print_error(format_args!("error: {error:#}"));
             Failure::of(&error) as u8
         }
         // The panic has been reported where it happened.

@@ -10,6 +10,7 @@ pub mod open_scan;
 pub mod provenance;
 pub mod run_directory;
 pub mod run_rows;
+pub mod plan_cells;
 pub mod run_manifest;
 #[cfg(feature = "rerun")]
 pub mod recording;
@@ -40,6 +41,7 @@ pub mod train_summary;
 pub mod train;
 pub mod open_run;
 pub mod compare;
+pub mod report;
 #[cfg(feature = "rerun")]
 pub mod view_recording;
 pub mod view;

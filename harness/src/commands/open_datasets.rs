@@ -9,7 +9,7 @@ use reports::manifest::SkippedScan;
 use crate::annotation::ScanId;
 use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
-use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::standard_streams::{print_detail, print_diagnostic};
 use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::mcap::topics::TopicChoice;
@@ -127,6 +127,14 @@ pub fn open_datasets_past_damage(
         if scan_indices.is_empty() {
             return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
         }
+        let description = dataset.description();
+        let root =
+            description.root.as_ref().map_or_else(|| "simulated".to_owned(), |it| it.display().to_string());
+        print_detail(format_args!(
+            "{id}: {} of {n_scans} scans, sensor {}, {root}",
+            scan_indices.len(),
+            description.sensor
+        ));
         let left_out = dataset.left_out().map(|reason| {
             print_diagnostic(format_args!(
                 "warning: the end of {:?} is left out: it {reason}",

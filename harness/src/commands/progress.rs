@@ -4,9 +4,12 @@ use std::io::IsTerminal as _;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar on stderr over `n_scans` scans, with scans per second and time left; invisible when stderr is no terminal.
+use crate::commands::standard_streams::{Verbosity, is_said};
+
+/// A bar on stderr over `n_scans` scans, with scans per second and time left; invisible when stderr is no terminal, or the
+/// program is to be quiet.
 pub fn progress_over_scans(n_scans: usize, label: &str) -> ProgressBar {
-    let target = if std::io::stderr().is_terminal() {
+    let target = if std::io::stderr().is_terminal() && is_said(Verbosity::Usual) {
         ProgressDrawTarget::stderr()
     } else {
         ProgressDrawTarget::hidden()

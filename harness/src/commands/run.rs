@@ -1,35 +1,44 @@
 //! `scanbench run`.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use indicatif::ProgressBar;
 use jiff::Timestamp;
 use reports::csv_rows::{CsvRowWriter, to_csv_bytes};
+use reports::html::run_page::RunPage;
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
     LatestPointer, MANIFEST_JSON, MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
+    WORST_POINTS_JSON,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
+use reports::standing::{Speeds, Standing, speeds, standing_to_terminal, standings};
 use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::times_table::TimesTable;
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 use reports::tally::Tally;
+use reports::worst_places::WorstPlaces;
+use reports::worst_points::{PlanCells, WorstPoints};
 
 use crate::cli::RunArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
+use crate::commands::plan_cells::plan_cells;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
-use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::standard_streams::{
+    Verbosity, is_said, print_detail, print_diagnostic, print_result, result_width,
+};
 use crate::conversion::whole_folder::folder_name;
 use crate::dataset::DatasetDescription;
 use crate::metrics::counts::SCORING_VERSION;
@@ -75,7 +84,8 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
         scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
         archive.mcap.take().map_or(Ok(()), ResultsRecording::finish)?;
     }
-    let tally = archive.finish()?;
+    let (tally, worst) = archive.finish()?;
+    directory.write_file(WORST_POINTS_JSON, WorstPoints::new(&worst).to_json().as_bytes())?;
     let Plan { config, detectors, datasets, started, .. } = &plan;
     let manifest = run_manifest(RunSettings {
         data: &arguments.data,
@@ -90,8 +100,11 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let times = TimesTable::new(&report, &manifest);
     directory.write_file("table_times.md", times.to_markdown().as_bytes())?;
     directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
+    // Made of the files, so that `report` makes the same.
+    RunPage::of(directory.folder())?.write(directory.folder())?;
     let finished = directory.finish()?;
-    print(&tables, &times, &finished)
+    let (standings, speeds) = (standings(&tally, &manifest, &report), speeds(&manifest, &report));
+    print(&tables, &times, (&standings, &speeds), &finished)
 }
 
 fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunReport> {
@@ -113,6 +126,7 @@ struct Archive<'a> {
     matches: CsvRowWriter<MatchRow>,
     criterion: &'static str,
     tally: Tally,
+    worst: WorstPlaces<PlanCells>,
     // Of the data set at hand.
     mcap: Option<ResultsRecording<'a>>,
     #[cfg(feature = "rerun")]
@@ -126,6 +140,7 @@ impl Archive<'_> {
             matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
             criterion: plan.config.matching.criterion.name(),
             tally: Tally::default(),
+            worst: WorstPlaces::default(),
             mcap: None,
             #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
@@ -150,6 +165,8 @@ impl Archive<'_> {
                 self.scans.write(&row)?;
                 for row in &matches {
                     self.tally.add_match(row);
+                    let cloud = &results.scan.cloud;
+                    self.worst.add(row, |window| plan_cells(cloud, window, dataset.sensor_height_m));
                     self.matches.write(row)?;
                 }
                 if let Some(mcap) = &mut self.mcap {
@@ -167,11 +184,14 @@ impl Archive<'_> {
         }
         #[cfg(not(feature = "rerun"))]
         let _ = scores;
+        if is_said(Verbosity::Verbose) {
+            progress.suspend(|| print_detail(scan_line(dataset, results)));
+        }
         progress.inc(1);
         Ok(())
     }
 
-    fn finish(self) -> anyhow::Result<Tally> {
+    fn finish(self) -> anyhow::Result<(Tally, WorstPlaces<PlanCells>)> {
         self.scans.finish()?;
         self.matches.finish()?;
         #[cfg(feature = "rerun")]
@@ -180,7 +200,7 @@ impl Archive<'_> {
         {
             print_diagnostic(format_args!("warning: {warning}"));
         }
-        Ok(self.tally)
+        Ok((self.tally, self.worst))
     }
 }
 
@@ -199,6 +219,21 @@ fn begin_mcap<'a>(
     };
     let path = directory.path_of(&name);
     Ok(Some(ResultsRecording::create(&path, &*opened.dataset, &opened.scan_indices)?))
+}
+
+/// What came of a scan, for those who want to know while it runs: of every detector the time, its longest stage, and the
+/// number of detections.
+fn scan_line(dataset: &DatasetDescription, results: &ScanResults<'_>) -> String {
+    let mut line = format!("{} {}: {} points", dataset.id, results.scan.id, results.scan.cloud.len());
+    for result in results.results {
+        let ms = |time: std::time::Duration| 1e3 * time.as_secs_f64();
+        let n_detections = result.output.detections.len();
+        let _ = write!(line, "; {} {:.2} ms, {n_detections} detections", result.detector, ms(result.latency));
+        if let Some(longest) = result.output.stage_times.iter().max_by_key(|it| it.duration) {
+            let _ = write!(line, " ({} {:.2} ms)", longest.stage, ms(longest.duration));
+        }
+    }
+    line
 }
 
 /// Not through the bar itself, which says nothing where it is hidden.
@@ -276,8 +311,15 @@ fn write_report(
     Ok(tables)
 }
 
-fn print(tables: &[TaskTable], times: &TimesTable, finished: &Path) -> anyhow::Result<()> {
-    let texts = tables.iter().map(to_terminal).chain([times.to_terminal()]);
+fn print(
+    tables: &[TaskTable],
+    times: &TimesTable,
+    (standings, speeds): (&[Standing], &Speeds),
+    finished: &Path,
+) -> anyhow::Result<()> {
+    let width = result_width();
+    let texts = tables.iter().map(|it| to_terminal(it, width)).chain([times.to_terminal(width)]);
+    let texts = texts.chain([standing_to_terminal(standings, speeds, width)]);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));

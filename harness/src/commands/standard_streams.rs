@@ -3,9 +3,47 @@
 //! The macros of the standard library panic when a stream is closed, which is what `| head` does.
 
 use std::fmt::Display;
-use std::io::{ErrorKind, Write as _};
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::sync::OnceLock;
 
 use anyhow::Context as _;
+
+/// How much is said on stderr.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verbosity {
+    /// Errors.
+    Quiet,
+    /// Progress, warnings and where results are, too.
+    Usual,
+    /// And what is done, scan by scan.
+    Verbose,
+}
+
+// One for the process, as stderr is.
+static VERBOSITY: OnceLock<Verbosity> = OnceLock::new();
+
+/// Settles how much is said, once and before anything is.
+pub fn set_verbosity(verbosity: Verbosity) {
+    VERBOSITY.get_or_init(|| verbosity);
+}
+
+/// Whether as much is said as `least` or more.
+pub fn is_said(least: Verbosity) -> bool {
+    *VERBOSITY.get().unwrap_or(&Verbosity::Usual) >= least
+}
+
+/// Columns of results where nobody looks at them on a terminal.
+const USUAL_WIDTH: usize = 100;
+
+/// Columns that tables have: `COLUMNS` if that is set, else those of the terminal on stdout, else a hundred.
+pub fn result_width() -> usize {
+    let wanted = std::env::var("COLUMNS").ok().and_then(|it| it.parse().ok()).filter(|it| *it > 0);
+    let of_terminal = || {
+        let (width, _) = std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten()?;
+        Some(usize::from(width.0))
+    };
+    wanted.or_else(of_terminal).unwrap_or(USUAL_WIDTH)
+}
 
 /// Prints a result, which is never coloured. A reader that has seen enough and closed the stream is no error.
 ///
@@ -29,7 +67,21 @@ pub fn print_bytes(result: &[u8]) -> anyhow::Result<()> {
     }
 }
 
-/// Prints a line that is no result. Where nobody listens, it is lost.
-pub fn print_diagnostic(line: impl Display) {
+/// Prints why the program fails. Where nobody listens, it is lost.
+pub fn print_error(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Prints a line that is no result, unless the program is to be quiet.
+pub fn print_diagnostic(line: impl Display) {
+    if is_said(Verbosity::Usual) {
+        print_error(line);
+    }
+}
+
+/// Prints a line about what is being done, if the program is to say so.
+pub fn print_detail(line: impl Display) {
+    if is_said(Verbosity::Verbose) {
+        print_error(line);
+    }
 }

@@ -5,7 +5,7 @@ use reports::csv_rows::CsvRowWriter;
 use reports::plot::fitness_plot::fitness_plot;
 use reports::plot::pareto_plot::pareto_plot;
 use reports::plot::rate_plot::rate_plot;
-use reports::run_directory::RunDirectory;
+use reports::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV};
 use reports::table::fitness_table::{fitness_to_markdown, fitness_to_terminal};
 use reports::table::fitness_verdict::fitness_verdicts;
 use reports::table::sweep_score::SweepScores;
@@ -21,9 +21,10 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
         let path = directory.path_of(name);
         move |source| ArchiveError::Csv { path, source }
     };
-    directory.write_file("sweep.csv", &sweep.to_csv().map_err(not_written("sweep.csv"))?)?;
+    directory.write_file(SWEEP_CSV, &sweep.to_csv().map_err(not_written(SWEEP_CSV))?)?;
     if !sweep.times.is_empty() {
-        directory.write_file("times.csv", &sweep.times_to_csv().map_err(not_written("times.csv"))?)?;
+        let times = sweep.times_to_csv().map_err(not_written(SWEEP_TIMES_CSV))?;
+        directory.write_file(SWEEP_TIMES_CSV, &times)?;
     }
     for extent in sweep.extents() {
         let name = extent.name();

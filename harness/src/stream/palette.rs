@@ -3,6 +3,7 @@
 //! The hues can be told apart with every kind of colour vision; the greys stay behind them on a dark background.
 
 use detector::stage_product::SurfaceClass;
+use reports::palette::detector_hue;
 pub use reports::palette::{BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW};
 
 /// A grey between the two ends.
@@ -24,10 +25,9 @@ pub const BACKGROUND: Rgb = [16, 17, 21];
 /// Hues for things that have no meaning of their own, such as clusters; neighbours in the list differ most.
 pub const CYCLE: [Rgb; 7] = [SKY_BLUE, ORANGE, BLUISH_GREEN, REDDISH_PURPLE, YELLOW, BLUE, VERMILION];
 
-/// The hue of the detector at `detector_idx` in the order of the run; the first ones are not those of right and wrong.
+/// The hue of the detector at `detector_idx` in the order of the run, as in plots and on pages.
 pub fn detector_color(detector_idx: usize) -> Rgb {
-    const HUES: [Rgb; 7] = [SKY_BLUE, ORANGE, REDDISH_PURPLE, BLUE, YELLOW, BLUISH_GREEN, VERMILION];
-    HUES[detector_idx % HUES.len()]
+    detector_hue(detector_idx).on_dark
 }
 
 /// The colour of points and cells of `class`: the foreground is bright, the ground is dim.

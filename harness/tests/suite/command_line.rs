@@ -27,9 +27,20 @@ fn every_verb_has_help_with_an_example() {
         "completions",
         "data",
         "data list",
+        "data check",
+        "data hash",
+        "data convert",
+        "data simulate",
         "data realism",
         "fit-density",
         "train",
+        "compare",
+        "view",
+        "report",
+        "gate",
+        "baseline",
+        "baseline accept",
+        "boxes",
     ] {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
@@ -77,6 +88,7 @@ fn help_fits_into_80_columns() {
         "data list --help",
         "data realism --help",
         "fit-density --help",
+        "report --help",
     ] {
         let workplace = Workplace::new();
         let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
@@ -111,7 +123,7 @@ fn examples_of_the_help_can_be_copied() {
 fn nothing_asked_for_is_answered_with_help_and_wrong_usage() {
     let ended = Workplace::new().run(&[]);
     assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""));
-    assert!(ended.stderr.contains("Usage: scanbench <COMMAND>"), "{ended:#?}");
+    assert!(ended.stderr.contains("Usage: scanbench [OPTIONS] <COMMAND>"), "{ended:#?}");
 }
 
 #[test]
@@ -176,6 +188,76 @@ fn results_are_on_stdout_and_the_rest_is_on_stderr() {
     assert!(ended.stdout.starts_with("Task objects."), "{ended:#?}");
     assert!(ended.stdout.contains("\nTask vehicles."), "{ended:#?}");
     assert_eq!(ended.stderr, "Run directory: out\n");
+}
+
+#[test]
+fn quiet_says_nothing_but_results_and_verbose_says_every_scan() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let quiet = workplace.succeed(&["-q", "run", "street", "-d", "pca", "-o", "quiet"]);
+    assert_eq!(quiet.stderr, "");
+    assert!(quiet.stdout.starts_with("Task objects."), "{quiet:#?}");
+    let failed = workplace.run(&["run", "nowhere", "--quiet"]);
+    assert!(failed.stderr.starts_with("error: "), "{failed:#?}");
+    let verbose = workplace.succeed(&["run", "street", "-d", "pca", "-o", "verbose", "-v"]);
+    let lines: Vec<&str> = verbose.stderr.lines().collect();
+    assert!(lines[0].starts_with("street: 2 of 2 scans, sensor "), "{verbose:#?}");
+    let of_scans: Vec<&&str> = lines.iter().filter(|it| it.starts_with("street 0000/")).collect();
+    assert_eq!(of_scans.len(), 2, "{verbose:#?}");
+    assert!(of_scans[0].contains(" points; pca ") && of_scans[0].contains(" ms, "), "{verbose:#?}");
+    let both = workplace.run(&["run", "-q", "-v"]);
+    assert_eq!(both.exit_code, Some(2), "{both:#?}");
+}
+
+#[test]
+fn a_run_ends_with_who_leads_and_who_is_faster() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let ended = workplace.succeed(&["run", "street", "-d", "hierarchical,pca", "-o", "out"]);
+    let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
+    assert!(summary.contains("Task vehicles: "), "{summary}");
+    assert!(
+        summary.contains(" ms for a scan (median), ") && summary.contains(" × faster than "),
+        "{summary}"
+    );
+}
+
+#[test]
+fn tables_fold_where_there_are_few_columns() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 1);
+    let longest = |columns: Option<&str>, name: &str| {
+        let mut command = workplace.command(&["run", "street", "-o", name]);
+        command.envs(columns.map(|it| ("COLUMNS", it)));
+        let ended = Ended::from(command.output().expect("it starts"));
+        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+        ended.stdout.lines().map(|it| it.chars().count()).max()
+    };
+    assert!(longest(Some("60"), "narrow") <= Some(60));
+    // Nobody looks at a pipe: as wide as on most terminals.
+    let usual = longest(None, "usual");
+    assert!(usual > Some(60) && usual <= Some(100), "{usual:?}");
+}
+
+#[test]
+fn a_page_is_made_again_of_the_directory_alone() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    workplace.succeed(&["run", "street", "-o", "out"]);
+    let first = workplace.read("out/report.html");
+    assert!(first.contains("<svg class=\"plot\"") && first.len() < 2_000_000, "{first}");
+    let moved = workplace.path("moved");
+    std::fs::rename(workplace.path("out"), &moved).expect("it moves");
+    std::fs::remove_dir_all(workplace.path("street")).expect("the data go");
+    std::fs::remove_file(moved.join("report.html")).expect("the page goes");
+    let ended = workplace.succeed(&["report", "moved"]);
+    assert_eq!(ended.stderr, "Page: moved/report.html\n");
+    assert_eq!(workplace.read("moved/report.html"), first);
+    std::fs::remove_file(moved.join("scans.csv")).expect("a file goes");
+    let damaged = workplace.run(&["report", "moved"]);
+    assert_eq!(damaged.exit_code, Some(3), "{damaged:#?}");
+    assert!(damaged.stderr.contains("scans.csv"), "{damaged:#?}");
+    assert_eq!(workplace.run(&["report", "nowhere"]).exit_code, Some(2));
 }
 
 #[test]

@@ -76,8 +76,15 @@ impl Workplace {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_scanbench"));
         command.args(arguments).current_dir(self.folder());
-        let variables =
-            ["SCANBENCH_DATASETS", "RERUN", "NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "GITHUB_STEP_SUMMARY"];
+        let variables = [
+            "SCANBENCH_DATASETS",
+            "RERUN",
+            "NO_COLOR",
+            "CLICOLOR",
+            "CLICOLOR_FORCE",
+            "GITHUB_STEP_SUMMARY",
+            "COLUMNS",
+        ];
         for variable in variables.into_iter().chain(["KITTI_TRACKING_ROOT", "KITTI_OBJECT_ROOT"]) {
             command.env_remove(variable);
         }

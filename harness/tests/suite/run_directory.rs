@@ -40,9 +40,16 @@ fn a_run_leaves_its_files_and_nothing_else() {
     let workplace = drive(2);
     workplace.succeed(&["run", "street", "-o", "runs/first"]);
     let mut expected = vec![
+        "figures",
+        "figures/range_objects.svg",
+        "figures/range_vehicles.svg",
+        "figures/stages.svg",
+        "figures/standing.svg",
+        "figures/times.svg",
         "manifest.json",
         "matches.csv",
         "precision_recall.csv",
+        "report.html",
         "report.json",
         "scans.csv",
         "table_objects.csv",
@@ -52,6 +59,7 @@ fn a_run_leaves_its_files_and_nothing_else() {
         "table_vehicles.csv",
         "table_vehicles.md",
         "table_vehicles.tex",
+        "worst_points.json",
     ];
     if cfg!(feature = "rerun") {
         expected.push("run.rrd");

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use plotters_backend::{BackendCoord, DrawingBackend, DrawingErrorKind};
 
 use super::style::{LINE_WIDTH_PX, color};
-use crate::palette::{BLUE, BLUISH_GREEN, REDDISH_PURPLE, VERMILION};
+use crate::palette::detector_hue;
 
 /// How the series of this number is drawn; a fifth looks like the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub(crate) struct Marker<C> {
 
 impl SeriesMark {
     pub(crate) fn color(self) -> RGBColor {
-        color([BLUE, VERMILION, BLUISH_GREEN, REDDISH_PURPLE][self.0 % 4])
+        color(detector_hue(self.0).on_light)
     }
 
     /// Length of the dashes and of the gaps between them in pixels; `None` for a full line.

@@ -20,7 +20,13 @@ pub(crate) const LEFT_COLOR: RGBColor = color(BLUE);
 /// The right side: dashed lines, hollow triangles, hollow bars.
 pub(crate) const RIGHT_COLOR: RGBColor = color(VERMILION);
 /// What is not data: grid lines, frames.
-pub(crate) const QUIET_COLOR: RGBColor = RGBColor(215, 215, 215);
+pub(crate) const QUIET_COLOR: RGBColor = color(QUIET);
+/// The colour of [`QUIET_COLOR`].
+pub(crate) const QUIET: Rgb = [215, 215, 215];
+/// What the library writes for black.
+pub(crate) const BLACK_HEX: &str = "#000000";
+/// What it writes for white, which it puts behind what stands alone.
+pub(crate) const WHITE_HEX: &str = "#FFFFFF";
 /// Behind the ratios that pass for alike.
 pub(crate) const BAND_COLOR: RGBColor = RGBColor(225, 225, 225);
 /// Width of the lines of the data, in pixels.
@@ -38,6 +44,11 @@ pub(crate) const TEXT_PX: i32 = 15;
 
 pub(crate) const fn color([red, green, blue]: Rgb) -> RGBColor {
     RGBColor(red, green, blue)
+}
+
+/// The colour as the library writes it.
+pub(crate) fn hex([red, green, blue]: Rgb) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
 /// Text of `height_px`, placed by the middle of its upper side or by its left end at half height.

@@ -108,6 +108,18 @@ impl Grid {
         same_group.map(|columns| (columns[0].group.as_deref(), columns.len())).collect()
     }
 
+    /// These columns alone.
+    pub(crate) fn with_columns(&self, columns: &[usize]) -> Self {
+        let lines = self.lines.iter().map(|line| Line {
+            kind: line.kind,
+            cells: columns.iter().map(|&idx| line.cells[idx].clone()).collect(),
+        });
+        Self {
+            lines: lines.collect(),
+            columns: columns.iter().map(|&idx| self.columns[idx].clone()).collect(),
+        }
+    }
+
     /// For every column, the most characters from the decimal point on.
     pub(crate) fn fraction_widths(&self) -> Vec<usize> {
         let width = |column_idx: usize| {

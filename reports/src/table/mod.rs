@@ -8,7 +8,7 @@ pub mod sweep_score;
 pub mod sweep_curve;
 pub mod fitness_verdict;
 pub(crate) mod grid;
-mod task_grids;
+pub(crate) mod task_grids;
 pub(crate) mod notes;
 pub mod terminal;
 pub mod agreement;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::table::grid::{Alignment, Cell, Grid, Line, LineKind};
+use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
 use crate::table::notes::{Notes, notes, title};
 use crate::table::task_grids::{counts_grid, main_grid};
 use crate::table::task_table::TaskTable;
@@ -14,21 +14,58 @@ const GAP: &str = "  ";
 /// Between groups of columns, in addition.
 const GROUP_GAP: &str = " ";
 
-/// The table for a terminal: as in the papers, then the counts it is made of, then what has to be said.
+/// The table for a terminal of `width` columns: as in the papers, then the counts it is made of, then what has to be said.
 ///
-/// Three detectors with names of the usual length fit into 100 columns.
-pub fn to_terminal(table: &TaskTable) -> String {
+/// Three detectors with names of the usual length fit into 100 columns; where they do not fit, one follows the other.
+pub fn to_terminal(table: &TaskTable, width: usize) -> String {
     let (main, counts) = (main_grid(table), counts_grid(table));
     let notes = notes(table, &[&main, &counts]);
-    let mut text = format!("{}\n\n", title(table));
-    write_grid(&mut text, &main, &notes);
+    let mut text = wrapped_to(&title(table), width);
     text.push('\n');
-    write_grid(&mut text, &counts, &notes);
+    write_folded(&mut text, &main, &notes, width);
+    text.push('\n');
+    write_folded(&mut text, &counts, &notes, width);
     text.push('\n');
     for sentence in &notes.sentences {
-        text.push_str(&wrapped(sentence));
+        text.push_str(&wrapped_to(sentence, width));
     }
     text
+}
+
+/// The grid in as many pieces below each other as it takes for each to fit into `width` columns. Every piece begins with the
+/// columns that say what its lines are about; a group of columns stays together.
+pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
+    let has_groups = grid.columns.iter().any(|it| it.group.is_some());
+    let is_head = |column: &Column| {
+        if has_groups { column.group.is_none() } else { column.alignment == Alignment::Left }
+    };
+    let n_heads = grid.columns.iter().take_while(|it| is_head(it)).count();
+    let fits = |columns: &[usize]| {
+        let piece = grid.with_columns(columns);
+        grid_width(&piece, &widths(&piece, notes)) <= width
+    };
+    let heads: Vec<usize> = (0..n_heads).collect();
+    let mut pieces = vec![heads.clone()];
+    let rest: Vec<usize> = (n_heads..grid.columns.len()).collect();
+    let together = |a: &usize, b: &usize| has_groups && grid.columns[*a].group == grid.columns[*b].group;
+    for group in rest.chunk_by(together) {
+        let last = pieces.last_mut().expect("there is a first piece");
+        let longer = [last.as_slice(), group].concat();
+        if last.len() == n_heads || fits(&longer) {
+            *last = longer;
+        } else {
+            pieces.push([heads.as_slice(), group].concat());
+        }
+    }
+    for (piece_idx, columns) in pieces.iter().enumerate() {
+        if piece_idx > 0 {
+            text.push('\n');
+        }
+        let mut piece = grid.with_columns(columns);
+        // A paper has nothing to say about most detectors.
+        piece.lines.retain(|line| line.cells[n_heads..].iter().any(|it| !it.text.is_empty()));
+        write_grid(text, &piece, notes);
+    }
 }
 
 /// How wide a column is.
@@ -162,11 +199,17 @@ fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
 
 /// `sentence` in lines of at most [`LINE_WIDTH`] characters, all but the first indented.
 pub(crate) fn wrapped(sentence: &str) -> String {
+    wrapped_to(sentence, LINE_WIDTH)
+}
+
+/// The same in lines of at most `width` characters, if that is less.
+pub fn wrapped_to(sentence: &str, width: usize) -> String {
+    let width = width.clamp(20, LINE_WIDTH);
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
         let last = lines.last_mut().expect("there is a first line");
         let is_start = last.trim().is_empty();
-        if !is_start && last.chars().count() + 1 + word.chars().count() > LINE_WIDTH {
+        if !is_start && last.chars().count() + 1 + word.chars().count() > width {
             lines.push(format!("  {word}"));
         } else {
             last.push_str(if is_start { "" } else { " " });
@@ -183,7 +226,7 @@ mod tests {
 
     #[test]
     fn objects_are_printed_with_recall_where_the_f_rate_is_undefined() {
-        insta::assert_snapshot!(to_terminal(&sample::tables()[0]), @r"
+        insta::assert_snapshot!(to_terminal(&sample::tables()[0], 100), @r"
         Task objects. Rates in %. Matched by points, Jaccard at least 0.5.
 
                                               hierarchical            kd-tree                pca
@@ -239,7 +282,7 @@ mod tests {
 
     #[test]
     fn vehicles_are_printed_with_a_note_on_each_undefined_number() {
-        insta::assert_snapshot!(to_terminal(&sample::tables()[1]), @r"
+        insta::assert_snapshot!(to_terminal(&sample::tables()[1], 100), @r"
         Task vehicles. Rates in %. Matched by points, Jaccard at least 0.5.
 
                                               hierarchical           kd-tree                pca
@@ -290,9 +333,29 @@ mod tests {
     }
 
     #[test]
-    fn three_detectors_fit_into_a_hundred_columns() {
-        for line in sample::tables().iter().map(to_terminal).collect::<String>().lines() {
-            assert!(line.chars().count() <= 100, "{line}");
+    fn tables_fit_into_the_columns_there_are() {
+        for width in [60, 80, 100, 200] {
+            let texts = sample::tables().map(|it| to_terminal(&it, width)).concat();
+            for line in texts.lines() {
+                assert!(line.chars().count() <= width, "{width}: {line}");
+            }
         }
+    }
+
+    #[test]
+    fn one_detector_follows_the_other_where_they_do_not_fit_side_by_side() {
+        let text = to_terminal(&sample::tables()[1], 60);
+        let narrow = text.split("NO:").next().unwrap_or_default();
+        let heads: Vec<&str> = narrow.lines().filter(|it| it.contains("F-rate")).collect();
+        assert_eq!(heads.len(), 3, "{narrow}");
+        assert_eq!(narrow.matches("kitti_object").count(), narrow.matches("data set ").count(), "{narrow}");
+        assert_eq!(narrow.matches("paper: KITTI").count(), 2, "{narrow}");
+        // Nothing is lost: every number of the wide table is in the narrow one.
+        let wide = to_terminal(&sample::tables()[1], 200);
+        let words = |text: &str| {
+            let words = text.split_whitespace().filter(|it| it.starts_with(|it: char| it.is_ascii_digit()));
+            words.map(str::to_owned).collect::<std::collections::BTreeSet<_>>()
+        };
+        assert_eq!(words(&wide), words(&text));
     }
 }

@@ -76,14 +76,14 @@ impl TimesTable {
         Self { grid: Grid { columns, lines }, cpu_model: manifest.machine.cpu_model.clone() }
     }
 
-    /// The table for a terminal.
-    pub fn to_terminal(&self) -> String {
+    /// The table for a terminal of `width` columns.
+    pub fn to_terminal(&self, width: usize) -> String {
         let notes = self.notes();
         let mut text = format!("{}\n\n", self.title());
-        terminal::write_grid(&mut text, &self.grid, &notes);
+        terminal::write_folded(&mut text, &self.grid, &notes, width);
         text.push('\n');
         for sentence in &notes.sentences {
-            text.push_str(&terminal::wrapped(sentence));
+            text.push_str(&terminal::wrapped_to(sentence, width));
         }
         text
     }
@@ -98,6 +98,11 @@ impl TimesTable {
             markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
         }
         text
+    }
+
+    /// The table for any other renderer.
+    pub(crate) fn grid_and_notes(&self) -> (&Grid, Notes) {
+        (&self.grid, self.notes())
     }
 
     fn title(&self) -> String {
@@ -152,7 +157,7 @@ mod tests {
             [row("hierarchical", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]
         });
         let report = RunReport::new(1, rows.collect()).unwrap();
-        TimesTable::new(&report, &manifest).to_terminal()
+        TimesTable::new(&report, &manifest).to_terminal(100)
     }
 
     #[test]

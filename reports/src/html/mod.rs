@@ -1,0 +1,19 @@
+//! `report.html`: a run as one page that needs nothing else, neither network nor scripts.
+//!
+//! It is made of the files of the run directory alone, so that it can be made again at any time.
+
+mod run_facts;
+mod markup;
+mod document;
+mod overview;
+mod task_tables;
+mod ranges;
+mod curves;
+mod times;
+mod worst;
+mod reproduction;
+mod parameters;
+#[cfg(test)]
+mod sample_run;
+pub mod run_page;
+pub mod sweep_page;

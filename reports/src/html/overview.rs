@@ -1,0 +1,99 @@
+//! The top of the page: what was run, who leads, by how much and how surely.
+
+use maud::{Markup, html};
+
+use super::markup::{Figure, FigureMarkup};
+use super::run_facts::RunFacts;
+use crate::metric::Metric;
+use crate::paper_figures::{PAPER_TABLES, Recordings};
+use crate::plot::standing_plot::{StandingRow, standing_plot};
+use crate::standing::{Standing, origin_of_run};
+use crate::table::task_table::Origin;
+
+/// What was run, in a line.
+pub(super) fn heading(facts: &RunFacts) -> String {
+    let datasets: Vec<&str> = facts.manifest.datasets.iter().map(|it| it.id.as_str()).collect();
+    format!("{} on {}", listed(&facts.detectors()), listed(&datasets))
+}
+
+/// "a, b and c".
+fn listed(names: &[&str]) -> String {
+    match names.split_last() {
+        None => "nothing".to_owned(),
+        Some((only, [])) => (*only).to_owned(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    }
+}
+
+pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+    let n_scans: u64 = facts.manifest.datasets.iter().map(|it| it.n_scans).sum();
+    let origin = origin_of_run(&facts.manifest);
+    let plots: Vec<_> = facts.standings.iter().map(|it| plot(facts, it)).collect();
+    let has_paper = facts.standings.iter().any(|it| paper_rows(facts, it).is_some());
+    html! {
+        header {
+            p.kicker { "scanbench" @if origin != Origin::Recorded { " " span.tag { (origin.name()) } } }
+            h1 {
+                @for word in heading(facts).split(' ') { span.word { (word) } " " }
+            }
+            p.facts {
+                (n_scans) " scans · " (facts.manifest.created.replace('T', " ").replace('Z', " UTC")) " · "
+                (facts.manifest.machine.cpu_model) " · scanbench " (facts.manifest.scanbench_version)
+            }
+        }
+        section #verdict aria-label="Verdict" {
+            div.verdict {
+                @for standing in &facts.standings { p { (standing.sentence()) } }
+                @if let Some(sentence) = facts.speeds.sentence() { p { (sentence) } }
+            }
+            (FigureMarkup {
+                file_stem: "standing",
+                title: &format!("{} ({})", heading(facts), origin.name()),
+                panels: &plots,
+                key: &[],
+                caption: html! {
+                    "Rates over all data sets together with 95 % intervals (bars). "
+                    @if has_paper {
+                        "Hollow diamonds: what the papers state for their detectors of the same kind, on other scans, for orientation. "
+                    }
+                    @if origin != Origin::Recorded { "Scans: " (origin.name()) "." }
+                },
+                class: "wide",
+            }.render(files))
+        }
+    }
+}
+
+fn plot(facts: &RunFacts, standing: &Standing) -> crate::plot::themed_svg::ThemedPanel {
+    let paper = paper_rows(facts, standing);
+    let percent = |it: f64| 100.0 * it;
+    let row = |name: &&str| {
+        let place = standing.places.iter().find(|it| it.detector == *name);
+        StandingRow {
+            name: (*name).to_owned(),
+            detector_idx: facts.detector_idx(name),
+            percent: place.and_then(|it| it.value).map(percent),
+            interval_percent: place.and_then(|it| it.interval).map(|it| it.ends.map(percent)),
+            paper_percent: paper.as_ref().and_then(|paper| paper(name)),
+        }
+    };
+    let rows: Vec<StandingRow> = facts.detectors().iter().map(row).collect();
+    let rate = match standing.metric {
+        Metric::FRate => "F-rate (%)",
+        _ => "recall (%)",
+    };
+    standing_plot(&format!("Task {}", standing.task), rate, &rows)
+}
+
+/// What the paper of a task states for a detector, on all recordings or on those that the run is of; `None` if there is no
+/// such paper, or it states another rate.
+fn paper_rows<'a>(facts: &RunFacts, standing: &'a Standing) -> Option<impl Fn(&str) -> Option<f64> + 'a> {
+    let table = PAPER_TABLES.iter().find(|it| it.task == standing.task)?;
+    let is_kitti = facts.manifest.datasets.iter().all(|it| it.format.contains("kitti"));
+    let recordings = if is_kitti { Recordings::Kitti } else { Recordings::Both };
+    let row = table.rows.iter().find(|it| it.recordings == recordings)?;
+    let states = move |detector: &str| Some(table.score_beside(row, detector)?.f_rate_percent);
+    let is_stated = standing.metric == Metric::FRate
+        && standing.places.iter().any(|it| table.score_beside(row, &it.detector).is_some());
+    is_stated.then_some(states)
+}

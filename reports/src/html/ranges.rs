@@ -1,0 +1,38 @@
+//! Rates over the range from the sensor.
+
+use maud::{Markup, html};
+
+use super::markup::{Figure, FigureMarkup};
+use super::run_facts::RunFacts;
+use crate::plot::range_plot::range_plot;
+use crate::plot::small_panel::key;
+use crate::standing::origin_of_run;
+
+pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+    let key = key(&facts.detectors());
+    let origin = origin_of_run(&facts.manifest).name();
+    let undefined = "Precision and F-rate are undefined: not every class of object is annotated, so false objects cannot be \
+                     known. ";
+    html! {
+        section #range aria-labelledby="range-title" {
+            h2 #range-title { "Near and far" }
+            @for of_task in &facts.ranges {
+                @let panels: Vec<_> =
+                    of_task.rates.iter().map(|(rate, rates)| range_plot(rate, &of_task.bins, rates)).collect();
+                h3 { "Task " (of_task.task) }
+                (FigureMarkup {
+                    file_stem: &format!("range_{}", of_task.task),
+                    title: &format!("Rates over range, task {} ({origin})", of_task.task),
+                    panels: &panels,
+                    key: &key,
+                    caption: html! {
+                        "Objects by their distance from the sensor on the ground plan, all data sets together (" (origin)
+                        "), with 95 % intervals. An annotation counts where it is, a false detection where it was made. "
+                        @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
+                    },
+                    class: "",
+                }.render(files))
+            }
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The share of scans that are done within a time.
+
+use plotters::prelude::IntoLogRange as _;
+
+use super::curve_panel::{Place, Series};
+use super::small_panel::{Points, SmallPanel};
+use super::style::axis_text;
+use super::themed_svg::ThemedPanel;
+
+/// A panel with a curve of every detector, whose times are in milliseconds, ascending and above zero; `None` without any.
+pub fn latency_plot(of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> {
+    let times = || of_detectors.iter().flat_map(|(_, times)| times).copied();
+    let (least, most) = (times().reduce(f64::min)?, times().reduce(f64::max)?);
+    // A power of ten is on the axis in any case.
+    let from = 10_f64.powf(least.log10().floor());
+    let to = (1.5 * most).max(12.0 * from);
+    let series: Vec<Series> = of_detectors
+        .iter()
+        .map(|(name, times)| Series { name: name.clone(), places: steps(times) })
+        .collect();
+    let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
+    let label = format!("share of scans done within a time in milliseconds, of {}", detectors.join(", "));
+    let panel = SmallPanel {
+        title: "scans done within a time",
+        x_title: "time of a scan (ms), logarithmic",
+        y_title: "scans (%)",
+        x: plotters::coord::combinators::LogCoord::from((from..to).log_scale()),
+        y: [0.0, 100.0],
+        x_text: &axis_text,
+        n_x_labels: 5,
+        series: &series,
+        points: Points::Line,
+    };
+    Some(panel.draw(label))
+}
+
+/// The share rises by a step at every time.
+fn steps(times: &[f64]) -> Vec<Option<Place>> {
+    let n = times.len() as f64;
+    let places = times.iter().enumerate().flat_map(|(idx, &time)| {
+        [idx, idx + 1].map(|n_done| Some(Place { x: time, y: 100.0 * n_done as f64 / n, within: None }))
+    });
+    places.collect()
+}

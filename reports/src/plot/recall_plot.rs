@@ -1,0 +1,44 @@
+//! Precision over recall as the least score falls that a detection needs.
+
+use super::curve_panel::{Place, Series};
+use super::small_panel::{Points, SmallPanel};
+use super::style::axis_text;
+use super::themed_svg::ThemedPanel;
+
+/// A panel with a curve of every detector: recalls and precisions, 0 to 1.
+pub fn recall_plot(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> ThemedPanel {
+    let series: Vec<Series> = curves
+        .iter()
+        .map(|(name, places)| {
+            let percent = thinned(places).into_iter().map(|(x, y)| (100.0 * x, 100.0 * y));
+            let places = percent.map(|(x, y)| Some(Place { x, y, within: None })).collect();
+            Series { name: name.clone(), places }
+        })
+        .collect();
+    let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
+    let label = format!("precision over recall on {title}, both in percent, of {}", detectors.join(", "));
+    SmallPanel {
+        title,
+        x_title: "recall (%)",
+        y_title: "precision (%)",
+        x: plotters::coord::types::RangedCoordf64::from(0.0..100.0),
+        y: [0.0, 100.0],
+        x_text: &axis_text,
+        n_x_labels: 6,
+        series: &series,
+        points: Points::Line,
+    }
+    .draw(label)
+}
+
+/// The places that can be told apart on a panel: hundreds of detections lie on a pixel.
+fn thinned(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let pixel = |(x, y): (f64, f64)| [(x * 400.0).round() as i64, (y * 400.0).round() as i64];
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for &place in places {
+        if kept.last().is_none_or(|last| pixel(*last) != pixel(place)) {
+            kept.push(place);
+        }
+    }
+    kept
+}

@@ -1,0 +1,223 @@
+//! Who leads, by how much and how surely, and who is faster: a run in a few sentences.
+
+use crate::estimates::Question;
+use crate::fixed_decimals::{fixed_decimals, three_digits};
+use crate::gate::paired_difference::{PairedDifference, paired_difference};
+use crate::manifest::Manifest;
+use crate::metric::{LatencyStatistic, Metric};
+use crate::run_report::{Interval, MetricRow, OVERALL, RunReport, SLICE_ALL, Subject};
+use crate::slice::Slice;
+use crate::table::task_table::Origin;
+use crate::table::terminal::wrapped_to;
+use crate::tally::Tally;
+
+/// Where the detectors of a run stand in one task, over all its data sets together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    /// Name of the task.
+    pub task: String,
+    /// Whether a simulator made the scans.
+    pub origin: Origin,
+    /// What they are ordered by: the F-rate or, where false objects cannot be known, recall.
+    pub metric: Metric,
+    /// The detectors, best first; those of which the metric is undefined are last.
+    pub places: Vec<Place>,
+    /// What lies between the first and the second.
+    pub lead: Option<PairedDifference>,
+}
+
+/// What one detector reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// Its name.
+    pub detector: String,
+    /// The metric; `None` where it is undefined.
+    pub value: Option<f64>,
+    /// How sure it is.
+    pub interval: Option<Interval>,
+}
+
+/// How long detectors take for a scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Speeds {
+    /// Name and median time in milliseconds, the fastest first.
+    pub medians_ms: Vec<(String, f64)>,
+}
+
+/// The data set that numbers about a whole run are about: all of them, or the only one.
+pub fn extent_of_run(manifest: &Manifest) -> &str {
+    match &manifest.datasets[..] {
+        [only] => &only.id,
+        _ => OVERALL,
+    }
+}
+
+/// Where the scans of a run come from.
+pub fn origin_of_run(manifest: &Manifest) -> Origin {
+    let origin = |simulated| if simulated { Origin::Simulated } else { Origin::Recorded };
+    let origins = manifest.datasets.iter().map(|it| origin(it.simulated));
+    origins.reduce(Origin::with).unwrap_or(Origin::Recorded)
+}
+
+/// The standings in all tasks of a run.
+pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<Standing> {
+    let draws = tally.draw();
+    let standing = |task: &String| {
+        let row = |detector: &str, metric: &Metric| {
+            let [dataset, task, detector, slice] =
+                [extent_of_run(manifest), task, detector, SLICE_ALL].map(str::to_owned);
+            report.row(&Subject { dataset, task, detector, slice }, metric)
+        };
+        let has_f_rate =
+            tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
+        let metric = if has_f_rate { Metric::FRate } else { Metric::Recall };
+        let mut places: Vec<Place> = tally
+            .detectors()
+            .iter()
+            .map(|detector| {
+                let row = row(detector, &metric);
+                let (value, interval) = (row.and_then(MetricRow::value), row.and_then(MetricRow::interval));
+                Place { detector: detector.clone(), value, interval }
+            })
+            .collect();
+        places.sort_by(|a, b| {
+            let rank = |it: &Place| it.value.unwrap_or(f64::NEG_INFINITY);
+            rank(b).total_cmp(&rank(a))
+        });
+        let lead = places.get(1).and_then(|second| {
+            let sample = |detector| {
+                tally.sample(&Question { dataset: OVERALL, task, detector, slice: &Slice::All }, &draws)
+            };
+            paired_difference(&sample(&second.detector)?, &sample(&places[0].detector)?, &metric)
+        });
+        Standing { task: task.clone(), origin: origin_of_run(manifest), metric, places, lead }
+    };
+    tally.tasks().iter().map(standing).collect()
+}
+
+/// How long the detectors of a run take, over all its data sets together.
+pub fn speeds(manifest: &Manifest, report: &RunReport) -> Speeds {
+    let task = report.rows().first().map_or("", |it| it.subject.task.as_str());
+    let median = |detector: &str| {
+        let [dataset, task, detector, slice] =
+            [extent_of_run(manifest), task, detector, SLICE_ALL].map(str::to_owned);
+        let subject = Subject { dataset, task, detector, slice };
+        report.row(&subject, &Metric::Latency(LatencyStatistic::P50))?.value()
+    };
+    let names = manifest.detectors.iter().map(|it| &it.name);
+    let mut medians_ms: Vec<(String, f64)> =
+        names.filter_map(|name| Some((name.clone(), median(name).filter(|it| *it > 0.0)?))).collect();
+    medians_ms.sort_by(|a, b| a.1.total_cmp(&b.1));
+    Speeds { medians_ms }
+}
+
+impl Standing {
+    /// Who leads, in a sentence.
+    pub fn sentence(&self) -> String {
+        let origin = match self.origin {
+            Origin::Recorded => String::new(),
+            origin => format!(" ({})", origin.name()),
+        };
+        let about = format!("Task {}{origin}: ", self.task);
+        let metric = match self.metric {
+            Metric::FRate => "F-rate",
+            _ => "recall",
+        };
+        let defined: Vec<&Place> = self.places.iter().filter(|it| it.value.is_some()).collect();
+        match (&defined[..], &self.lead) {
+            ([], _) => format!("{about}{metric} is undefined."),
+            ([only], _) => format!("{about}{} has {} {}.", only.detector, indefinite(metric), only.text()),
+            ([first, second, ..], Some(lead)) if lead.is_clear() => format!(
+                "{about}{} leads with {} {}, {} points above {}{}.",
+                first.detector,
+                indefinite(metric),
+                first.text(),
+                points(lead.difference()),
+                second.detector,
+                lead.interval_text(),
+            ),
+            ([first, second, ..], lead) => format!(
+                "{about}{} and {} cannot be told apart: {metric} {} and {}{}.",
+                first.detector,
+                second.detector,
+                first.text(),
+                second.text(),
+                lead.as_ref().map_or_else(String::new, |it| format!(
+                    ", a difference of {} points{}",
+                    points(it.difference()),
+                    it.interval_text()
+                )),
+            ),
+        }
+    }
+}
+
+fn indefinite(metric: &str) -> String {
+    let article = if metric.starts_with('F') { "an" } else { "a" };
+    format!("{article} {metric} of")
+}
+
+/// A difference of rates in hundredths.
+fn points(difference: f64) -> String {
+    fixed_decimals(100.0 * difference, 1).replace('-', "−")
+}
+
+impl PairedDifference {
+    /// Whether its interval lies above zero.
+    fn is_clear(&self) -> bool {
+        self.interval.is_some_and(|it| it.ends[0] > 0.0)
+    }
+
+    fn interval_text(&self) -> String {
+        self.interval.map_or_else(
+            || " (too few scans for an interval)".to_owned(),
+            |it| {
+                let [low, high] = it.ends.map(points);
+                format!(" (95 % interval {low} to {high})")
+            },
+        )
+    }
+}
+
+impl Place {
+    /// The value in percent with its interval.
+    fn text(&self) -> String {
+        let percent = |it: f64| fixed_decimals(100.0 * it, 1);
+        let value = self.value.map_or_else(|| "–".to_owned(), |it| format!("{} %", percent(it)));
+        self.interval.map_or(value.clone(), |it| {
+            let [low, high] = it.ends.map(percent);
+            format!("{value} ({low} to {high})")
+        })
+    }
+}
+
+impl Speeds {
+    /// Who is how many times as fast as whom, in a sentence; `None` if nothing was timed.
+    pub fn sentence(&self) -> Option<String> {
+        let ((name, fastest_ms), others) = self.medians_ms.split_first()?;
+        let others: Vec<String> = others
+            .iter()
+            .map(|(other, ms)| {
+                let times = three_digits_short(ms / fastest_ms);
+                format!("{times} × faster than {other} ({} ms)", three_digits(*ms))
+            })
+            .collect();
+        let time = format!("{name} takes {} ms for a scan (median)", three_digits(*fastest_ms));
+        Some(match others.split_last() {
+            None => format!("{time}."),
+            Some((only, [])) => format!("{time}, {only}."),
+            Some((last, rest)) => format!("{time}, {} and {last}.", rest.join(", ")),
+        })
+    }
+}
+
+/// A factor with two digits that count, or all those before the point.
+fn three_digits_short(factor: f64) -> String {
+    if factor < 9.95 { fixed_decimals(factor, 1) } else { fixed_decimals(factor, 0) }
+}
+
+/// The sentences for a terminal of `width` columns.
+pub fn standing_to_terminal(standings: &[Standing], speeds: &Speeds, width: usize) -> String {
+    let sentences = standings.iter().map(Standing::sentence).chain(speeds.sentence());
+    sentences.map(|it| wrapped_to(&it, width)).collect()
+}
