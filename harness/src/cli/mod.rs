@@ -49,7 +49,7 @@ pub use run::RunArgs;
 pub use scans::{CatalogueArgs, DamageArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
-pub use stream::StreamArgs;
+pub use stream::{StreamArgs, TabName};
 pub use sweep::SweepArgs;
 pub use timing::TimingArgs;
 pub use train::{ModelName, TrainArgs};
