@@ -95,16 +95,7 @@ pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
             hex(detector_hue(it.detector_idx).on_light)
         );
     }
-    let bar_px = 2.0 * scale;
-    // Below, unless the sensor is pointed at there.
-    let [forward_m, left_m] = scene.window.center_m;
-    let y_px = if forward_m > 0.0 && left_m < 0.0 { 12 } else { SIDE_PX - 8 };
-    let _ = write!(
-        elements,
-        r#"<path class="k-ink" d="M8 {y_px}h{bar_px:.1}" stroke="{BLACK_HEX}" stroke-width="2"/><text class="f-ink" x="{:.1}" y="{}" font-family="sans-serif" font-size="12" fill="{BLACK_HEX}">2 m</text>"#,
-        12.0 + bar_px,
-        y_px + 4
-    );
+    elements.push_str(&scale_bar(scene.window, scale));
     elements.push_str(&sensor_mark(scene.window));
     ThemedPanel::of_elements(elements, [SIDE_PX, SIDE_PX], label)
 }
@@ -139,6 +130,19 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
         r#" stroke-dasharray="1 3""#,
     ));
     keys
+}
+
+/// A bar of two metres, where `scale` are the pixels of a metre.
+fn scale_bar(window: PlanWindow, scale: f64) -> String {
+    let bar_px = 2.0 * scale;
+    // Below, unless the sensor is pointed at there.
+    let [forward_m, left_m] = window.center_m;
+    let y_px = if forward_m > 0.0 && left_m < 0.0 { 12 } else { SIDE_PX - 8 };
+    format!(
+        r#"<path class="k-ink" d="M8 {y_px}h{bar_px:.1}" stroke="{BLACK_HEX}" stroke-width="2"/><text class="f-ink" x="{:.1}" y="{}" font-family="sans-serif" font-size="12" fill="{BLACK_HEX}">2 m</text>"#,
+        12.0 + bar_px,
+        y_px + 4
+    )
 }
 
 /// A small wedge at the edge, on the side of the sensor, that points to it; a cross where the sensor is inside.
@@ -194,7 +198,7 @@ mod tests {
         BoxFacts { center_m: [20.0, 5.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
     const WINDOW: PlanWindow = PlanWindow { center_m: [20.0, 5.0], half_m: 5.0 };
 
-    fn scene<'a>(cells: Option<&'a PlanCells>, window: PlanWindow) -> Scene<'a> {
+    fn scene(cells: Option<&PlanCells>, window: PlanWindow) -> Scene<'_> {
         let detection = |is_asked| SceneDetection { detector_idx: 1, bounding_box: BOX, is_asked };
         let detections = vec![detection(true), detection(false)];
         Scene { window, subject: BOX, cells, annotations: vec![BOX], detections }
