@@ -33,7 +33,7 @@ pub fn to_terminal(table: &TaskTable, width: usize) -> String {
 }
 
 /// The grid in as many pieces below each other as it takes for each to fit into `width` columns. Every piece begins with the
-/// columns that say what its lines are about; a group of columns stays together.
+/// columns that say what its lines are about; a group of columns stays together where it fits.
 pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
     let has_groups = grid.columns.iter().any(|it| it.group.is_some());
     let is_head = |column: &Column| {
@@ -48,7 +48,12 @@ pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width:
     let mut pieces = vec![heads.clone()];
     let rest: Vec<usize> = (n_heads..grid.columns.len()).collect();
     let together = |a: &usize, b: &usize| has_groups && grid.columns[*a].group == grid.columns[*b].group;
-    for group in rest.chunk_by(together) {
+    // A group that is too wide by itself comes apart.
+    let groups = rest.chunk_by(together).flat_map(|group| {
+        let is_whole = fits(&[heads.as_slice(), group].concat());
+        group.chunks(if is_whole { group.len() } else { 1 })
+    });
+    for group in groups {
         let last = pieces.last_mut().expect("there is a first piece");
         let longer = [last.as_slice(), group].concat();
         if last.len() == n_heads || fits(&longer) {

@@ -184,6 +184,14 @@ mod tests {
     }
 
     #[test]
+    fn a_group_that_is_too_wide_comes_apart() {
+        let text = TimesTable::new(&sample::report(), &sample::manifest()).to_terminal(60);
+        for line in text.lines() {
+            assert!(line.chars().count() <= 60, "{line}");
+        }
+    }
+
+    #[test]
     fn all_data_sets_are_in_the_markdown() {
         let text = TimesTable::new(&sample::report(), &sample::manifest()).to_markdown();
         assert!(text.contains("| kitti_object | hierarchical |") && text.contains("**overall**"), "{text}");
