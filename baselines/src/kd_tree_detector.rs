@@ -105,13 +105,23 @@ impl Detector for KdTreeDetector {
         let clusters = Shape::Clusters(self.cluster_of_point(cloud.len(), kept));
         let dropped = Shape::Clusters(self.cluster_of_point(cloud.len(), self.dropped.iter().copied()));
         let hulls = Shape::Contours(self.objects.iter().map(|object| self.hull(object)).collect());
+        let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
         let boxes = Shape::Boxes(self.objects.iter().map(|object| object.bounding_box).collect());
         products.extend([
-            StageProduct { stage: "components", name: "clusters", shape: clusters },
             StageProduct { stage: "components", name: "dropped_clusters", shape: dropped },
+            StageProduct { stage: "components", name: "clusters", shape: clusters },
             StageProduct { stage: "boxes", name: "hulls", shape: hulls },
+            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
             StageProduct { stage: "boxes", name: "boxes", shape: boxes },
         ]);
+        if let Some(model) = &self.vehicle_model {
+            let positions_m = |object: &FittedObject| {
+                let members = self.clusters.members(object.cluster_idx).iter();
+                members.map(|&place| self.positions_m[place as usize])
+            };
+            let objects = self.objects.iter().map(|object| (object.bounding_box, positions_m(object)));
+            products.extend(model.stage_products(objects));
+        }
         products
     }
 }

@@ -92,13 +92,13 @@ impl Detector for PcaDetector {
         let clusters = Shape::Clusters(self.cluster_of_point(cloud.len(), kept));
         let dropped = Shape::Clusters(self.cluster_of_point(cloud.len(), self.dropped.iter().copied()));
         let boxes = Shape::Boxes(self.objects.iter().map(|object| object.bounding_box).collect());
-        let outlines = Shape::Contours(self.objects.iter().map(footprint_m).collect());
+        let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
         vec![
             StageProduct { stage: "foreground", name: "cells", shape: self.cells() },
             StageProduct { stage: "foreground", name: "points", shape: self.labeled_points() },
+            StageProduct { stage: "components", name: "dropped_clusters", shape: dropped },
             StageProduct { stage: "components", name: "clusters", shape: clusters },
-            StageProduct { stage: "boxes", name: "dropped_clusters", shape: dropped },
-            StageProduct { stage: "boxes", name: "footprints", shape: outlines },
+            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
             StageProduct { stage: "boxes", name: "boxes", shape: boxes },
         ]
     }
@@ -185,13 +185,6 @@ impl PcaDetector {
         }
         cluster_of_point
     }
-}
-
-/// The rectangle on the ground below a box.
-fn footprint_m(object: &FittedObject) -> Vec<[f32; 3]> {
-    let it = &object.bounding_box;
-    let bottom_m = it.center_m[2] - it.length_width_height_m[2] / 2.0;
-    it.footprint_m().iter().map(|&[x_m, y_m]| [x_m, y_m, bottom_m]).collect()
 }
 
 impl ClusterExtentParams {

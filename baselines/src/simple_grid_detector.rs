@@ -12,6 +12,7 @@ use detector::pipeline::vehicle_model::{VehicleModel, classify_object};
 use detector::segment::clusters::Clusters;
 use detector::segment::connected_components::connected_components;
 use detector::segment::disjoint_sets::DisjointSets;
+use detector::segment::merge_graph::merge_graph;
 use detector::segment::object_points::ObjectPoint;
 use detector::stage_product::Shape;
 use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
@@ -99,12 +100,25 @@ impl Detector for SimpleGridDetector {
         let mut products = self.foreground.stage_products();
         let hulls = self.objects.iter().map(|object| self.hull(object)).collect();
         let boxes = self.objects.iter().map(|object| object.bounding_box).collect();
+        let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
         let clusters = Shape::Clusters(self.cluster_of_point(cloud.len()));
+        let links = merge_graph(self.foreground.grid(), &self.cells, &self.links, &[]);
         products.extend([
+            StageProduct { stage: "merge", name: "links", shape: links },
             StageProduct { stage: "merge", name: "clusters", shape: clusters },
             StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
+            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
             StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
         ]);
+        if let Some(model) = &self.vehicle_model {
+            let point_indices = self.foreground.point_indices();
+            let positions_m = |object: &FittedObject| {
+                let members = self.clusters.members(object.cluster_idx).iter();
+                members.map(|&place| cloud.position_m(point_indices[place as usize] as usize))
+            };
+            let objects = self.objects.iter().map(|object| (object.bounding_box, positions_m(object)));
+            products.extend(model.stage_products(objects));
+        }
         products
     }
 }

@@ -40,6 +40,12 @@ impl OrientedBox {
         })
     }
 
+    /// The same corners on the level of the bottom.
+    pub fn bottom_m(&self) -> [[f32; 3]; 4] {
+        let bottom_m = self.center_m[2] - 0.5 * self.length_width_height_m[2];
+        self.footprint_m().map(|[x_m, y_m]| [x_m, y_m, bottom_m])
+    }
+
     /// Distance of the centre from the sensor on the ground plan, in metres.
     pub fn range_m(&self) -> f32 {
         self.center_m[0].hypot(self.center_m[1])

@@ -37,6 +37,60 @@ pub enum Shape {
     Contours(Vec<Vec<[f32; 3]>>),
     /// Spheres.
     Spheres(Vec<ProductSphere>),
+    /// Links between neighbouring cells, kept or not: a graph whose components are objects.
+    Links(Vec<ProductLink>),
+    /// Square columns over the ground, each of one object.
+    ObjectCells {
+        /// Side length in metres.
+        cell_size_m: f32,
+        /// The occupied cells.
+        cells: Vec<ObjectCell>,
+    },
+}
+
+/// One link of [`Shape::Links`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProductLink {
+    /// Between which places, in metres.
+    pub ends_m: [[f32; 3]; 2],
+    /// What became of it.
+    pub fate: LinkFate,
+}
+
+/// What became of a pair of neighbouring cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum LinkFate {
+    /// They belong together.
+    Kept,
+    /// They were linked, and near-empty cells between them cut the link.
+    Cut,
+    /// They never were linked: one is too much higher than the other.
+    Unlinked,
+}
+
+impl LinkFate {
+    /// All fates, in the order of their discriminants.
+    pub const ALL: [Self; 3] = [Self::Kept, Self::Cut, Self::Unlinked];
+
+    /// The name used on screens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kept => "link kept",
+            Self::Cut => "link cut",
+            Self::Unlinked => "no link",
+        }
+    }
+}
+
+/// One cell of [`Shape::ObjectCells`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObjectCell {
+    /// Centre on the ground plan in metres.
+    pub center_m: [f32; 2],
+    /// Lowest and highest point in metres.
+    pub z_range_m: [f32; 2],
+    /// Number of its object, as in the detector's clusters.
+    pub object: u32,
 }
 
 /// One sphere of [`Shape::Spheres`].

@@ -49,6 +49,16 @@ pub struct Annotation {
     pub truncation: Option<f32>,
 }
 
+impl Annotation {
+    /// What it is called on screens, such as `car 7`.
+    pub fn label(&self) -> String {
+        match self.track {
+            Some(track) => format!("{} {track}", self.class.name()),
+            None => self.class.name().to_owned(),
+        }
+    }
+}
+
 /// How much of an object is hidden by others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Occlusion {

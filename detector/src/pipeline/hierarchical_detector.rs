@@ -13,6 +13,8 @@ use crate::pipeline::vehicle_model::{VehicleModel, classify_object};
 use crate::point_cloud::PointCloud;
 use crate::segment::connected_components::connected_components;
 use crate::segment::dense_separation::DenseSeparation;
+use crate::segment::merge_graph::merge_graph;
+use crate::segment::object_cells::object_cells;
 use crate::segment::object_points::ObjectPoints;
 use crate::stage_product::{Shape, StageProduct};
 
@@ -98,8 +100,20 @@ impl Detector for HierarchicalDetector {
         let mut products = self.foreground.stage_products();
         let cuts = self.separation.cut_links().iter().map(|&blocks| self.cut(blocks)).collect();
         let hulls = self.objects.iter().map(|object| self.hull(object)).collect();
+        let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
         let boxes = self.objects.iter().map(|object| object.bounding_box).collect();
+        let grid = self.foreground.grid();
         products.extend([
+            StageProduct {
+                stage: "merge",
+                name: "links",
+                shape: merge_graph(grid, &self.dense, &self.links, self.separation.cut_links()),
+            },
+            StageProduct {
+                stage: "separation",
+                name: "dense_cells",
+                shape: object_cells(grid, &self.dense, &self.clusters),
+            },
             StageProduct { stage: "separation", name: "cuts", shape: Shape::Segments(cuts) },
             StageProduct {
                 stage: "separation",
@@ -107,6 +121,7 @@ impl Detector for HierarchicalDetector {
                 shape: Shape::Clusters(self.cluster_of_point(cloud.len())),
             },
             StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
+            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
             StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
         ]);
         if let Some(model) = &self.vehicle_model {

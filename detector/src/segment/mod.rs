@@ -9,5 +9,7 @@ pub mod connected_components;
 pub mod disjoint_sets;
 pub mod dense_reach;
 pub mod dense_separation;
+pub mod merge_graph;
 pub mod object_points;
+pub mod object_cells;
 pub mod clusters;

@@ -1,6 +1,6 @@
 //! What each stage of the hierarchical detector makes of a drawn street.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use detector::params::HierarchicalParams;
@@ -45,6 +45,11 @@ fn shape_in_words(shape: &Shape) -> String {
             let radii_m: Vec<String> = spheres.iter().map(|it| rounded(it.radius_m)).collect();
             format!("{} with radii {}", spheres.len(), radii_m.join(", "))
         }
+        Shape::Links(links) => counts_in_words(links.iter().map(|link| link.fate.name())),
+        Shape::ObjectCells { cell_size_m, cells } => {
+            let objects: BTreeSet<u32> = cells.iter().map(|cell| cell.object).collect();
+            format!("{} of {} m and {} objects", cells.len(), rounded(*cell_size_m), objects.len())
+        }
         Shape::Contours(contours) => {
             let n_corners: Vec<String> = contours.iter().map(|it| it.len().to_string()).collect();
             format!("{} of {} corners", contours.len(), n_corners.join(", "))
@@ -79,9 +84,12 @@ fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     walls/cells: 84 clutter, 1406 ground, 117 short object, 127 tall
     walls/segments: 1 segments
     foreground/points: 249 clutter, 13608 ground, 5135 short object, 41301 tall
+    merge/links: 11 link cut, 205 link kept
+    separation/dense_cells: 463 of 0.20 m and 3 objects
     separation/cuts: 11 segments
     separation/clusters: 3 of 2492, 2287, 356 points
     boxes/hulls: 3 of 4, 4, 4 corners
+    boxes/rectangles: 3 of 4, 4, 4 corners
     boxes/boxes: 3 boxes
     vehicle of 2492 points, centre 6.20 3.00 -0.88 m, 4.20 x 1.80 x 1.30 m, yaw 0.00 degrees
     vehicle of 2287 points, centre 10.70 3.10 -0.88 m, 4.00 x 1.80 x 1.30 m, yaw 0.00 degrees

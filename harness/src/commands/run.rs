@@ -33,20 +33,25 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_d
 use crate::commands::plan_cells::plan_cells;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
+#[cfg(feature = "rerun")]
+use crate::commands::recording::{RecordedScan, Recording, RecordingPlan, serve_until_interrupted};
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{
     Verbosity, is_said, print_detail, print_diagnostic, print_result, result_width,
 };
+use crate::conversion::whole_folder::folder_name;
 use crate::dataset::DatasetDescription;
+use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
+use crate::results_recording::recording::{DetectorResult, ResultsRecording};
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
 use crate::run::scores::{DatasetScores, overall_time_rows};
 use crate::run::side_by_side::{ScanResults, SideBySide};
 #[cfg(feature = "rerun")]
-use crate::{commands::recording::Recording, task::Task};
+use crate::{stream::ServedRecording, task::Task};
 
 /// What is to be run.
 struct Plan<'a> {
@@ -78,10 +83,13 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let mut archive = Archive::begin(&plan, &directory)?;
     let mut scores = Vec::new();
     for opened in &plan.datasets {
+        archive.mcap = begin_mcap(&plan, opened, &directory)?;
         scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
+        archive.mcap.take().map_or(Ok(()), ResultsRecording::finish)?;
     }
-    let (tally, worst) = archive.finish()?;
-    directory.write_file(WORST_POINTS_JSON, WorstPoints::new(&worst).to_json().as_bytes())?;
+    let finished = archive.finish()?;
+    let tally = finished.tally;
+    directory.write_file(WORST_POINTS_JSON, WorstPoints::new(&finished.worst).to_json().as_bytes())?;
     let Plan { config, detectors, datasets, started, .. } = &plan;
     let manifest = run_manifest(RunSettings {
         data: &arguments.data,
@@ -98,9 +106,14 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
     // Made of the files, so that `report` makes the same.
     RunPage::of(directory.folder())?.write(directory.folder())?;
-    let finished = directory.finish()?;
+    let written = directory.finish()?;
     let (standings, speeds) = (standings(&tally, &manifest, &report), speeds(&manifest, &report));
-    print(&tables, &times, (&standings, &speeds), &finished)
+    print(&tables, &times, (&standings, &speeds), &written)?;
+    #[cfg(feature = "rerun")]
+    if let Some(served) = finished.served {
+        serve_until_interrupted(&served, interrupted);
+    }
+    Ok(())
 }
 
 fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunReport> {
@@ -117,24 +130,35 @@ fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
 }
 
 /// The files that grow scan by scan.
-struct Archive {
+struct Archive<'a> {
     scans: CsvRowWriter<ScanRow>,
     matches: CsvRowWriter<MatchRow>,
-    criterion: &'static str,
+    criterion: Criterion,
     tally: Tally,
     worst: WorstPlaces<PlanCells>,
+    // Of the data set at hand.
+    mcap: Option<ResultsRecording<'a>>,
     #[cfg(feature = "rerun")]
     recording: Option<Recording>,
 }
 
-impl Archive {
+/// What is left of an archive once its files are written.
+struct FinishedArchive {
+    tally: Tally,
+    worst: WorstPlaces<PlanCells>,
+    #[cfg(feature = "rerun")]
+    served: Option<ServedRecording>,
+}
+
+impl Archive<'_> {
     fn begin(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Self> {
         Ok(Self {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
             matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
-            criterion: plan.config.matching.criterion.name(),
+            criterion: plan.config.matching.criterion,
             tally: Tally::default(),
             worst: WorstPlaces::default(),
+            mcap: None,
             #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
         })
@@ -142,29 +166,48 @@ impl Archive {
 
     fn add(
         &mut self,
-        dataset: &DatasetDescription,
+        opened: &OpenedDataset,
         results: &ScanResults<'_>,
         scores: &DatasetScores,
         progress: &ProgressBar,
     ) -> anyhow::Result<()> {
+        let dataset = opened.dataset.description();
+        if let Some(mcap) = &mut self.mcap {
+            mcap.add_scan(results.run_idx, results.scan)?;
+        }
         for result in results.results {
             for assignment in &result.assignments {
                 let row = scan_row(dataset, results.scan, result, assignment);
+                let criterion = self.criterion.name();
+                let matches = match_rows(dataset, criterion, results.scan, result, assignment);
                 self.tally.add_scan(&row);
                 self.scans.write(&row)?;
-                for row in match_rows(dataset, self.criterion, results.scan, result, assignment) {
-                    self.tally.add_match(&row);
+                for row in &matches {
+                    self.tally.add_match(row);
                     let cloud = &results.scan.cloud;
-                    self.worst.add(&row, |window| plan_cells(cloud, window, dataset.sensor_height_m));
-                    self.matches.write(&row)?;
+                    self.worst.add(row, |window| plan_cells(cloud, window, dataset.sensor_height_m));
+                    self.matches.write(row)?;
+                }
+                if let Some(mcap) = &mut self.mcap {
+                    let (scan_row, match_rows) = (&row, &matches[..]);
+                    let stage_times = &result.output.stage_times;
+                    mcap.add_result(results.scan, &DetectorResult { scan_row, match_rows, stage_times })?;
                 }
             }
         }
         #[cfg(feature = "rerun")]
-        if let Some(recording) = &mut self.recording
-            && let Some(warning) = recording.log(results, scores)?
-        {
-            warn(progress, &warning);
+        if let Some(recording) = &mut self.recording {
+            let recorded = RecordedScan {
+                results,
+                scores,
+                dataset: &*opened.dataset,
+                scan_idx: opened.scan_indices[results.run_idx],
+                criterion: self.criterion,
+                marks: &[],
+            };
+            if let Some(warning) = recording.log(&recorded)? {
+                warn(progress, &warning);
+            }
         }
         #[cfg(not(feature = "rerun"))]
         let _ = scores;
@@ -175,17 +218,43 @@ impl Archive {
         Ok(())
     }
 
-    fn finish(self) -> anyhow::Result<(Tally, WorstPlaces<PlanCells>)> {
+    fn finish(self) -> anyhow::Result<FinishedArchive> {
         self.scans.finish()?;
         self.matches.finish()?;
         #[cfg(feature = "rerun")]
-        if let Some(recording) = self.recording
-            && let Some(warning) = recording.finish()?
-        {
-            print_diagnostic(format_args!("warning: {warning}"));
-        }
-        Ok((self.tally, self.worst))
+        let served = match self.recording.map(Recording::finish).transpose()? {
+            Some(ending) => {
+                if let Some(warning) = ending.warning {
+                    print_diagnostic(format_args!("warning: {warning}"));
+                }
+                ending.served
+            }
+            None => None,
+        };
+        Ok(FinishedArchive {
+            tally: self.tally,
+            worst: self.worst,
+            #[cfg(feature = "rerun")]
+            served,
+        })
     }
+}
+
+/// The recording for Foxglove, if one is asked for: one for each data set, which have times and sensors of their own.
+fn begin_mcap<'a>(
+    plan: &'a Plan<'_>,
+    opened: &'a OpenedDataset,
+    directory: &RunDirectory,
+) -> anyhow::Result<Option<ResultsRecording<'a>>> {
+    if !plan.arguments.mcap {
+        return Ok(None);
+    }
+    let name = match &plan.datasets[..] {
+        [_] => "run.mcap".to_owned(),
+        _ => format!("run-{}.mcap", folder_name(&opened.dataset.description().id)),
+    };
+    let path = directory.path_of(&name);
+    Ok(Some(ResultsRecording::create(&path, &*opened.dataset, &opened.scan_indices)?))
 }
 
 /// What came of a scan, for those who want to know while it runs: of every detector the time, its longest stage, and the
@@ -216,14 +285,22 @@ fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<
     let shown_task = if plan.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy();
     let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
-    Recording::begin(&plan.arguments.stream, directory.path_of("run.rrd"), &name, shown_task, &detectors)
+    Recording::begin(&RecordingPlan {
+        arguments: &plan.arguments.stream,
+        default_file: directory.path_of("run.rrd"),
+        name: &name,
+        shown_task,
+        detectors: &detectors,
+        datasets: &plan.datasets,
+        at_the_start: false,
+    })
 }
 
 fn evaluate(
     plan: &Plan<'_>,
     opened: &OpenedDataset,
     interrupted: &AtomicBool,
-    archive: &mut Archive,
+    archive: &mut Archive<'_>,
 ) -> anyhow::Result<DatasetScores> {
     let Plan { arguments, detectors: listed, .. } = plan;
     let description = opened.dataset.description();
@@ -246,7 +323,7 @@ fn evaluate(
         |id: &_, error| progress.suspend(|| opened.on_damage(arguments.damage.policy(), id, error));
     side_by_side.run_past_damage(&mut detectors, on_damage, |results| -> anyhow::Result<()> {
         scores.add(results.results);
-        archive.add(description, &results, &scores, &progress)
+        archive.add(opened, &results, &scores, &progress)
     })?;
     progress.finish_and_clear();
     if scores.n_annotations() == 0 {

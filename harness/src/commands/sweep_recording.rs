@@ -2,14 +2,20 @@
 
 use std::time::Instant;
 
-use detector::DetectorOutput;
+use detector::{Detector, DetectorOutput};
 use reports::run_directory::RunDirectory;
 use reports::table::sweep_score::{SweepScore, SweepScores};
 use reports::table::task_table::Extent;
 
 use crate::annotation::LabeledScan;
-use crate::matching::assign::assign;
-use crate::stream::{DetectorView, RecordingAxis, RunningFRate, Stream, StreamOptions, ViewerChoice};
+use crate::commands::recording::task_views;
+use crate::dataset::DatasetDescription;
+use crate::matching::assign::{MatchingParams, assign};
+use crate::matching::mistake::Evidence;
+use crate::run::side_by_side::DetectorScan;
+use crate::stream::{
+    DetectorView, FirstTab, Opening, RecordingAxis, ScanView, Stream, StreamOptions, ViewerChoice,
+};
 use crate::sweep::scan_at_point::of_sensor;
 use crate::sweep::summary::SweepResults;
 use crate::sweep::swept_values::SweptValues;
@@ -38,7 +44,8 @@ pub fn record_sweep(
         name: directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         file: directory.path_of(SWEEP_RRD),
         viewer: ViewerChoice::None,
-        shown_task,
+        opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false, at_the_start: true },
+        max_points: None,
     };
     let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
     let of_dataset = Extent::Dataset(description.id.clone());
@@ -54,40 +61,54 @@ pub fn record_sweep(
         further_series: further(&at_point(0)).iter().map(|it| it.0).collect(),
     };
     let mut stream = Stream::open_along(&options, &detectors, axis)?;
-    let mut output = DetectorOutput::default();
     for (place, &(step, point_idx)) in steps.ascending().iter().enumerate() {
         let there = at_point(point_idx);
         if place == 0 {
-            stream.log_first(step, &scan)?;
+            let view = ScanView { scan: &scan, step, marks: &[], world_from_sensor: None, drive_m: &[] };
+            stream.log_scan(&view)?;
         }
         let values: Vec<String> =
             plan.parameters().iter().zip(&plan.points[point_idx].values).map(of_name).collect();
         stream.log_step(step, title(&scan, &values), &further(&there))?;
         let config = of_sensor(&plan.points[point_idx].config, description);
         for listed in &plan.detectors {
-            let mut detector = listed.build(&config, description.sensor_height_m);
-            // Its buffers find their size.
-            detector.detect(&scan.cloud, &mut output);
-            let started = Instant::now();
-            detector.detect(&scan.cloud, &mut output);
-            let latency = started.elapsed();
-            let judge =
-                |&task| assign(&scan, &output.detections, task, &description.annotated, &config.matching);
+            let detector = listed.build(&config, description.sensor_height_m);
             let of_detector = there.iter().filter(|it| it.subject.detector == listed.name);
-            let f_rate =
-                |(&task, it): (&Task, &&SweepScore)| RunningFRate { task, f_rate: it.counts.f_rate() };
-            let view = DetectorView {
-                name: listed.name,
-                output: &output,
-                products: &detector.stage_products(&scan.cloud),
-                assignments: &Task::ALL.iter().map(judge).collect::<Vec<_>>(),
-                f_rates_so_far: &Task::ALL.iter().zip(of_detector).map(f_rate).collect::<Vec<_>>(),
-                latency,
-            };
-            stream.log_detector(&scan, &view)?;
+            let f_rates = of_detector.map(|it| it.counts.f_rate());
+            look_again(&mut stream, (&scan, description), detector, &config.matching, f_rates)?;
         }
     }
     stream.finish()?;
+    Ok(())
+}
+
+/// Logs what `detector` makes of the scan of a data set, with the F-rates that it has on all scans, in the order of the tasks.
+fn look_again(
+    stream: &mut Stream,
+    (scan, dataset): (&LabeledScan, &DatasetDescription),
+    mut detector: Box<dyn Detector>,
+    matching: &MatchingParams,
+    f_rates: impl Iterator<Item = Option<f64>>,
+) -> anyhow::Result<()> {
+    let mut output = DetectorOutput::default();
+    // Its buffers find their size.
+    detector.detect(&scan.cloud, &mut output);
+    let started = Instant::now();
+    detector.detect(&scan.cloud, &mut output);
+    let latency = started.elapsed();
+    let judge = |&task| assign(scan, &output.detections, task, &dataset.annotated, matching);
+    let assignments = Task::ALL.iter().map(judge).collect();
+    let result = DetectorScan { detector: detector.name(), output, latency, assignments };
+    let products = detector.stage_products(&scan.cloud);
+    let evidence = Evidence::gather(scan, &result.output.detections, &products, matching.criterion);
+    let view = DetectorView {
+        name: result.detector,
+        output: &result.output,
+        products: &products,
+        tasks: &task_views(&result, dataset, &evidence, f_rates),
+        latency,
+    };
+    stream.log_detector(scan, &view)?;
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Parser as _;
 use reports::manifest::{DatasetEntry, Manifest};
-use reports::worst::ListedMistake;
+use reports::worst::{ListedMistake, Mistake};
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::judging_config;
@@ -13,13 +13,14 @@ use crate::commands::failure::Usage;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
-use crate::commands::recording::Recording;
+use crate::commands::recording::{RecordedScan, Recording, RecordingPlan, serve_until_interrupted};
 use crate::commands::run_manifest::{dataset_entry, seeds};
 use crate::commands::standard_streams::print_diagnostic;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
 use crate::run::scores::DatasetScores;
 use crate::run::side_by_side::SideBySide;
+use crate::stream::Mark;
 
 /// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
 ///
@@ -42,22 +43,51 @@ pub fn record(
     let stream = StreamArgs {
         // Named, so that the file appears whole or not at all.
         save_rrd: Some(Some(arguments.stream.save_rrd.clone().flatten().unwrap_or(file.clone()))),
-        no_rrd: false,
-        connect: arguments.stream.connect.clone(),
-        spawn: arguments.stream.spawn,
+        ..arguments.stream.clone()
     };
     let written = stream.save_rrd.clone().flatten().unwrap_or_default();
     let names: Vec<&str> = again.detectors.iter().map(|it| it.name).collect();
     let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
-    let Some(mut recording) = Recording::begin(&stream, file, &name, arguments.task.task(), &names)? else {
+    let Some(mut recording) = Recording::begin(&RecordingPlan {
+        arguments: &stream,
+        default_file: file,
+        name: &name,
+        shown_task: arguments.task.task(),
+        detectors: &names,
+        datasets: &again.datasets,
+        at_the_start: true,
+    })?
+    else {
         return Ok(());
     };
     again.log(&scans, interrupted, &mut recording)?;
-    if let Some(warning) = recording.finish()? {
+    let ending = recording.finish()?;
+    if let Some(warning) = ending.warning {
         print_diagnostic(format_args!("warning: {warning}"));
     }
     print_diagnostic(format_args!("Recording: {}", written.display()));
+    if let Some(served) = ending.served {
+        serve_until_interrupted(&served, interrupted);
+    }
     Ok(())
+}
+
+/// A scan with mistakes.
+struct WorstScan {
+    /// Data set, and scan within it.
+    place: [usize; 2],
+    /// Where they are.
+    marks: Vec<Mark>,
+}
+
+/// Points at a mistake, if it has a box.
+fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
+    let kind = match mistake.kind {
+        Mistake::Missed => "missed",
+        Mistake::False => "false",
+    };
+    let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
+    Some(Mark { place_m: mistake.place_m?, text })
 }
 
 /// What is needed to run scans once more.
@@ -101,10 +131,10 @@ impl RunAgain {
         Ok(Self { arguments: Box::new(arguments), config, detectors, datasets })
     }
 
-    /// Data set and scan of every mistake, each once, in their order.
-    fn scans_of(&self, mistakes: &[ListedMistake<'_>]) -> anyhow::Result<Vec<[usize; 2]>> {
-        let mut scans = Vec::new();
-        for mistake in mistakes {
+    /// The scans of all mistakes, each once, in the order of the mistakes.
+    fn scans_of(&self, mistakes: &[ListedMistake<'_>]) -> anyhow::Result<Vec<WorstScan>> {
+        let mut scans: Vec<WorstScan> = Vec::new();
+        for (rank, mistake) in (1..).zip(mistakes) {
             let row = mistake.row;
             let is_its = |it: &OpenedDataset| it.dataset.description().id == row.dataset;
             let place = self.datasets.iter().position(is_its).and_then(|dataset_idx| {
@@ -119,8 +149,10 @@ impl RunAgain {
                     row.sequence, row.scan, row.dataset
                 ))
             })?;
-            if !scans.contains(&place) {
-                scans.push(place);
+            let mark = mark(rank, mistake);
+            match scans.iter_mut().find(|it| it.place == place) {
+                Some(scan) => scan.marks.extend(mark),
+                None => scans.push(WorstScan { place, marks: mark.into_iter().collect() }),
             }
         }
         Ok(scans)
@@ -128,7 +160,7 @@ impl RunAgain {
 
     fn log(
         &self,
-        scans: &[[usize; 2]],
+        scans: &[WorstScan],
         interrupted: &AtomicBool,
         recording: &mut Recording,
     ) -> anyhow::Result<()> {
@@ -136,7 +168,8 @@ impl RunAgain {
         // Detectors and rates so far of every data set that has had a scan.
         let mut begun = BTreeMap::new();
         let progress = progress_over_scans(scans.len(), "worst scans");
-        for &[dataset_idx, scan_idx] in scans {
+        for WorstScan { place: [dataset_idx, scan_idx], marks } in scans {
+            let (dataset_idx, scan_idx) = (*dataset_idx, *scan_idx);
             let opened = &self.datasets[dataset_idx];
             let description = opened.dataset.description();
             let config = self.config.for_sensor(&description.sensor).unwrap_or_else(|| self.config.clone());
@@ -155,7 +188,15 @@ impl RunAgain {
             };
             side_by_side.run(detectors, |results| -> anyhow::Result<()> {
                 scores.add(results.results);
-                if let Some(warning) = recording.log(&results, scores)? {
+                let recorded = RecordedScan {
+                    results: &results,
+                    scores,
+                    dataset: &*opened.dataset,
+                    scan_idx,
+                    criterion: config.matching.criterion,
+                    marks,
+                };
+                if let Some(warning) = recording.log(&recorded)? {
                     progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
                 }
                 Ok(())

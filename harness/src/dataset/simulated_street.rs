@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 use super::checksum::sha256;
@@ -140,6 +141,15 @@ impl Dataset for SimulatedStreet {
             mark_outside(&mut scan, limit_deg);
         }
         Ok(scan)
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        let street = self.drive.draw(self.seeds[scan_idx]);
+        let pose = street.ego_pose(&self.sensor, self.scan_ids[scan_idx].index);
+        let [x, y, z, w] = pose.world_from_sensor_xyzw.map(f64::from);
+        let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        let at_m = Translation3::from(pose.position_m.map(f64::from));
+        Ok(Some(Isometry3::from_parts(at_m, turn)))
     }
 }
 

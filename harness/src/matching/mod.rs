@@ -7,3 +7,4 @@ pub mod box_overlap;
 pub mod criterion;
 pub mod eligibility;
 pub mod assign;
+pub mod mistake;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use detector::stage_product::{ProductCell, ProductSphere};
-use detector::{OrientedBox, PointCloud};
+use detector::OrientedBox;
+use detector::stage_product::{ProductLink, ProductSphere};
 use rerun::components::ClassId;
 use rerun::datatypes::Rgba32;
 use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array};
@@ -15,12 +15,6 @@ use rerun::{
 
 /// Cells are drawn at least this high, so that a flat one can be seen.
 const MIN_CELL_HEIGHT_M: f32 = 0.04;
-
-/// Indices of the points that can be drawn: a viewer has no place for NaN and infinity.
-pub fn drawable_points(cloud: &PointCloud) -> impl Iterator<Item = usize> + '_ {
-    let finite = |&point_idx: &usize| cloud.position_m(point_idx).iter().all(|it| it.is_finite());
-    (0..cloud.len()).filter(finite)
-}
 
 /// Points without a colour of their own.
 ///
@@ -64,18 +58,30 @@ pub fn spheres(spheres: &[ProductSphere]) -> Ellipsoids3D {
         .with_fill_mode(FillMode::MajorWireframe)
 }
 
-/// Solid columns over the ground, without their colour.
-pub fn cells(cell_size_m: f32, cells: &[ProductCell]) -> Boxes3D {
-    let half_side_m = cell_size_m * 0.46;
-    let centers_m = cells.iter().map(|it| {
-        let [low_m, high_m] = it.z_range_m;
-        [it.center_m[0], it.center_m[1], f32::midpoint(low_m, high_m)]
+/// A column over the ground.
+#[derive(Debug, Clone, Copy)]
+pub struct Column {
+    /// Centre on the ground plan in metres.
+    pub center_m: [f32; 2],
+    /// Lower and upper end in metres.
+    pub z_range_m: [f32; 2],
+}
+
+/// Solid square columns over the ground, without their colour.
+pub fn columns(side_m: f32, columns: impl Iterator<Item = Column> + Clone) -> Boxes3D {
+    let half_side_m = side_m * 0.46;
+    let centers_m = columns.clone().map(|Column { center_m: [x_m, y_m], z_range_m: [low_m, high_m] }| {
+        [x_m, y_m, f32::midpoint(low_m, high_m)]
     });
-    let half_sizes_m = cells.iter().map(|it| {
-        let [low_m, high_m] = it.z_range_m;
+    let half_sizes_m = columns.map(|Column { z_range_m: [low_m, high_m], .. }| {
         [half_side_m, half_side_m, (high_m - low_m).max(MIN_CELL_HEIGHT_M) / 2.0]
     });
     Boxes3D::from_centers_and_half_sizes(centers_m, half_sizes_m).with_fill_mode(FillMode::Solid)
+}
+
+/// The lines of a graph.
+pub fn links<'a>(links: impl Iterator<Item = &'a ProductLink>) -> LineStrips3D {
+    LineStrips3D::new(links.map(|it| it.ends_m))
 }
 
 /// Straight lines from end to end.

@@ -30,6 +30,14 @@ pub enum StreamError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// The recording cannot be served.
+    #[error("cannot serve the recording at port {port} of 127.0.0.1")]
+    Serve {
+        /// The port.
+        port: u16,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
     /// The file cannot be created.
     #[error("cannot create the recording {path:?}")]
     Create {

@@ -1,12 +1,14 @@
 //! What the class ids of a recording mean.
 
-use detector::stage_product::SurfaceClass;
+use detector::stage_product::{LinkFate, SurfaceClass};
 use rerun::datatypes::{ClassDescription, Rgba32};
 
 use super::palette::{self, Rgb};
 
 /// Id of the class of a labelled object whose outcome is not drawn.
 pub const ANNOTATION_ID: u16 = 8;
+/// Id of the first fate of a link; the others follow.
+const FIRST_LINK_ID: u16 = 24;
 /// Clusters take this id and the next ones, in turn.
 const FIRST_CLUSTER_ID: u16 = 32;
 
@@ -77,6 +79,11 @@ pub fn surface_id(class: SurfaceClass) -> u16 {
     class as u16
 }
 
+/// The class id of what became of a link.
+pub fn link_id(fate: LinkFate) -> u16 {
+    FIRST_LINK_ID + fate as u16
+}
+
 /// The class id of cluster `cluster`; clusters share a few colours in turn.
 pub fn cluster_id(cluster: u32) -> u16 {
     FIRST_CLUSTER_ID + (cluster as usize % palette::CYCLE.len()) as u16
@@ -92,11 +99,12 @@ pub fn class_descriptions() -> Vec<ClassDescription> {
     });
     let clusters =
         (FIRST_CLUSTER_ID..).zip(palette::CYCLE).map(|(id, color)| described(id, "cluster", color));
+    let links = LinkFate::ALL.map(|it| described(link_id(it), it.name(), palette::link_color(it)));
     let annotation = described(ANNOTATION_ID, "annotation", palette::ANNOTATION);
-    surfaces.into_iter().chain([annotation]).chain(outcomes).chain(clusters).collect()
+    surfaces.into_iter().chain([annotation]).chain(outcomes).chain(links).chain(clusters).collect()
 }
 
-/// A named dot of the drawn legend.
+/// A named dot of a drawn legend.
 pub struct LegendDot {
     /// What it says.
     pub name: &'static str,
@@ -106,26 +114,64 @@ pub struct LegendDot {
     pub position: [f32; 2],
 }
 
-/// Left and right end of the drawn legend.
-pub const VISIBLE_X: [f64; 2] = [-0.6, 3.6];
-/// Top and bottom of the drawn legend.
-pub const VISIBLE_Y: [f64; 2] = [-0.9, 2.0];
+/// Left and right end of a drawn legend.
+pub const VISIBLE_X: [f64; 2] = [-1.5, 9.3];
+/// Top and bottom of a drawn legend.
+pub const VISIBLE_Y: [f64; 2] = [-1.6, 3.2];
 /// Where the name of the scan is written.
-pub const TITLE_POSITION: [f32; 2] = [1.5, -0.75];
+pub const TITLE_POSITION: [f32; 2] = [3.9, -1.5];
+/// From dot to dot: what is written below them is wider than high.
+const STEP: [f32; 2] = [2.6, 1.1];
 
-/// The drawn legend, outcomes above surfaces: views in three dimensions have no legend of their own.
-pub fn dots() -> Vec<LegendDot> {
-    let outcomes = [
-        ("matched", palette::MATCHED),
-        ("missed", palette::MISSED),
-        ("false", palette::FALSE),
-        ("ignored", palette::IGNORED),
-    ];
-    let surfaces = [SurfaceClass::Short, SurfaceClass::Tall, SurfaceClass::Clutter, SurfaceClass::Ground];
-    let row = |y: f32| (0..4).map(move |column| [column as f32, y]);
-    let dot = |((name, color), position)| LegendDot { name, color, position };
-    let surfaces = surfaces.map(|it| (it.name(), palette::surface_color(it)));
-    outcomes.into_iter().zip(row(0.0)).chain(surfaces.into_iter().zip(row(1.0))).map(dot).collect()
+/// Outcomes above surfaces: views in three dimensions have no legend of their own.
+pub fn outcome_dots() -> Vec<LegendDot> {
+    let surface = |it: SurfaceClass| (it.name(), palette::surface_color(it));
+    in_rows([
+        [
+            ("matched", palette::MATCHED),
+            ("missed", palette::MISSED),
+            ("false", palette::FALSE),
+            ("ignored", palette::IGNORED),
+        ],
+        [SurfaceClass::Short, SurfaceClass::Tall, SurfaceClass::Clutter, SurfaceClass::Ground].map(surface),
+    ])
+}
+
+/// Lines that stages draw, and scores.
+pub fn stage_dots() -> Vec<LegendDot> {
+    let line = |name| palette::line_color(name);
+    let link = |name, fate| (name, palette::link_color(fate));
+    in_rows([
+        [
+            link("link kept", LinkFate::Kept),
+            link("cut", LinkFate::Cut),
+            link("heights differ", LinkFate::Unlinked),
+            ("wall", line("segments")),
+        ],
+        [
+            ("hull", line("hulls")),
+            ("rectangle, concave", line("rectangles")),
+            ("convex", line("convex_profiles")),
+            ("prototype", line("nearest_prototypes")),
+        ],
+        [
+            ("background", palette::score_color(-1.0)),
+            ("undecided", palette::score_color(0.0)),
+            ("vehicle", palette::score_color(1.0)),
+            ("sphere", line("corner_spheres")),
+        ],
+    ])
+}
+
+fn in_rows<const N: usize>(rows: [[(&'static str, Rgb); 4]; N]) -> Vec<LegendDot> {
+    let mut dots = Vec::new();
+    for (row, y) in rows.into_iter().zip(0_u8..) {
+        for ((name, color), x) in row.into_iter().zip(0_u8..) {
+            let position = [STEP[0] * f32::from(x), STEP[1] * f32::from(y)];
+            dots.push(LegendDot { name, color, position });
+        }
+    }
+    dots
 }
 
 /// `color` as Rerun takes it, opaque.

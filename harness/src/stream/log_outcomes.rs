@@ -7,7 +7,7 @@ use rerun::{EntityPath, Radius, RecordingStream};
 
 use super::error::StreamError;
 use super::legend::OutcomeLayer;
-use super::log_scan::{annotation_label, drawn_box};
+use super::log_scan::drawn_box;
 use super::{archetypes, entity_paths, recording};
 use crate::annotation::LabeledScan;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
@@ -41,14 +41,12 @@ pub fn log_outcomes(
         if of_layer.is_empty() {
             continue;
         }
-        let mut drawn = archetypes::boxes(of_layer.iter().map(|it| it.drawn))
+        let drawn = archetypes::boxes(of_layer.iter().map(|it| it.drawn))
             .with_class_ids([layer.class_id()])
             .with_radii([Radius::new_ui_points(line_radius_px(layer))])
-            .with_labels(of_layer.iter().map(|it| it.label.as_str()));
-        // What was missed, and why, is written on screen while it is not too much; the rest shows when pointed at.
-        if layer != OutcomeLayer::Missed {
-            drawn = drawn.with_show_labels(false);
-        }
+            .with_labels(of_layer.iter().map(|it| it.label.as_str()))
+            // They would cover each other: they show when pointed at.
+            .with_show_labels(false);
         let path = entity_paths::outcome_layer(detector, assignment.task, layer);
         recording::log(stream, path.clone(), &drawn)?;
         logged.insert(path);
@@ -86,13 +84,14 @@ fn annotation_boxes(scan: &LabeledScan, outcomes: &[AnnotationOutcome]) -> Vec<L
             AnnotationOutcome::Ignored(reason) => (OutcomeLayer::IgnoredAnnotation, reason.name()),
         };
         let drawn = drawn_box(annotation, &scan.cloud)?;
-        Some(LabeledBox { layer, drawn, label: format!("{}: {reason}", annotation_label(annotation)) })
+        Some(LabeledBox { layer, drawn, label: format!("{}: {reason}", annotation.label()) })
     });
     labeled.collect()
 }
 
 fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Vec<LabeledBox> {
-    let labeled = detections.iter().zip(outcomes).filter_map(|(detection, outcome)| {
+    let labeled = detections.iter().zip(outcomes).enumerate();
+    let labeled = labeled.filter_map(|(detection_idx, (detection, outcome))| {
         let (layer, reason) = match outcome {
             DetectionOutcome::NotAsked => return None,
             DetectionOutcome::Matched { .. } => (OutcomeLayer::Matched, "matched"),
@@ -100,16 +99,16 @@ fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Ve
             DetectionOutcome::Ignored(reason) => (OutcomeLayer::IgnoredDetection, reason.name()),
             DetectionOutcome::Unknowable => (OutcomeLayer::Unknowable, "cannot be judged"),
         };
-        Some(LabeledBox { layer, drawn: detection.bounding_box, label: detection_label(&detection, reason) })
+        let label = detection_label(detection_idx, &detection, reason);
+        Some(LabeledBox { layer, drawn: detection.bounding_box, label })
     });
     labeled.collect()
 }
 
-fn detection_label(detection: &Detection<'_>, reason: &str) -> String {
-    match detection.score {
-        Some(score) => format!("{} {score:.2}: {reason}", detection.class.name()),
-        None => format!("{}: {reason}", detection.class.name()),
-    }
+fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str) -> String {
+    let class = detection.class.name();
+    let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
+    format!("detection {detection_idx}, {class}{score}: {reason}")
 }
 
 fn line_radius_px(layer: OutcomeLayer) -> f32 {

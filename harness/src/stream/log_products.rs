@@ -2,12 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use detector::PointCloud;
-use detector::stage_product::{Shape, StageProduct, SurfaceClass};
-use rerun::{
-    Boxes3D, ComponentIdentifier, EntityPath, LineStrips3D, Radius, RecordingStream, SerializedComponentBatch,
-};
+use detector::stage_product::{LinkFate, ProductCell, ProductLink, Shape, StageProduct, SurfaceClass};
+use rerun::{EntityPath, LineStrips3D, Radius, RecordingStream, SerializedComponentBatch};
 
+use super::archetypes::Column;
+use super::drawn_points::DrawnPoints;
 use super::entity_paths::ProductKind;
 use super::error::StreamError;
 use super::palette::{self, Rgb};
@@ -15,6 +14,10 @@ use super::{archetypes, entity_paths, legend, recording};
 
 /// Half the width of a line, in pixels of a screen of normal density.
 const LINE_RADIUS_PX: f32 = 0.8;
+/// The same of outlines that many others cross.
+const THIN_RADIUS_PX: f32 = 0.5;
+/// The same of the lines of a graph.
+const LINK_RADIUS_PX: f32 = 1.0;
 
 /// Logs `products` of `detector` at the current time and returns the entities they became.
 ///
@@ -26,140 +29,150 @@ const LINE_RADIUS_PX: f32 = 0.8;
 /// [`StreamError::ProductLength`] if a product is not of this scan, [`StreamError::Log`] if Rerun refuses.
 pub fn log_products(
     stream: &RecordingStream,
-    cloud: &PointCloud,
+    points: &DrawnPoints,
     detector: &str,
     products: &[StageProduct],
 ) -> Result<BTreeSet<EntityPath>, StreamError> {
     for product in products {
-        check_length(cloud, detector, product)?;
+        check_length(points.n_points_of_scan(), detector, product)?;
     }
-    recording::log(stream, entity_paths::POINTS, &point_columns(cloud, detector, products))?;
+    let columns = products.iter().filter_map(|product| {
+        let ids = point_ids(points, &product.shape)?;
+        Some(archetypes::class_ids(ids, entity_paths::label_column(detector, product)))
+    });
+    let columns: Vec<SerializedComponentBatch> = columns.collect();
+    if !columns.is_empty() {
+        recording::log(stream, entity_paths::POINTS, &columns)?;
+    }
     let mut logged = BTreeSet::new();
     for product in products {
-        logged.extend(log_entity(stream, detector, product)?);
+        if let Some(kind) = ProductKind::of(&product.shape) {
+            let path = entity_paths::stage_product(detector, kind, product);
+            log_entity(stream, path, product, &mut logged)?;
+        }
     }
     Ok(logged)
 }
 
-/// Logs a product that has an entity of its own, and says which.
+/// Logs a product that has an entity of its own, and adds what it became to `logged`.
 fn log_entity(
     stream: &RecordingStream,
-    detector: &str,
+    path: EntityPath,
     product: &StageProduct,
-) -> Result<Option<EntityPath>, StreamError> {
-    let path = |kind| entity_paths::stage_product(detector, kind, product);
-    let (path, logged) = match &product.shape {
-        Shape::LabeledPoints(_) | Shape::Clusters(_) => return Ok(None),
-        Shape::Cells { cell_size_m, cells } => {
-            let ids = cells.iter().map(|cell| legend::surface_id(cell.class));
-            let drawn = archetypes::cells(*cell_size_m, cells).with_class_ids(ids);
-            let path = path(ProductKind::Cells);
-            (path.clone(), recording::log(stream, path, &drawn))
+    logged: &mut BTreeSet<EntityPath>,
+) -> Result<(), StreamError> {
+    let color = palette::line_color(product.name);
+    match &product.shape {
+        Shape::LabeledPoints(_) | Shape::Clusters(_) => return Ok(()),
+        Shape::Cells { cell_size_m, cells } => return log_cells(stream, &path, *cell_size_m, cells, logged),
+        Shape::Links(links) => return log_links(stream, &path, links, logged),
+        Shape::ObjectCells { cell_size_m, cells } => {
+            let columns = cells.iter().map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
+            let ids = cells.iter().map(|cell| legend::cluster_id(cell.object));
+            let drawn = archetypes::columns(*cell_size_m, columns).with_class_ids(ids);
+            recording::log(stream, path.clone(), &drawn)?;
         }
         Shape::Segments(segments) => {
-            let drawn = colored_lines(archetypes::segments(segments), palette::ORANGE);
-            let path = path(ProductKind::Segments);
-            (path.clone(), recording::log(stream, path, &drawn))
+            let drawn = colored_lines(archetypes::segments(segments), color);
+            recording::log(stream, path.clone(), &drawn)?;
         }
         Shape::Contours(contours) => {
-            let drawn = colored_lines(archetypes::contours(contours), palette::YELLOW);
-            let path = path(ProductKind::Contours);
-            (path.clone(), recording::log(stream, path, &drawn))
+            let drawn = colored_lines(archetypes::contours(contours), color);
+            recording::log(stream, path.clone(), &drawn)?;
         }
         Shape::Spheres(spheres) => {
             let drawn = archetypes::spheres(spheres)
-                .with_line_radii([Radius::new_ui_points(LINE_RADIUS_PX)])
-                .with_colors([legend::rgba(palette::ORANGE)]);
-            let path = path(ProductKind::Spheres);
-            (path.clone(), recording::log(stream, path, &drawn))
+                .with_line_radii([Radius::new_ui_points(THIN_RADIUS_PX)])
+                .with_colors([legend::rgba(color)]);
+            recording::log(stream, path.clone(), &drawn)?;
         }
         Shape::Boxes(boxes) => {
-            let drawn = colored_boxes(archetypes::boxes(boxes.iter().copied()), palette::GREY);
-            let path = path(ProductKind::Boxes);
-            (path.clone(), recording::log(stream, path, &drawn))
+            let drawn = archetypes::boxes(boxes.iter().copied())
+                .with_radii([Radius::new_ui_points(THIN_RADIUS_PX)])
+                .with_colors([legend::rgba(palette::GREY)]);
+            recording::log(stream, path.clone(), &drawn)?;
         }
-    };
-    logged.map(|()| Some(path))
+    }
+    logged.insert(path);
+    Ok(())
 }
 
-/// The columns of class ids of `detector`; surfaces and clusters are there even if no product tells them, since a view
-/// is coloured by them.
-fn point_columns(
-    cloud: &PointCloud,
-    detector: &str,
-    products: &[StageProduct],
-) -> Vec<SerializedComponentBatch> {
-    let last = |is_kind: fn(&Shape) -> bool| products.iter().rposition(|it| is_kind(&it.shape));
-    let last_surfaces = last(|shape| matches!(shape, Shape::LabeledPoints(_)));
-    let last_clusters = last(|shape| matches!(shape, Shape::Clusters(_)));
-    let unknown = |column: ComponentIdentifier| {
-        archetypes::class_ids(vec![legend::surface_id(SurfaceClass::Unseen)], column)
-    };
-    let mut columns = Vec::new();
-    if last_surfaces.is_none() {
-        columns.push(unknown(entity_paths::surface_column(detector)));
+/// Logs the cells of each class as an entity of its own.
+fn log_cells(
+    stream: &RecordingStream,
+    product: &EntityPath,
+    cell_size_m: f32,
+    cells: &[ProductCell],
+    logged: &mut BTreeSet<EntityPath>,
+) -> Result<(), StreamError> {
+    for class in SurfaceClass::ALL {
+        let of_class = cells.iter().filter(|cell| cell.class == class);
+        if of_class.clone().next().is_none() {
+            continue;
+        }
+        let columns = of_class.map(|it| Column { center_m: it.center_m, z_range_m: it.z_range_m });
+        let drawn = archetypes::columns(cell_size_m, columns).with_class_ids([legend::surface_id(class)]);
+        let path = entity_paths::product_part(product, class.name());
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
     }
-    if last_clusters.is_none() {
-        columns.push(unknown(entity_paths::cluster_column(detector)));
+    Ok(())
+}
+
+/// Logs the links of each fate as an entity of their own.
+fn log_links(
+    stream: &RecordingStream,
+    product: &EntityPath,
+    links: &[ProductLink],
+    logged: &mut BTreeSet<EntityPath>,
+) -> Result<(), StreamError> {
+    for fate in LinkFate::ALL {
+        let of_fate = links.iter().filter(|link| link.fate == fate);
+        if of_fate.clone().next().is_none() {
+            continue;
+        }
+        let drawn = archetypes::links(of_fate)
+            .with_radii([Radius::new_ui_points(LINK_RADIUS_PX)])
+            .with_class_ids([legend::link_id(fate)]);
+        let path = entity_paths::product_part(product, fate.name());
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
     }
-    for (product_idx, product) in products.iter().enumerate() {
-        let name = if Some(product_idx) == last_surfaces {
-            entity_paths::surface_column(detector)
-        } else if Some(product_idx) == last_clusters {
-            entity_paths::cluster_column(detector)
-        } else {
-            entity_paths::earlier_column(detector, product)
-        };
-        columns.extend(point_ids(cloud, &product.shape).map(|ids| archetypes::class_ids(ids, name)));
-    }
-    columns
+    Ok(())
 }
 
 /// The class id of every point that is drawn; none if the product does not label points.
-fn point_ids(cloud: &PointCloud, shape: &Shape) -> Option<Vec<u16>> {
-    let drawable = archetypes::drawable_points(cloud);
+fn point_ids(points: &DrawnPoints, shape: &Shape) -> Option<Vec<u16>> {
     let no_cluster = legend::surface_id(SurfaceClass::Unseen);
     match shape {
         Shape::LabeledPoints(classes) => {
-            Some(drawable.map(|point_idx| legend::surface_id(classes[point_idx])).collect())
+            Some(points.indices().map(|point_idx| legend::surface_id(classes[point_idx])).collect())
         }
         Shape::Clusters(clusters) => {
             let id = |point_idx: usize| clusters[point_idx].map_or(no_cluster, legend::cluster_id);
-            Some(drawable.map(id).collect())
+            Some(points.indices().map(id).collect())
         }
-        Shape::Cells { .. }
-        | Shape::Segments(_)
-        | Shape::Boxes(_)
-        | Shape::Contours(_)
-        | Shape::Spheres(_) => None,
+        _ => None,
     }
 }
 
-fn check_length(cloud: &PointCloud, detector: &str, product: &StageProduct) -> Result<(), StreamError> {
+fn check_length(n_points: usize, detector: &str, product: &StageProduct) -> Result<(), StreamError> {
     let n_labels = match &product.shape {
         Shape::LabeledPoints(classes) => classes.len(),
         Shape::Clusters(cluster_of_point) => cluster_of_point.len(),
-        Shape::Cells { .. }
-        | Shape::Segments(_)
-        | Shape::Boxes(_)
-        | Shape::Contours(_)
-        | Shape::Spheres(_) => cloud.len(),
+        _ => n_points,
     };
-    if n_labels == cloud.len() {
+    if n_labels == n_points {
         return Ok(());
     }
     Err(StreamError::ProductLength {
         detector: detector.to_owned(),
         product: product.name,
-        n_points: cloud.len(),
+        n_points,
         n_labels,
     })
 }
 
 fn colored_lines(lines: LineStrips3D, color: Rgb) -> LineStrips3D {
     lines.with_radii([Radius::new_ui_points(LINE_RADIUS_PX)]).with_colors([legend::rgba(color)])
-}
-
-fn colored_boxes(boxes: Boxes3D, color: Rgb) -> Boxes3D {
-    boxes.with_radii([Radius::new_ui_points(LINE_RADIUS_PX)]).with_colors([legend::rgba(color)])
 }

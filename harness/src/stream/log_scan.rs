@@ -1,25 +1,36 @@
 //! Logs what every detector is given: the points and the labelled objects.
 
 use detector::{OrientedBox, PointCloud};
-use rerun::{Radius, RecordingStream};
+use rerun::{Arrows3D, Radius, RecordingStream};
 
+use super::drawn_points::DrawnPoints;
 use super::error::StreamError;
-use super::{archetypes, entity_paths, legend, recording};
-use crate::annotation::{Annotation, LabeledScan};
+use super::scan_views::{Mark, ScanView};
+use super::{archetypes, entity_paths, legend, palette, recording};
+use crate::annotation::Annotation;
 
 /// Radius of a point, in pixels of a screen of normal density.
 const POINT_RADIUS_PX: f32 = 1.1;
 
-/// Logs the points and the annotations of `scan` at the current time.
+/// Where a pointer from above begins, over the sensor, and how long it is, in metres.
+const MARK_TOP_M: f32 = 5.0;
+const MARK_LENGTH_M: f32 = 3.5;
+
+/// Logs the points that are drawn and the annotations of a scan at the current time.
 ///
 /// The points have no colour: each detector adds columns of class ids, and its view chooses one.
 ///
 /// # Errors
 ///
 /// [`StreamError::Log`] if Rerun refuses.
-pub fn log_scan(stream: &RecordingStream, scan: &LabeledScan) -> Result<(), StreamError> {
+pub fn log_scan(
+    stream: &RecordingStream,
+    view: &ScanView<'_>,
+    drawn_points: &DrawnPoints,
+) -> Result<(), StreamError> {
+    let scan = view.scan;
     let cloud = &scan.cloud;
-    let positions_m = archetypes::drawable_points(cloud).map(|point_idx| cloud.position_m(point_idx));
+    let positions_m = drawn_points.indices().map(|point_idx| cloud.position_m(point_idx));
     let points = archetypes::points(positions_m, Radius::new_ui_points(POINT_RADIUS_PX));
     recording::log(stream, entity_paths::POINTS, &points)?;
 
@@ -27,11 +38,30 @@ pub fn log_scan(stream: &RecordingStream, scan: &LabeledScan) -> Result<(), Stre
     let (annotations, boxes): (Vec<&Annotation>, Vec<OrientedBox>) = drawn.unzip();
     let boxes = archetypes::boxes(boxes)
         .with_class_ids([legend::ANNOTATION_ID])
-        .with_labels(annotations.into_iter().map(annotation_label));
+        .with_labels(annotations.into_iter().map(Annotation::label));
     recording::log(stream, entity_paths::ANNOTATIONS, &boxes)?;
 
-    let title = format!("{}: {} points, {} annotations", scan.id, cloud.len(), scan.annotations.len());
-    log_title(stream, title)
+    let n_points = match drawn_points.n_drawn() {
+        n_drawn if n_drawn == cloud.len() => format!("{n_drawn} points"),
+        n_drawn => format!("{n_drawn} of {} points drawn", cloud.len()),
+    };
+    log_marks(stream, view.marks)?;
+    log_title(stream, format!("{}\n{n_points}, {} annotations", scan.id, scan.annotations.len()))
+}
+
+/// Points at places from above. Where nothing ever is, the entity is not there.
+fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError> {
+    if marks.is_empty() {
+        return Ok(());
+    }
+    let tops_m = marks.iter().map(|it| [it.place_m[0], it.place_m[1], MARK_TOP_M]);
+    let pointers = Arrows3D::from_vectors(marks.iter().map(|_| [0.0, 0.0, -MARK_LENGTH_M]))
+        .with_origins(tops_m)
+        .with_radii([Radius::new_ui_points(2.5)])
+        .with_colors([legend::rgba(palette::REDDISH_PURPLE)])
+        .with_labels(marks.iter().map(|it| it.text.as_str()))
+        .with_show_labels(true);
+    recording::log(stream, entity_paths::MARKS, &pointers)
 }
 
 /// Writes `title` where the scan is named.
@@ -61,12 +91,4 @@ pub fn drawn_box(annotation: &Annotation, cloud: &PointCloud) -> Option<Oriented
         yaw_rad: 0.0,
     };
     around.length_width_height_m.iter().all(|side_m| side_m.is_finite()).then_some(around)
-}
-
-/// What an annotation is called on screen, such as `car 7`.
-pub fn annotation_label(annotation: &Annotation) -> String {
-    match annotation.track {
-        Some(track) => format!("{} {track}", annotation.class.name()),
-        None => annotation.class.name().to_owned(),
-    }
 }

@@ -6,17 +6,15 @@ use detector::detector::StageTime;
 use rerun::{RecordingStream, Scalars, SeriesLines};
 
 use super::error::StreamError;
+use super::palette::Rgb;
 use super::{entity_paths, legend, palette, recording};
+use crate::matching::outcome::Assignment;
+use crate::metrics::counts::{Counts, FalseDetections};
 use crate::task::Task;
 
-/// An F-rate over the scans so far.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RunningFRate {
-    /// The task it is about.
-    pub task: Task,
-    /// The rate, 0 to 1; `None` while its denominator is zero.
-    pub f_rate: Option<f64>,
-}
+/// Names and colours of the lines of counts.
+const COUNT_LINES: [(&str, Rgb); 3] =
+    [("found", palette::MATCHED), ("missed", palette::MISSED), ("false", palette::FALSE)];
 
 /// Logs name and colour of the lines of the detector at `detector_idx`, for the whole recording.
 ///
@@ -30,23 +28,62 @@ pub fn log_lines(stream: &RecordingStream, detector: &str, detector_idx: usize) 
         .with_widths([2.0]);
     for task in Task::ALL {
         recording::log_static(stream, entity_paths::f_rate(task, detector), &line)?;
+        for (name, color) in COUNT_LINES {
+            let line = SeriesLines::new().with_names([name]).with_colors([legend::rgba(color)]);
+            recording::log_static(stream, entity_paths::count(detector, task, name), &line)?;
+        }
     }
     recording::log_static(stream, entity_paths::latency(detector), &line)
 }
 
-/// Logs the F-rates so far at the current time; one that is undefined leaves a gap.
+/// Logs how the lines of the series `names` are drawn, for the whole recording.
 ///
 /// # Errors
 ///
 /// [`StreamError::Log`] if Rerun refuses.
-pub fn log_f_rates(
+pub fn log_further_lines(stream: &RecordingStream, names: &[&str]) -> Result<(), StreamError> {
+    for name in names {
+        let line = SeriesLines::new()
+            .with_names([*name])
+            .with_colors([legend::rgba(palette::YELLOW)])
+            .with_widths([2.0]);
+        recording::log_static(stream, entity_paths::further(name), &line)?;
+    }
+    Ok(())
+}
+
+/// Logs the F-rate so far at the current time; one that is undefined leaves a gap.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_f_rate(
     stream: &RecordingStream,
     detector: &str,
-    f_rates: &[RunningFRate],
+    task: Task,
+    f_rate: Option<f64>,
 ) -> Result<(), StreamError> {
-    for RunningFRate { task, f_rate } in f_rates {
-        if let Some(f_rate) = f_rate {
-            recording::log(stream, entity_paths::f_rate(*task, detector), &Scalars::single(*f_rate))?;
+    let Some(f_rate) = f_rate else { return Ok(()) };
+    recording::log(stream, entity_paths::f_rate(task, detector), &Scalars::single(f_rate))
+}
+
+/// Logs how many objects of the scan were found, missed and false at the current time; what cannot be known leaves a gap.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_counts(
+    stream: &RecordingStream,
+    detector: &str,
+    assignment: &Assignment,
+    false_detections: FalseDetections,
+) -> Result<(), StreamError> {
+    let counts = Counts::of(assignment).scored(false_detections);
+    let numbers = [Some(counts.tp()), Some(counts.mo()), counts.fo()];
+    for ((name, _), number) in COUNT_LINES.into_iter().zip(numbers) {
+        if let Some(number) = number {
+            let path = entity_paths::count(detector, assignment.task, name);
+            recording::log(stream, path, &Scalars::single(number as f64))?;
         }
     }
     Ok(())

@@ -1,8 +1,9 @@
 //! Logs what holds for the whole recording.
 
-use rerun::{AnnotationContext, Arrows3D, Points2D, Radius, RecordingStream, ViewCoordinates};
+use rerun::{AnnotationContext, Arrows3D, LineStrips3D, Points2D, Radius, RecordingStream, ViewCoordinates};
 
 use super::error::StreamError;
+use super::legend::LegendDot;
 use super::{entity_paths, legend, palette, recording};
 
 /// Logs axes, legend and the place of the sensor.
@@ -11,11 +12,15 @@ use super::{entity_paths, legend, palette, recording};
 ///
 /// [`StreamError::Log`] if Rerun refuses.
 pub fn log_static(stream: &RecordingStream) -> Result<(), StreamError> {
-    recording::log_static(stream, entity_paths::WORLD, &ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    for frame in [entity_paths::WORLD, entity_paths::SENSOR] {
+        recording::log_static(stream, frame, &ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    }
     let context = AnnotationContext::new(legend::class_descriptions());
     recording::log_static(stream, entity_paths::WORLD, &context)?;
-    recording::log_static(stream, entity_paths::SENSOR, &forward_arrow())?;
-    recording::log_static(stream, entity_paths::LEGEND_COLORS, &drawn_legend())
+    recording::log_static(stream, entity_paths::FORWARD, &forward_arrow())?;
+    recording::log_static(stream, entity_paths::RANGE_RINGS, &range_rings())?;
+    recording::log_static(stream, entity_paths::LEGEND_OUTCOMES, &drawn_legend(&legend::outcome_dots()))?;
+    recording::log_static(stream, entity_paths::LEGEND_STAGES, &drawn_legend(&legend::stage_dots()))
 }
 
 /// Shows where the sensor is and which way the car drives.
@@ -25,10 +30,23 @@ fn forward_arrow() -> Arrows3D {
         .with_radii([Radius::new_ui_points(2.0)])
 }
 
-fn drawn_legend() -> Points2D {
-    let dots = legend::dots();
+/// At 10, 20 and 30 m. An eye that goes along keeps all of them in view.
+fn range_rings() -> LineStrips3D {
+    const N_CORNERS: u8 = 72;
+    let ring = |radius_m: f32| {
+        (0..=N_CORNERS).map(move |corner| {
+            let (sin, cos) = (f32::from(corner) / f32::from(N_CORNERS) * std::f32::consts::TAU).sin_cos();
+            [radius_m * cos, radius_m * sin, 0.0]
+        })
+    };
+    LineStrips3D::new([10.0, 20.0, 30.0].map(|radius_m| ring(radius_m).collect::<Vec<_>>()))
+        .with_colors([legend::rgba(palette::RANGE_RINGS)])
+        .with_radii([Radius::new_ui_points(0.5)])
+}
+
+fn drawn_legend(dots: &[LegendDot]) -> Points2D {
     Points2D::new(dots.iter().map(|dot| dot.position))
-        .with_radii([Radius::new_ui_points(6.0)])
+        .with_radii([Radius::new_ui_points(5.0)])
         .with_colors(dots.iter().map(|dot| legend::rgba(dot.color)))
         .with_labels(dots.iter().map(|dot| dot.name))
         .with_show_labels(true)

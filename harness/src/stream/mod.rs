@@ -12,22 +12,30 @@ mod legend;
 mod entity_paths;
 mod recording_axis;
 mod recording;
+mod drawn_points;
 mod archetypes;
-mod blueprint;
+mod product_views;
 mod recording_file;
 mod viewer;
+mod stream_options;
+mod blueprint;
+mod scan_views;
 mod log_static;
 mod log_scan;
+mod log_pose;
 mod log_products;
+mod log_scores;
 mod log_outcomes;
+mod log_mistakes;
 mod log_series;
 pub mod session;
 
 pub use error::StreamError;
-pub use log_series::RunningFRate;
 pub use recording_axis::RecordingAxis;
-pub use session::{DetectorView, Stream, StreamEnding, StreamOptions};
-pub use viewer::{ViewerChoice, ViewerState, ViewerUrl};
+pub use scan_views::{DetectorView, Mark, ScanView, TaskView};
+pub use session::{Stream, StreamEnding};
+pub use stream_options::{FirstTab, Opening, StreamOptions};
+pub use viewer::{ServedRecording, ViewerChoice, ViewerState, ViewerUrl};
 
 /// Version of the Rerun library; a viewer of this version opens the recordings.
 pub fn rerun_version() -> String {

@@ -2,12 +2,15 @@
 //!
 //! The hues can be told apart with every kind of colour vision; the greys stay behind them on a dark background.
 
-use detector::stage_product::SurfaceClass;
+use detector::stage_product::{LinkFate, SurfaceClass};
 use reports::palette::detector_hue;
 pub use reports::palette::{BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW};
 
 /// A grey between the two ends.
 pub const GREY: Rgb = [150, 150, 150];
+
+/// A grey that stands out from the background.
+const LIGHT_GREY: Rgb = [226, 226, 230];
 
 /// A right detection, or the annotation it found.
 pub const MATCHED: Rgb = BLUISH_GREEN;
@@ -19,6 +22,8 @@ pub const FALSE: Rgb = VERMILION;
 pub const IGNORED: Rgb = GREY;
 /// What a person, or the simulator, labelled.
 pub const ANNOTATION: Rgb = SKY_BLUE;
+/// Circles around the sensor.
+pub const RANGE_RINGS: Rgb = [70, 72, 80];
 /// Behind everything that is drawn in three dimensions.
 pub const BACKGROUND: Rgb = [16, 17, 21];
 
@@ -39,4 +44,37 @@ pub fn surface_color(class: SurfaceClass) -> Rgb {
         SurfaceClass::Tall => [72, 104, 158],
         SurfaceClass::Short => [226, 226, 230],
     }
+}
+
+/// The colour of links between cells.
+pub fn link_color(fate: LinkFate) -> Rgb {
+    match fate {
+        LinkFate::Kept => SKY_BLUE,
+        LinkFate::Cut => VERMILION,
+        LinkFate::Unlinked => REDDISH_PURPLE,
+    }
+}
+
+/// The colour of lines of the stage product `name`; what is not known here is yellow.
+pub fn line_color(name: &str) -> Rgb {
+    match name {
+        "segments" | "rectangles" | "concave_profiles" => ORANGE,
+        "convex_profiles" => SKY_BLUE,
+        "nearest_prototypes" => REDDISH_PURPLE,
+        "corner_spheres" => GREY,
+        "cuts" => VERMILION,
+        _ => YELLOW,
+    }
+}
+
+/// From surely background over undecided to surely a vehicle: the colour of a score, whose sign decides.
+pub fn score_color(score: f32) -> Rgb {
+    // Beyond this a score is sure; the margin of the classifiers is at 1.
+    const SURE: f32 = 1.0;
+    let [from, to] = if score < 0.0 { [LIGHT_GREY, BLUE] } else { [LIGHT_GREY, ORANGE] };
+    let share = (score.abs() / SURE).min(1.0).sqrt();
+    [0, 1, 2].map(|channel| {
+        let [low, high] = [from[channel], to[channel]].map(f32::from);
+        (low + share * (high - low)).round() as u8
+    })
 }

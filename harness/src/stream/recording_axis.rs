@@ -25,4 +25,9 @@ impl RecordingAxis {
             further_series: Vec::new(),
         }
     }
+
+    /// Whether it is a parameter, and not scans, that goes on.
+    pub fn is_of_a_sweep(&self) -> bool {
+        self.timeline != SCAN_TIMELINE
+    }
 }

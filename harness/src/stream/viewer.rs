@@ -3,15 +3,17 @@
 //! It must never cost the recording its file: a viewer that is not there, that stops taking data or that is closed
 //! half-way is given up, and the file goes on without it.
 
-use std::net::{TcpStream, ToSocketAddrs as _};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream, ToSocketAddrs as _};
 use std::str::FromStr;
 use std::sync::mpsc::{self, Receiver, SyncSender, TrySendError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use rerun::ServerOptions;
 use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_uri::{ProxyUri, RedapUri};
+use rerun::grpc_server::GrpcServerSink;
 use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink, SinkFlushError};
 
 use super::error::StreamError;
@@ -35,6 +37,11 @@ pub enum ViewerChoice {
     Connect(ViewerUrl),
     /// A new one, started from the program `rerun` in `PATH`.
     Spawn,
+    /// Any that connect to this port of this machine.
+    Serve {
+        /// The port.
+        port: u16,
+    },
 }
 
 /// The address of a running viewer, such as `rerun+http://127.0.0.1:9876/proxy`.
@@ -77,6 +84,7 @@ pub enum ViewerState {
 #[derive(Clone)]
 pub struct ViewerLink {
     shared: Arc<Mutex<Shared>>,
+    served_at: Option<String>,
 }
 
 struct Shared {
@@ -85,6 +93,39 @@ struct Shared {
     sender: Option<JoinHandle<()>>,
 }
 
+/// A recording that is complete and that viewers can still connect to, until this is dropped.
+#[derive(Debug)]
+pub struct ServedRecording {
+    /// Where.
+    pub url: String,
+    _queue: SyncSender<Parcel>,
+}
+
+/// Where messages go.
+enum Connection {
+    /// To one viewer.
+    Viewer(GrpcSink),
+    /// To all that connect.
+    Server(GrpcServerSink),
+}
+
+impl Connection {
+    fn is_lost(&self) -> bool {
+        match self {
+            Self::Viewer(viewer) => matches!(viewer.status(), GrpcSinkConnectionState::Disconnected(_)),
+            Self::Server(_) => false,
+        }
+    }
+
+    fn sink(&self) -> &dyn LogSink {
+        match self {
+            Self::Viewer(viewer) => viewer,
+            Self::Server(server) => server,
+        }
+    }
+}
+
+#[derive(Debug)]
 enum Parcel {
     Message(Box<LogMsg>),
     Flush { reply: SyncSender<Result<(), String>> },
@@ -97,7 +138,8 @@ impl ViewerLink {
     ///
     /// # Errors
     ///
-    /// [`StreamError::ViewerNotInstalled`] or [`StreamError::ViewerFailed`] if a viewer has to be started and cannot be.
+    /// [`StreamError::ViewerNotInstalled`] or [`StreamError::ViewerFailed`] if a viewer has to be started and cannot be,
+    /// [`StreamError::Serve`] if the port is taken.
     pub fn open(choice: &ViewerChoice) -> Result<Self, StreamError> {
         match choice {
             ViewerChoice::None => Ok(Self::without_viewer(ViewerState::None)),
@@ -108,7 +150,13 @@ impl ViewerLink {
                 let ViewerUrl(uri) = url.parse()?;
                 Ok(Self::connect(&uri, STARTUP_PATIENCE))
             }
+            ViewerChoice::Serve { port } => Self::serve(*port),
         }
+    }
+
+    /// Where viewers can connect to, if the recording is served.
+    pub fn served_at(&self) -> Option<&str> {
+        self.served_at.as_deref()
     }
 
     /// How the viewer does.
@@ -116,20 +164,24 @@ impl ViewerLink {
         self.with(|shared| shared.state.clone())
     }
 
-    /// Waits until the viewer has everything, but not for a viewer that takes nothing any more, and disconnects.
-    pub fn finish(&self) -> ViewerState {
+    /// Waits until the viewer has everything, but not for a viewer that takes nothing any more, and disconnects. A server goes
+    /// on with what it has.
+    pub fn finish(&self) -> (ViewerState, Option<ServedRecording>) {
         let Some(queue) = self.with(|shared| shared.queue.clone()) else {
-            return self.state();
+            return (self.state(), None);
         };
         let (reply, answer) = mpsc::sync_channel(1);
         self.deliver(&queue, Parcel::Flush { reply });
-        drop(queue);
         match answer.recv_timeout(ENDING_PATIENCE) {
             Ok(Ok(())) => {
                 let sender = self.with(|shared| {
                     shared.queue = None;
                     shared.sender.take()
                 });
+                if let Some(url) = &self.served_at {
+                    return (self.state(), Some(ServedRecording { url: url.clone(), _queue: queue }));
+                }
+                drop(queue);
                 // Everything has arrived, so nothing keeps the thread from ending.
                 if sender.is_some_and(|thread| thread.join().is_err()) {
                     self.give_up("the thread that sends to it panicked");
@@ -138,30 +190,47 @@ impl ViewerLink {
             Ok(Err(reason)) => self.give_up(&reason),
             Err(_) => self.give_up("it does not take the last messages"),
         }
-        self.state()
+        (self.state(), None)
     }
 
     fn without_viewer(state: ViewerState) -> Self {
-        Self { shared: Arc::new(Mutex::new(Shared { state, queue: None, sender: None })) }
+        let shared = Shared { state, queue: None, sender: None };
+        Self { shared: Arc::new(Mutex::new(shared)), served_at: None }
     }
 
     fn connect(uri: &ProxyUri, startup_patience: Duration) -> Self {
         if let Err(reason) = wait_until_listening(uri, startup_patience) {
             return Self::without_viewer(ViewerState::Lost { reason });
         }
-        let (queue, parcels) = mpsc::sync_channel(QUEUE_LENGTH);
         let uri = uri.clone();
+        Self::sending_to(move || Connection::Viewer(GrpcSink::new(uri)), None)
+    }
+
+    fn serve(port: u16) -> Result<Self, StreamError> {
+        let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+        // The server itself says nothing if the port is taken.
+        let port = TcpListener::bind(address)
+            .and_then(|listener| listener.local_addr())
+            .map_err(|source| StreamError::Serve { port, source })?
+            .port();
+        let server = GrpcServerSink::new(&address.ip().to_string(), port, ServerOptions::default())
+            .map_err(|error| StreamError::Serve { port, source: std::io::Error::other(error) })?;
+        let url = server.uri().to_string();
+        Ok(Self::sending_to(move || Connection::Server(server), Some(url)))
+    }
+
+    /// Sends in a thread of its own, in which the connection is made.
+    fn sending_to(connect: impl FnOnce() -> Connection + Send + 'static, served_at: Option<String>) -> Self {
+        let (queue, parcels) = mpsc::sync_channel(QUEUE_LENGTH);
         let sender = std::thread::Builder::new()
             .name("viewer_link".to_owned())
-            .spawn(move || send_parcels(&GrpcSink::new(uri), &parcels));
+            .spawn(move || send_parcels(&connect(), &parcels));
         match sender {
-            Ok(sender) => Self {
-                shared: Arc::new(Mutex::new(Shared {
-                    state: ViewerState::Connected,
-                    queue: Some(queue),
-                    sender: Some(sender),
-                })),
-            },
+            Ok(sender) => {
+                let shared =
+                    Shared { state: ViewerState::Connected, queue: Some(queue), sender: Some(sender) };
+                Self { shared: Arc::new(Mutex::new(shared)), served_at }
+            }
             Err(error) => Self::without_viewer(ViewerState::Lost { reason: error.to_string() }),
         }
     }
@@ -211,15 +280,16 @@ impl LogSink for ViewerLink {
 }
 
 /// Runs in a thread of its own, because the connection blocks while the viewer takes nothing.
-fn send_parcels(connection: &GrpcSink, parcels: &Receiver<Parcel>) {
+fn send_parcels(connection: &Connection, parcels: &Receiver<Parcel>) {
     while let Ok(parcel) = parcels.recv() {
-        if matches!(connection.status(), GrpcSinkConnectionState::Disconnected(_)) {
+        if connection.is_lost() {
             return;
         }
         match parcel {
-            Parcel::Message(message) => connection.send(*message),
+            Parcel::Message(message) => connection.sink().send(*message),
             Parcel::Flush { reply } => {
-                let flushed = connection.flush_blocking(ENDING_PATIENCE).map_err(|error| error.to_string());
+                let flushed =
+                    connection.sink().flush_blocking(ENDING_PATIENCE).map_err(|error| error.to_string());
                 // Whoever asked may have lost patience.
                 let _ = reply.try_send(flushed);
             }

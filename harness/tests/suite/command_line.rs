@@ -148,7 +148,8 @@ fn wrong_usage_is_named_on_stderr() {
 
 #[test]
 fn flags_of_rerun_exist_only_where_the_program_was_built_with_it() {
-    for flag in ["--save-rrd", "--no-rrd", "--connect", "--spawn"] {
+    for flag in ["--save-rrd", "--no-rrd", "--connect", "--spawn", "--serve", "--rerun-every", "--blueprint"]
+    {
         let is_there = help("run --help").contains(flag);
         assert_eq!(is_there, cfg!(feature = "rerun"), "{flag}");
     }
@@ -388,6 +389,29 @@ fn a_viewer_that_is_not_there_is_warned_about_once() {
     let ended = workplace.succeed(&["run", "street", "-d", "pca", "-o", "out", "--connect", &url]);
     assert_eq!(ended.stderr.matches("warning: the viewer was lost (no viewer at ").count(), 1, "{ended:#?}");
     assert!(workplace.path("out/run.rrd").is_file());
+}
+
+#[cfg(all(feature = "rerun", target_os = "linux"))]
+#[test]
+fn a_recording_is_served_until_ctrl_c_and_everything_is_written_before() {
+    use std::io::{BufRead as _, BufReader};
+    use std::process::Stdio;
+
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let mut command = workplace.command(&["run", "street", "-d", "pca", "-o", "out", "--serve=0"]);
+    let mut running = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let lines = BufReader::new(running.stderr.take().expect("it is piped")).lines();
+    let serving = lines
+        .map_while(Result::ok)
+        .find_map(|line| Some(line.strip_prefix("Serving the recording until Ctrl-C: rerun ")?.to_owned()));
+    let url = serving.expect("it says where");
+    assert!(workplace.path("out/run.rrd").is_file());
+    let address = url.trim_start_matches("rerun+http://").trim_end_matches("/proxy");
+    assert!(std::net::TcpStream::connect(address).is_ok(), "nobody listens at {url}");
+    let sent = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    assert!(sent.expect("there is kill").success());
+    assert_eq!(running.wait().expect("it ends").code(), Some(0));
 }
 
 #[test]

@@ -1,0 +1,54 @@
+//! Logs how sure a detector is that its detections are vehicles.
+
+use std::collections::BTreeSet;
+
+use detector::{DetectedClass, Detection, Detections};
+use rerun::{EntityPath, Radius, RecordingStream};
+
+use super::error::StreamError;
+use super::{archetypes, entity_paths, legend, palette, recording};
+
+/// Logs the boxes of `detections` coloured by their scores, at the current time, and returns the entities they became.
+/// What is taken for a vehicle has its score written beside it.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_scores(
+    stream: &RecordingStream,
+    detector: &str,
+    detections: &Detections,
+) -> Result<BTreeSet<EntityPath>, StreamError> {
+    let mut logged = BTreeSet::new();
+    for (class, line_radius_px) in [(DetectedClass::Vehicle, 1.4), (DetectedClass::Object, 0.7)] {
+        let of_class: Vec<Detection<'_>> = detections.iter().filter(|it| it.class == class).collect();
+        if of_class.is_empty() {
+            continue;
+        }
+        let drawn = archetypes::boxes(of_class.iter().map(|it| it.bounding_box))
+            .with_radii([Radius::new_ui_points(line_radius_px)])
+            .with_colors(of_class.iter().map(|it| legend::rgba(color(it))))
+            .with_labels(of_class.iter().map(label))
+            .with_show_labels(class == DetectedClass::Vehicle);
+        let path = entity_paths::scores_of_class(detector, class);
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
+    }
+    Ok(logged)
+}
+
+/// Without a score the class alone decides.
+fn color(detection: &Detection<'_>) -> palette::Rgb {
+    let by_class = match detection.class {
+        DetectedClass::Vehicle => f32::INFINITY,
+        DetectedClass::Object => f32::NEG_INFINITY,
+    };
+    palette::score_color(detection.score.unwrap_or(by_class))
+}
+
+fn label(detection: &Detection<'_>) -> String {
+    match detection.score {
+        Some(score) => format!("{score:.2}"),
+        None => detection.class.name().to_owned(),
+    }
+}

@@ -1,0 +1,88 @@
+//! Which entities and which column of points show what a stage left behind.
+
+use detector::StageProduct;
+use detector::stage_product::Shape;
+use rerun::{ComponentIdentifier, EntityPath};
+
+use super::entity_paths::{self, ProductKind};
+
+/// What the views of one detector show, as far as it follows from its stage products.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DetectorViews {
+    /// Its name.
+    pub detector: String,
+    /// What the points are taken for in the end.
+    pub surfaces: Option<ComponentIdentifier>,
+    /// Which clusters they belong to in the end.
+    pub clusters: Option<ComponentIdentifier>,
+    /// What each stage left behind, in the order of the stages.
+    pub stages: Vec<StageView>,
+}
+
+/// What one stage left behind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageView {
+    /// Its name.
+    pub stage: &'static str,
+    /// What is drawn.
+    pub entities: Vec<EntityPath>,
+    /// What colours the points: the labels of this stage, or else of the one before.
+    pub labels: Option<ComponentIdentifier>,
+    /// It is a picture of cells, which points would hide, or be hidden by.
+    pub is_of_cells: bool,
+}
+
+impl DetectorViews {
+    /// The views of `detector`, whose stages leave such `products` behind.
+    pub fn of(detector: &str, products: &[StageProduct]) -> Self {
+        let mut views =
+            Self { detector: detector.to_owned(), surfaces: None, clusters: None, stages: Vec::new() };
+        for product in products {
+            let column = entity_paths::label_column(detector, product);
+            match product.shape {
+                Shape::LabeledPoints(_) => views.surfaces = Some(column),
+                Shape::Clusters(_) => views.clusters = Some(column),
+                _ => {}
+            }
+            let is_same = |it: &StageView| it.stage == product.stage;
+            if !views.stages.last().is_some_and(is_same) {
+                let labels = views.stages.last().and_then(|it| it.labels);
+                views.stages.push(StageView {
+                    stage: product.stage,
+                    entities: Vec::new(),
+                    labels,
+                    is_of_cells: false,
+                });
+            }
+            let Some(view) = views.stages.last_mut() else { continue };
+            view.is_of_cells |= matches!(product.shape, Shape::Cells { .. } | Shape::Links(_));
+            match ProductKind::of(&product.shape) {
+                Some(kind) => view.entities.push(entity_paths::stage_product(detector, kind, product)),
+                None => view.labels = Some(column),
+            }
+        }
+        views
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_without_labels_shows_those_of_the_one_before() {
+        let product = |stage, name, shape| StageProduct { stage, name, shape };
+        let products = [
+            product("walls", "segments", Shape::Segments(Vec::new())),
+            product("foreground", "points", Shape::LabeledPoints(Vec::new())),
+            product("boxes", "hulls", Shape::Contours(Vec::new())),
+            product("boxes", "boxes", Shape::Boxes(Vec::new())),
+        ];
+        let views = DetectorViews::of("grid", &products);
+        let column = Some(entity_paths::label_column("grid", &products[1]));
+        assert_eq!((views.surfaces, views.clusters), (column, None));
+        let described: Vec<_> =
+            views.stages.iter().map(|it| (it.stage, it.entities.len(), it.labels)).collect();
+        assert_eq!(described, [("walls", 1, None), ("foreground", 0, column), ("boxes", 2, column)]);
+    }
+}
