@@ -79,7 +79,7 @@ impl TimesTable {
     /// The table for a terminal of `width` columns.
     pub fn to_terminal(&self, width: usize) -> String {
         let notes = self.notes();
-        let mut text = format!("{}\n\n", self.title());
+        let mut text = terminal::wrapped_to(&self.title(), width) + "\n";
         terminal::write_folded(&mut text, &self.grid, &notes, width);
         text.push('\n');
         for sentence in &notes.sentences {
