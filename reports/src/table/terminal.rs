@@ -42,7 +42,8 @@ pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width:
     let n_heads = grid.columns.iter().take_while(|it| is_head(it)).count();
     let fits = |columns: &[usize]| {
         let piece = grid.with_columns(columns);
-        grid_width(&piece, &widths(&piece, notes)) <= width
+        let widths = widths(&piece, notes);
+        grid_width(&piece, &widths).max(group_heads_width(&piece, &widths)) <= width
     };
     let heads: Vec<usize> = (0..n_heads).collect();
     let mut pieces = vec![heads.clone()];
@@ -195,6 +196,18 @@ fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
         Width { total, fraction: fraction_width }
     });
     columns.collect()
+}
+
+/// Width of the line above the heads, where names of groups may be wider than their columns.
+fn group_heads_width(grid: &Grid, widths: &[Width]) -> usize {
+    let groups = grid.groups();
+    let mut widths = widths.iter();
+    let of_groups = groups.iter().map(|(name, n_columns)| {
+        let of_columns: usize = widths.by_ref().take(*n_columns).map(|it| it.total).sum();
+        let columns_width = of_columns + GAP.len() * (n_columns - 1);
+        columns_width.max(name.map_or(0, |it| it.chars().count()))
+    });
+    of_groups.sum::<usize>() + (GAP.len() + GROUP_GAP.len()) * (groups.len() - 1)
 }
 
 fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
