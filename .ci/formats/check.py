@@ -6,14 +6,23 @@ import tempfile
 from pathlib import Path
 
 import check_argoverse2
+import check_kitti_raw
+import check_las
 import check_mcap
+import check_nuscenes
 import check_scan_folder
+import check_velodyne
 
 CHECKS = [
     ("MCAP, written", check_mcap.check_written),
+    ("MCAP of results, written", check_mcap.check_results),
     ("MCAP, read", check_mcap.check_read),
     ("Argoverse 2, read", check_argoverse2.check_read),
     ("PCD, PLY and .npy, read", check_scan_folder.check_read),
+    ("LAS and LAZ, read", check_las.check_read),
+    ("KITTI raw, read", check_kitti_raw.check_read),
+    ("nuScenes, read", check_nuscenes.check_read),
+    ("captures of Velodyne's packets, read", check_velodyne.check_read),
 ]
 
 

@@ -1,7 +1,9 @@
 """Recordings as the Python libraries of their makers read and write them, against what scanbench does."""
 
+import csv
 import json
 import struct
+from collections import Counter
 from pathlib import Path
 
 import numpy
@@ -88,6 +90,41 @@ def check_written(scanbench, scratch: Path):
     metadata = next(iter(make_reader(open(scratch / "narrow.mcap", "rb")).iter_metadata()))
     assert json.loads(metadata.metadata["data_sheet"])["simulation"]["street"] == "street-narrow"
     return f"{n_clouds} clouds and {n_boxes} boxes read by mcap and foxglove-schemas-protobuf"
+
+
+def check_results(scanbench, scratch: Path):
+    """The recording of a run: as many messages and entities as rows of its CSV files, with the same outcomes and numbers."""
+    scanbench("run", "street-narrow", "--simulated-scans", "3", "--no-rrd", "--mcap", "-o", scratch / "run")
+    with open(scratch / "run/scans.csv") as scans, open(scratch / "run/matches.csv") as matches:
+        scans, matches = list(csv.DictReader(scans)), list(csv.DictReader(matches))
+    key = lambda row: f"/{row['detector']}/{row['task']}"
+    outcomes, numbers = Counter(), {}
+    with open(scratch / "run/run.mcap", "rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        summary = reader.get_summary()
+        assert all(it.compression == "zstd" for it in summary.chunk_indexes) and summary.chunk_indexes
+        # With indexes: only what is asked for is read.
+        topics = [it.topic for it in summary.channels.values() if it.topic.count("/") == 3]
+        for schema, channel, message in reader.iter_messages(topics=topics):
+            detector_and_task, kind = channel.topic.rsplit("/", 1)
+            if kind == "numbers":
+                assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
+                assert set(json.loads(schema.data)["properties"]) == set(json.loads(message.data))
+                numbers.setdefault(detector_and_task, []).append(json.loads(message.data))
+                continue
+            scene = SceneUpdate()
+            scene.ParseFromString(message.data)
+            for entity in scene.entities:
+                metadata = {it.key: it.value for it in entity.metadata}
+                outcomes[detector_and_task, metadata["outcome"], metadata.get("reason", "")] += 1
+                assert len(entity.cubes) == 1 and len(entity.lines) == (metadata["outcome"] == "matched")
+    assert outcomes == Counter((key(row), row["outcome"], row["reason"]) for row in matches)
+    assert sum(map(len, numbers.values())) == len(scans)
+    for row in scans:
+        number = numbers[key(row)].pop(0)
+        assert [str(number[it]) for it in ["scan", "no", "tp", "mo", "fo"]] == [row[it] for it in ["scan", "no", "tp", "mo", "fo"]]
+        assert abs(number["latency_ms"] - float(row["latency_ms"])) < 1e-3
+    return f"{len(scans)} rows of scans.csv and {len(matches)} of matches.csv found by mcap"
 
 
 def check_read(scanbench, scratch: Path):

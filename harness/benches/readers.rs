@@ -1,4 +1,4 @@
-//! How fast scans are read: the same simulated scans in every format that is written, one core, files in the page cache.
+//! How fast scans are read: the same simulated scans in every format, one core, files in the page cache. Packets are drawn.
 //!
 //! `cargo bench --bench readers` prints the most of several passes, in megabytes of the files and in scans a second.
 #![expect(clippy::print_stdout, clippy::unwrap_used, reason = "a benchmark prints and may panic")]
@@ -10,9 +10,14 @@ use harness::conversion::ConversionError;
 use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
 use harness::conversion::output_format::OutputFormat;
+use harness::dataset::Dataset;
 use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::velodyne_bin::read_velodyne_bin;
+
+#[path = "../tests/suite/readers/made/mod.rs"]
+#[allow(dead_code, unused_imports, reason = "the tests make more of it")]
+mod made;
 
 const N_SCANS: u32 = 10;
 const N_PASSES: usize = 9;
@@ -50,6 +55,41 @@ fn main() {
                 }
             });
         }
+    }
+    time_made(&*street, folder.path());
+}
+
+/// Data sets in layouts that are only read.
+fn time_made(street: &dyn Dataset, folder: &Path) {
+    made::kitti_raw(&folder.join("raw"), street);
+    made::nuscenes(&folder.join("nuscenes"), street);
+    for (number, scan) in made::scans(street).iter().enumerate() {
+        let points: Vec<[i32; 3]> =
+            scan.cloud.positions_m().map(|it| it.map(|value| (value * 100.0) as i32)).collect();
+        for (name, is_compressed) in [("las", false), ("laz", true)] {
+            let bytes = made::las_file(&points, [0.0; 3], 0, is_compressed);
+            made::write(&folder.join(format!("{name}/{number}.{name}")), bytes);
+        }
+    }
+    // Packets of 32 lasers, 1800 columns a turn, and one more turn than is asked for, which is not whole.
+    let packets = made::packets(18_000, 1800 * (N_SCANS as usize + 1), 20, 1, [0x37, 0x21]);
+    made::write(&folder.join("capture/drawn.pcap"), made::pcap(&packets));
+    for (name, of) in [
+        ("KITTI raw", "raw"),
+        ("nuScenes", "nuscenes"),
+        ("LAS", "las"),
+        ("LAZ", "laz"),
+        ("Velodyne pcap", "capture"),
+    ] {
+        let path = folder.join(of);
+        let catalogue = built_in_catalogue().unwrap();
+        let dataset = open_dataset(path.to_str().unwrap(), &OpenOptions::default(), &catalogue).unwrap();
+        assert_eq!(dataset.scan_ids().len(), N_SCANS as usize);
+        time(name, n_bytes(&path), || {
+            for scan_idx in 0..N_SCANS as usize {
+                std::hint::black_box(dataset.read_scan(scan_idx).unwrap());
+            }
+        });
     }
 }
 

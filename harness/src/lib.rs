@@ -15,6 +15,7 @@ pub mod realism;
 pub mod density_survey;
 pub mod training;
 pub mod run;
+pub mod results_recording;
 pub mod sweep;
 #[cfg(feature = "rerun")]
 pub mod stream;

@@ -184,8 +184,11 @@ impl RunDirectory {
         let parent = folder_of(&self.target);
         sync_tree(self.partial.path())?;
         check_target(&self.target, self.existing)?;
-        move_into_place(self.partial.path(), &self.target)?;
-        self.partial.disable_cleanup(true);
+        match move_into_place(self.partial.path(), &self.target)? {
+            Moved::ToANewName => self.partial.disable_cleanup(true),
+            // What is removed in the end is the earlier run, which now has the name of the hidden folder.
+            Moved::InExchange => {}
+        }
         sync_folder(parent)?;
         if self.latest == LatestPointer::Update {
             point_latest_at(&self.target)?;
@@ -237,19 +240,49 @@ fn check_latest(latest: &Path) -> Result<(), RunDirectoryError> {
     }
 }
 
+/// How a folder came to its name.
+enum Moved {
+    /// Nobody had that name.
+    ToANewName,
+    /// The earlier run got the name of the new one's folder.
+    InExchange,
+}
+
 /// Gives the finished folder its name; an earlier run of that name goes only once the new one is in its place.
-fn move_into_place(partial: &Path, target: &Path) -> Result<(), RunDirectoryError> {
-    let rename = |from: &Path, to: &Path| std::fs::rename(from, to).map_err(refused(target));
+fn move_into_place(partial: &Path, target: &Path) -> Result<Moved, RunDirectoryError> {
+    let rename = |from: &Path, to: &Path| -> Result<Moved, RunDirectoryError> {
+        std::fs::rename(from, to).map_err(refused(target)).map(|()| Moved::ToANewName)
+    };
     let Some(metadata) = metadata(target)? else { return rename(partial, target) };
     if is_empty_folder(target, &metadata)? {
+        // Where the system allows, in one step, so that no moment is without a folder of that name.
+        if std::fs::rename(partial, target).is_ok() {
+            return Ok(Moved::ToANewName);
+        }
         std::fs::remove_dir(target).map_err(refused(target))?;
         return rename(partial, target);
+    }
+    if exchange(partial, target).is_ok() {
+        return Ok(Moved::InExchange);
     }
     let parent = folder_of(target);
     let aside = tempfile::Builder::new().prefix(".replaced-").tempdir_in(parent).map_err(refused(parent))?;
     let old = aside.path().join("old");
     rename(target, &old)?;
     rename(partial, target).or_else(|error| rename(&old, target).and(Err(error)))
+}
+
+/// Lets two folders swap names in one step, so that whoever ends the program meanwhile leaves the one or the other.
+#[cfg(target_os = "linux")]
+fn exchange(one: &Path, other: &Path) -> io::Result<()> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
+}
+
+/// Not every system can.
+#[cfg(not(target_os = "linux"))]
+fn exchange(_one: &Path, _other: &Path) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// Brings all files below `folder` to the disk.

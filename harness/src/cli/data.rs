@@ -4,6 +4,7 @@ use clap::{Args, Subcommand};
 
 use super::data_check::{CheckArgs, HashArgs};
 use super::data_convert::{CONVERT_EXAMPLES, ConvertArgs, SIMULATE_EXAMPLES};
+use super::data_prelabel::PrelabelArgs;
 use super::output::OutputArgs;
 use super::scans::{CatalogueArgs, DatasetArgs};
 
@@ -20,6 +21,8 @@ pub enum DataCommand {
     /// Write scans and annotations in another format
     #[command(after_help = CONVERT_EXAMPLES)]
     Convert(Box<ConvertArgs>),
+    /// Write scans with the vehicles that a detector finds, for an annotation tool to correct
+    Prelabel(Box<PrelabelArgs>),
     /// Write simulated streets to disk, as others read them
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Box<ConvertArgs>),

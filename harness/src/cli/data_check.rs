@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::scans::{CatalogueArgs, DatasetArgs};
+use super::scans::{CatalogueArgs, DamageArgs, DatasetArgs};
 
 /// Arguments of `scanbench data check`.
 #[derive(Debug, Args)]
@@ -11,6 +11,9 @@ pub struct CheckArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// What becomes of damaged ones.
+    #[command(flatten)]
+    pub damage: DamageArgs,
 }
 
 const CHECK_EXAMPLES: &str = "\
@@ -20,7 +23,8 @@ Examples:
 
 Reads the scans and says what they are, how many points, annotations and points in
 boxes there are, where the ground is, how dense points are, and what may be wrong:
-boxes without points, gaps in time, repeated scans. Exit code 3 if a scan is damaged.";
+boxes without points, gaps in time, repeated scans. Exit code 3 if a scan is damaged,
+unless --skip-damaged.";
 
 /// Arguments of `scanbench data hash`.
 #[derive(Debug, Args)]

@@ -53,7 +53,7 @@ Examples:
 Clusters are numbered from 0, as in the column id of the boxes. Points of no
 cluster have an empty one. Files are written whole or not at all.";
 
-fn detector_help() -> String {
+pub(super) fn detector_help() -> String {
     format!("Detector: {}", detector_names().join(", "))
 }
 

@@ -34,6 +34,9 @@ pub struct RunArgs {
     /// Where the run directory is written.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// Record scans and results for Foxglove as well: run.mcap in the run directory, of several data sets one each
+    #[arg(long)]
+    pub mcap: bool,
     /// What runs beside what.
     #[command(flatten)]
     pub timing: TimingArgs,
@@ -50,12 +53,13 @@ Examples:
   scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
+  scanbench run street-narrow --mcap
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
 table_<task>.{csv,md,tex}, table_times.md, worst_points.json, report.html, figures/
-and, unless --no-rrd, run.rrd for the Rerun viewer.";
+and, unless --no-rrd, run.rrd for the Rerun viewer; with --mcap run.mcap for Foxglove.";
 
 #[cfg(not(feature = "rerun"))]
 const RUN_EXAMPLES: &str = "\
@@ -64,8 +68,9 @@ Examples:
   scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
+  scanbench run street-narrow --mcap
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md, worst_points.json, report.html and figures/.
-This program was built without Rerun.";
+table_<task>.{csv,md,tex}, table_times.md, worst_points.json, report.html and figures/;
+with --mcap run.mcap for Foxglove. This program was built without Rerun.";

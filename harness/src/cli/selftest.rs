@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::scans::DatasetArgs;
+use super::scans::{DamageArgs, DatasetArgs};
 
 /// Arguments of `scanbench selftest`.
 #[derive(Debug, Args)]
@@ -11,4 +11,7 @@ pub struct SelftestArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// What becomes of damaged ones.
+    #[command(flatten)]
+    pub damage: DamageArgs,
 }

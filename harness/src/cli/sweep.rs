@@ -7,7 +7,7 @@ use clap::Args;
 use super::detectors::detector_names;
 use super::output::OutputArgs;
 use super::parameters::MatchingArgs;
-use super::scans::DatasetArgs;
+use super::scans::{DamageArgs, DatasetArgs};
 use crate::sweep::swept_values::{ListOption, SweepOption};
 
 /// Arguments of `scanbench sweep`.
@@ -17,6 +17,9 @@ pub struct SweepArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// What becomes of damaged ones; all scans are read once more to find them.
+    #[command(flatten)]
+    pub damage: DamageArgs,
     /// Give a parameter every value of a range, STOP included; or, for all points, a value, or a NUMBER over the value of a
     /// swept parameter (rounded where a count is asked for); may be repeated
     #[arg(short = 'P', long = "param", value_name = "NAME=START:STOP:STEP|VALUE|NUMBER/SWEPT")]

@@ -6,12 +6,13 @@ use rayon::prelude::*;
 
 use crate::cli::CheckArgs;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
 use crate::data_check::check_report::{CheckReport, CheckedScan};
 use crate::data_check::scan_facts::ScanFacts;
 use crate::dataset::DatasetError;
+use crate::dataset::source::DamagePolicy;
 use crate::run::side_by_side::RunError;
 
 /// Scans that are read at once: enough for all cores, and few enough to stay small.
@@ -21,11 +22,13 @@ const N_AT_ONCE: usize = 16;
 ///
 /// # Errors
 ///
-/// The error of the first damaged scan, after everything has been printed; if data sets cannot be opened.
+/// The error of the first damaged scan, after everything has been printed and unless damage is to be skipped; if data sets cannot be opened.
 pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
     let interrupted = interruption_flag()?;
     let mut first_damage = None;
-    for (place, opened) in open_datasets(&arguments.data)?.iter().enumerate() {
+    for (place, opened) in
+        open_datasets_past_damage(&arguments.data, arguments.damage.policy())?.iter().enumerate()
+    {
         if place > 0 {
             print_result("")?;
         }
@@ -34,7 +37,10 @@ pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
         print_result(CheckReport::of(opened.dataset.description(), &scans))?;
         first_damage = first_damage.or(damage);
     }
-    first_damage.map_or(Ok(()), |error| Err(error.into()))
+    match first_damage {
+        Some(error) if arguments.damage.policy() == DamagePolicy::Refuse => Err(error.into()),
+        _ => Ok(()),
+    }
 }
 
 fn check(

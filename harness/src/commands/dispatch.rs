@@ -10,6 +10,7 @@ use crate::commands::data_check::data_check;
 use crate::commands::data_convert::{data_convert, data_simulate};
 use crate::commands::data_hash::data_hash;
 use crate::commands::data_list::data_list;
+use crate::commands::data_prelabel::data_prelabel;
 use crate::commands::data_realism::data_realism;
 use crate::commands::detect::detect;
 use crate::commands::fit_density::fit_density;
@@ -43,6 +44,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
         Command::Data(DataCommand::Check(arguments)) => data_check(arguments),
         Command::Data(DataCommand::Hash(arguments)) => data_hash(arguments),
         Command::Data(DataCommand::Convert(arguments)) => data_convert(arguments),
+        Command::Data(DataCommand::Prelabel(arguments)) => data_prelabel(arguments),
         Command::Data(DataCommand::Simulate(arguments)) => data_simulate(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
         Command::FitDensity(arguments) => fit_density(arguments),

@@ -32,6 +32,7 @@ pub mod data_list;
 pub mod data_check;
 pub mod data_hash;
 pub mod data_convert;
+pub mod data_prelabel;
 pub mod data_realism;
 pub mod reproducible_command;
 pub mod fit_density;

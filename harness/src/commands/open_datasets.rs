@@ -48,6 +48,29 @@ impl OpenedDataset {
         self.skipped.borrow_mut().push(SkippedScan { scan: id.to_string(), reason });
         Ok(())
     }
+
+    /// Reads all scans and goes on without those that cannot be read, each with a warning.
+    ///
+    /// # Errors
+    ///
+    /// [`NothingEvaluated`] if none is left.
+    pub fn leave_out_damaged(&mut self) -> anyhow::Result<()> {
+        let mut sound = Vec::with_capacity(self.scan_indices.len());
+        for &scan_idx in &self.scan_indices {
+            match self.dataset.read_scan(scan_idx) {
+                Ok(_) => sound.push(scan_idx),
+                Err(error) => {
+                    self.on_damage(DamagePolicy::Skip, &self.dataset.scan_ids()[scan_idx], error)?;
+                }
+            }
+        }
+        if sound.is_empty() {
+            let reason = format!("every scan of {:?} is damaged", self.dataset.description().id);
+            return Err(NothingEvaluated { reason }.into());
+        }
+        self.scan_indices = sound;
+        Ok(())
+    }
 }
 
 /// The catalogue at `path`, or the built-in one.

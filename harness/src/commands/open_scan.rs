@@ -12,7 +12,9 @@ use crate::dataset::catalogue::KITTI_SENSOR;
 use crate::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use crate::dataset::mcap::recording::is_mcap;
 use crate::dataset::open::open_dataset;
-use crate::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, read_scan_file, scan_extension};
+use crate::dataset::scan_folder::any_scan_file::read_scan_file;
+use crate::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, scan_extension};
+use crate::dataset::velodyne_capture::revolutions::is_velodyne_capture;
 
 /// A scan without ground truth.
 pub struct OpenedScan {
@@ -45,9 +47,10 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
             return open_file(input, id, source);
         }
         anyhow::ensure!(
-            !path.is_file() || is_mcap(path),
+            !path.is_file() || is_mcap(path) || is_velodyne_capture(path),
             Usage(format!(
-                "{input:?} is not read: a scan is a file whose name ends in .{}, or one of an MCAP recording",
+                "{input:?} is not read: a scan is a file whose name ends in .{}, or one of an MCAP recording or a \
+                 capture of packets",
                 SCAN_EXTENSIONS.join(", .")
             ))
         );
@@ -76,7 +79,7 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Resu
     refuse_simulation(source)?;
     Ok(OpenedScan {
         name: input.to_owned(),
-        cloud: read_scan_file(Path::new(input))?,
+        cloud: read_scan_file(Path::new(input))?.cloud,
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
         sensor: KITTI_SENSOR.to_owned(),
     })

@@ -41,9 +41,11 @@ use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{
     Verbosity, is_said, print_detail, print_diagnostic, print_result, result_width,
 };
+use crate::conversion::whole_folder::folder_name;
 use crate::dataset::DatasetDescription;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
+use crate::results_recording::recording::{DetectorResult, ResultsRecording};
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
 use crate::run::scores::{DatasetScores, overall_time_rows};
@@ -81,7 +83,9 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let mut archive = Archive::begin(&plan, &directory)?;
     let mut scores = Vec::new();
     for opened in &plan.datasets {
+        archive.mcap = begin_mcap(&plan, opened, &directory)?;
         scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
+        archive.mcap.take().map_or(Ok(()), ResultsRecording::finish)?;
     }
     let finished = archive.finish()?;
     let tally = finished.tally;
@@ -126,12 +130,14 @@ fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
 }
 
 /// The files that grow scan by scan.
-struct Archive {
+struct Archive<'a> {
     scans: CsvRowWriter<ScanRow>,
     matches: CsvRowWriter<MatchRow>,
     criterion: Criterion,
     tally: Tally,
     worst: WorstPlaces<PlanCells>,
+    // Of the data set at hand.
+    mcap: Option<ResultsRecording<'a>>,
     #[cfg(feature = "rerun")]
     recording: Option<Recording>,
 }
@@ -144,7 +150,7 @@ struct FinishedArchive {
     served: Option<ServedRecording>,
 }
 
-impl Archive {
+impl Archive<'_> {
     fn begin(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Self> {
         Ok(Self {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
@@ -152,6 +158,7 @@ impl Archive {
             criterion: plan.config.matching.criterion,
             tally: Tally::default(),
             worst: WorstPlaces::default(),
+            mcap: None,
             #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
         })
@@ -165,16 +172,26 @@ impl Archive {
         progress: &ProgressBar,
     ) -> anyhow::Result<()> {
         let dataset = opened.dataset.description();
+        if let Some(mcap) = &mut self.mcap {
+            mcap.add_scan(results.run_idx, results.scan)?;
+        }
         for result in results.results {
             for assignment in &result.assignments {
                 let row = scan_row(dataset, results.scan, result, assignment);
+                let criterion = self.criterion.name();
+                let matches = match_rows(dataset, criterion, results.scan, result, assignment);
                 self.tally.add_scan(&row);
                 self.scans.write(&row)?;
-                for row in match_rows(dataset, self.criterion.name(), results.scan, result, assignment) {
-                    self.tally.add_match(&row);
+                for row in &matches {
+                    self.tally.add_match(row);
                     let cloud = &results.scan.cloud;
-                    self.worst.add(&row, |window| plan_cells(cloud, window, dataset.sensor_height_m));
-                    self.matches.write(&row)?;
+                    self.worst.add(row, |window| plan_cells(cloud, window, dataset.sensor_height_m));
+                    self.matches.write(row)?;
+                }
+                if let Some(mcap) = &mut self.mcap {
+                    let (scan_row, match_rows) = (&row, &matches[..]);
+                    let stage_times = &result.output.stage_times;
+                    mcap.add_result(results.scan, &DetectorResult { scan_row, match_rows, stage_times })?;
                 }
             }
         }
@@ -223,6 +240,23 @@ impl Archive {
     }
 }
 
+/// The recording for Foxglove, if one is asked for: one for each data set, which have times and sensors of their own.
+fn begin_mcap<'a>(
+    plan: &'a Plan<'_>,
+    opened: &'a OpenedDataset,
+    directory: &RunDirectory,
+) -> anyhow::Result<Option<ResultsRecording<'a>>> {
+    if !plan.arguments.mcap {
+        return Ok(None);
+    }
+    let name = match &plan.datasets[..] {
+        [_] => "run.mcap".to_owned(),
+        _ => format!("run-{}.mcap", folder_name(&opened.dataset.description().id)),
+    };
+    let path = directory.path_of(&name);
+    Ok(Some(ResultsRecording::create(&path, &*opened.dataset, &opened.scan_indices)?))
+}
+
 /// What came of a scan, for those who want to know while it runs: of every detector the time, its longest stage, and the
 /// number of detections.
 fn scan_line(dataset: &DatasetDescription, results: &ScanResults<'_>) -> String {
@@ -266,7 +300,7 @@ fn evaluate(
     plan: &Plan<'_>,
     opened: &OpenedDataset,
     interrupted: &AtomicBool,
-    archive: &mut Archive,
+    archive: &mut Archive<'_>,
 ) -> anyhow::Result<DatasetScores> {
     let Plan { arguments, detectors: listed, .. } = plan;
     let description = opened.dataset.description();

@@ -6,9 +6,10 @@ use reports::counts::Counts as Scored;
 use crate::annotation::{Annotation, LabeledScan};
 use crate::cli::SelftestArgs;
 use crate::commands::failure::NothingEvaluated;
-use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
+use crate::dataset::source::DamagePolicy;
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle};
@@ -32,8 +33,9 @@ pub struct SelftestFailed {
 /// [`SelftestFailed`] if anything differs; if data cannot be read or hold no annotation.
 pub fn selftest(arguments: &SelftestArgs) -> anyhow::Result<()> {
     let (mut n_failed, mut n_checked) = (0, 0);
-    for opened in open_datasets(&arguments.data)? {
-        for checked in check_dataset(&opened)? {
+    let policy = arguments.damage.policy();
+    for opened in open_datasets_past_damage(&arguments.data, policy)? {
+        for checked in check_dataset(&opened, policy)? {
             n_checked += 1;
             n_failed += usize::from(!checked.is_perfect());
             print_result(&checked)?;
@@ -91,7 +93,7 @@ impl std::fmt::Display for Checked {
     }
 }
 
-fn check_dataset(opened: &OpenedDataset) -> anyhow::Result<Vec<Checked>> {
+fn check_dataset(opened: &OpenedDataset, policy: DamagePolicy) -> anyhow::Result<Vec<Checked>> {
     let description = opened.dataset.description();
     let mut checks: Vec<Checked> = Task::ALL
         .iter()
@@ -107,7 +109,15 @@ fn check_dataset(opened: &OpenedDataset) -> anyhow::Result<Vec<Checked>> {
         .collect();
     let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
     for &scan_idx in &opened.scan_indices {
-        let scan = opened.dataset.read_scan(scan_idx)?;
+        progress.inc(1);
+        let scan = match opened.dataset.read_scan(scan_idx) {
+            Ok(scan) => scan,
+            Err(error) => {
+                let id = &opened.dataset.scan_ids()[scan_idx];
+                progress.suspend(|| opened.on_damage(policy, id, error))?;
+                continue;
+            }
+        };
         let echoed = echo(&scan);
         for check in &mut checks {
             let params =
@@ -120,7 +130,6 @@ fn check_dataset(opened: &OpenedDataset) -> anyhow::Result<Vec<Checked>> {
                 }
             }
         }
-        progress.inc(1);
     }
     progress.finish_and_clear();
     if checks.iter().all(|check| check.counts.n_annotations == 0) {

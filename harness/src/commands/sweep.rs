@@ -12,7 +12,7 @@ use crate::cli::{ConfigArgs, SweepArgs};
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
@@ -22,6 +22,7 @@ use crate::commands::sweep_files::write_sweep;
 use crate::commands::sweep_identity::sweep_identity;
 #[cfg(feature = "rerun")]
 use crate::commands::sweep_recording::record_sweep;
+use crate::dataset::source::DamagePolicy;
 use crate::run::detector_list::detectors_named;
 use crate::sweep::journal::{Journal, JournalEntry, JournalError, OtherJournal};
 use crate::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
@@ -90,7 +91,12 @@ impl<'a> Sweep<'a> {
         let config = judging_config(&file, &arguments.matching, &detectors)?;
         let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
         let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
-        let datasets = open_datasets(&arguments.data)?;
+        let policy = arguments.damage.policy();
+        let mut datasets = open_datasets_past_damage(&arguments.data, policy)?;
+        if policy == DamagePolicy::Skip {
+            // Threads take scans in any order, so that it has to be known before which there are.
+            datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
+        }
         for opened in &datasets {
             warn_of_unknown_sensor(&plan.base, &opened.dataset.description().sensor);
         }

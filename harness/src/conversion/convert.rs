@@ -84,7 +84,7 @@ pub fn sheet_of(description: &DatasetDescription) -> DataSheet {
 }
 
 /// The times of the scans: those of the data set if it has all and they ascend, else a tenth of a second apart.
-fn times_of(dataset: &dyn Dataset, scan_indices: &[usize]) -> Vec<u64> {
+pub fn times_of(dataset: &dyn Dataset, scan_indices: &[usize]) -> Vec<u64> {
     let known: Option<Vec<u64>> = scan_indices.iter().map(|it| dataset.scan_time_ns(*it)).collect();
     match known {
         Some(known) if known.is_sorted_by(|a, b| a < b) => known,

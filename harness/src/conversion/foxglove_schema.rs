@@ -13,6 +13,7 @@ enum FieldType {
     Int64,
     Int32,
     Fixed32,
+    Flag,
     Text,
     Bytes,
     Message(&'static str),
@@ -20,7 +21,7 @@ enum FieldType {
     Enum(&'static str),
 }
 
-use FieldType::{Bytes, Double, Enum, Fixed32, Int32, Int64, Message, Repeated, Text};
+use FieldType::{Bytes, Double, Enum, Fixed32, Flag, Int32, Int64, Message, Repeated, Text};
 
 type MessageDescription = (&'static str, &'static [(&'static str, i32, FieldType)]);
 
@@ -59,6 +60,18 @@ const MESSAGES: &[MessageDescription] = &[
             ("color", 3, Message(".foxglove.Color")),
         ],
     ),
+    ("Point3", &[("x", 1, Double), ("y", 2, Double), ("z", 3, Double)]),
+    (
+        "LinePrimitive",
+        &[
+            ("type", 1, Enum(".foxglove.LineType")),
+            ("pose", 2, Message(".foxglove.Pose")),
+            ("thickness", 3, Double),
+            ("scale_invariant", 4, Flag),
+            ("points", 5, Repeated(".foxglove.Point3")),
+            ("color", 6, Message(".foxglove.Color")),
+        ],
+    ),
     (
         "SceneEntity",
         &[
@@ -67,6 +80,7 @@ const MESSAGES: &[MessageDescription] = &[
             ("id", 3, Text),
             ("metadata", 6, Repeated(".foxglove.KeyValuePair")),
             ("cubes", 8, Repeated(".foxglove.CubePrimitive")),
+            ("lines", 11, Repeated(".foxglove.LinePrimitive")),
         ],
     ),
     (
@@ -98,6 +112,7 @@ const ENUMS: &[(&str, &[&str])] = &[
         &["UNKNOWN", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64"],
     ),
     ("DeletionType", &["MATCHING_ID", "ALL"]),
+    ("LineType", &["LINE_STRIP", "LINE_LOOP", "LINE_LIST"]),
 ];
 
 #[derive(Clone, PartialEq, prost::Message)]
@@ -192,6 +207,7 @@ fn described((name, fields): &MessageDescription) -> DescribedMessage {
             Int64 => (3, None, optional),
             Int32 => (5, None, optional),
             Fixed32 => (7, None, optional),
+            Flag => (8, None, optional),
             Text => (9, None, optional),
             Message(name) => (11, Some(name), optional),
             Repeated(name) => (11, Some(name), repeated),

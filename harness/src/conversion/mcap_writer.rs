@@ -13,6 +13,7 @@ use mcap::{Compression, McapError, WriteOptions, Writer};
 use nalgebra::Isometry3;
 use prost::Message;
 use reports::whole_file::WholeFile;
+use serde::Serialize;
 
 use super::foxglove_schema::file_descriptor_set;
 use super::scene::{SENSOR_FRAME, entities_of, scene_of};
@@ -57,10 +58,12 @@ impl ChunkCompression {
     }
 }
 
+type McapFile = Writer<NoSeek<WholeFile>>;
+
 /// A recording that is being written.
 pub struct McapWriter {
     path: PathBuf,
-    writer: Writer<NoSeek<WholeFile>>,
+    writer: McapFile,
     channels: BTreeMap<String, u16>,
     n_written: u32,
     sheet: DataSheet,
@@ -89,7 +92,7 @@ impl McapWriter {
         Ok(Self { path, writer, channels, n_written: 0, sheet, scan_ids: Vec::new() })
     }
 
-    /// Appends a message; its topic is announced if it is the first.
+    /// Appends a message in protobuf; its topic is announced if it is the first.
     ///
     /// # Errors
     ///
@@ -101,21 +104,53 @@ impl McapWriter {
         time_ns: u64,
         message: &impl Message,
     ) -> Result<(), ConversionError> {
+        let announce = |writer: &mut McapFile| {
+            let schema = writer.add_schema(schema, "protobuf", &file_descriptor_set())?;
+            writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())
+        };
+        self.write_bytes(topic, announce, time_ns, &message.encode_to_vec())
+    }
+
+    /// Appends a message in JSON, which `schema` describes by its name and as JSON schema.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if the disk does not take it.
+    pub fn write_json(
+        &mut self,
+        topic: &str,
+        schema: [&str; 2],
+        time_ns: u64,
+        message: &impl Serialize,
+    ) -> Result<(), ConversionError> {
+        let [name, description] = schema;
+        let announce = |writer: &mut McapFile| {
+            let schema = writer.add_schema(name, "jsonschema", description.as_bytes())?;
+            writer.add_channel(schema, topic, "json", &BTreeMap::new())
+        };
+        let bytes = serde_json::to_vec(message).expect("messages have text keys only");
+        self.write_bytes(topic, announce, time_ns, &bytes)
+    }
+
+    fn write_bytes(
+        &mut self,
+        topic: &str,
+        announce: impl FnOnce(&mut McapFile) -> Result<u16, McapError>,
+        time_ns: u64,
+        bytes: &[u8],
+    ) -> Result<(), ConversionError> {
         let refused = refused(&self.path);
         let channel_id = if let Some(id) = self.channels.get(topic) {
             *id
         } else {
-            let schema = self.writer.add_schema(schema, "protobuf", &file_descriptor_set());
-            let channel =
-                schema.and_then(|it| self.writer.add_channel(it, topic, "protobuf", &BTreeMap::new()));
-            let id = channel.map_err(&refused)?;
+            let id = announce(&mut self.writer).map_err(&refused)?;
             self.channels.insert(topic.to_owned(), id);
             id
         };
         let header =
             MessageHeader { channel_id, sequence: self.n_written, log_time: time_ns, publish_time: time_ns };
         self.n_written = self.n_written.wrapping_add(1);
-        self.writer.write_to_known_channel(&header, &message.encode_to_vec()).map_err(refused)
+        self.writer.write_to_known_channel(&header, bytes).map_err(refused)
     }
 
     /// Appends a scene on `topic`.

@@ -15,6 +15,8 @@ pub mod whole_folder;
 pub mod kitti_label_line;
 pub mod kitti_writer;
 pub mod semantic_kitti_writer;
+pub mod proposal_format;
+pub mod proposal_writer;
 pub mod convert;
 
 pub use error::ConversionError;

@@ -4,8 +4,8 @@ use detector::OrientedBox;
 
 use crate::annotation::Annotation;
 use crate::dataset::mcap::foxglove_messages::{
-    Color, CubePrimitive, KeyValuePair, Pose, Quaternion, SceneEntity, SceneEntityDeletion, SceneUpdate,
-    Timestamp, Vector3,
+    Color, CubePrimitive, KeyValuePair, LinePrimitive, Pose, Quaternion, SceneEntity, SceneEntityDeletion,
+    SceneUpdate, Timestamp, Vector3,
 };
 use crate::dataset::mcap::scene_objects::keys;
 
@@ -49,6 +49,24 @@ pub fn entity_of(
         id: number.to_string(),
         metadata,
         cubes: bounding_box.map(|it| cube_of(it, color)).into_iter().collect(),
+        lines: Vec::new(),
+    }
+}
+
+/// A line between two points, as thick whatever the distance.
+pub fn line_between(ends_m: [[f32; 3]; 2], color: Color) -> LinePrimitive {
+    let points = ends_m.map(|it| {
+        let [x, y, z] = it.map(f64::from);
+        Vector3 { x, y, z }
+    });
+    let orientation = Some(Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 });
+    LinePrimitive {
+        kind: 0,
+        pose: Some(Pose { position: Some(Vector3::default()), orientation }),
+        thickness: 2.0,
+        scale_invariant: true,
+        points: points.to_vec(),
+        color: Some(color),
     }
 }
 

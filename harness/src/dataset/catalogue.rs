@@ -94,6 +94,18 @@ pub enum CataloguedParts {
         /// These logs, or all that have annotations.
         sequences: Option<BTreeSet<String>>,
     },
+    /// KITTI raw.
+    KittiRaw {
+        /// These drives, such as `2011_09_26_drive_0001_sync`, or all.
+        sequences: Option<BTreeSet<String>>,
+    },
+    /// nuScenes.
+    NuScenes {
+        /// These scenes, such as `scene-0061`, or all.
+        sequences: Option<BTreeSet<String>>,
+    },
+    /// A capture of packets.
+    VelodynePcap,
 }
 
 impl CataloguedParts {
@@ -105,6 +117,9 @@ impl CataloguedParts {
             DatasetFormat::SemanticKitti => Self::SemanticKitti { sequences: None },
             DatasetFormat::Mcap => Self::Mcap(TopicChoice::default()),
             DatasetFormat::Argoverse2 => Self::Argoverse2 { sequences: None },
+            DatasetFormat::KittiRaw => Self::KittiRaw { sequences: None },
+            DatasetFormat::NuScenes => Self::NuScenes { sequences: None },
+            DatasetFormat::VelodynePcap => Self::VelodynePcap,
             DatasetFormat::ScanFolder => Self::ScanFolder,
         }
     }
@@ -118,6 +133,9 @@ impl CataloguedParts {
             Self::Mcap(_) => DatasetFormat::Mcap,
             Self::ScanFolder => DatasetFormat::ScanFolder,
             Self::Argoverse2 { .. } => DatasetFormat::Argoverse2,
+            Self::KittiRaw { .. } => DatasetFormat::KittiRaw,
+            Self::NuScenes { .. } => DatasetFormat::NuScenes,
+            Self::VelodynePcap => DatasetFormat::VelodynePcap,
         }
     }
 }
@@ -299,7 +317,9 @@ fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<Catalogue
     if let Some(chosen) = &written.sequences {
         let (CataloguedParts::KittiTracking { sequences }
         | CataloguedParts::SemanticKitti { sequences }
-        | CataloguedParts::Argoverse2 { sequences }) = &mut parts
+        | CataloguedParts::Argoverse2 { sequences }
+        | CataloguedParts::KittiRaw { sequences }
+        | CataloguedParts::NuScenes { sequences }) = &mut parts
         else {
             return Err(misplaced("sequences", chosen.span().start));
         };
@@ -396,8 +416,10 @@ url = "https://example.org"
     fn the_built_in_catalogue_knows_what_kitti_annotates() {
         let catalogue = built_in_catalogue().unwrap();
         let ids: Vec<&String> = catalogue.recorded.keys().collect();
-        assert_eq!(ids, ["argoverse2", "kitti-object", "kitti-tracking", "semantic-kitti"]);
-        for id in &ids[1..3] {
+        let expected =
+            ["argoverse2", "kitti-object", "kitti-raw", "kitti-tracking", "nuscenes", "semantic-kitti"];
+        assert_eq!(ids, expected);
+        for id in &ids[1..4] {
             let entry = &catalogue.recorded[*id];
             assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
         }

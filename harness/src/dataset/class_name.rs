@@ -16,6 +16,7 @@ pub fn class_named(name: &str) -> AnnotationClass {
         "vehicle-car" | "regular-vehicle" | "automobile" | "suv" | "vehicle-emergency-police" | "vehicle" => {
             Class::Car
         }
+        "vehicle-emergency-ambulance" => Class::Van,
         "large-vehicle" | "box-truck" | "vehicle-truck" | "truck-cab" | "lorry" => Class::Truck,
         "school-bus" | "articulated-bus" | "vehicle-bus-rigid" | "vehicle-bus-bendy" => Class::Bus,
         "vehicular-trailer" | "vehicle-trailer" | "message-board-trailer" | "traffic-light-trailer" => {

@@ -20,18 +20,28 @@ pub enum DatasetFormat {
     /// Argoverse 2, the sensor data set.
     #[serde(rename = "argoverse2")]
     Argoverse2,
+    /// KITTI's raw recordings: whole drives with tracklets.
+    KittiRaw,
+    /// nuScenes.
+    #[serde(rename = "nuscenes")]
+    NuScenes,
+    /// A capture of the packets of a Velodyne sensor.
+    VelodynePcap,
     /// A folder of scans that are a file each.
     ScanFolder,
 }
 
 impl DatasetFormat {
     /// All formats.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::KittiTracking,
         Self::KittiObject,
         Self::SemanticKitti,
         Self::Mcap,
         Self::Argoverse2,
+        Self::KittiRaw,
+        Self::NuScenes,
+        Self::VelodynePcap,
         Self::ScanFolder,
     ];
 
@@ -43,6 +53,9 @@ impl DatasetFormat {
             Self::SemanticKitti => "semantic-kitti",
             Self::Mcap => "mcap",
             Self::Argoverse2 => "argoverse2",
+            Self::KittiRaw => "kitti-raw",
+            Self::NuScenes => "nuscenes",
+            Self::VelodynePcap => "velodyne-pcap",
             Self::ScanFolder => "scan-folder",
         }
     }

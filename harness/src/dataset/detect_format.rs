@@ -7,10 +7,13 @@ use super::argoverse2::sensor_logs::is_argoverse2;
 use super::dataset_format::DatasetFormat;
 use super::kitti::object::is_kitti_object;
 use super::kitti::tracking::is_kitti_tracking;
+use super::kitti_raw::drives::is_kitti_raw;
 use super::mcap::recording::is_mcap;
 use super::numbered_files::is_hidden;
+use super::nuscenes::keyframes::is_nuscenes;
 use super::scan_folder::folder::is_scan_folder;
 use super::semantic_kitti::sequence::is_semantic_kitti;
+use super::velodyne_capture::revolutions::is_velodyne_capture;
 
 /// A data set on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,6 +71,9 @@ fn recognizes(format: DatasetFormat, folder: &Path) -> bool {
         DatasetFormat::SemanticKitti => is_semantic_kitti(folder),
         DatasetFormat::Mcap => is_mcap(folder),
         DatasetFormat::Argoverse2 => is_argoverse2(folder),
+        DatasetFormat::KittiRaw => is_kitti_raw(folder),
+        DatasetFormat::NuScenes => is_nuscenes(folder),
+        DatasetFormat::VelodynePcap => is_velodyne_capture(folder),
         // Parts of other layouts are folders of scans as well, so that it counts only where it is named.
         DatasetFormat::ScanFolder => false,
     }
@@ -125,6 +131,21 @@ mod tests {
         check(&files, "s", Ok((DatasetFormat::SemanticKitti, "s")));
         check(&files, "", Ok((DatasetFormat::SemanticKitti, "s")));
         check(&files, "s/sequences", Err("holds no data set"));
+    }
+
+    #[test]
+    fn days_drives_versions_and_captures_are_found() {
+        let drive = "2011_09_26/2011_09_26_drive_0001_sync/velodyne_points/data/0000000000.bin";
+        check(&[drive], "", Ok((DatasetFormat::KittiRaw, "")));
+        check(&[drive], "2011_09_26", Ok((DatasetFormat::KittiRaw, "2011_09_26")));
+        let tables = ["sample_data", "attribute", "calibrated_sensor", "category", "ego_pose"];
+        let tables = tables.map(|it| format!("n/v1.0-mini/{it}.json"));
+        let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+        check(&tables, "n", Ok((DatasetFormat::NuScenes, "n")));
+        check(&tables, "n/v1.0-mini", Ok((DatasetFormat::NuScenes, "n/v1.0-mini")));
+        check(&tables[1..], "n/v1.0-mini", Err("holds no data set"));
+        let tool = ["s/lidar/000000.pcd", "s/label/000000.json"];
+        check(&tool, "s", Ok((DatasetFormat::ScanFolder, "s")));
     }
 
     #[test]

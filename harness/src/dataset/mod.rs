@@ -31,6 +31,9 @@ pub mod kitti;
 pub mod semantic_kitti;
 pub mod mcap;
 pub mod argoverse2;
+pub mod kitti_raw;
+pub mod nuscenes;
+pub mod velodyne_capture;
 pub mod scan_folder;
 
 // From what the user names to an open data set, and to the scans of it that are run.

@@ -14,13 +14,18 @@ use super::kitti::label::KITTI_CLASSES;
 use super::kitti::object::open_kitti_object;
 use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use super::kitti::tracking::open_kitti_tracking;
+use super::kitti_raw::drives::open_kitti_raw;
 use super::mcap::recording::open_recording;
 use super::mcap::topics::TopicChoice;
+use super::nuscenes::keyframes::{
+    NUSCENES_CLASSES, NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M, open_nuscenes,
+};
 use super::root_template::UnsetVariable;
 use super::scan_folder::folder::open_scan_folder;
 use super::semantic_kitti::sequence::open_semantic_kitti;
 use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::{DamagePolicy, DatasetSource, StatedBy};
+use super::velodyne_capture::revolutions::open_velodyne_capture;
 use super::{AnnotatedClasses, Dataset, DatasetError};
 use crate::annotation::AnnotationClass;
 
@@ -142,6 +147,7 @@ fn open_path(
     let found = detect_format(Path::new(path), &formats)?;
     let (sensor, sensor_height_m) = match found.format {
         DatasetFormat::Argoverse2 => (ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M),
+        DatasetFormat::NuScenes => (NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M),
         _ => (KITTI_SENSOR, KITTI_SENSOR_HEIGHT_M),
     };
     let source = DatasetSource {
@@ -162,14 +168,15 @@ fn open_path(
 /// What the benchmark of the format annotates.
 fn annotated_by(format: DatasetFormat) -> AnnotatedClasses {
     match format {
-        DatasetFormat::KittiTracking | DatasetFormat::KittiObject => {
+        DatasetFormat::KittiTracking | DatasetFormat::KittiObject | DatasetFormat::KittiRaw => {
             AnnotatedClasses::Only(KITTI_CLASSES.to_vec())
         }
         // Every point has a label, and those that leave open whether they are an object are not judged.
         DatasetFormat::SemanticKitti => AnnotatedClasses::EveryObject,
         DatasetFormat::Argoverse2 => AnnotatedClasses::Only(ARGOVERSE2_CLASSES.to_vec()),
+        DatasetFormat::NuScenes => AnnotatedClasses::Only(NUSCENES_CLASSES.to_vec()),
         // Whoever labels a recording labels its vehicles; whether everything else too, nobody said.
-        DatasetFormat::Mcap | DatasetFormat::ScanFolder => {
+        DatasetFormat::Mcap | DatasetFormat::VelodynePcap | DatasetFormat::ScanFolder => {
             AnnotatedClasses::Only(AnnotationClass::ALL.to_vec())
         }
     }
@@ -192,6 +199,9 @@ fn open_parts(
             Box::new(open_semantic_kitti(source, sequences.as_ref())?)
         }
         CataloguedParts::Argoverse2 { sequences } => Box::new(open_argoverse2(source, sequences.as_ref())?),
+        CataloguedParts::KittiRaw { sequences } => Box::new(open_kitti_raw(source, sequences.as_ref())?),
+        CataloguedParts::NuScenes { sequences } => Box::new(open_nuscenes(source, sequences.as_ref())?),
+        CataloguedParts::VelodynePcap => Box::new(open_velodyne_capture(source)?),
         CataloguedParts::ScanFolder => Box::new(open_scan_folder(source)?),
         CataloguedParts::Mcap(catalogued) => {
             let choice = TopicChoice {

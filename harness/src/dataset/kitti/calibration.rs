@@ -77,7 +77,12 @@ fn set_once<const R: usize, const C: usize>(
     line.end()
 }
 
-fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -> Result<(), DatasetError> {
+/// Makes sure that `matrix`, the line called `entry`, is a rotation but for rounding.
+///
+/// # Errors
+///
+/// [`DatasetError::NotARotation`].
+pub fn check_rotation(path: &Path, entry: &'static str, matrix: &Matrix3<f64>) -> Result<(), DatasetError> {
     let deviation = if matrix.determinant() > 0.0 {
         (matrix * matrix.transpose() - Matrix3::identity()).abs().max()
     } else {

@@ -249,6 +249,29 @@ pub struct CubePrimitive {
     pub color: Option<Color>,
 }
 
+/// Lines through points.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct LinePrimitive {
+    /// 0 for one line through all points, 2 for one between each two of them.
+    #[prost(int32, tag = "1")]
+    pub kind: i32,
+    /// Where the origin of the points is.
+    #[prost(message, optional, tag = "2")]
+    pub pose: Option<Pose>,
+    /// How thick they are, in metres, or in pixels.
+    #[prost(double, tag = "3")]
+    pub thickness: f64,
+    /// Whether in pixels.
+    #[prost(bool, tag = "4")]
+    pub scale_invariant: bool,
+    /// The points.
+    #[prost(message, repeated, tag = "5")]
+    pub points: Vec<Vector3>,
+    /// Their colour.
+    #[prost(message, optional, tag = "6")]
+    pub color: Option<Color>,
+}
+
 /// An object of a scene.
 #[derive(Clone, PartialEq, prost::Message, Deserialize)]
 #[serde(default)]
@@ -268,6 +291,10 @@ pub struct SceneEntity {
     /// Its boxes.
     #[prost(message, repeated, tag = "8")]
     pub cubes: Vec<CubePrimitive>,
+    /// Its lines, which are written and never looked at.
+    #[prost(message, repeated, tag = "11")]
+    #[serde(skip)]
+    pub lines: Vec<LinePrimitive>,
 }
 
 /// Objects that go away.

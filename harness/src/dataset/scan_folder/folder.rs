@@ -1,14 +1,19 @@
 //! A folder of scans, in the order of their names.
 //!
 //! ```text
-//! NAME.pcd, .ply, .npy or .bin   the scans
-//! labels/NAME.json               optional: boxes; where there is a folder of labels, every scan has its own
+//! NAME.pcd, .ply, .npy, .bin, .las or .laz   the scans, in the folder, or in lidar, pointclouds or velodyne in it
+//! labels/NAME.json                           optional: boxes; where there is a folder of labels, every scan has its own
 //! ```
+//!
+//! The folder of labels may be called `labels`, `label` or `label_2`; [`label_file`](super::label_file) says what may be in it.
 
 use std::path::{Path, PathBuf};
 
-use super::box_list::read_box_list;
-use super::scan_file::{read_scan_file, scan_extension};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+use super::any_scan_file::{read_scan_file, scan_origin_m};
+use super::label_file::LabelFile;
+use super::scan_file::scan_extension;
 use crate::annotation::{LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
@@ -18,7 +23,11 @@ use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError};
 
-const LABELS: &str = "labels";
+/// Where scans may lie in the folder that is named.
+const SCANS: [&str; 4] = ["", "lidar", "pointclouds", "velodyne"];
+
+/// Where labels may.
+const LABELS: [&str; 3] = ["labels", "label", "label_2"];
 
 /// An open folder: the names of the scans are in memory.
 #[derive(Debug)]
@@ -32,8 +41,16 @@ pub struct ScanFolder {
 
 /// Whether scans lie in `folder`.
 pub fn is_scan_folder(folder: &Path) -> bool {
-    std::fs::read_dir(folder)
-        .is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(|it| is_scan(&it.path()))))
+    scans_below(folder).is_some()
+}
+
+/// The folder with scans: `folder` itself, or one that tools keep them in.
+fn scans_below(folder: &Path) -> Option<PathBuf> {
+    let has_scans = |folder: &PathBuf| {
+        std::fs::read_dir(folder)
+            .is_ok_and(|mut entries| entries.any(|entry| entry.is_ok_and(|it| is_scan(&it.path()))))
+    };
+    SCANS.into_iter().map(|name| folder.join(name)).find(has_scans)
 }
 
 /// Opens the folder of `source`. Scans are numbered in the order of their names.
@@ -45,7 +62,7 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetErro
     let folder = source.path.clone();
     let io_error = |source| DatasetError::Io { path: folder.clone(), source };
     let mut scans = Vec::new();
-    for entry in std::fs::read_dir(&folder).map_err(io_error)? {
+    for entry in std::fs::read_dir(scans_below(&folder).unwrap_or(folder.clone())).map_err(io_error)? {
         let path = entry.map_err(io_error)?.path();
         if is_scan(&path) {
             scans.push(path);
@@ -55,18 +72,18 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetErro
     if scans.is_empty() {
         return Err(DatasetError::NoScans { path: folder });
     }
-    let labels = Some(folder.join(LABELS)).filter(|it| it.is_dir());
+    let labels = LABELS.into_iter().map(|it| folder.join(it)).find(|it| it.is_dir());
     let mut checksum = DatasetChecksum::default();
     for scan in &scans {
         let name = scan.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
         let metadata = std::fs::metadata(scan).map_err(io_error)?;
         checksum.add_scan(&name, metadata.len());
         if let Some(labels) = &labels {
-            let labels = labels_of(labels, scan);
-            if !labels.exists() {
-                return Err(DatasetError::ScanWithoutLabels { scan: scan.clone(), labels });
+            for (place, file) in LabelFile::find(labels, scan)?.files().into_iter().enumerate() {
+                // The first is that of the labels, the second what they need.
+                let kind = ["labels", "calib"][place];
+                checksum.add_text(&format!("{kind}/{name}"), &read_text_file(file)?);
             }
-            checksum.add_text(&format!("{LABELS}/{name}"), &read_text_file(&labels)?);
         }
     }
     let sequence = folder.canonicalize().unwrap_or_else(|_| folder.clone());
@@ -88,24 +105,34 @@ impl Dataset for ScanFolder {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let path = &self.scans[scan_idx];
-        let cloud = read_scan_file(path)?;
+        let points = read_scan_file(path)?;
         let (mut annotations, region) = match &self.labels {
-            Some(labels) => (read_box_list(&labels_of(labels, path))?, PointRegion::Labeled),
+            Some(labels) => {
+                let file = LabelFile::find(labels, path)?;
+                let texts = file.files().into_iter().map(read_text_file).collect::<Result<Vec<_>, _>>()?;
+                let annotated = &self.description.annotated;
+                (file.parse(&texts, points.origin_m, annotated)?, PointRegion::Labeled)
+            }
             None => (Vec::new(), PointRegion::Outside),
         };
         let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
-        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
+        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&points.cloud, &boxes)) {
             annotation.point_indices = points;
         }
-        let point_regions = vec![region; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+        let point_regions = vec![region; points.cloud.len()];
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan { id, cloud: points.cloud, annotations, point_regions })
+    }
+
+    /// Where the origin was moved to, of scans on a map.
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        let origin_m = scan_origin_m(&self.scans[scan_idx])?;
+        let pose =
+            Isometry3::from_parts(Translation3::from(Vector3::from(origin_m)), UnitQuaternion::identity());
+        Ok((origin_m != [0.0; 3]).then_some(pose))
     }
 }
 
 fn is_scan(path: &Path) -> bool {
     !is_hidden(path) && scan_extension(path).is_some() && path.is_file()
-}
-
-fn labels_of(labels: &Path, scan: &Path) -> PathBuf {
-    labels.join(scan.file_name().unwrap_or_default()).with_extension("json")
 }

@@ -1,8 +1,13 @@
 //! Folders of scans that are a file each, with boxes beside them or without.
 
+pub mod scan_file;
 pub mod pcd;
 pub mod ply;
 pub mod npy;
-pub mod scan_file;
-pub mod box_list;
+pub mod las;
+pub mod any_scan_file;
+pub mod listed_box;
+pub mod label_cloud;
+pub mod sustech_points;
+pub mod label_file;
 pub mod folder;

@@ -40,6 +40,16 @@ fn a_recording_of_semantic_kitti_scores_the_same() {
 }
 
 #[test]
+fn a_recording_of_kitti_object_scores_the_same() {
+    check_same_counts("kitti_object", "a_recording_of_kitti_object_scores_the_same");
+}
+
+#[test]
+fn a_recording_of_argoverse2_scores_the_same() {
+    check_same_counts("argoverse2", "a_recording_of_argoverse2_scores_the_same");
+}
+
+#[test]
 fn simulated_streets_are_written_and_stay_simulated() {
     let workplace = Workplace::new();
     let small = ["--simulated-scans", "2", "--sensor", "vlp-16"];
@@ -180,4 +190,24 @@ fn a_recording_that_was_cut_off_is_read_to_the_cut() {
     let rescued = workplace.succeed(&["data", "convert", "a.mcap", "-o", "b.mcap", "--skip-damaged"]);
     assert!(rescued.stderr.contains("the end of \"a\" is left out: it is cut off"), "{}", rescued.stderr);
     workplace.succeed(&["data", "check", "b.mcap"]);
+}
+
+#[test]
+fn damage_in_the_middle_of_a_drive_is_skipped_by_all_that_read_scans() {
+    let workplace = Workplace::new();
+    let drawn = crate::drawn_dataset::DrawnDataset::tracking(workplace.folder(), 4);
+    drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(1001));
+    // A sweep that was ended by damage is not gone on with, but begun again.
+    let sweep =
+        ["sweep", "street", "-L", "cell_size_m=0.5,0.6", "-d", "hierarchical", "-o", "swept", "--overwrite"];
+    let prelabel = ["data", "prelabel", "street", "--to", "kitti", "-o", "project"];
+    let verbs = [&["selftest", "street"][..], &["data", "check", "street"], &sweep, &prelabel];
+    for verb in verbs {
+        let refused = workplace.run(verb);
+        assert_eq!(refused.exit_code, Some(3), "{refused:#?}");
+        assert!(refused.stderr.contains("000001.bin"), "{refused:#?}");
+        workplace.succeed(&[verb, &["--skip-damaged"]].concat());
+    }
+    let swept = workplace.read("swept/manifest.json");
+    assert!(swept.contains("0000/000001"), "what was left out is written down: {swept}");
 }

@@ -10,10 +10,18 @@ use harness::dataset::{Dataset, DatasetError};
 mod argoverse2;
 mod commands;
 mod conversion;
+mod kitti_raw;
+mod las;
+mod made;
 mod mcap;
 mod mutations;
+mod nuscenes;
+mod prelabel;
+mod results_recording;
 mod scan_folder;
 mod semantic_kitti;
+mod velodyne_capture;
+mod whole_or_not;
 
 pub use crate::program::real_data;
 

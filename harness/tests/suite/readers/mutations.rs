@@ -157,3 +157,44 @@ fn scan_folders() {
     let workplace = super::scan_folder::drawn();
     check(&workplace.path("drive"), 30);
 }
+
+#[test]
+fn kitti_raw() {
+    let workplace = Workplace::new();
+    super::made::kitti_raw(workplace.folder(), &*super::made::street(2));
+    check(workplace.folder(), 40);
+}
+
+#[test]
+fn nuscenes() {
+    let workplace = Workplace::new();
+    super::made::nuscenes(workplace.folder(), &*super::made::street(2));
+    check(workplace.folder(), 50);
+}
+
+#[test]
+fn captures_of_packets() {
+    use super::made::{calibration_of_64, packets, pcap, pcapng, write};
+    let workplace = Workplace::new();
+    let turns = packets(9000, 1200, 72, 2, [0, 0]);
+    write(&workplace.path("classic/a.pcap"), pcap(&turns));
+    write(&workplace.path("classic/a.yaml"), calibration_of_64());
+    check(&workplace.path("classic"), 60);
+    write(&workplace.path("next/a.pcapng"), pcapng(&packets(9000, 1200, 72, 1, [0x39, 0x22])));
+    check(&workplace.path("next"), 61);
+}
+
+#[test]
+fn las_and_laz() {
+    check(&super::las::drawn().path("drive"), 70);
+}
+
+#[test]
+fn projects_of_annotation_tools() {
+    let workplace = Workplace::new();
+    for (seed, tool) in [(80, "labelcloud"), (81, "sustechpoints"), (82, "kitti")] {
+        let street = ["data", "prelabel", "street-main-road", "--sensor", "vlp-16", "--simulated-scans", "2"];
+        workplace.succeed(&[&street[..], &["--to", tool, "-o", tool]].concat());
+        check(&workplace.path(tool), seed);
+    }
+}

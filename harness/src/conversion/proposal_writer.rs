@@ -1,0 +1,161 @@
+//! Scans with the boxes of a detector, as the projects of annotation tools, whose corrected files are read as ground truth.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use detector::{OrientedBox, PointCloud};
+use serde::Serialize;
+use serde_json::json;
+
+use super::ConversionError;
+use super::kitti_label_line::{CALIBRATION, label_line};
+use super::kitti_writer::bin_bytes;
+use super::proposal_format::ProposalFormat;
+use super::whole_folder::{WholeFolder, folder_name};
+use crate::annotation::{Annotation, AnnotationClass, LabeledScan};
+use crate::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
+use crate::dataset::scan_folder::label_cloud::{LabelCloudFile, LabelCloudObject};
+use crate::dataset::scan_folder::listed_box::ListedBox;
+use crate::dataset::scan_folder::sustech_points::SustechObject;
+
+/// What a vehicle is called: detectors do not tell cars from vans.
+const CLASS: &str = "Car";
+
+/// A vehicle that a detector proposes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Proposal {
+    /// Its box, in the frame of the sensor.
+    pub bounding_box: OrientedBox,
+    /// How sure the detector is.
+    pub score: Option<f32>,
+}
+
+/// A project that is being written.
+#[must_use = "a project that is not finished is thrown away"]
+pub struct ProposalWriter {
+    format: ProposalFormat,
+    folder: WholeFolder,
+    sheet: DataSheet,
+    n_written: u32,
+}
+
+impl ProposalWriter {
+    /// Begins the folder `path`, with what `sheet` says about the scans.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if it exists or cannot be written.
+    pub fn create(path: &Path, format: ProposalFormat, sheet: DataSheet) -> Result<Self, ConversionError> {
+        // Whoever corrects proposals looks all round.
+        let sheet = DataSheet { labeled_region: LabeledRegion::Everywhere, ..sheet };
+        let annotated_classes = crate::dataset::AnnotatedClasses::Only(AnnotationClass::ALL.to_vec());
+        let sheet = DataSheet { annotated_classes, ..sheet };
+        Ok(Self { format, folder: WholeFolder::create(path)?, sheet, n_written: 0 })
+    }
+
+    /// Appends a scan with its proposals. Points without a position are left out.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if the disk does not take it.
+    pub fn write(&mut self, scan: &LabeledScan, proposals: &[Proposal]) -> Result<(), ConversionError> {
+        let has_position: Vec<bool> =
+            scan.cloud.positions_m().map(|it| it.iter().all(|value| value.is_finite())).collect();
+        let name = match self.format {
+            ProposalFormat::Kitti => format!("{:06}", self.n_written),
+            _ => format!("{}-{:06}", folder_name(&scan.id.sequence), scan.id.index),
+        };
+        self.n_written += 1;
+        let folder = &self.folder;
+        match self.format {
+            ProposalFormat::Kitti => {
+                folder.write(&format!("velodyne/{name}.bin"), &bin_bytes(&scan.cloud, &has_position))?;
+                folder.write(&format!("label_2/{name}.txt"), kitti_labels(proposals).as_bytes())?;
+                folder.write(&format!("calib/{name}.txt"), CALIBRATION.as_bytes())
+            }
+            ProposalFormat::Labelcloud => {
+                let filename = format!("{name}.bin");
+                folder.write(&format!("pointclouds/{filename}"), &bin_bytes(&scan.cloud, &has_position))?;
+                let objects = proposals.iter().map(|it| LabelCloudObject::new(&listed(it, None), it.score));
+                let file = LabelCloudFile {
+                    folder: "pointclouds".to_owned(),
+                    path: format!("pointclouds/{filename}"),
+                    filename,
+                    objects: objects.collect(),
+                };
+                folder.write(&format!("labels/{name}.json"), &json_bytes(&file))
+            }
+            ProposalFormat::Sustechpoints => {
+                folder.write(&format!("lidar/{name}.pcd"), &pcd_bytes(&scan.cloud, &has_position))?;
+                let objects = (1..).zip(proposals);
+                let objects: Vec<SustechObject> = objects
+                    .map(|(track, it)| SustechObject::new(&listed(it, Some(track)), it.score))
+                    .collect();
+                folder.write(&format!("label/{name}.json"), &json_bytes(&objects))
+            }
+        }
+    }
+
+    /// Ends the project, which appears under its name now.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if the disk does not take it.
+    pub fn finish(self) -> Result<(), ConversionError> {
+        self.folder.write(DATA_SHEET, self.sheet.to_json().as_bytes())?;
+        if self.format == ProposalFormat::Labelcloud {
+            // What the tool asks for otherwise.
+            let classes = json!({
+                "classes": [{"name": CLASS, "id": 0, "color": "#56b4e9"}],
+                "default": 0,
+                "type": "object_detection",
+                "format": "centroid_rel",
+                "created_with": {"name": "scanbench", "version": env!("CARGO_PKG_VERSION")},
+            });
+            self.folder.write("labels/_classes.json", &json_bytes(&classes))?;
+        }
+        self.folder.finish()
+    }
+}
+
+fn listed(proposal: &Proposal, track: Option<u32>) -> ListedBox {
+    let OrientedBox { center_m, length_width_height_m, yaw_rad } = proposal.bounding_box;
+    let class = CLASS.to_owned();
+    ListedBox { class, center_m: center_m.map(f64::from), length_width_height_m, yaw_rad, track }
+}
+
+/// One line each, with the score at the end as in results of the benchmark.
+fn kitti_labels(proposals: &[Proposal]) -> String {
+    let mut labels = String::new();
+    for Proposal { bounding_box, score } in proposals {
+        let annotation = Annotation {
+            class: AnnotationClass::Car,
+            bounding_box: None,
+            point_indices: Vec::new(),
+            track: None,
+            occlusion: None,
+            truncation: None,
+        };
+        let line = label_line(&annotation, bounding_box, "-1");
+        let score = score.map(|it| format!(" {it}")).unwrap_or_default();
+        writeln!(labels, "{line}{score}").expect("a string takes all that is written");
+    }
+    labels
+}
+
+fn json_bytes(value: &impl Serialize) -> Vec<u8> {
+    let mut bytes = serde_json::to_vec_pretty(value).expect("labels have text keys only");
+    bytes.push(b'\n');
+    bytes
+}
+
+/// The points that have a position, as a binary PCD file.
+fn pcd_bytes(cloud: &PointCloud, has_position: &[bool]) -> Vec<u8> {
+    let points = bin_bytes(cloud, has_position);
+    let n_points = points.len() / 16;
+    let header = format!(
+        "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH {n_points}\n\
+         HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {n_points}\nDATA binary\n"
+    );
+    [header.into_bytes(), points].concat()
+}

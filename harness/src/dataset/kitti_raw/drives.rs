@@ -1,0 +1,282 @@
+//! KITTI's raw folders.
+//!
+//! ```text
+//! DATE/calib_velo_to_cam.txt, calib_cam_to_cam.txt, calib_imu_to_velo.txt
+//! DATE/DATE_drive_NNNN_sync/velodyne_points/data/NNNNNNNNNN.bin, velodyne_points/timestamps.txt
+//! DATE/DATE_drive_NNNN_sync/tracklet_labels.xml      optional: boxes; drives without are not labelled
+//! DATE/DATE_drive_NNNN_sync/oxts/data/NNNNNNNNNN.txt   optional: poses
+//! ```
+//!
+//! The folder that is named may be that of all days, of a day, or of a drive.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use jiff::civil::DateTime;
+use jiff::tz::TimeZone;
+use nalgebra::Isometry3;
+
+use super::drive_calibration::{CameraView, parse_camera_view, parse_transform};
+use super::inertial_poses::{InertialFix, parse_inertial_fix};
+use super::tracklet_file::parse_tracklets;
+use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::data_sheet::LabeledRegion;
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
+use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::source::DatasetSource;
+use crate::dataset::text_file::read_text_file;
+use crate::dataset::velodyne_bin::read_velodyne_bin;
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+
+const SCANS: &str = "velodyne_points/data";
+const TIMES: &str = "velodyne_points/timestamps.txt";
+const LABELS: &str = "tracklet_labels.xml";
+const POSES: &str = "oxts/data";
+
+/// Open drives: labels, calibrations and times are in memory, scans and poses are read one at a time.
+#[derive(Debug)]
+pub struct KittiRaw {
+    // Invariant: `drives` has every drive that `scan_ids` names.
+    description: DatasetDescription,
+    labeled_region: LabeledRegion,
+    scan_ids: Vec<ScanId>,
+    drives: BTreeMap<String, Drive>,
+}
+
+#[derive(Debug)]
+struct Drive {
+    folder: PathBuf,
+    /// `None` where nothing is labelled.
+    labels: Option<Labels>,
+    times_ns: Vec<u64>,
+    poses: Option<Poses>,
+}
+
+#[derive(Debug)]
+struct Labels {
+    annotations_by_scan: BTreeMap<u32, Vec<Annotation>>,
+    view: CameraView,
+}
+
+#[derive(Debug)]
+struct Poses {
+    origin: InertialFix,
+    unit_from_sensor: Isometry3<f64>,
+}
+
+/// Whether `folder` holds drives, or is one.
+pub fn is_kitti_raw(folder: &Path) -> bool {
+    !drives_below(folder).is_empty()
+}
+
+/// Opens the folder of `source`: all drives, or only those of `sequences`, such as `2011_09_26_drive_0001_sync`.
+///
+/// # Errors
+///
+/// [`DatasetError`] if files are missing, contradict each other, or labels or calibrations are damaged. Scans and poses
+/// are not looked into.
+pub fn open_kitti_raw(
+    source: DatasetSource,
+    sequences: Option<&BTreeSet<String>>,
+) -> Result<KittiRaw, DatasetError> {
+    let (mut scan_ids, mut drives, mut checksum) = (Vec::new(), BTreeMap::new(), DatasetChecksum::default());
+    for folder in drives_below(&source.path) {
+        let name = folder.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+        if sequences.is_some_and(|it| !it.contains(&name)) {
+            continue;
+        }
+        let numbers = scan_numbers(&folder.join(SCANS))?;
+        for number in &numbers {
+            let file = format!("{SCANS}/{number:010}.bin");
+            let path = folder.join(&file);
+            let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
+            checksum.add_scan(&format!("{name}/{file}"), metadata.len());
+        }
+        let last = numbers.last().copied().unwrap_or_default();
+        scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
+        drives.insert(name.clone(), open_drive(folder, &name, last, &mut checksum)?);
+    }
+    if let Some(missing) = sequences.and_then(|it| it.iter().find(|name| !drives.contains_key(*name))) {
+        return Err(DatasetError::MissingSelected { path: source.path.join(missing) });
+    }
+    if scan_ids.is_empty() {
+        return Err(DatasetError::NoScans { path: source.path });
+    }
+    let labeled_region = source.labeled_region;
+    let description = source.describe(DatasetFormat::KittiRaw, checksum.finish());
+    Ok(KittiRaw { description, labeled_region, scan_ids, drives })
+}
+
+impl Dataset for KittiRaw {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let id = self.scan_ids[scan_idx].clone();
+        let drive = &self.drives[&id.sequence];
+        let cloud = read_velodyne_bin(&drive.folder.join(SCANS).join(format!("{:010}.bin", id.index)))?;
+        let Some(labels) = &drive.labels else {
+            let point_regions = vec![PointRegion::Outside; cloud.len()];
+            return Ok(LabeledScan { id, cloud, annotations: Vec::new(), point_regions });
+        };
+        let mut annotations = labels.annotations_by_scan.get(&id.index).cloned().unwrap_or_default();
+        let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
+        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
+            annotation.point_indices = points;
+        }
+        let point_regions = match self.labeled_region {
+            LabeledRegion::Camera => {
+                let view = CameraFieldOfView {
+                    image_from_velodyne: &labels.view.image_from_velodyne,
+                    image_size_px: labels.view.image_size_px,
+                    dont_care: &[],
+                };
+                point_regions(&cloud, &annotations, &view)
+            }
+            LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
+        };
+        Ok(LabeledScan { id, cloud, annotations, point_regions })
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        let id = &self.scan_ids[scan_idx];
+        self.drives[&id.sequence].times_ns.get(id.index as usize).copied()
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        let id = &self.scan_ids[scan_idx];
+        let drive = &self.drives[&id.sequence];
+        let Some(poses) = &drive.poses else { return Ok(None) };
+        let fix = read_fix(&drive.folder.join(POSES), id.index)?;
+        Ok(Some(fix.world_from_unit(&poses.origin) * poses.unit_from_sensor))
+    }
+}
+
+/// The folders of drives: `folder` itself, or those in it or in its folders.
+fn drives_below(folder: &Path) -> Vec<PathBuf> {
+    let is_drive = |path: &Path| path.join(SCANS).is_dir();
+    if is_drive(folder) {
+        return vec![folder.to_path_buf()];
+    }
+    let folders_in = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|it| it.path());
+        entries.filter(|it| !is_hidden(it) && it.is_dir()).collect::<Vec<_>>()
+    };
+    let inner = folders_in(folder);
+    let innermost = inner.iter().flat_map(|it| folders_in(it));
+    let mut drives: Vec<PathBuf> = inner.iter().cloned().chain(innermost).filter(|it| is_drive(it)).collect();
+    drives.sort();
+    drives
+}
+
+/// The numbers of the files `NNNNNNNNNN.bin`.
+fn scan_numbers(folder: &Path) -> Result<BTreeSet<u32>, DatasetError> {
+    let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
+    let mut numbers = BTreeSet::new();
+    for entry in std::fs::read_dir(folder).map_err(io_error)? {
+        let path = entry.map_err(io_error)?.path();
+        if is_hidden(&path) || path.extension().is_none_or(|it| it != "bin") {
+            continue;
+        }
+        let stem = path.file_stem().and_then(|it| it.to_str()).unwrap_or_default();
+        match stem.parse() {
+            Ok(number) if stem == format!("{number:010}") => numbers.insert(number),
+            _ => {
+                let expected = "a number of ten digits, such as 0000000123";
+                return Err(DatasetError::FileName { path, expected });
+            }
+        };
+    }
+    if numbers.is_empty() {
+        return Err(DatasetError::NoScans { path: folder.to_path_buf() });
+    }
+    Ok(numbers)
+}
+
+fn open_drive(
+    folder: PathBuf,
+    name: &str,
+    last_scan: u32,
+    checksum: &mut DatasetChecksum,
+) -> Result<Drive, DatasetError> {
+    let mut read_text = |path: &Path, name: &str| -> Result<String, DatasetError> {
+        let text = read_text_file(path)?;
+        checksum.add_text(name, &text);
+        Ok(text)
+    };
+    // A relative path may end in `..` or be `.`, which has no parent by name.
+    let day =
+        folder.canonicalize().ok().and_then(|it| it.parent().map(Path::to_path_buf)).unwrap_or_default();
+    let mut calibration = |kind: &str| -> Result<(PathBuf, String), DatasetError> {
+        let path = day.join(format!("calib_{kind}.txt"));
+        if !path.is_file() {
+            return Err(DatasetError::ScanWithoutCalibration { scan: folder.join(SCANS), calibration: path });
+        }
+        let text = read_text(&path, &format!("{name}/calib_{kind}.txt"))?;
+        Ok((path, text))
+    };
+    let poses = if folder.join(POSES).is_dir() {
+        let (path, text) = calibration("imu_to_velo")?;
+        let unit_from_sensor = parse_transform(&path, &text)?.inverse();
+        let origin = first_fix(&folder.join(POSES))?;
+        Some(Poses { origin, unit_from_sensor })
+    } else {
+        None
+    };
+    let labels = if folder.join(LABELS).is_file() {
+        let ((velo_path, velo), (cam_path, cam)) = (calibration("velo_to_cam")?, calibration("cam_to_cam")?);
+        let view = parse_camera_view((&velo_path, &velo), (&cam_path, &cam))?;
+        let path = folder.join(LABELS);
+        let text = read_text(&path, &format!("{name}/{LABELS}"))?;
+        Some(Labels { annotations_by_scan: parse_tracklets(&path, &text)?, view })
+    } else {
+        None
+    };
+    let path = folder.join(TIMES);
+    let times_ns =
+        if path.is_file() { parse_times(&path, &read_text_file(&path)?, last_scan)? } else { Vec::new() };
+    Ok(Drive { folder, labels, times_ns, poses })
+}
+
+fn read_fix(poses: &Path, scan: u32) -> Result<InertialFix, DatasetError> {
+    let path = poses.join(format!("{scan:010}.txt"));
+    parse_inertial_fix(&path, &read_text_file(&path)?)
+}
+
+/// That of the file with the lowest number: the origin of all poses.
+fn first_fix(poses: &Path) -> Result<InertialFix, DatasetError> {
+    let io_error = |source| DatasetError::Io { path: poses.to_path_buf(), source };
+    let entries = std::fs::read_dir(poses).map_err(io_error)?;
+    let files = entries.flatten().map(|it| it.path()).filter(|it| !is_hidden(it));
+    let Some(path) = files.filter(|it| it.extension().is_some_and(|it| it == "txt")).min() else {
+        return Err(DatasetError::NoScans { path: poses.to_path_buf() });
+    };
+    parse_inertial_fix(&path, &read_text_file(&path)?)
+}
+
+/// One time a line, such as `2011-09-26 13:02:25.951199337`, of which the zone is not said: nanoseconds as of UTC.
+fn parse_times(path: &Path, text: &str, last_scan: u32) -> Result<Vec<u64>, DatasetError> {
+    let mut times_ns = Vec::new();
+    for (line, content) in (1..).zip(text.lines().filter(|it| !it.trim().is_empty())) {
+        let time = content.trim().parse::<DateTime>().ok().and_then(|it| it.to_zoned(TimeZone::UTC).ok());
+        let time_ns = time.and_then(|it| u64::try_from(it.timestamp().as_nanosecond()).ok());
+        times_ns.push(time_ns.ok_or_else(|| DatasetError::Line {
+            path: path.to_path_buf(),
+            line,
+            problem: format!("{:?} is no time", content.chars().take(40).collect::<String>()),
+        })?);
+    }
+    if times_ns.len() <= last_scan as usize {
+        let problem = format!("has {} lines, the last scan is {last_scan}", times_ns.len());
+        return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
+    }
+    Ok(times_ns)
+}

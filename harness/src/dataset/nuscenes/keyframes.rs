@@ -1,0 +1,208 @@
+//! The folders of nuScenes.
+//!
+//! ```text
+//! v1.0-NAME/*.json                     the tables; of several versions one is named
+//! samples/LIDAR_TOP/NAME.pcd.bin       the scans that are annotated: x, y, z, intensity, ring as f32
+//! ```
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use detector::PointCloud;
+use nalgebra::Isometry3;
+
+use super::lidar_tables::{Keyframe, read_keyframes};
+use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::source::DatasetSource;
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+
+/// The lidar, 32 beams on the roof.
+pub const NUSCENES_SENSOR: &str = "hdl-32e";
+
+/// Its height above the road, in metres.
+pub const NUSCENES_SENSOR_HEIGHT_M: f32 = 1.84;
+
+/// What is labelled: what moves by itself, and what is moved about.
+pub const NUSCENES_CLASSES: [AnnotationClass; 11] = [
+    AnnotationClass::Car,
+    AnnotationClass::Van,
+    AnnotationClass::Truck,
+    AnnotationClass::Bus,
+    AnnotationClass::Pedestrian,
+    AnnotationClass::SittingPerson,
+    AnnotationClass::Cyclist,
+    AnnotationClass::ParkedCycle,
+    AnnotationClass::Trailer,
+    AnnotationClass::StreetFurniture,
+    AnnotationClass::Misc,
+];
+
+/// The tables that tell a version apart from other folders, and count for the checksum.
+const TABLES: [&str; 11] = [
+    "sample_data",
+    "attribute",
+    "calibrated_sensor",
+    "category",
+    "ego_pose",
+    "instance",
+    "sample",
+    "sample_annotation",
+    "scene",
+    "sensor",
+    "visibility",
+];
+
+/// Five values of four bytes.
+const N_BYTES_PER_POINT: usize = 20;
+
+/// The names of the values of a point that are looked at, in order.
+const COLUMNS: [&str; 4] = ["x", "y", "z", "intensity"];
+
+/// An open data set: annotations are in memory, scans are read one at a time.
+#[derive(Debug)]
+pub struct NuScenes {
+    // Invariant: `scan_ids` and `keyframes` have the same length and order.
+    description: DatasetDescription,
+    scans: PathBuf,
+    scan_ids: Vec<ScanId>,
+    keyframes: Vec<Keyframe>,
+}
+
+/// Whether `folder` is that of nuScenes, or of one of its versions.
+pub fn is_nuscenes(folder: &Path) -> bool {
+    !versions_in(folder).is_empty()
+}
+
+/// Opens the folder of `source`: all scenes, or only those of `sequences`, such as `scene-0061`.
+///
+/// # Errors
+///
+/// [`DatasetError::SeveralDatasets`] if there are several versions; [`DatasetError`] if a table is missing or damaged. Scans are
+/// not looked into.
+pub fn open_nuscenes(
+    source: DatasetSource,
+    sequences: Option<&BTreeSet<String>>,
+) -> Result<NuScenes, DatasetError> {
+    let (version, scans) = match &versions_in(&source.path)[..] {
+        // The folder of a version may be a link to elsewhere, and `..` of it not be where it is.
+        [only] if *only == source.path => (only.clone(), parent_of(&source.path)),
+        [only] => (only.clone(), source.path.clone()),
+        [] => return Err(DatasetError::NoScans { path: source.path }),
+        several => {
+            let found = several.iter().map(|it| it.display().to_string()).collect();
+            return Err(DatasetError::SeveralDatasets { path: source.path, found });
+        }
+    };
+    let keyframes = read_keyframes(&version, sequences)?;
+    let scenes: BTreeSet<&str> = keyframes.iter().map(|it| it.scene.as_str()).collect();
+    if let Some(missing) = sequences.and_then(|it| it.iter().find(|name| !scenes.contains(name.as_str()))) {
+        return Err(DatasetError::MissingSelected { path: source.path.join(missing) });
+    }
+    if keyframes.is_empty() {
+        return Err(DatasetError::NoScans { path: version });
+    }
+    let mut checksum = DatasetChecksum::default();
+    for table in TABLES {
+        // Larger than all else that is labels: by their size, as scans.
+        let path = version.join(format!("{table}.json"));
+        let metadata = std::fs::metadata(&path).map_err(|source| DatasetError::Io { path, source })?;
+        checksum.add_scan(&format!("{table}.json"), metadata.len());
+    }
+    let mut scan_ids: Vec<ScanId> = Vec::with_capacity(keyframes.len());
+    for keyframe in &keyframes {
+        let index = match scan_ids.last() {
+            Some(last) if last.sequence == keyframe.scene => last.index + 1,
+            _ => 0,
+        };
+        scan_ids.push(ScanId { sequence: keyframe.scene.clone(), index });
+    }
+    let description = source.describe(DatasetFormat::NuScenes, checksum.finish());
+    Ok(NuScenes { description, scans, scan_ids, keyframes })
+}
+
+impl Dataset for NuScenes {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let keyframe = &self.keyframes[scan_idx];
+        let path = self.scans.join(&keyframe.file);
+        let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
+        let cloud = parse_scan(&path, &bytes)?;
+        let mut annotations: Vec<Annotation> =
+            keyframe.objects.iter().map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
+        let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
+        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
+            annotation.point_indices = points;
+        }
+        let point_regions = vec![PointRegion::Labeled; cloud.len()];
+        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        Some(self.keyframes[scan_idx].time_ns)
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        Ok(Some(self.keyframes[scan_idx].world_from_sensor))
+    }
+}
+
+fn parent_of(folder: &Path) -> PathBuf {
+    let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+    absolute.parent().map(Path::to_path_buf).unwrap_or(absolute)
+}
+
+/// The folders of tables: `folder` itself, or those in it that are named after a version.
+fn versions_in(folder: &Path) -> Vec<PathBuf> {
+    let has_tables = |path: &Path| TABLES[..5].iter().all(|it| path.join(format!("{it}.json")).is_file());
+    if has_tables(folder) {
+        return vec![folder.to_path_buf()];
+    }
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_version = |it: &std::fs::DirEntry| it.file_name().to_string_lossy().starts_with("v1.");
+    let mut versions: Vec<PathBuf> =
+        entries.filter(is_version).map(|it| it.path()).filter(|it| has_tables(it)).collect();
+    versions.sort();
+    versions
+}
+
+fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PointCloud, DatasetError> {
+    let (points, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
+    if !rest.is_empty() {
+        return Err(DatasetError::PartialPoint {
+            path: path.to_path_buf(),
+            n_bytes: bytes.len(),
+            n_bytes_per_point: N_BYTES_PER_POINT,
+        });
+    }
+    if points.is_empty() {
+        return Err(DatasetError::NoPoints { path: path.to_path_buf() });
+    }
+    let mut cloud = PointCloud::with_capacity(points.len());
+    for (point_idx, point) in points.iter().enumerate() {
+        let (values, _) = point.as_chunks::<4>();
+        let values: [f32; 4] = std::array::from_fn(|column| f32::from_le_bytes(values[column]));
+        if let Some(column_idx) = values.iter().position(|value| !value.is_finite()) {
+            return Err(DatasetError::NotFinite {
+                path: path.to_path_buf(),
+                point_idx,
+                byte_offset: point_idx * N_BYTES_PER_POINT,
+                column: COLUMNS[column_idx],
+                value: values[column_idx],
+            });
+        }
+        let [right_m, forward_m, up_m, intensity] = values;
+        // A byte, brought to the range that other sensors have.
+        cloud.push([forward_m, -right_m, up_m], intensity / 255.0);
+    }
+    Ok(cloud)
+}

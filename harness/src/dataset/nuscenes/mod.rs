@@ -1,0 +1,5 @@
+//! nuScenes: scenes of twenty seconds, boxes all round on two scans a second.
+
+pub mod table;
+pub mod lidar_tables;
+pub mod keyframes;

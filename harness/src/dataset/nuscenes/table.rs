@@ -1,0 +1,57 @@
+//! Tables in JSON, a list of records each, that are read record by record and never as a whole.
+
+use std::fmt;
+use std::fs::File;
+use std::io::BufReader;
+use std::marker::PhantomData;
+use std::path::Path;
+
+use serde::Deserializer as _;
+use serde::de::{DeserializeOwned, SeqAccess, Visitor};
+
+use crate::dataset::DatasetError;
+
+/// Bytes that are read at once.
+const N_BUFFERED: usize = 1 << 18;
+
+/// Hands every record of the table at `path` to `take`, in order; what `take` refuses is the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// [`DatasetError::Io`]; [`DatasetError::Damaged`] if it is not such a table, with line and column.
+pub fn read_table<Record: DeserializeOwned>(
+    path: &Path,
+    take: impl FnMut(Record) -> Result<(), String>,
+) -> Result<(), DatasetError> {
+    let file = File::open(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let mut deserializer = serde_json::Deserializer::from_reader(BufReader::with_capacity(N_BUFFERED, file));
+    let read = deserializer.deserialize_seq(RecordVisitor { take, record: PhantomData });
+    read.and_then(|()| deserializer.end()).map_err(|error| DatasetError::Damaged {
+        path: path.to_path_buf(),
+        problem: format!("is no table: {error}"),
+    })
+}
+
+struct RecordVisitor<Record, Take> {
+    take: Take,
+    record: PhantomData<Record>,
+}
+
+impl<'de, Record, Take> Visitor<'de> for RecordVisitor<Record, Take>
+where
+    Record: DeserializeOwned,
+    Take: FnMut(Record) -> Result<(), String>,
+{
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a list of records")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut records: A) -> Result<(), A::Error> {
+        while let Some(record) = records.next_element()? {
+            (self.take)(record).map_err(serde::de::Error::custom)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,57 @@
+//! A box of a label file, in the coordinates of its scan's file.
+
+use detector::OrientedBox;
+use serde::{Deserialize, Serialize};
+
+use crate::annotation::Annotation;
+use crate::dataset::class_name::class_named;
+
+/// A box in a file; a list of these in JSON is our own format.
+///
+/// ```json
+/// [{"class": "car", "center_m": [10.2, -3.1, -0.9], "length_width_height_m": [4.1, 1.8, 1.5], "yaw_rad": 0.1, "track": 7}]
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ListedBox {
+    /// What it is.
+    pub class: String,
+    /// Its centre in metres; on a map, beyond what single precision can hold.
+    pub center_m: [f64; 3],
+    /// Its sides in metres.
+    pub length_width_height_m: [f32; 3],
+    /// Its heading in radians, counter-clockwise from x.
+    pub yaw_rad: f32,
+    /// Number of the object within its drive.
+    #[serde(default)]
+    pub track: Option<u32>,
+}
+
+impl ListedBox {
+    /// The box as an annotation without points, as seen from `origin_m`. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If a side is not above 0, or it lies beyond all measure.
+    pub fn annotation(&self, origin_m: [f64; 3]) -> Result<Annotation, String> {
+        let is_sensible = self.length_width_height_m.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4)
+            && self.center_m.iter().all(|value| value.abs() < 1e9)
+            && self.yaw_rad.abs() < 1e9;
+        if !is_sensible {
+            return Err(format!("has the box {self:?}"));
+        }
+        let center_m = std::array::from_fn(|axis| (self.center_m[axis] - origin_m[axis]) as f32);
+        Ok(Annotation {
+            class: class_named(&self.class),
+            bounding_box: Some(OrientedBox {
+                center_m,
+                length_width_height_m: self.length_width_height_m,
+                yaw_rad: self.yaw_rad,
+            }),
+            point_indices: Vec::new(),
+            track: self.track,
+            occlusion: None,
+            truncation: None,
+        })
+    }
+}

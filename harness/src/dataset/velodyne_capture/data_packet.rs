@@ -1,0 +1,251 @@
+//! The data packets: twelve blocks of 32 measurements each, and the way from a measurement to a point.
+//!
+//! Where packets carry two returns of every laser, the last is taken.
+
+use detector::PointCloud;
+
+use super::calibration_file::DISTANCE_STEP_M;
+use super::laser_table::{Laser, VelodyneModel};
+
+/// The port that data packets go to.
+pub const DATA_PORT: u16 = 2368;
+
+/// Bytes of a data packet.
+pub const N_PACKET_BYTES: usize = 1206;
+
+/// Blocks of a packet.
+pub const N_BLOCKS: usize = 12;
+
+/// Hundredths of a degree of a turn.
+pub const FULL_TURN: u16 = 36_000;
+
+const N_BLOCK_BYTES: usize = 100;
+const N_MEASUREMENTS: usize = 32;
+
+/// What a block begins with: lasers 0 to 31, and 32 to 63.
+const FIRST_BANK: u16 = 0xeeff;
+const SECOND_BANK: u16 = 0xddff;
+
+/// The last bytes of a packet: how many returns, and of which sensor, but for the HDL-64E.
+const DUAL_RETURN: u8 = 0x39;
+const PRODUCTS: [(u8, VelodyneModel); 2] = [(0x21, VelodyneModel::Hdl32e), (0x22, VelodyneModel::Vlp16)];
+
+/// More than a column of lasers turns before the next, in hundredths of a degree; a larger step is a gap.
+const MAX_STEP: u16 = 300;
+
+/// The two distances at which lasers are measured, along and across, in metres.
+const FAR_M: f32 = 25.04;
+const NEAR_M: [f32; 2] = [2.40, 1.93];
+
+/// A data packet.
+#[derive(Debug, Clone, Copy)]
+pub struct DataPacket<'a> {
+    bytes: &'a [u8; N_PACKET_BYTES],
+    model: VelodyneModel,
+    is_dual: bool,
+}
+
+impl<'a> DataPacket<'a> {
+    /// The packet in `bytes`. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If it is none, or of a sensor that is not known.
+    pub fn parse(bytes: &'a [u8; N_PACKET_BYTES]) -> Result<Self, String> {
+        let flag = |block: usize| {
+            u16::from_le_bytes([bytes[block * N_BLOCK_BYTES], bytes[block * N_BLOCK_BYTES + 1]])
+        };
+        let flags: [u16; N_BLOCKS] = std::array::from_fn(flag);
+        if let Some(flag) = flags.iter().find(|it| ![FIRST_BANK, SECOND_BANK].contains(it)) {
+            return Err(format!("has a packet with a block that begins with {flag:#06x}"));
+        }
+        let (returns, product) = (bytes[N_PACKET_BYTES - 2], bytes[N_PACKET_BYTES - 1]);
+        let model = if flags.contains(&SECOND_BANK) {
+            VelodyneModel::Hdl64e
+        } else {
+            let known = PRODUCTS.iter().find(|(known, _)| *known == product);
+            let unknown = || format!("has packets of a sensor that is not known, {product:#04x}");
+            known.map(|(_, model)| *model).ok_or_else(unknown)?
+        };
+        let mut packet = Self { bytes, model, is_dual: returns == DUAL_RETURN };
+        if model == VelodyneModel::Hdl64e {
+            // What other sensors say with the last bytes is something else here.
+            packet.is_dual = packet.azimuth(0) == packet.azimuth(2);
+        }
+        match (0..N_BLOCKS).map(|block| packet.azimuth(block)).find(|it| *it >= FULL_TURN) {
+            Some(azimuth) => Err(format!("has a packet with an azimuth of {azimuth} hundredths of a degree")),
+            None => Ok(packet),
+        }
+    }
+
+    /// The sensor that sent it.
+    pub fn model(&self) -> VelodyneModel {
+        self.model
+    }
+
+    /// The azimuth of a block, clockwise, in hundredths of a degree.
+    pub fn azimuth(&self, block: usize) -> u16 {
+        let at = block * N_BLOCK_BYTES + 2;
+        u16::from_le_bytes([self.bytes[at], self.bytes[at + 1]])
+    }
+
+    /// Blocks of one azimuth.
+    fn n_blocks_of_column(&self) -> usize {
+        let n_banks = if self.model == VelodyneModel::Hdl64e { 2 } else { 1 };
+        if self.is_dual { 2 * n_banks } else { n_banks }
+    }
+
+    /// Whether a block holds the returns that are taken: the last ones, which come first but for the HDL-64E.
+    fn is_taken(&self, block: usize) -> bool {
+        match (self.is_dual, self.model) {
+            (false, _) => true,
+            (true, VelodyneModel::Hdl64e) => block % 4 >= 2,
+            (true, _) => block.is_multiple_of(2),
+        }
+    }
+
+    /// By how much the head turns from this column to the next.
+    fn step(&self, block: usize) -> f32 {
+        let n = self.n_blocks_of_column();
+        let column = block / n;
+        let n_columns = N_BLOCKS / n;
+        // The last one is followed by the next packet, and as wide as the one before.
+        let from = column.min(n_columns.saturating_sub(2));
+        let step =
+            (self.azimuth(((from + 1) % n_columns) * n) + FULL_TURN - self.azimuth(from * n)) % FULL_TURN;
+        if step > MAX_STEP { 0.0 } else { f32::from(step) }
+    }
+
+    /// Appends the points of the blocks from `first` on, up to without `end`. Measurements without a return are left out.
+    pub fn append_points(&self, first: usize, end: usize, lasers: &[Laser], cloud: &mut PointCloud) {
+        for block in (first..end.min(N_BLOCKS)).filter(|it| self.is_taken(*it)) {
+            let begin = block * N_BLOCK_BYTES;
+            let is_second_bank = self.bytes[begin..begin + 2] == SECOND_BANK.to_le_bytes();
+            let (azimuth, step) = (f32::from(self.azimuth(block)), self.step(block));
+            let (measurements, _) = self.bytes[begin + 4..begin + N_BLOCK_BYTES].as_chunks::<3>();
+            for (place, &[low, high, intensity]) in measurements.iter().enumerate().take(N_MEASUREMENTS) {
+                let distance = u16::from_le_bytes([low, high]);
+                let laser = match self.model {
+                    VelodyneModel::Vlp16 => place % 16,
+                    VelodyneModel::Hdl32e => place,
+                    VelodyneModel::Hdl64e => place + if is_second_bank { N_MEASUREMENTS } else { 0 },
+                };
+                if let (true, Some(laser)) = (distance > 0, lasers.get(laser)) {
+                    let hundredths = azimuth + step * self.share_of_step(place);
+                    let azimuth_rad = (hundredths / 100.0).to_radians();
+                    let position_m = position_m(laser, azimuth_rad, f32::from(distance) * DISTANCE_STEP_M);
+                    cloud.push(position_m, f32::from(intensity) / 255.0);
+                }
+            }
+        }
+    }
+
+    /// When a laser fires, as a share of the time from one column to the next.
+    fn share_of_step(&self, place: usize) -> f32 {
+        let micros = match self.model {
+            VelodyneModel::Vlp16 => [55.296 * (place / 16) as f32 + 2.304 * (place % 16) as f32, 110.592],
+            VelodyneModel::Hdl32e => [1.152 * place as f32, 46.08],
+            VelodyneModel::Hdl64e => [6.0 * (place / 4) as f32 + 1.2 * (place % 4) as f32, 48.0],
+        };
+        micros[0] / micros[1]
+    }
+}
+
+/// Where a laser hit, with x forward and y left; the azimuth is clockwise from forward.
+fn position_m(laser: &Laser, azimuth_rad: f32, measured_m: f32) -> [f32; 3] {
+    let (sin_vertical, cos_vertical) = laser.vertical_rad.sin_cos();
+    let (sin, cos) = (azimuth_rad - laser.rotation_rad).sin_cos();
+    let (horizontal_m, vertical_m) = (laser.horizontal_offset_m, laser.vertical_offset_m);
+    let distance_m = measured_m + laser.distance_m;
+    let right_m = |along_m: f32| along_m * sin - horizontal_m * cos;
+    let forward_m = |along_m: f32| along_m * cos + horizontal_m * sin;
+    let along_m = |distance_m: f32| distance_m * cos_vertical - vertical_m * sin_vertical;
+    let [far_right_m, far_forward_m] = match laser.distance_nearby_m {
+        None => [distance_m; 2],
+        Some(nearby_m) => {
+            let seen_m = [right_m(along_m(distance_m)).abs(), forward_m(along_m(distance_m)).abs()];
+            std::array::from_fn(|axis| {
+                // Between the two; beyond them, as at the nearer one of them.
+                let share = ((seen_m[axis] - NEAR_M[axis]) / (FAR_M - NEAR_M[axis])).clamp(0.0, 1.0);
+                distance_m + (laser.distance_m - nearby_m[axis]) * (share - 1.0)
+            })
+        }
+    };
+    let height_m = far_forward_m * sin_vertical + vertical_m * cos_vertical;
+    [forward_m(along_m(far_forward_m)), -right_m(along_m(far_right_m)), height_m]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::velodyne_capture::laser_table::lasers_of;
+
+    /// A packet whose columns begin at 10° and are `step` apart, with `distance` everywhere.
+    fn packet(flags: [u16; 2], last: [u8; 2], step: u16, distance: u16) -> [u8; N_PACKET_BYTES] {
+        let mut bytes = [0; N_PACKET_BYTES];
+        for block in 0..N_BLOCKS {
+            let at = block * N_BLOCK_BYTES;
+            bytes[at..at + 2].copy_from_slice(&flags[block % 2].to_le_bytes());
+            bytes[at + 2..at + 4].copy_from_slice(&(1000 + step * block as u16).to_le_bytes());
+            for place in 0..N_MEASUREMENTS {
+                let at = at + 4 + 3 * place;
+                bytes[at..at + 2].copy_from_slice(&distance.to_le_bytes());
+                bytes[at + 2] = 51;
+            }
+        }
+        bytes[N_PACKET_BYTES - 2..].copy_from_slice(&last);
+        bytes
+    }
+
+    fn points(bytes: &[u8; N_PACKET_BYTES]) -> PointCloud {
+        let packet = DataPacket::parse(bytes).unwrap();
+        let mut cloud = PointCloud::default();
+        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut cloud);
+        cloud
+    }
+
+    #[test]
+    fn a_point_lies_where_its_laser_and_the_head_point() {
+        let cloud = points(&packet([FIRST_BANK; 2], [0x37, 0x22], 40, 5000));
+        assert_eq!(cloud.len(), 12 * 32);
+        let [x, y, z] = cloud.position_m(0);
+        // 10 m at 10° to the right, 15° down.
+        let expected = [9.659_26 * 0.984_808, -9.659_26 * 0.173_648, -2.588_19 + 0.0108];
+        assert!((x - expected[0]).abs() < 4e-3 && (y - expected[1]).abs() < 4e-3, "{x} {y}");
+        assert!((z - expected[2]).abs() < 4e-3, "{z}");
+        assert_eq!(cloud.intensity()[0], 0.2);
+        // The second firing is half a step later.
+        let azimuth_of = |idx: usize| (-cloud.y_m()[idx]).atan2(cloud.x_m()[idx]).to_degrees();
+        assert!((azimuth_of(16) - 10.2).abs() < 1e-3, "{}", azimuth_of(16));
+        assert!((azimuth_of(11 * 32) - 14.4).abs() < 1e-3);
+    }
+
+    #[test]
+    fn of_two_returns_the_last_is_taken_and_of_none_nothing() {
+        assert_eq!(points(&packet([FIRST_BANK; 2], [0x39, 0x21], 10, 5000)).len(), 6 * 32);
+        assert_eq!(points(&packet([FIRST_BANK; 2], [0x37, 0x21], 10, 0)).len(), 0);
+    }
+
+    #[test]
+    fn sensors_are_told_by_their_packets() {
+        let model = |bytes: [u8; N_PACKET_BYTES]| DataPacket::parse(&bytes).map(|it| it.model());
+        assert_eq!(model(packet([FIRST_BANK; 2], [0x37, 0x21], 10, 1)), Ok(VelodyneModel::Hdl32e));
+        assert_eq!(model(packet([FIRST_BANK, SECOND_BANK], [0x37, 0x99], 10, 1)), Ok(VelodyneModel::Hdl64e));
+        assert!(model(packet([FIRST_BANK; 2], [0x37, 0x28], 10, 1)).expect_err("another").contains("0x28"));
+        assert!(model(packet([0x1234; 2], [0x37, 0x21], 10, 1)).expect_err("no packet").contains("0x1234"));
+        assert!(
+            model(packet([FIRST_BANK; 2], [0x37, 0x21], 4000, 1)).expect_err("a turn").contains("azimuth")
+        );
+    }
+
+    #[test]
+    fn corrections_add_up_at_the_distances_that_were_measured() {
+        let laser = Laser { distance_m: 1.0, distance_nearby_m: Some([1.2, 1.5]), ..Laser::default() };
+        let [x, y, _] = position_m(&laser, 0.0, FAR_M - 1.0);
+        assert!((x - FAR_M).abs() < 1e-4 && y.abs() < 1e-4, "{x} {y}");
+        let [x, _, _] = position_m(&laser, 0.0, NEAR_M[1] - 1.0);
+        assert!((x - (NEAR_M[1] + 0.5)).abs() < 1e-4, "{x}");
+        let [x, _, _] = position_m(&laser, 0.0, 99.0);
+        assert!((x - 100.0).abs() < 1e-4, "{x}");
+    }
+}

@@ -1,0 +1,252 @@
+//! Captures of packets as scans, one a revolution, which begins where the azimuth is 0.
+//!
+//! ```text
+//! NAME.pcap, NAME.pcapng               the packets
+//! NAME.xml, .yaml or .yml, or db.xml   beside it: the calibration, which an HDL-64E needs
+//! ```
+//!
+//! The packets are read once when a capture is opened; what stays in memory is where they lie.
+
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use detector::PointCloud;
+
+use super::calibration_file::parse_calibration_file;
+use super::capture_file::{Payload, is_capture, walk_payloads};
+use super::data_packet::{DATA_PORT, DataPacket, FULL_TURN, N_BLOCKS, N_PACKET_BYTES};
+use super::laser_table::{Laser, VelodyneModel, lasers_of};
+use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::source::{DamagePolicy, DatasetSource, StatedBy};
+use crate::dataset::text_file::read_text_file;
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+
+/// Longer than this without a packet, in nanoseconds, and nobody knows how often the head has turned.
+const MAX_GAP_NS: u64 = 40_000_000;
+
+/// A revolution that begins and ends this near to azimuth 0 is whole, in hundredths of a degree.
+const WHOLE_WITHIN: u16 = 500;
+
+/// An open capture.
+#[derive(Debug)]
+pub struct VelodyneCapture {
+    description: DatasetDescription,
+    path: PathBuf,
+    lasers: Vec<Laser>,
+    // Invariant: `scan_ids` and `revolutions` have the same length and order.
+    scan_ids: Vec<ScanId>,
+    revolutions: Vec<Revolution>,
+    payloads: Vec<Payload>,
+    left_out: Option<String>,
+}
+
+/// The packets of a revolution, of which the first and the last may belong to it in part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Revolution {
+    first_packet: usize,
+    first_block: usize,
+    last_packet: usize,
+    end_block: usize,
+    first_azimuth: u16,
+    last_azimuth: u16,
+}
+
+impl Revolution {
+    fn is_whole(&self) -> bool {
+        self.first_azimuth <= WHOLE_WITHIN && self.last_azimuth >= FULL_TURN - WHOLE_WITHIN
+    }
+}
+
+/// Whether `path` is a capture of packets.
+pub fn is_velodyne_capture(path: &Path) -> bool {
+    is_capture(path)
+}
+
+/// Opens the capture of `source`.
+///
+/// What is not a whole revolution at its beginning or end is left out, unless there is nothing else. If damage is to be
+/// skipped, so are packets that are none, and the end of a capture that is cut off is left out.
+///
+/// # Errors
+///
+/// [`DatasetError`] if it is damaged, holds no data packets of a known sensor, or lacks the calibration that the sensor needs.
+pub fn open_velodyne_capture(source: DatasetSource) -> Result<VelodyneCapture, DatasetError> {
+    let path = source.path.clone();
+    let mut finder = RevolutionFinder::default();
+    let mut first_bad = None;
+    let cut_off = walk_payloads(&path, DATA_PORT, N_PACKET_BYTES, |payload, bytes| {
+        let bytes: &[u8; N_PACKET_BYTES] = bytes.try_into().map_err(|_| "has a packet of another length")?;
+        match DataPacket::parse(bytes).and_then(|packet| finder.add(payload, &packet)) {
+            Err(problem) if source.damage == DamagePolicy::Skip => {
+                first_bad.get_or_insert(problem);
+                Ok(())
+            }
+            added => added,
+        }
+    })?;
+    if let (Some(problem), DamagePolicy::Refuse) = (&cut_off, source.damage) {
+        return Err(DatasetError::Damaged { path, problem: problem.clone() });
+    }
+    let Some(model) = finder.model else {
+        let problem = format!("holds no data packets of a Velodyne sensor to port {DATA_PORT}");
+        return Err(DatasetError::Damaged { path, problem: first_bad.unwrap_or(problem) });
+    };
+    let (revolutions, payloads) = finder.finish();
+    let mut checksum = DatasetChecksum::default();
+    let metadata =
+        std::fs::metadata(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
+    checksum.add_scan("capture", metadata.len());
+    let lasers = lasers_beside(&path, model, &mut checksum)?;
+    let sequence = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+    let scan_ids =
+        (0..revolutions.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
+    let mut source = source;
+    if source.stated_by == StatedBy::Nobody {
+        model.sensor().clone_into(&mut source.sensor);
+    }
+    let description = source.describe(DatasetFormat::VelodynePcap, checksum.finish());
+    let left_out = cut_off.or(first_bad);
+    Ok(VelodyneCapture { description, path, lasers, scan_ids, revolutions, payloads, left_out })
+}
+
+impl Dataset for VelodyneCapture {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let cloud = self.read_cloud(&self.revolutions[scan_idx])?;
+        let point_regions = vec![PointRegion::Outside; cloud.len()];
+        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations: Vec::new(), point_regions })
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        Some(self.payloads[self.revolutions[scan_idx].first_packet].time_ns)
+    }
+
+    fn left_out(&self) -> Option<&str> {
+        self.left_out.as_deref()
+    }
+}
+
+impl VelodyneCapture {
+    fn read_cloud(&self, revolution: &Revolution) -> Result<PointCloud, DatasetError> {
+        let io_error = |source| DatasetError::Io { path: self.path.clone(), source };
+        let damaged = |problem| DatasetError::Damaged { path: self.path.clone(), problem };
+        let mut file = File::open(&self.path).map_err(io_error)?;
+        let mut cloud = PointCloud::default();
+        let mut bytes = [0; N_PACKET_BYTES];
+        for packet_idx in revolution.first_packet..=revolution.last_packet {
+            file.seek(SeekFrom::Start(self.payloads[packet_idx].offset)).map_err(io_error)?;
+            file.read_exact(&mut bytes).map_err(io_error)?;
+            let first = if packet_idx == revolution.first_packet { revolution.first_block } else { 0 };
+            let end = if packet_idx == revolution.last_packet { revolution.end_block } else { N_BLOCKS };
+            // Read before, unless the file has changed since.
+            let packet = DataPacket::parse(&bytes).map_err(damaged)?;
+            packet.append_points(first, end, &self.lasers, &mut cloud);
+        }
+        if cloud.is_empty() {
+            return Err(DatasetError::NoPoints { path: self.path.clone() });
+        }
+        Ok(cloud)
+    }
+}
+
+/// Cuts packets into revolutions.
+#[derive(Default)]
+struct RevolutionFinder {
+    model: Option<VelodyneModel>,
+    payloads: Vec<Payload>,
+    revolutions: Vec<Revolution>,
+    last_azimuth: u16,
+}
+
+impl RevolutionFinder {
+    fn add(&mut self, payload: Payload, packet: &DataPacket<'_>) -> Result<(), String> {
+        let model = *self.model.get_or_insert(packet.model());
+        if model != packet.model() {
+            let (one, other) = (model.sensor(), packet.model().sensor());
+            return Err(format!("has packets of different sensors, {one} and {other}"));
+        }
+        let gap_ns = self.payloads.last().map_or(0, |it| payload.time_ns.saturating_sub(it.time_ns));
+        let packet_idx = self.payloads.len();
+        self.payloads.push(payload);
+        for block in 0..N_BLOCKS {
+            let azimuth = packet.azimuth(block);
+            let has_wrapped = self.last_azimuth > azimuth && self.last_azimuth - azimuth > FULL_TURN / 2;
+            let is_after_gap = block == 0 && gap_ns > MAX_GAP_NS;
+            if has_wrapped || is_after_gap || self.revolutions.is_empty() {
+                self.revolutions.push(Revolution {
+                    first_packet: packet_idx,
+                    first_block: block,
+                    last_packet: packet_idx,
+                    end_block: block,
+                    first_azimuth: azimuth,
+                    last_azimuth: azimuth,
+                });
+            }
+            if let Some(revolution) = self.revolutions.last_mut() {
+                (revolution.last_packet, revolution.end_block) = (packet_idx, block + 1);
+                revolution.last_azimuth = azimuth;
+            }
+            self.last_azimuth = azimuth;
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> (Vec<Revolution>, Vec<Payload>) {
+        let Self { mut revolutions, payloads, .. } = self;
+        if revolutions.iter().any(Revolution::is_whole) {
+            if revolutions.first().is_some_and(|it| !it.is_whole()) {
+                revolutions.remove(0);
+            }
+            if revolutions.last().is_some_and(|it| !it.is_whole()) {
+                revolutions.pop();
+            }
+        }
+        (revolutions, payloads)
+    }
+}
+
+/// The lasers of the sensor: as a calibration beside the capture says, or else the manual.
+fn lasers_beside(
+    path: &Path,
+    model: VelodyneModel,
+    checksum: &mut DatasetChecksum,
+) -> Result<Vec<Laser>, DatasetError> {
+    let of_capture = ["xml", "yaml", "yml"].map(|extension| path.with_extension(extension));
+    let of_folder = path.with_file_name("db.xml");
+    let mut candidates = of_capture.to_vec();
+    if model == VelodyneModel::Hdl64e {
+        candidates.push(of_folder.clone());
+    }
+    let Some(file) = candidates.iter().find(|it| it.is_file()) else {
+        return match model {
+            VelodyneModel::Hdl64e => {
+                let scan = path.to_path_buf();
+                Err(DatasetError::ScanWithoutCalibration { scan, calibration: of_folder })
+            }
+            _ => Ok(lasers_of(model)),
+        };
+    };
+    let text = read_text_file(file)?;
+    checksum.add_text("calibration", &text);
+    let damaged = |problem| DatasetError::Damaged { path: file.clone(), problem };
+    let lasers = parse_calibration_file(&text).map_err(damaged)?;
+    let n_needed = match model {
+        VelodyneModel::Vlp16 => 16,
+        VelodyneModel::Hdl32e => 32,
+        VelodyneModel::Hdl64e => 64,
+    };
+    if lasers.len() == n_needed {
+        return Ok(lasers);
+    }
+    Err(damaged(format!("has {} lasers, and the packets are of a sensor with {n_needed}", lasers.len())))
+}

@@ -1,0 +1,170 @@
+//! Whatever ends the program, and whatever the disk takes: what was asked for is there whole, or what was there before is.
+
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::Duration;
+
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+use super::made::scans;
+use super::{open, try_open};
+use crate::program::Workplace;
+
+const SMALL: [&str; 4] = ["--simulated-scans", "3", "--sensor", "vlp-16"];
+
+/// What writes, and the file or folder that it leaves.
+fn writers() -> Vec<(Vec<&'static str>, &'static str)> {
+    let simulate = |format: &'static str, name: &'static str| {
+        (vec!["data", "simulate", "street-narrow", "--to", format, "-o", name], name)
+    };
+    let prelabel = |tool: &'static str, name: &'static str| {
+        (vec!["data", "prelabel", "street-narrow", "--to", tool, "-o", name], name)
+    };
+    vec![
+        simulate("mcap", "out.mcap"),
+        simulate("kitti-tracking", "tracking"),
+        simulate("kitti-object", "object"),
+        simulate("semantic-kitti", "semantic"),
+        prelabel("kitti", "kitti"),
+        prelabel("labelcloud", "labelcloud"),
+        prelabel("sustechpoints", "sustech"),
+        (vec!["run", "street-narrow", "-d", "pca", "--no-rrd", "--mcap", "-o", "run"], "run"),
+    ]
+}
+
+/// Nothing, or something whole: a data set with all its scans, or a run with all its files.
+#[track_caller]
+fn check_nothing_or_whole(path: &Path) -> bool {
+    if !path.exists() {
+        return false;
+    }
+    if path.ends_with("run") {
+        for file in ["manifest.json", "report.json", "scans.csv", "matches.csv", "table_times.md"] {
+            assert!(path.join(file).is_file(), "{} is not whole: {file}", path.display());
+        }
+        assert_eq!(open(&path.join("run.mcap")).scan_ids().len(), 3);
+        return true;
+    }
+    let dataset = try_open(path).unwrap_or_else(|error| panic!("{} is not whole: {error}", path.display()));
+    assert_eq!(scans(&*dataset).len(), 3, "{} is not whole", path.display());
+    true
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_at_any_moment_a_writer_leaves_nothing_or_all() {
+    use std::os::unix::process::ExitStatusExt as _;
+
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    for (arguments, name) in writers() {
+        let workplace = Workplace::new();
+        let arguments = [&arguments[..], &SMALL].concat();
+        let started = std::time::Instant::now();
+        workplace.succeed(&arguments);
+        let whole_ms = started.elapsed().as_millis() as u64;
+        remove(&workplace.path(name));
+        let (mut n_killed, mut n_whole) = (0, 0);
+        // The last one well after the end, for the other outcome.
+        for attempt in 0..6 {
+            let pause_ms = if attempt < 5 { random.random_range(0..=whole_ms) } else { 20 * whole_ms };
+            let mut command = workplace.command(&arguments);
+            let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+            let deadline = std::time::Instant::now() + Duration::from_millis(pause_ms);
+            while std::time::Instant::now() < deadline && child.try_wait().unwrap().is_none() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            child.kill().unwrap();
+            n_killed += usize::from(child.wait().unwrap().signal() == Some(9));
+            n_whole += usize::from(check_nothing_or_whole(&workplace.path(name)));
+            remove(&workplace.path(name));
+        }
+        assert!(n_killed > 0 && n_whole > 0, "{name}: {n_killed} killed, {n_whole} whole");
+    }
+}
+
+fn remove(path: &Path) {
+    if path.is_dir() {
+        std::fs::remove_dir_all(path).unwrap();
+    } else if path.exists() {
+        std::fs::remove_file(path).unwrap();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn killed_while_a_run_is_replaced_the_one_or_the_other_is_there() {
+    let workplace = Workplace::new();
+    let run = ["run", "street-narrow", "-d", "pca", "--no-rrd", "--mcap", "-o", "run", "--overwrite"];
+    let run = [&run[..], &SMALL].concat();
+    workplace.succeed(&run);
+    let started = std::time::Instant::now();
+    workplace.succeed(&run);
+    let whole_ms = started.elapsed().as_millis() as u64;
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    for attempt in 0..12 {
+        // Most moments near the end, when names change.
+        let from_ms = if attempt % 3 == 0 { 0 } else { whole_ms * 3 / 4 };
+        let pause_ms = random.random_range(from_ms..=whole_ms);
+        let mut child = workplace.command(&run).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(pause_ms));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(check_nothing_or_whole(&workplace.path("run")), "there is no run at all");
+    }
+}
+
+/// The program under a limit of the size of its files, as on a disk that is full.
+#[cfg(unix)]
+fn run_with_full_disk(workplace: &Workplace, arguments: &[&str], kilobytes: u32) -> std::process::Output {
+    let limited = format!("trap '' XFSZ; ulimit -f {kilobytes}; exec \"$0\" \"$@\"");
+    let program = workplace.command(&[]).get_program().to_owned();
+    let mut command = std::process::Command::new("bash");
+    command.args(["-c", &limited]).arg(program).args(arguments).current_dir(workplace.folder());
+    command.env_remove("SCANBENCH_DATASETS").output().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_nothing_and_is_said() {
+    for (arguments, name) in writers() {
+        let workplace = Workplace::new();
+        // Blocks of a kilobyte: less than a scan.
+        let ended = run_with_full_disk(&workplace, &[&arguments[..], &SMALL].concat(), 64);
+        let stderr = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(1), "{name}: {stderr}");
+        let says_why = stderr.to_lowercase().contains("file too large");
+        assert!(stderr.contains("cannot write") && says_why, "{name}: {stderr}");
+        assert!(workplace.names().is_empty(), "{name}: {:?}", workplace.names());
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_is_not_replaced_where_the_disk_is_full() {
+    let workplace = Workplace::new();
+    let run = ["run", "street-narrow", "-d", "pca", "--no-rrd", "--mcap", "-o", "run", "--overwrite"];
+    let run = [&run[..], &SMALL].concat();
+    workplace.succeed(&run);
+    let (before, names) = (workplace.read("run/manifest.json"), workplace.names());
+    let ended = run_with_full_disk(&workplace, &run, 64);
+    assert_eq!(ended.status.code(), Some(1), "{}", String::from_utf8_lossy(&ended.stderr));
+    assert_eq!((workplace.read("run/manifest.json"), workplace.names()), (before, names));
+}
+
+/// A place where nothing can be written, whoever asks: below a file.
+#[test]
+fn where_nothing_can_be_written_nothing_is_left() {
+    let workplace = Workplace::new();
+    workplace.write("file", "");
+    for (arguments, name) in writers() {
+        let below = PathBuf::from("file").join(name);
+        let arguments = [&arguments[..], &SMALL].concat();
+        let arguments: Vec<&str> =
+            arguments.into_iter().map(|it| if it == name { below.to_str().unwrap() } else { it }).collect();
+        let ended = workplace.run(&arguments);
+        assert!([Some(1), Some(2)].contains(&ended.exit_code), "{ended:#?}");
+        assert!(ended.stderr.contains("file"), "{ended:#?}");
+        assert_eq!(workplace.top_names(), ["file"]);
+    }
+}
