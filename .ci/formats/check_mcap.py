@@ -62,7 +62,7 @@ def check_written(scanbench, scratch: Path):
     with open(scratch / "narrow.mcap", "rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
         summary = reader.get_summary()
-        assert summary.statistics.message_count == 6 and summary.chunk_indexes, summary.statistics
+        assert summary.statistics.message_count == 9 and summary.chunk_indexes, summary.statistics
         for schema, channel, message, decoded in reader.iter_decoded_messages():
             official = OFFICIAL[schema.name]()
             official.ParseFromString(message.data)

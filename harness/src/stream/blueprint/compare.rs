@@ -8,7 +8,7 @@ use rerun::datatypes::{Range1D, Range2D};
 use rerun::external::re_sdk_types::blueprint::archetypes::{
     PlotLegend, ScalarAxis, TextLogColumns, VisualBounds2D,
 };
-use rerun::external::re_sdk_types::blueprint::components::{Corner2D, TextLogColumn, TimelineColumn};
+use rerun::external::re_sdk_types::blueprint::components::{Corner2D, TextLogColumn};
 use rerun::external::re_sdk_types::blueprint::datatypes;
 use rerun::external::re_sdk_types::blueprint::datatypes::TextLogColumnKind;
 
@@ -154,12 +154,8 @@ pub fn mistakes(
         .with_origin(entity_paths::mistakes(detector, layout.opening.shown_task))
         .into();
     let body = datatypes::TextLogColumn { visible: true.into(), kind: TextLogColumnKind::Body };
-    let timeline = layout.axis.timeline.as_str().into();
-    // Without one of them a view shows its own choice.
-    let time = datatypes::TimelineColumn { visible: false.into(), timeline };
-    let columns = TextLogColumns::new()
-        .with_timeline_columns([TimelineColumn(time)])
-        .with_text_log_columns([TextLogColumn(body)]);
+    // The time stays beside it: the view goes on over all scans.
+    let columns = TextLogColumns::new().with_text_log_columns([TextLogColumn(body)]);
     add(properties, &view, "TextLogColumns", columns);
     view
 }
