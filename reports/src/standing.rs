@@ -221,3 +221,70 @@ pub fn standing_to_terminal(standings: &[Standing], speeds: &Speeds, width: usiz
     let sentences = standings.iter().map(Standing::sentence).chain(speeds.sentence());
     sentences.map(|it| wrapped_to(&it, width)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(detector: &str, value: Option<f64>) -> Place {
+        let interval = value.map(|it| Interval { ends: [it - 0.02, it + 0.01], n_blocks: 6 });
+        Place { detector: detector.to_owned(), value, interval }
+    }
+
+    fn standing(values: &[Option<f64>], lead: Option<[f64; 3]>) -> Standing {
+        let names = ["grid", "tree", "pca"];
+        let places = names.iter().zip(values).map(|(name, value)| place(name, *value)).collect();
+        let lead = lead.map(|[after, low, high]| PairedDifference {
+            metric: Metric::FRate,
+            before: 0.0,
+            after,
+            interval: Some(Interval { ends: [low, high], n_blocks: 6 }),
+            least_effect: None,
+        });
+        let (task, origin, metric) = ("objects".to_owned(), Origin::Simulated, Metric::FRate);
+        Standing { task, origin, metric, places, lead }
+    }
+
+    #[test]
+    fn a_clear_lead_is_called_one() {
+        assert_eq!(
+            standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12])).sentence(),
+            "Task objects (simulated): grid leads with an F-rate of 70.0 % (68.0 to 71.0), 10.0 points above tree \
+             (95 % interval 5.0 to 12.0)."
+        );
+    }
+
+    #[test]
+    fn a_lead_that_may_be_chance_is_none() {
+        assert_eq!(
+            standing(&[Some(0.7), Some(0.69)], Some([0.01, -0.005, 0.02])).sentence(),
+            "Task objects (simulated): grid and tree cannot be told apart: F-rate 70.0 % (68.0 to 71.0) and 69.0 % \
+             (67.0 to 70.0), a difference of 1.0 points (95 % interval −0.5 to 2.0)."
+        );
+    }
+
+    #[test]
+    fn undefined_rates_lead_nothing() {
+        assert_eq!(
+            standing(&[None, None], None).sentence(),
+            "Task objects (simulated): F-rate is undefined."
+        );
+        assert_eq!(
+            standing(&[Some(0.7), None], None).sentence(),
+            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0)."
+        );
+    }
+
+    #[test]
+    fn speeds_are_told_against_the_fastest() {
+        let speeds = |medians: &[(&str, f64)]| {
+            let medians_ms = medians.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
+            Speeds { medians_ms }.sentence()
+        };
+        assert_eq!(speeds(&[]), None);
+        assert_eq!(
+            speeds(&[("grid", 3.06), ("pca", 9.04), ("tree", 356.4)]).unwrap(),
+            "grid takes 3.06 ms for a scan (median), 3.0 × faster than pca (9.04 ms) and 116 × faster than tree (356 ms)."
+        );
+    }
+}

@@ -43,8 +43,8 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         }
         section #verdict aria-label="Verdict" {
             div.verdict {
-                @for standing in &facts.standings { p { (standing.sentence()) } }
-                @if let Some(sentence) = facts.speeds.sentence() { p { (sentence) } }
+                @for standing in &facts.standings { p { (unbroken(&standing.sentence())) } }
+                @if let Some(sentence) = facts.speeds.sentence() { p { (unbroken(&sentence)) } }
             }
             (FigureMarkup {
                 file_stem: "standing",
@@ -62,6 +62,13 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             }.render(files))
         }
     }
+}
+
+/// Units stay with their numbers.
+fn unbroken(sentence: &str) -> String {
+    [" %", " ms", " ×", " points"]
+        .iter()
+        .fold(sentence.to_owned(), |text, unit| text.replace(unit, &format!("\u{a0}{}", unit.trim_start())))
 }
 
 fn plot(facts: &RunFacts, standing: &Standing) -> crate::plot::themed_svg::ThemedPanel {

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::markup::{Figure, FigureMarkup};
-use super::run_facts::RunFacts;
+use super::run_facts::{RunFacts, TaskRanges};
 use crate::plot::range_plot::range_plot;
 use crate::plot::small_panel::key;
 use crate::standing::origin_of_run;
@@ -13,6 +13,7 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let origin = origin_of_run(&facts.manifest).name();
     let undefined = "Precision and F-rate are undefined: not every class of object is annotated, so false objects cannot be \
                      known. ";
+    let together = if facts.manifest.datasets.len() > 1 { ", all data sets together" } else { "" };
     html! {
         section #range aria-labelledby="range-title" {
             h2 #range-title { "Near and far" }
@@ -26,8 +27,9 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                     panels: &panels,
                     key: &key,
                     caption: html! {
-                        "Objects by their distance from the sensor on the ground plan, all data sets together (" (origin)
+                        "By distance from the sensor on the ground plan" (together) " (" (origin)
                         "), with 95 % intervals. An annotation counts where it is, a false detection where it was made. "
+                        "Annotations that count: " (annotations(of_task)) ". "
                         @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
                     },
                     class: "",
@@ -35,4 +37,11 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             }
         }
     }
+}
+
+/// How many there are in each bin.
+fn annotations(of_task: &TaskRanges) -> String {
+    let bins = of_task.bins.iter().zip(&of_task.n_annotations);
+    let bins = bins.map(|(bin, n)| format!("{n} within {} m", bin.replace('-', "–")));
+    bins.collect::<Vec<_>>().join(", ")
 }

@@ -20,6 +20,7 @@ use crate::run_report::{OVERALL, RunReport, SLICE_ALL, Subject};
 use crate::scan_row::{ScanOutcome, ScanRow};
 use crate::slice::Slice;
 use crate::standing::{Speeds, Standing, extent_of_run, speeds, standings};
+use crate::sums::Term;
 use crate::tally::Tally;
 use crate::worst_places::{WorstPlace, WorstPlaces};
 use crate::worst_points::WorstPoints;
@@ -53,6 +54,8 @@ pub(super) struct TaskRanges {
     pub(super) task: String,
     /// Names of the bins in metres, the nearest first.
     pub(super) bins: Vec<String>,
+    /// Number of annotations that count in each.
+    pub(super) n_annotations: Vec<u64>,
     /// Name of the rate, and its values for every detector and bin.
     pub(super) rates: Vec<(&'static str, Vec<RatesOverRange>)>,
 }
@@ -139,8 +142,16 @@ fn task_ranges(tally: &Tally, task: &str, detectors: &[String]) -> Option<TaskRa
     let slices: BTreeSet<Slice> =
         detectors.iter().flat_map(|it| tally.slices(task, it)).filter(is_range).collect();
     let draws = tally.draw();
+    let sample = |detector: &str, slice: &Slice| {
+        tally.sample(&Question { dataset: OVERALL, task, detector, slice }, &draws)
+    };
+    // They are the same for every detector.
+    let n_annotations = |slice: &Slice| {
+        let of_detectors = detectors.iter().filter_map(|it| sample(it, slice));
+        of_detectors.map(|it| it.total.of(Term::Annotations) as u64).max().unwrap_or(0)
+    };
     let rate = |detector: &str, slice: &Slice, metric: &Metric| {
-        let sample = tally.sample(&Question { dataset: OVERALL, task, detector, slice }, &draws)?;
+        let sample = sample(detector, slice)?;
         let interval = Distribution::new(sample.resampled_values(metric), sample.n_blocks)
             .map(|it| it.interval().ends.map(|it| 100.0 * it));
         Some(RateInRange { percent: 100.0 * sample.value(metric)?, interval_percent: interval })
@@ -159,7 +170,8 @@ fn task_ranges(tally: &Tally, task: &str, detectors: &[String]) -> Option<TaskRa
         |(_, rates): &(_, Vec<RatesOverRange>)| rates.iter().flat_map(|it| &it.rates).any(Option::is_some);
     let rates: Vec<_> = rates.filter(is_defined).collect();
     let bins = slices.iter().map(|it| it.name().trim_start_matches("range/").to_owned()).collect();
-    (!rates.is_empty()).then(|| TaskRanges { task: task.to_owned(), bins, rates })
+    let n_annotations = slices.iter().map(n_annotations).collect();
+    (!rates.is_empty()).then(|| TaskRanges { task: task.to_owned(), bins, n_annotations, rates })
 }
 
 fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurves> {

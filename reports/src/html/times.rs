@@ -15,12 +15,11 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let times = TimesTable::new(&facts.report, &facts.manifest);
     let (grid, notes) = times.grid_and_notes();
     let origin = origin_of_run(&facts.manifest).name();
-    let n_rows = facts.stages_ms.iter().map(|(_, stages)| stages.len()).max().unwrap_or(0);
     let stages: Vec<ThemedPanel> = facts
         .stages_ms
         .iter()
         .filter(|(_, stages)| !stages.is_empty())
-        .map(|(detector, stages)| stage_plot(detector, facts.detector_idx(detector), stages, n_rows))
+        .map(|(detector, stages)| stage_plot(detector, facts.detector_idx(detector), stages))
         .collect();
     html! {
         section #times aria-labelledby="times-title" {
@@ -55,7 +54,7 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                     caption: html! {
                         "Median time of each stage (" (origin) "), in the order of the stages. Bars are to scale within a detector, not between detectors."
                     },
-                    class: "",
+                    class: "stages",
                 }.render(files))
             }
         }

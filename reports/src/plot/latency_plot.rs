@@ -42,3 +42,23 @@ fn steps(times: &[f64]) -> Vec<Option<Place>> {
     });
     places.collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_rise_to_all_scans() {
+        let shares: Vec<_> = steps(&[1.0, 4.0]).into_iter().flatten().map(|it| (it.x, it.y)).collect();
+        assert_eq!(shares, [(1.0, 0.0), (1.0, 50.0), (4.0, 50.0), (4.0, 100.0)]);
+    }
+
+    #[test]
+    fn nothing_timed_is_no_panel() {
+        assert_eq!(latency_plot(&[("grid".to_owned(), Vec::new())]), None);
+        let panel = latency_plot(&[("grid".to_owned(), vec![3.0])]).unwrap();
+        for part in ["time of a scan (ms)", "scans (%)", "k-d0"] {
+            assert!(panel.inline().contains(part), "no {part} in {panel:?}");
+        }
+    }
+}

@@ -95,14 +95,7 @@ pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
             hex(detector_hue(it.detector_idx).on_light)
         );
     }
-    let bar_px = 2.0 * scale;
-    let y_px = SIDE_PX - 8;
-    let _ = write!(
-        elements,
-        r#"<path class="k-ink" d="M8 {y_px}h{bar_px:.1}" stroke="{BLACK_HEX}" stroke-width="2"/><text class="f-ink" x="{:.1}" y="{}" font-family="sans-serif" font-size="12" fill="{BLACK_HEX}">2 m</text>"#,
-        12.0 + bar_px,
-        y_px + 4
-    );
+    elements.push_str(&scale_bar(scene.window, scale));
     elements.push_str(&sensor_mark(scene.window));
     ThemedPanel::of_elements(elements, [SIDE_PX, SIDE_PX], label)
 }
@@ -137,6 +130,19 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
         r#" stroke-dasharray="1 3""#,
     ));
     keys
+}
+
+/// A bar of two metres, where `scale` are the pixels of a metre.
+fn scale_bar(window: PlanWindow, scale: f64) -> String {
+    let bar_px = 2.0 * scale;
+    // Below, unless the sensor is pointed at there.
+    let [forward_m, left_m] = window.center_m;
+    let y_px = if forward_m > 0.0 && left_m < 0.0 { 12 } else { SIDE_PX - 8 };
+    format!(
+        r#"<path class="k-ink" d="M8 {y_px}h{bar_px:.1}" stroke="{BLACK_HEX}" stroke-width="2"/><text class="f-ink" x="{:.1}" y="{}" font-family="sans-serif" font-size="12" fill="{BLACK_HEX}">2 m</text>"#,
+        12.0 + bar_px,
+        y_px + 4
+    )
 }
 
 /// A small wedge at the edge, on the side of the sensor, that points to it; a cross where the sensor is inside.
@@ -182,4 +188,48 @@ fn corners(bounding_box: &BoxFacts) -> [[f64; 2]; 4] {
         let [ahead_m, aside_m] = [ahead * length_m / 2.0, aside * width_m / 2.0];
         [x_m + ahead_m * cos - aside_m * sin, y_m + ahead_m * sin + aside_m * cos]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOX: BoxFacts =
+        BoxFacts { center_m: [20.0, 5.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
+    const WINDOW: PlanWindow = PlanWindow { center_m: [20.0, 5.0], half_m: 5.0 };
+
+    fn scene(cells: Option<&PlanCells>, window: PlanWindow) -> Scene<'_> {
+        let detection = |is_asked| SceneDetection { detector_idx: 1, bounding_box: BOX, is_asked };
+        let detections = vec![detection(true), detection(false)];
+        Scene { window, subject: BOX, cells, annotations: vec![BOX], detections }
+    }
+
+    #[test]
+    fn forward_is_up_and_left_is_left() {
+        // Two cells ahead and one to the left of the middle, in one run with its right neighbour.
+        assert_eq!(runs(&[[2, 1], [2, 0], [-1, 0]]), "M-1 -2h2M0 1h1");
+        let svg = scene_plot(&scene(None, WINDOW), "a < b".to_owned()).inline();
+        // 4 m long in a window of 10 m and 200 pixels: from 60 to 140 down, from 80 to 120 across.
+        assert!(svg.contains("points=\"80.0,60.0 80.0,140.0 120.0,140.0 120.0,60.0\""), "{svg}");
+        for part in ["a &lt; b", "2 m", "k-d1", "stroke-dasharray=\"1 3\"", "f-subject"] {
+            assert!(svg.contains(part), "no {part} in {svg}");
+        }
+        assert!(!svg.contains("k-grid"), "{svg}");
+    }
+
+    #[test]
+    fn what_was_seen_is_drawn_where_it_was_kept() {
+        let cells = PlanCells { low: vec![[0, 0]], high: vec![[1, 0]] };
+        let svg = scene_plot(&scene(Some(&cells), WINDOW), String::new()).inline();
+        assert!(svg.contains("M0 0h1") && svg.contains("M0 -1h1"), "{svg}");
+    }
+
+    #[test]
+    fn the_sensor_is_pointed_at_or_shown() {
+        // It is behind, to the right: below on the page.
+        let svg = sensor_mark(WINDOW);
+        assert!(svg.contains("translate(124.2 197.0) rotate(76)"), "{svg}");
+        let around = PlanWindow { center_m: [1.0, 0.0], half_m: 5.0 };
+        assert!(sensor_mark(around).contains("M96.0 120.0h8"), "{}", sensor_mark(around));
+    }
 }

@@ -113,3 +113,31 @@ fn axis(rows: &[StandingRow]) -> [f64; 2] {
         [(low - TICK_PERCENT).max(0.0), high.max(low + TICK_PERCENT).min(100.0)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(percent: Option<f64>) -> StandingRow {
+        let interval_percent = percent.map(|it| [it - 3.0, it + 3.0]);
+        let name = "grid".to_owned();
+        StandingRow { name, detector_idx: 0, percent, interval_percent, paper_percent: Some(83.0) }
+    }
+
+    #[test]
+    fn the_axis_is_whole_tens_around_all_that_is_drawn() {
+        assert_eq!(axis(&[row(Some(61.0)), row(None)]), [50.0, 90.0]);
+        assert_eq!(axis(&[]), [0.0, 100.0]);
+        let exact = StandingRow { interval_percent: None, paper_percent: None, ..row(Some(100.0)) };
+        assert_eq!(axis(&[exact]), [90.0, 100.0]);
+    }
+
+    #[test]
+    fn what_is_undefined_is_said_to_be() {
+        let panel = standing_plot("Task objects", "F-rate (%)", &[row(Some(61.04)), row(None)]);
+        assert_eq!(panel.label, "Task objects: F-rate (%) of grid 61.0 %, grid undefined");
+        for part in ["61.0 %", "undefined", "F-rate (%)", "f-d0"] {
+            assert!(panel.inline().contains(part), "no {part} in {panel:?}");
+        }
+    }
+}

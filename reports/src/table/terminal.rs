@@ -33,7 +33,7 @@ pub fn to_terminal(table: &TaskTable, width: usize) -> String {
 }
 
 /// The grid in as many pieces below each other as it takes for each to fit into `width` columns. Every piece begins with the
-/// columns that say what its lines are about; a group of columns stays together.
+/// columns that say what its lines are about; a group of columns stays together where it fits.
 pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
     let has_groups = grid.columns.iter().any(|it| it.group.is_some());
     let is_head = |column: &Column| {
@@ -42,13 +42,19 @@ pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width:
     let n_heads = grid.columns.iter().take_while(|it| is_head(it)).count();
     let fits = |columns: &[usize]| {
         let piece = grid.with_columns(columns);
-        grid_width(&piece, &widths(&piece, notes)) <= width
+        let widths = widths(&piece, notes);
+        grid_width(&piece, &widths).max(group_heads_width(&piece, &widths)) <= width
     };
     let heads: Vec<usize> = (0..n_heads).collect();
     let mut pieces = vec![heads.clone()];
     let rest: Vec<usize> = (n_heads..grid.columns.len()).collect();
     let together = |a: &usize, b: &usize| has_groups && grid.columns[*a].group == grid.columns[*b].group;
-    for group in rest.chunk_by(together) {
+    // A group that is too wide by itself comes apart.
+    let groups = rest.chunk_by(together).flat_map(|group| {
+        let is_whole = fits(&[heads.as_slice(), group].concat());
+        group.chunks(if is_whole { group.len() } else { 1 })
+    });
+    for group in groups {
         let last = pieces.last_mut().expect("there is a first piece");
         let longer = [last.as_slice(), group].concat();
         if last.len() == n_heads || fits(&longer) {
@@ -190,6 +196,18 @@ fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
         Width { total, fraction: fraction_width }
     });
     columns.collect()
+}
+
+/// Width of the line above the heads, where names of groups may be wider than their columns.
+fn group_heads_width(grid: &Grid, widths: &[Width]) -> usize {
+    let groups = grid.groups();
+    let mut widths = widths.iter();
+    let of_groups = groups.iter().map(|(name, n_columns)| {
+        let of_columns: usize = widths.by_ref().take(*n_columns).map(|it| it.total).sum();
+        let columns_width = of_columns + GAP.len() * (n_columns - 1);
+        columns_width.max(name.map_or(0, |it| it.chars().count()))
+    });
+    of_groups.sum::<usize>() + (GAP.len() + GROUP_GAP.len()) * (groups.len() - 1)
 }
 
 fn grid_width(grid: &Grid, widths: &[Width]) -> usize {

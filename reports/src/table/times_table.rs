@@ -79,7 +79,7 @@ impl TimesTable {
     /// The table for a terminal of `width` columns.
     pub fn to_terminal(&self, width: usize) -> String {
         let notes = self.notes();
-        let mut text = format!("{}\n\n", self.title());
+        let mut text = terminal::wrapped_to(&self.title(), width) + "\n";
         terminal::write_folded(&mut text, &self.grid, &notes, width);
         text.push('\n');
         for sentence in &notes.sentences {
@@ -181,6 +181,14 @@ mod tests {
         let marked = |n: u64| table(n).matches('‡').count();
         // Each of those marked, and the note.
         assert_eq!([58, 59, 299].map(marked), [3, 2, 0]);
+    }
+
+    #[test]
+    fn a_group_that_is_too_wide_comes_apart() {
+        let text = TimesTable::new(&sample::report(), &sample::manifest()).to_terminal(75);
+        for line in text.lines() {
+            assert!(line.chars().count() <= 75, "{line}");
+        }
     }
 
     #[test]
