@@ -55,6 +55,7 @@ fn a_run_leaves_its_files_and_nothing_else() {
         "table_objects.csv",
         "table_objects.md",
         "table_objects.tex",
+        "table_stages.md",
         "table_times.md",
         "table_vehicles.csv",
         "table_vehicles.md",
