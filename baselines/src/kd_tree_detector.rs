@@ -1,15 +1,14 @@
 //! The rival of the hierarchical grid: components of points over a kd-tree.
 
-use std::ops::Range;
-
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock, StageTime};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
-use detector::pipeline::vehicle_model::{VehicleModel, classify_object};
+use detector::pipeline::object_stages::ObjectStages;
+use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
 use detector::stage_product::{Shape, SurfaceClass};
-use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
+use detector::{Detector, PointCloud, StageProduct};
 
 use crate::kd_tree_components::{KdTreeScratch, kd_tree_components};
 use crate::params::{ForegroundChoice, KdTreeParams};
@@ -29,21 +28,10 @@ pub struct KdTreeDetector {
     scratch: KdTreeScratch,
     labels: Vec<u32>,
     clusters: Clusters,
+    kept: Vec<usize>,
     dropped: Vec<usize>,
     box_fit: ConvexHullBox,
-    objects: Vec<FittedObject>,
-    hulls_m: Vec<[f32; 2]>,
-    object_points: Vec<u32>,
-    vehicle_model: Option<VehicleModel>,
-}
-
-/// A cluster whose size is right, with its box.
-#[derive(Debug, Clone)]
-struct FittedObject {
-    cluster_idx: usize,
-    bounding_box: OrientedBox,
-    /// Its hull within `hulls_m`.
-    hull: Range<usize>,
+    objects: ObjectStages,
 }
 
 impl KdTreeDetector {
@@ -51,6 +39,9 @@ impl KdTreeDetector {
     /// in common with the hierarchical detector.
     pub fn new(params: KdTreeParams, mut shared: HierarchicalParams, sensor_height_m: f32) -> Self {
         shared.walls.enabled &= params.foreground == ForegroundChoice::Refined;
+        // Of the whole scan there is no grid to complete clusters from.
+        shared.completion.enabled &= params.foreground != ForegroundChoice::All;
+        let objects = ObjectStages::new(&shared);
         Self {
             params,
             short_objects: ForegroundStages::new(shared, sensor_height_m),
@@ -59,18 +50,16 @@ impl KdTreeDetector {
             scratch: KdTreeScratch::default(),
             labels: Vec::new(),
             clusters: Clusters::default(),
+            kept: Vec::new(),
             dropped: Vec::new(),
             box_fit: ConvexHullBox::default(),
-            objects: Vec::new(),
-            hulls_m: Vec::new(),
-            object_points: Vec::new(),
-            vehicle_model: None,
+            objects,
         }
     }
 
     /// The same detector, which tells vehicles by `model` instead of by their size.
     pub fn with_vehicle_model(mut self, model: VehicleModel) -> Self {
-        self.vehicle_model = Some(model);
+        self.objects = self.objects.with_vehicle_model(model);
         self
     }
 }
@@ -88,8 +77,7 @@ impl Detector for KdTreeDetector {
         clock.lap("components", &mut output.stage_times);
         self.fit_boxes(output);
         clock.lap("boxes", &mut output.stage_times);
-        self.classify(output);
-        clock.lap("classify", &mut output.stage_times);
+        self.objects.finish(cloud, &self.short_objects, &mut self.box_fit, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
@@ -101,27 +89,12 @@ impl Detector for KdTreeDetector {
                 shape: Shape::LabeledPoints(self.finite_point_classes(cloud.len())),
             }],
         };
-        let kept = self.objects.iter().map(|object| object.cluster_idx);
-        let clusters = Shape::Clusters(self.cluster_of_point(cloud.len(), kept));
-        let dropped = Shape::Clusters(self.cluster_of_point(cloud.len(), self.dropped.iter().copied()));
-        let hulls = Shape::Contours(self.objects.iter().map(|object| self.hull(object)).collect());
-        let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
-        let boxes = Shape::Boxes(self.objects.iter().map(|object| object.bounding_box).collect());
+        let of_points = |clusters: &[usize]| Shape::Clusters(self.cluster_of_point(cloud.len(), clusters));
         products.extend([
-            StageProduct { stage: "components", name: "dropped_clusters", shape: dropped },
-            StageProduct { stage: "components", name: "clusters", shape: clusters },
-            StageProduct { stage: "boxes", name: "hulls", shape: hulls },
-            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
-            StageProduct { stage: "boxes", name: "boxes", shape: boxes },
+            StageProduct { stage: "components", name: "dropped_clusters", shape: of_points(&self.dropped) },
+            StageProduct { stage: "components", name: "clusters", shape: of_points(&self.kept) },
         ]);
-        if let Some(model) = &self.vehicle_model {
-            let positions_m = |object: &FittedObject| {
-                let members = self.clusters.members(object.cluster_idx).iter();
-                members.map(|&place| self.positions_m[place as usize])
-            };
-            let objects = self.objects.iter().map(|object| (object.bounding_box, positions_m(object)));
-            products.extend(model.stage_products(objects));
-        }
+        products.extend(self.objects.stage_products(cloud.len()));
         products
     }
 }
@@ -166,9 +139,9 @@ impl KdTreeDetector {
     }
 
     fn fit_boxes(&mut self, output: &mut DetectorOutput) {
+        self.kept.clear();
         self.dropped.clear();
         self.objects.clear();
-        self.hulls_m.clear();
         for (cluster_idx, members) in self.clusters.iter().enumerate() {
             let n_points = members.len();
             if let Some(reason) = self.params.reason_to_drop(n_points) {
@@ -185,33 +158,16 @@ impl KdTreeDetector {
                 .box_fit
                 .fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
                 .expect("no cluster is without points");
-            let hull_start = self.hulls_m.len();
-            self.hulls_m.extend_from_slice(self.box_fit.hull_m());
-            let hull = hull_start..self.hulls_m.len();
-            self.objects.push(FittedObject { cluster_idx, bounding_box, hull });
+            self.kept.push(cluster_idx);
+            let foreground_points = match self.params.foreground {
+                ForegroundChoice::Short | ForegroundChoice::Refined => self.short_objects.point_indices(),
+                ForegroundChoice::All => &self.finite_points,
+            };
+            let points = members
+                .iter()
+                .map(|&place| (foreground_points[place as usize], self.positions_m[place as usize]));
+            self.objects.add(points, bounding_box, self.box_fit.hull_m());
         }
-    }
-
-    fn classify(&mut self, output: &mut DetectorOutput) {
-        let mut object_points = std::mem::take(&mut self.object_points);
-        let mut model = self.vehicle_model.take();
-        for FittedObject { cluster_idx, bounding_box, .. } in &self.objects {
-            let members = self.clusters.members(*cluster_idx);
-            object_points.clear();
-            object_points.extend(members.iter().map(|&place| self.foreground_points()[place as usize]));
-            let positions_m = members.iter().map(|&place| self.positions_m[place as usize]);
-            let sizes = &self.short_objects.params().vehicle_size;
-            let object_box = (bounding_box, self.short_objects.ground_below_m(bounding_box));
-            let (class, score) = classify_object(model.as_mut(), object_box, positions_m, sizes);
-            output.detections.push(Detection {
-                point_indices: &object_points,
-                bounding_box: *bounding_box,
-                class,
-                score,
-            });
-        }
-        self.object_points = object_points;
-        self.vehicle_model = model;
     }
 
     fn finite_point_classes(&self, n_points: usize) -> Vec<SurfaceClass> {
@@ -223,24 +179,14 @@ impl KdTreeDetector {
     }
 
     /// For every point of the scan, its cluster among `cluster_indices`, numbered in their order.
-    fn cluster_of_point(
-        &self,
-        n_points: usize,
-        cluster_indices: impl Iterator<Item = usize>,
-    ) -> Vec<Option<u32>> {
+    fn cluster_of_point(&self, n_points: usize, cluster_indices: &[usize]) -> Vec<Option<u32>> {
         let mut cluster_of_point = vec![None; n_points];
-        for (number, cluster_idx) in (0..).zip(cluster_indices) {
+        for (number, &cluster_idx) in (0..).zip(cluster_indices) {
             for &place in self.clusters.members(cluster_idx) {
                 cluster_of_point[self.foreground_points()[place as usize] as usize] = Some(number);
             }
         }
         cluster_of_point
-    }
-
-    fn hull(&self, object: &FittedObject) -> Vec<[f32; 3]> {
-        let [_, _, height_m] = object.bounding_box.length_width_height_m;
-        let bottom_m = object.bounding_box.center_m[2] - height_m / 2.0;
-        self.hulls_m[object.hull.clone()].iter().map(|&[x_m, y_m]| [x_m, y_m, bottom_m]).collect()
     }
 }
 

@@ -2,9 +2,9 @@
 
 use detector::OrientedBox;
 use detector::classify::nu_svm::NuSvm;
+use detector::classify::object_classifier::ObjectClassifier;
 use detector::classify::svm_model::{SvmModel, SvmModelError};
 use detector::describe::trained_file::AtLine;
-use detector::pipeline::vehicle_model::ObjectClassifier;
 
 use crate::pca_features::{N_PCA_FEATURES, PcaDescriber, PcaFeatures};
 

@@ -1,21 +1,20 @@
 //! The ablation of the hierarchical grid: the same detector without its dense level.
 
-use std::ops::Range;
-
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::fit::outline::Outline;
 use detector::grid::dense_level::DenseLevel;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
-use detector::pipeline::vehicle_model::{VehicleModel, classify_object};
+use detector::pipeline::object_stages::ObjectStages;
+use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
 use detector::segment::connected_components::connected_components;
 use detector::segment::disjoint_sets::DisjointSets;
 use detector::segment::merge_graph::merge_graph;
 use detector::segment::object_points::ObjectPoint;
 use detector::stage_product::Shape;
-use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
+use detector::{Detector, PointCloud, StageProduct};
 
 /// Objects as connected components of coarse cells.
 ///
@@ -35,25 +34,14 @@ pub struct SimpleGridDetector {
     outline: Outline,
     members: Vec<ObjectPoint>,
     box_fit: ConvexHullBox,
-    objects: Vec<FittedObject>,
-    hulls_m: Vec<[f32; 2]>,
-    object_points: Vec<u32>,
-    vehicle_model: Option<VehicleModel>,
-}
-
-/// A cluster that is large enough, with its box.
-#[derive(Debug, Clone)]
-struct FittedObject {
-    cluster_idx: usize,
-    bounding_box: OrientedBox,
-    /// Its hull within `hulls_m`.
-    hull: Range<usize>,
+    objects: ObjectStages,
 }
 
 impl SimpleGridDetector {
     /// A detector for a sensor `sensor_height_m` above the road; `shared` are the parameters of the hierarchical detector.
     pub fn new(mut shared: HierarchicalParams, sensor_height_m: f32) -> Self {
         shared.grid.xi = 1;
+        let objects = ObjectStages::new(&shared);
         Self {
             foreground: ForegroundStages::new(shared, sensor_height_m),
             cells: DenseLevel::default(),
@@ -64,16 +52,13 @@ impl SimpleGridDetector {
             outline: Outline::new(1),
             members: Vec::new(),
             box_fit: ConvexHullBox::default(),
-            objects: Vec::new(),
-            hulls_m: Vec::new(),
-            object_points: Vec::new(),
-            vehicle_model: None,
+            objects,
         }
     }
 
     /// The same detector, which tells vehicles by `model` instead of by their size.
     pub fn with_vehicle_model(mut self, model: VehicleModel) -> Self {
-        self.vehicle_model = Some(model);
+        self.objects = self.objects.with_vehicle_model(model);
         self
     }
 }
@@ -92,33 +77,18 @@ impl Detector for SimpleGridDetector {
         self.outline.mark(self.foreground.grid(), &self.cells, &self.blob_of_cell);
         self.fit_boxes(cloud, output);
         clock.lap("boxes", &mut output.stage_times);
-        self.classify(cloud, output);
-        clock.lap("classify", &mut output.stage_times);
+        self.objects.finish(cloud, &self.foreground, &mut self.box_fit, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let mut products = self.foreground.stage_products();
-        let hulls = self.objects.iter().map(|object| self.hull(object)).collect();
-        let boxes = self.objects.iter().map(|object| object.bounding_box).collect();
-        let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
         let clusters = Shape::Clusters(self.cluster_of_point(cloud.len()));
         let links = merge_graph(self.foreground.grid(), &self.cells, &self.links, &[]);
         products.extend([
             StageProduct { stage: "merge", name: "links", shape: links },
             StageProduct { stage: "merge", name: "clusters", shape: clusters },
-            StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
-            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
-            StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
         ]);
-        if let Some(model) = &self.vehicle_model {
-            let point_indices = self.foreground.point_indices();
-            let positions_m = |object: &FittedObject| {
-                let members = self.clusters.members(object.cluster_idx).iter();
-                members.map(|&place| cloud.position_m(point_indices[place as usize] as usize))
-            };
-            let objects = self.objects.iter().map(|object| (object.bounding_box, positions_m(object)));
-            products.extend(model.stage_products(objects));
-        }
+        products.extend(self.objects.stage_products(cloud.len()));
         products
     }
 }
@@ -141,10 +111,9 @@ impl SimpleGridDetector {
 
     fn fit_boxes(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
         self.objects.clear();
-        self.hulls_m.clear();
         let point_indices = self.foreground.point_indices();
         let cell_of_point = self.cells.dense_of_point();
-        for (cluster_idx, members) in self.clusters.iter().enumerate() {
+        for members in self.clusters.iter() {
             let n_points = members.len();
             if n_points < self.foreground.params().cluster.min_points {
                 output.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
@@ -159,43 +128,17 @@ impl SimpleGridDetector {
             let outline_m = self.outline.points_m().iter().copied();
             let bounding_box =
                 self.box_fit.fit(outline_m, z_range_m).expect("every object has cells on its outline");
-            let hull_start = self.hulls_m.len();
-            self.hulls_m.extend_from_slice(self.box_fit.hull_m());
-            let hull = hull_start..self.hulls_m.len();
-            self.objects.push(FittedObject { cluster_idx, bounding_box, hull });
+            let indices = members.iter().map(|&place| point_indices[place as usize]);
+            let points = indices.zip(self.members.iter().map(|it| it.position_m));
+            self.objects.add(points, bounding_box, self.box_fit.hull_m());
         }
     }
 
-    fn classify(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
-        let point_indices = self.foreground.point_indices();
-        for FittedObject { cluster_idx, bounding_box, .. } in &self.objects {
-            let members = self.clusters.members(*cluster_idx);
-            self.object_points.clear();
-            self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
-            let positions_m = self.object_points.iter().map(|&it| cloud.position_m(it as usize));
-            let sizes = &self.foreground.params().vehicle_size;
-            let object_box = (bounding_box, self.foreground.ground_below_m(bounding_box));
-            let (class, score) = classify_object(self.vehicle_model.as_mut(), object_box, positions_m, sizes);
-            output.detections.push(Detection {
-                point_indices: &self.object_points,
-                bounding_box: *bounding_box,
-                class,
-                score,
-            });
-        }
-    }
-
-    fn hull(&self, object: &FittedObject) -> Vec<[f32; 3]> {
-        let [_, _, height_m] = object.bounding_box.length_width_height_m;
-        let bottom_m = object.bounding_box.center_m[2] - height_m / 2.0;
-        self.hulls_m[object.hull.clone()].iter().map(|&[x_m, y_m]| [x_m, y_m, bottom_m]).collect()
-    }
-
-    /// For every point of the scan, the number of its object.
+    /// For every point of the scan, the number of its cluster.
     fn cluster_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
         let mut cluster_of_point = vec![None; n_points];
-        for (object, number) in self.objects.iter().zip(0..) {
-            for &place in self.clusters.members(object.cluster_idx) {
+        for (members, number) in self.clusters.iter().zip(0..) {
+            for &place in members {
                 cluster_of_point[self.foreground.point_indices()[place as usize] as usize] = Some(number);
             }
         }

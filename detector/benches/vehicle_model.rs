@@ -1,24 +1,16 @@
 //! Time of the vehicle model over all candidates of a scan, one thread: features, decision, and both.
 //!
 //! `cargo bench -p detector --bench vehicle_model -- FOLDER`; FOLDER holds scans as KITTI has them (`.bin`), of which every
-//! tenth is taken. The classifier is trained on noise until it has some three hundred support vectors, which is what
-//! counts.
+//! tenth is taken. The model is the one that comes along.
 
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use detector::classify::nu_svc_solver::NuSvcParams;
-use detector::classify::nu_svm::NuSvm;
-use detector::classify::svm_model::SvmModel;
-use detector::classify::svm_training::train_svm;
-use detector::describe::prototype_library::PrototypeLibrary;
-use detector::describe::trained_file::Provenance;
-use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use detector::pipeline::vehicle_model::N_FEATURES;
+use detector::pipeline::vehicle_model::VehicleModel;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 const N_ROUNDS: usize = 20;
@@ -36,23 +28,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cargo starts benchmarks in the folder of their package; paths are meant from the root.
     std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
     let scans = candidates_of_scans(Path::new(&folder))?;
-    let model = model_of_noise()?;
     let n_candidates: usize = scans.iter().map(Vec::len).sum();
     let n_points: usize = scans.iter().flatten().map(|(_, points_m)| points_m.len()).sum();
     println!(
-        "{folder}: {} scans, {} candidates and {} of their points a scan, {} support vectors, {N_ROUNDS} rounds",
+        "{folder}: {} scans, {} candidates and {} of their points a scan, {N_ROUNDS} rounds",
         scans.len(),
         n_candidates / scans.len(),
-        n_points / scans.len(),
-        model.support_vectors.len()
+        n_points / scans.len()
     );
-    measure(&scans, &model);
+    measure(&scans);
     Ok(())
 }
 
-fn measure(scans: &[Vec<Candidate>], model: &SvmModel<N_FEATURES>) {
-    let mut describer = VehicleDescriber::new(PrototypeLibrary::drawn());
-    let svm = NuSvm::new(model);
+fn measure(scans: &[Vec<Candidate>]) {
+    let mut model = VehicleModel::shipped();
     let (mut features, mut decisions, mut vectors) = (Vec::new(), Vec::new(), Vec::new());
     let mut sum = 0.0;
     for round in 0..=N_ROUNDS {
@@ -60,14 +49,10 @@ fn measure(scans: &[Vec<Candidate>], model: &SvmModel<N_FEATURES>) {
             vectors.clear();
             let started = Instant::now();
             for (bounding_box, points_m) in scan {
-                vectors.extend(
-                    describer
-                        .describe(bounding_box, -SENSOR_HEIGHT_M, points_m.iter().copied())
-                        .map(|it| it.values()),
-                );
+                vectors.extend(model.values(bounding_box, -SENSOR_HEIGHT_M, points_m.iter().copied()));
             }
             let described = Instant::now();
-            sum += vectors.iter().map(|vector| svm.decision(vector)).sum::<f32>();
+            sum += vectors.iter().map(|vector| model.decision_on(vector)).sum::<f32>();
             let decided = described.elapsed();
             // The first round warms up.
             if round > 0 {
@@ -97,7 +82,9 @@ fn candidates_of_scans(folder: &Path) -> std::io::Result<Vec<Vec<Candidate>>> {
         std::fs::read_dir(folder)?.map(|it| Ok(it?.path())).collect::<std::io::Result<_>>()?;
     paths.retain(|path| path.extension().is_some_and(|it| it == "bin"));
     paths.sort();
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut params = HierarchicalParams::paper();
+    params.completion.enabled = false;
+    let mut detector = HierarchicalDetector::new(params, SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     let candidates_of = |path: &std::path::PathBuf| {
         let cloud = read_velodyne_bin(path)?;
@@ -120,30 +107,4 @@ fn read_velodyne_bin(path: &Path) -> std::io::Result<PointCloud> {
         cloud.push([x_m, y_m, z_m], intensity);
     }
     Ok(cloud)
-}
-
-/// A classifier whose classes differ by their distance from a centre, and now and then not.
-fn model_of_noise() -> Result<SvmModel<N_FEATURES>, Box<dyn std::error::Error>> {
-    let mut state = 1_u64;
-    let mut uniform = || {
-        // SplitMix64.
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 40) as f32 / (1_u32 << 24) as f32
-    };
-    let vectors: Vec<[f32; N_FEATURES]> =
-        (0..1200).map(|_| std::array::from_fn(|_| 2.0 * uniform() - 1.0)).collect();
-    let is_first: Vec<bool> = vectors
-        .iter()
-        .map(|vector| vector.iter().take(3).map(|it| it * it).sum::<f32>() + 0.4 * uniform() < 1.2)
-        .collect();
-    let params = NuSvcParams { gamma: 0.1078, nu: 0.2, tolerance: 1e-3, max_steps: 1_000_000 };
-    let made = Provenance {
-        command: "cargo bench".to_owned(),
-        data: vec!["noise".to_owned()],
-        seed: 1,
-        split: "nothing held out".to_owned(),
-    };
-    Ok(train_svm(&vectors, &is_first, (VehicleFeatures::NAMES, "noise".to_owned()), &params, made)?)
 }

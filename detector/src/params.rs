@@ -2,7 +2,9 @@
 
 use serde::Deserialize;
 
+use crate::classify::regrouping::RegroupingParams;
 use crate::classify::size_gate::SizeGateParams;
+use crate::fit::completion::CompletionParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
 use crate::grid::density_weighting::DensityWeightingParams;
 use crate::grid::hierarchical_grid::GridParams;
@@ -37,6 +39,10 @@ pub struct HierarchicalParams {
     pub cluster: ClusterParams,
     /// Which objects are vehicles.
     pub vehicle_size: SizeGateParams,
+    /// Cutting and joining objects by the vehicle model.
+    pub regrouping: RegroupingParams,
+    /// Points of objects that are no foreground.
+    pub completion: CompletionParams,
 }
 
 /// Which clusters are objects.

@@ -2,4 +2,5 @@
 
 pub mod foreground_stages;
 pub mod vehicle_model;
+pub mod object_stages;
 pub mod hierarchical_detector;

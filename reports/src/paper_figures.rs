@@ -58,6 +58,28 @@ pub struct PaperScore {
     pub fps: f64,
 }
 
+/// A step of a paper's method, timed there.
+#[derive(Debug, PartialEq)]
+pub struct PaperStep {
+    /// What the paper calls it.
+    pub name: &'static str,
+    /// How long it takes there, in milliseconds.
+    pub ms: f64,
+    /// The stages of our `hierarchical` that do it.
+    pub stages: &'static [&'static str],
+}
+
+/// The steps of the model-based approach.
+///
+/// Paper: VM section 6, last paragraph.
+pub const VEHICLE_STEPS: &[PaperStep] = &[
+    PaperStep { name: "grid", ms: 13.0, stages: &["grid"] },
+    PaperStep { name: "segmentation", ms: 4.0, stages: &["ground", "walls", "foreground"] },
+    PaperStep { name: "separation", ms: 6.0, stages: &["dense_level", "merge", "separation"] },
+    PaperStep { name: "features", ms: 18.0, stages: &["boxes", "features"] },
+    PaperStep { name: "SVM", ms: 2.0, stages: &["svm"] },
+];
+
 /// The papers' tables, one a task.
 pub const PAPER_TABLES: &[PaperTable] = &[OBJECTS, VEHICLES];
 

@@ -7,3 +7,5 @@ pub mod nu_svc_solver;
 pub mod svm_model;
 pub mod svm_training;
 pub mod nu_svm;
+pub mod object_classifier;
+pub mod regrouping;

@@ -3,3 +3,5 @@
 pub mod outline;
 pub mod convex_hull;
 pub mod convex_hull_box;
+pub mod fitted_objects;
+pub mod completion;

@@ -1,15 +1,15 @@
 //! The detector of the paper.
 
-use crate::detection::Detection;
+use crate::classify::regrouping::Regrouping;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::Outline;
 use crate::grid::dense_level::DenseLevel;
 use crate::grid::density_weighting::DensityWeighting;
-use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
-use crate::pipeline::vehicle_model::{VehicleModel, classify_object};
+use crate::pipeline::object_stages::ObjectStages;
+use crate::pipeline::vehicle_model::VehicleModel;
 use crate::point_cloud::PointCloud;
 use crate::segment::connected_components::connected_components;
 use crate::segment::dense_separation::DenseSeparation;
@@ -30,18 +30,7 @@ pub struct HierarchicalDetector {
     clusters: ObjectPoints,
     outline: Outline,
     box_fit: ConvexHullBox,
-    objects: Vec<FittedObject>,
-    hulls_m: Vec<[f32; 2]>,
-    vehicle_model: Option<VehicleModel>,
-}
-
-/// A cluster that is large enough, with its box.
-#[derive(Debug, Clone)]
-struct FittedObject {
-    cluster_idx: usize,
-    bounding_box: OrientedBox,
-    /// Its hull within `hulls_m`.
-    hull: std::ops::Range<usize>,
+    objects: ObjectStages,
 }
 
 impl HierarchicalDetector {
@@ -50,6 +39,8 @@ impl HierarchicalDetector {
         let weighting = DensityWeighting::new(&params.density_weighting);
         let separation = DenseSeparation::new(params.separation.clone(), &params.grid, &weighting);
         let outline = Outline::new(params.grid.xi);
+        let regrouping = Regrouping::new(params.regrouping.clone());
+        let objects = ObjectStages::new(&params).with_regrouping(regrouping);
         Self {
             foreground: ForegroundStages::new(params, sensor_height_m),
             dense: DenseLevel::default(),
@@ -58,15 +49,13 @@ impl HierarchicalDetector {
             clusters: ObjectPoints::default(),
             outline,
             box_fit: ConvexHullBox::default(),
-            objects: Vec::new(),
-            hulls_m: Vec::new(),
-            vehicle_model: None,
+            objects,
         }
     }
 
     /// The same detector, which tells vehicles by `model` instead of by their size.
     pub fn with_vehicle_model(mut self, model: VehicleModel) -> Self {
-        self.vehicle_model = Some(model);
+        self.objects = self.objects.with_vehicle_model(model);
         self
     }
 }
@@ -92,16 +81,12 @@ impl Detector for HierarchicalDetector {
         self.outline.mark(grid, &self.dense, self.separation.object_of_dense());
         self.fit_boxes(output);
         clock.lap("boxes", &mut output.stage_times);
-        self.classify(output);
-        clock.lap("classify", &mut output.stage_times);
+        self.objects.finish(cloud, &self.foreground, &mut self.box_fit, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let mut products = self.foreground.stage_products();
         let cuts = self.separation.cut_links().iter().map(|&blocks| self.cut(blocks)).collect();
-        let hulls = self.objects.iter().map(|object| self.hull(object)).collect();
-        let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
-        let boxes = self.objects.iter().map(|object| object.bounding_box).collect();
         let grid = self.foreground.grid();
         products.extend([
             StageProduct {
@@ -120,17 +105,8 @@ impl Detector for HierarchicalDetector {
                 name: "clusters",
                 shape: Shape::Clusters(self.cluster_of_point(cloud.len())),
             },
-            StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
-            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
-            StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
         ]);
-        if let Some(model) = &self.vehicle_model {
-            let positions_m = |object: &FittedObject| {
-                self.clusters.points(object.cluster_idx).iter().map(|it| it.position_m)
-            };
-            let objects = self.objects.iter().map(|object| (object.bounding_box, positions_m(object)));
-            products.extend(model.stage_products(objects));
-        }
+        products.extend(self.objects.stage_products(cloud.len()));
         products
     }
 }
@@ -138,7 +114,6 @@ impl Detector for HierarchicalDetector {
 impl HierarchicalDetector {
     fn fit_boxes(&mut self, output: &mut DetectorOutput) {
         self.objects.clear();
-        self.hulls_m.clear();
         for cluster_idx in 0..self.clusters.n_objects() {
             let points = self.clusters.points(cluster_idx);
             if points.len() < self.foreground.params().cluster.min_points {
@@ -150,26 +125,9 @@ impl HierarchicalDetector {
             let outline_m = self.outline.points_m().iter().copied();
             let bounding_box =
                 self.box_fit.fit(outline_m, z_range_m).expect("every object has cells on its outline");
-            let hull_start = self.hulls_m.len();
-            self.hulls_m.extend_from_slice(self.box_fit.hull_m());
-            self.objects.push(FittedObject {
-                cluster_idx,
-                bounding_box,
-                hull: hull_start..self.hulls_m.len(),
-            });
-        }
-    }
-
-    /// By the vehicle model (VM sections 4 and 5) if there is one, else by size.
-    fn classify(&mut self, output: &mut DetectorOutput) {
-        for object in &self.objects {
-            let point_indices = self.clusters.point_indices(object.cluster_idx);
-            let bounding_box = object.bounding_box;
-            let positions_m = self.clusters.points(object.cluster_idx).iter().map(|it| it.position_m);
-            let sizes = &self.foreground.params().vehicle_size;
-            let object_box = (&bounding_box, self.foreground.ground_below_m(&bounding_box));
-            let (class, score) = classify_object(self.vehicle_model.as_mut(), object_box, positions_m, sizes);
-            output.detections.push(Detection { point_indices, bounding_box, class, score });
+            let point_indices = self.clusters.point_indices(cluster_idx).iter().copied();
+            let points = point_indices.zip(points.iter().map(|it| it.position_m));
+            self.objects.add(points, bounding_box, self.box_fit.hull_m());
         }
     }
 
@@ -183,12 +141,6 @@ impl HierarchicalDetector {
         // A quarter turn from the line between the centres, half as long to either side.
         let half_m = [0.5 * (a[1] - b[1]), 0.5 * (b[0] - a[0])];
         [1.0, -1.0].map(|side| [middle_m[0] + side * half_m[0], middle_m[1] + side * half_m[1], top_m])
-    }
-
-    fn hull(&self, object: &FittedObject) -> Vec<[f32; 3]> {
-        let [_, _, center_z_m] = object.bounding_box.center_m;
-        let bottom_m = center_z_m - object.bounding_box.length_width_height_m[2] / 2.0;
-        self.hulls_m[object.hull.clone()].iter().map(|&[x, y]| [x, y, bottom_m]).collect()
     }
 
     fn cluster_of_point(&self, n_points: usize) -> Vec<Option<u32>> {

@@ -1,6 +1,7 @@
 //! From an object to how surely it is a vehicle. Shared with baselines that classify as the paper does.
 
 use crate::classify::nu_svm::NuSvm;
+use crate::classify::object_classifier::ObjectClassifier;
 use crate::classify::size_gate::{SizeGateParams, size_gate};
 use crate::classify::svm_model::{SvmModel, SvmModelError};
 use crate::describe::prototype_file::PrototypeFileError;
@@ -13,18 +14,6 @@ use crate::stage_product::{Shape, StageProduct};
 
 /// Number of values that the model looks at.
 pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
-
-/// Tells vehicles by a trained model.
-pub trait ObjectClassifier {
-    /// How surely an object with these points, in the sensor frame, above ground of elevation `ground_m` is a vehicle:
-    /// above 0 it is one. `None` without points.
-    fn decision(
-        &mut self,
-        bounding_box: &OrientedBox,
-        ground_m: f32,
-        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-    ) -> Option<f32>;
-}
 
 /// Features and their classifier, with buffers for one object after another.
 ///
@@ -73,6 +62,22 @@ impl VehicleModel {
         Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm) }
     }
 
+    /// What the classifier sees of an object with these points, in the sensor frame, above ground of elevation `ground_m`. `None`
+    /// without points.
+    pub fn values(
+        &mut self,
+        bounding_box: &OrientedBox,
+        ground_m: f32,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<[f32; N_FEATURES]> {
+        Some(self.describer.describe(bounding_box, ground_m, positions_m)?.values())
+    }
+
+    /// How surely what is seen like this is a vehicle: above 0 it is one.
+    pub fn decision_on(&self, values: &[f32; N_FEATURES]) -> f32 {
+        self.svm.decision(values)
+    }
+
     /// What the features of `objects`, boxes with their points, were taken from.
     pub fn stage_products<P: ExactSizeIterator<Item = [f32; 3]>>(
         &self,
@@ -104,8 +109,8 @@ impl ObjectClassifier for VehicleModel {
         ground_m: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32> {
-        let features = self.describer.describe(bounding_box, ground_m, positions_m)?;
-        Some(self.svm.decision(&features.values()))
+        let values = self.values(bounding_box, ground_m, positions_m)?;
+        Some(self.decision_on(&values))
     }
 }
 
@@ -120,8 +125,13 @@ pub fn classify_object(
     let n_points = positions_m.len();
     let Some(model) = model else { return (size_gate(n_points, bounding_box, sizes), None) };
     let decision = model.decision(bounding_box, ground_m, positions_m);
+    (class_by_decision(decision, n_points, sizes), decision)
+}
+
+/// What an object is of which a model says this.
+pub fn class_by_decision(decision: Option<f32>, n_points: usize, sizes: &SizeGateParams) -> DetectedClass {
     let is_vehicle = n_points >= sizes.min_points && decision.is_some_and(|it| it > 0.0);
-    (if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }, decision)
+    if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }
 }
 
 #[cfg(test)]

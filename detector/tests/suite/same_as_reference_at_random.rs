@@ -76,6 +76,7 @@ proptest! {
         let mut params = params(cell_size_m, xi);
         params.terrain.enabled = is_whole;
         params.separation.enabled = is_whole;
+        params.completion.enabled = is_whole;
         let mut twins = Twins::new(params, SENSOR_HEIGHT_M);
         for cloud in &clouds {
             twins.check(cloud, "a random cloud");

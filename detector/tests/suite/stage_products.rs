@@ -91,6 +91,7 @@ fn a_main_road_comes_apart_into_cars_person_pole_and_facade() {
     boxes/hulls: 3 of 4, 4, 4 corners
     boxes/rectangles: 3 of 4, 4, 4 corners
     boxes/boxes: 3 boxes
+    completion/objects: 3 of 2492, 2287, 356 points
     vehicle of 2492 points, centre 6.20 3.00 -0.88 m, 4.20 x 1.80 x 1.30 m, yaw 0.00 degrees
     vehicle of 2287 points, centre 10.70 3.10 -0.88 m, 4.00 x 1.80 x 1.30 m, yaw 0.00 degrees
     object of 356 points, centre 5.45 -4.10 -0.73 m, 0.50 x 0.40 x 1.60 m, yaw 0.00 degrees

@@ -58,8 +58,9 @@ Examples:
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md, worst_points.json, report.html, figures/
-and, unless --no-rrd, run.rrd for the Rerun viewer; with --mcap run.mcap for Foxglove.";
+table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
+report.html, figures/ and, unless --no-rrd, run.rrd for the Rerun viewer; with --mcap
+run.mcap for Foxglove.";
 
 #[cfg(not(feature = "rerun"))]
 const RUN_EXAMPLES: &str = "\
@@ -72,5 +73,6 @@ Examples:
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md, worst_points.json, report.html and figures/;
-with --mcap run.mcap for Foxglove. This program was built without Rerun.";
+table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
+report.html and figures/; with --mcap run.mcap for Foxglove. This program was built
+without Rerun.";

@@ -18,6 +18,7 @@ use reports::run_directory::{
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
 use reports::standing::{Speeds, Standing, speeds, standing_to_terminal, standings};
+use reports::table::stage_table::StageTable;
 use reports::table::task_table::{TaskTable, task_tables};
 use reports::table::times_table::TimesTable;
 use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
@@ -103,6 +104,9 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let tables = write_report(&directory, &manifest, &report)?;
     let times = TimesTable::new(&report, &manifest);
     directory.write_file("table_times.md", times.to_markdown().as_bytes())?;
+    if let Some(stages) = StageTable::new(&report, &manifest) {
+        directory.write_file("table_stages.md", stages.to_markdown().as_bytes())?;
+    }
     directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
     // Made of the files, so that `report` makes the same.
     RunPage::of(directory.folder())?.write(directory.folder())?;

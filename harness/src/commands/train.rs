@@ -143,7 +143,9 @@ fn collect_all<'a>(
     kind: ModelKind,
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Vec<(&'a str, Candidate)>> {
-    let config = RunConfig::without_vehicle_models()?;
+    let mut config = RunConfig::without_vehicle_models()?;
+    // Models are asked about objects before these are completed.
+    config.hierarchical.completion.enabled = false;
     let clusters = arguments.clusters.as_deref().unwrap_or(kind.detector());
     let listed = detectors_named(&[clusters.to_owned()])?[0];
     let boxes = if clusters == kind.detector() {

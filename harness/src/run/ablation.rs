@@ -25,6 +25,8 @@ const PARTS: &[(&str, &str)] = &[
     ("wall refinement", "hierarchical.walls.enabled=false"),
     ("distance weighting", "hierarchical.density_weighting.enabled=false"),
     ("dense separation", "hierarchical.separation.enabled=false"),
+    ("regrouping", "hierarchical.regrouping.enabled=false"),
+    ("completion", "hierarchical.completion.enabled=false"),
 ];
 
 /// The method, or what is left of it.

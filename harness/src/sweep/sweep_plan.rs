@@ -298,7 +298,7 @@ mod tests {
             "0.6 and 0.60 of hierarchical.grid.cell_size_m are the same",
         );
         check_refused(
-            &["cell_size_m=0.1:2:0.001", "clearance_m=0.1:0.2:0.001"],
+            &["cell_size_m=0.1:2:0.001", "foreground.clearance_m=0.1:0.2:0.001"],
             &[],
             "combinations of values are more than 100000",
         );

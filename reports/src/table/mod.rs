@@ -16,6 +16,7 @@ pub mod csv;
 pub mod markdown;
 pub mod latex;
 pub mod times_table;
+pub mod stage_table;
 pub mod ablation_table;
 pub mod gap_table;
 pub mod box_table;

@@ -11,6 +11,7 @@ mod foreground;
 mod merge;
 mod separation;
 mod boxes;
+mod completion;
 pub mod twins;
 
 use detector::classify::size_gate::size_gate;
@@ -57,10 +58,12 @@ pub fn detect(cloud: &PointCloud, params: &HierarchicalParams, sensor_height_m: 
         let class = size_gate(point_indices.len(), &bounding_box, &params.vehicle_size);
         FoundObject { point_indices, bounding_box, hull_m, class }
     });
+    let mut objects: Vec<FoundObject> = objects.collect();
+    completion::complete(cloud, &cells, &terrain, params, &mut objects);
     Found {
         point_classes: foreground::point_classes(cloud.len(), &cells, &classes, &foreground),
         n_cuts: separated.n_cuts,
-        objects: objects.collect(),
+        objects,
         clusters: separated.clusters.iter().map(|cluster| cluster.points.clone()).collect(),
     }
 }

@@ -1,0 +1,451 @@
+//! Objects that are cut, or joined, where the vehicle model likes that better.
+
+use serde::Deserialize;
+
+use super::object_classifier::ObjectClassifier;
+use super::size_gate::{SizeGateParams, size_gate};
+use crate::detection::DetectedClass;
+use crate::fit::convex_hull_box::ConvexHullBox;
+use crate::fit::fitted_objects::{FittedObject, FittedObjects};
+use crate::oriented_box::OrientedBox;
+
+/// Tuning of [`Regrouping`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RegroupingParams {
+    /// Whether objects are regrouped at all.
+    pub enabled: bool,
+    /// Objects as long as this are cut across, in metres: longer than a car.
+    pub min_length_m: f32,
+    /// Objects as wide as this are cut along, in metres: wider than a van.
+    pub min_width_m: f32,
+    /// Cuts are at least this far from both ends, in metres.
+    pub min_end_m: f32,
+    /// How many places are tried along each axis, those with the fewest points first.
+    pub n_places: usize,
+    /// A part has at least this many points.
+    pub min_points: usize,
+    /// By how much more the model has to like one part than the whole if it does not like the other.
+    pub lone_part_margin: f32,
+    /// Objects no farther apart than this may be joined, in metres.
+    pub max_gap_m: f32,
+    /// Longer objects are not joined with others, in metres.
+    pub max_joined_length_m: f32,
+}
+
+/// Cuts objects in which several vehicles stand, or one and something else, and joins vehicles that came apart.
+///
+/// A row of parked cars is one cluster where the gaps between them are hidden from the sensor, however the dense cells are
+/// weighed. Where both parts are taken for vehicles more surely than the whole, it is cut, and so are the parts again. In
+/// the same way two objects side by side, not both of them vehicles, become one if that is taken for one more surely than
+/// either.
+///
+/// Not in the papers, which have no step from the classifier back to the clusters.
+#[derive(Debug, Clone)]
+pub struct Regrouping {
+    params: RegroupingParams,
+    to_cut: Vec<FittedObject>,
+    n_in_column: Vec<u32>,
+    places: Vec<usize>,
+    parts_m: [Vec<[f32; 3]>; 2],
+}
+
+/// What looks at an object as it might be.
+pub struct Judge<'a, M, G> {
+    /// Fits its box.
+    pub box_fit: &'a mut ConvexHullBox,
+    /// Tells how surely it is a vehicle.
+    pub model: &'a mut M,
+    /// Elevation of the ground below a box, in metres.
+    pub ground_m: G,
+    /// What has not the size of a vehicle is none, without asking the model.
+    pub sizes: &'a SizeGateParams,
+}
+
+impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
+    /// How surely these points, one at least, are a vehicle; [`NO_VEHICLE`] if their size says no.
+    fn decision(&mut self, positions_m: &[[f32; 3]]) -> f32 {
+        let z_range_m = z_range_m(positions_m);
+        if !self.has_height(z_range_m) {
+            return NO_VEHICLE;
+        }
+        let bounding_box = self.box_over(positions_m, z_range_m);
+        match size_gate(positions_m.len(), &bounding_box, self.sizes) {
+            DetectedClass::Vehicle => self.decision_in(&bounding_box, positions_m),
+            DetectedClass::Object => NO_VEHICLE,
+        }
+    }
+
+    /// Box and decision of an object of these points, one at least.
+    fn judge(&mut self, positions_m: &[[f32; 3]]) -> (OrientedBox, f32) {
+        let bounding_box = self.bounding_box(positions_m);
+        (bounding_box, self.decision_in(&bounding_box, positions_m))
+    }
+
+    /// Whether it could be a vehicle by its height.
+    fn has_height(&self, [low_m, high_m]: [f32; 2]) -> bool {
+        (self.sizes.min_height_m..=self.sizes.max_height_m).contains(&(high_m - low_m))
+    }
+
+    fn bounding_box(&mut self, positions_m: &[[f32; 3]]) -> OrientedBox {
+        self.box_over(positions_m, z_range_m(positions_m))
+    }
+
+    fn box_over(&mut self, positions_m: &[[f32; 3]], z_range_m: [f32; 2]) -> OrientedBox {
+        let on_plan_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
+        self.box_fit.fit(on_plan_m, z_range_m).expect("it has points")
+    }
+
+    fn decision_in(&mut self, bounding_box: &OrientedBox, positions_m: &[[f32; 3]]) -> f32 {
+        let ground_m = (self.ground_m)(bounding_box);
+        let decision = self.model.decision(bounding_box, ground_m, positions_m.iter().copied());
+        decision.expect("it has points")
+    }
+}
+
+/// From the lowest to the highest of some points.
+fn z_range_m(positions_m: &[[f32; 3]]) -> [f32; 2] {
+    let widen = |[low, high]: [f32; 2], &[_, _, z_m]: &[f32; 3]| {
+        [if z_m < low { z_m } else { low }, if z_m > high { z_m } else { high }]
+    };
+    positions_m.iter().fold([f32::INFINITY, f32::NEG_INFINITY], widen)
+}
+
+/// A decision on the margin of the other class.
+const NO_VEHICLE: f32 = -1.0;
+
+/// A vertical plane through an object.
+#[derive(Debug, Clone, Copy)]
+struct Plane {
+    normal: [f32; 2],
+    offset_m: f32,
+}
+
+impl Plane {
+    fn is_before(&self, [x_m, y_m, _]: [f32; 3]) -> bool {
+        x_m * self.normal[0] + y_m * self.normal[1] < self.offset_m
+    }
+}
+
+/// Width of the columns in which points are counted, in metres; cuts lie in their middles.
+const COLUMN_M: f32 = 0.2;
+/// Places this many columns or fewer apart are one place.
+const NEAR_COLUMNS: usize = 3;
+
+impl Regrouping {
+    /// Nothing regrouped yet.
+    pub fn new(params: RegroupingParams) -> Self {
+        Self {
+            params,
+            to_cut: Vec::new(),
+            n_in_column: Vec::new(),
+            places: Vec::new(),
+            parts_m: [Vec::new(), Vec::new()],
+        }
+    }
+
+    /// Cuts and joins `fitted`, whose objects have their decisions. Parts stand where the whole stood, a joined object where
+    /// the first of its parts stood.
+    pub fn regroup<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        mut judge: Judge<'_, M, G>,
+    ) {
+        if self.params.enabled {
+            self.cut(fitted, &mut judge);
+            self.join(fitted, &mut judge);
+        }
+    }
+
+    fn cut<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        judge: &mut Judge<'_, M, G>,
+    ) {
+        self.to_cut.clear();
+        self.to_cut.extend(fitted.objects.drain(..).rev());
+        while let Some(object) = self.to_cut.pop() {
+            let Some(plane) = self.best_cut(fitted, &object, judge) else {
+                fitted.objects.push(object);
+                continue;
+            };
+            let parts = fitted.members.part(&object.members, |position_m| plane.is_before(position_m));
+            for members in parts.into_iter().rev() {
+                let (bounding_box, decision) = judge.judge(fitted.members.positions_m(&members));
+                let mut part = fitted.object(members, bounding_box, judge.box_fit.hull_m());
+                part.decision = Some(decision);
+                self.to_cut.push(part);
+            }
+        }
+    }
+
+    /// The cut whose parts are liked best, if they are liked better than the whole.
+    fn best_cut<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &FittedObjects,
+        object: &FittedObject,
+        judge: &mut Judge<'_, M, G>,
+    ) -> Option<Plane> {
+        let positions_m = fitted.members.positions_m(&object.members);
+        let (sin, cos) = object.bounding_box.yaw_rad.sin_cos();
+        let [length_m, width_m, _] = object.bounding_box.length_width_height_m;
+        let axes = [
+            ([cos, sin], length_m, self.params.min_length_m),
+            ([-sin, cos], width_m, self.params.min_width_m),
+        ];
+        let mut best = (object.decision.unwrap_or(0.0).max(0.0), None);
+        for (normal, extent_m, min_extent_m) in axes {
+            if extent_m < min_extent_m {
+                continue;
+            }
+            let [x_m, y_m, _] = object.bounding_box.center_m;
+            let start_m = x_m * normal[0] + y_m * normal[1] - 0.5 * extent_m;
+            self.find_places(positions_m, normal, start_m, extent_m);
+            for place_idx in 0..self.places.len() {
+                let offset_m = start_m + (self.places[place_idx] as f32 + 0.5) * COLUMN_M;
+                let plane = Plane { normal, offset_m };
+                if let Some(value) = self.value(positions_m, plane, judge)
+                    && value > best.0
+                {
+                    best = (value, Some(plane));
+                }
+            }
+        }
+        best.1
+    }
+
+    /// How much the model likes the parts on both sides of a plane. `None` if one of them has too few points.
+    fn value<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        positions_m: &[[f32; 3]],
+        plane: Plane,
+        judge: &mut Judge<'_, M, G>,
+    ) -> Option<f32> {
+        for part_m in &mut self.parts_m {
+            part_m.clear();
+        }
+        for &position_m in positions_m {
+            self.parts_m[usize::from(!plane.is_before(position_m))].push(position_m);
+        }
+        if self.parts_m.iter().any(|part_m| part_m.len() < self.params.min_points.max(1)) {
+            return None;
+        }
+        let [a, b] = self.parts_m.each_ref().map(|part_m| judge.decision(part_m));
+        Some(a.min(b).max(a.max(b) - self.params.lone_part_margin))
+    }
+
+    /// The columns with the fewest points along an axis, neighbours included by half; not near the ends, nor near each other.
+    fn find_places(&mut self, positions_m: &[[f32; 3]], normal: [f32; 2], start_m: f32, extent_m: f32) {
+        let last = (extent_m / COLUMN_M) as usize;
+        self.n_in_column.clear();
+        self.n_in_column.resize(last + 1, 0);
+        for [x_m, y_m, _] in positions_m {
+            let along_m = x_m * normal[0] + y_m * normal[1] - start_m;
+            self.n_in_column[((along_m / COLUMN_M) as usize).min(last)] += 1;
+        }
+        let n_in = |column: usize| self.n_in_column.get(column).copied().unwrap_or(0);
+        let doubled = |column: usize| 2 * n_in(column) + n_in(column.wrapping_sub(1)) + n_in(column + 1);
+        let n_end = (self.params.min_end_m / COLUMN_M) as usize;
+        self.places.clear();
+        for _ in 0..self.params.n_places {
+            let is_free = |column: &usize| self.places.iter().all(|it| it.abs_diff(*column) > NEAR_COLUMNS);
+            // Of equal ones the one nearest to the middle.
+            let key = |column: &usize| (doubled(*column), (2 * column).abs_diff(last));
+            let Some(place) = (n_end..(last + 1).saturating_sub(n_end)).filter(is_free).min_by_key(key)
+            else {
+                break;
+            };
+            self.places.push(place);
+        }
+    }
+
+    fn join<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        judge: &mut Judge<'_, M, G>,
+    ) {
+        let mut first = 0;
+        while first < fitted.objects.len() {
+            let mut second = first + 1;
+            while second < fitted.objects.len() {
+                if let Some(joined) = self.joined(fitted, [first, second], judge) {
+                    fitted.objects[first] = joined;
+                    fitted.objects.remove(second);
+                    second = first + 1;
+                } else {
+                    second += 1;
+                }
+            }
+            first += 1;
+        }
+    }
+
+    /// What two objects are together, if the model likes that better than either.
+    fn joined<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+        &mut self,
+        fitted: &mut FittedObjects,
+        pair: [usize; 2],
+        judge: &mut Judge<'_, M, G>,
+    ) -> Option<FittedObject> {
+        let [a, b] = pair.map(|it| &fitted.objects[it]);
+        let [a_range_m, b_range_m] = [a, b].map(|it| ends_m(&it.bounding_box));
+        let both_m = [a_range_m[0].min(b_range_m[0]), a_range_m[1].max(b_range_m[1])];
+        if !self.may_be_joined(fitted, a, b) || !judge.has_height(both_m) {
+            return None;
+        }
+        let [a_decision, b_decision] = [a, b].map(|it| it.decision.unwrap_or(0.0));
+        let [positions_m, _] = &mut self.parts_m;
+        positions_m.clear();
+        for object in [a, b] {
+            positions_m.extend_from_slice(fitted.members.positions_m(&object.members));
+        }
+        let decision = judge.decision(positions_m);
+        if decision <= a_decision.max(b_decision).max(0.0) {
+            return None;
+        }
+        let bounding_box = judge.bounding_box(positions_m);
+        let members = fitted.members.joined([&a.members.clone(), &b.members.clone()]);
+        let mut joined = fitted.object(members, bounding_box, judge.box_fit.hull_m());
+        joined.decision = Some(decision);
+        Some(joined)
+    }
+
+    fn may_be_joined(&self, fitted: &FittedObjects, a: &FittedObject, b: &FittedObject) -> bool {
+        let RegroupingParams { max_gap_m, max_joined_length_m, .. } = self.params;
+        let are_vehicles = [a, b].iter().all(|it| it.decision.is_some_and(|decision| decision > 0.0));
+        let is_long = |it: &FittedObject| it.bounding_box.length_width_height_m[0] > max_joined_length_m;
+        if are_vehicles || is_long(a) || is_long(b) {
+            return false;
+        }
+        let [dx, dy] = [0, 1].map(|axis| a.bounding_box.center_m[axis] - b.bounding_box.center_m[axis]);
+        let reach_m = half_diagonal_m(&a.bounding_box) + half_diagonal_m(&b.bounding_box) + max_gap_m;
+        dx * dx + dy * dy <= reach_m * reach_m
+            && (gap_m(&a.bounding_box, fitted.hull_m(b)) <= max_gap_m
+                || gap_m(&b.bounding_box, fitted.hull_m(a)) <= max_gap_m)
+    }
+}
+
+/// The lower and the upper end of a box.
+fn ends_m(bounding_box: &OrientedBox) -> [f32; 2] {
+    [-0.5, 0.5].map(|it| bounding_box.center_m[2] + it * bounding_box.length_width_height_m[2])
+}
+
+fn half_diagonal_m(bounding_box: &OrientedBox) -> f32 {
+    let [length_m, width_m, _] = bounding_box.length_width_height_m;
+    0.5 * (length_m * length_m + width_m * width_m).sqrt()
+}
+
+/// From a box to the nearest corner of a hull on the ground plan, in metres.
+fn gap_m(bounding_box: &OrientedBox, hull_m: &[[f32; 2]]) -> f32 {
+    let [x_m, y_m, _] = bounding_box.center_m;
+    let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
+    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let distance_m = |&[corner_x_m, corner_y_m]: &[f32; 2]| {
+        let (dx, dy) = (corner_x_m - x_m, corner_y_m - y_m);
+        let beyond_end_m = ((cos * dx + sin * dy).abs() - half_length_m).max(0.0);
+        let beside_m = ((cos * dy - sin * dx).abs() - half_width_m).max(0.0);
+        (beyond_end_m * beyond_end_m + beside_m * beside_m).sqrt()
+    };
+    hull_m.iter().map(distance_m).fold(f32::INFINITY, f32::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::HierarchicalParams;
+
+    /// Likes what is about 4 m long, and the more so the nearer to that.
+    struct FourMetres;
+
+    impl ObjectClassifier for FourMetres {
+        fn decision(
+            &mut self,
+            bounding_box: &OrientedBox,
+            _ground_m: f32,
+            positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+        ) -> Option<f32> {
+            (positions_m.len() > 0).then(|| 1.0 - (bounding_box.length_width_height_m[0] - 4.0).abs())
+        }
+    }
+
+    /// Two sides of a thing of this length and 1.8 m width, from `start_m` on along x.
+    fn sides(start_m: f32, length_m: f32) -> Vec<[f32; 3]> {
+        let n_along = (length_m / 0.05) as u8;
+        let along =
+            (0..=n_along).map(|it| [start_m + length_m * f32::from(it) / f32::from(n_along), 5.0, -1.0]);
+        along.chain((0..=36_u8).map(|it| [start_m, 5.0 + 0.05 * f32::from(it), -1.0])).collect()
+    }
+
+    /// The lengths and numbers of points of what becomes of objects of these points, each a list.
+    fn regrouped(objects: &[Vec<[f32; 3]>], change: impl Fn(&mut RegroupingParams)) -> Vec<(i32, usize)> {
+        let HierarchicalParams { regrouping: mut params, vehicle_size: mut sizes, .. } =
+            HierarchicalParams::paper();
+        // Drawings are flat.
+        sizes.min_height_m = 0.0;
+        change(&mut params);
+        let (mut fitted, mut box_fit, mut model) =
+            (FittedObjects::default(), ConvexHullBox::default(), FourMetres);
+        let mut judge = Judge {
+            box_fit: &mut box_fit,
+            model: &mut model,
+            ground_m: |_: &OrientedBox| -1.7,
+            sizes: &sizes,
+        };
+        let mut next_point = 0;
+        for positions_m in objects {
+            let start = fitted.members.len();
+            for &position_m in positions_m {
+                fitted.members.push(next_point, position_m);
+                next_point += 1;
+            }
+            let (bounding_box, decision) = judge.judge(positions_m);
+            let mut object = fitted.object(start..fitted.members.len(), bounding_box, judge.box_fit.hull_m());
+            object.decision = Some(decision);
+            fitted.objects.push(object);
+        }
+        Regrouping::new(params).regroup(&mut fitted, judge);
+        let mut seen: Vec<u32> = Vec::new();
+        let found = fitted.objects.iter().map(|it| {
+            let point_indices = fitted.members.point_indices(&it.members);
+            assert!(point_indices.windows(2).all(|pair| pair[0] < pair[1]));
+            seen.extend(point_indices);
+            (it.bounding_box.length_width_height_m[0].round() as i32, point_indices.len())
+        });
+        let found = found.collect();
+        seen.sort_unstable();
+        assert!(seen.into_iter().eq(0..next_point), "a point is lost, or in two objects");
+        found
+    }
+
+    #[test]
+    fn a_row_of_cars_is_cut_between_them_and_a_car_is_not() {
+        let car = sides(10.0, 4.0);
+        let row = [car.clone(), sides(14.6, 4.0), sides(19.2, 4.0)].concat();
+        // Only one part of the first cut is liked.
+        let lone_part = |it: &mut RegroupingParams| it.lone_part_margin = 0.5;
+        assert_eq!(regrouped(&[row.clone()], lone_part), [(4, 118), (4, 118), (4, 118)]);
+        let pair = [car.clone(), sides(14.6, 4.0)].concat();
+        assert_eq!(regrouped(&[pair], |_| ()), [(4, 118), (4, 118)]);
+        assert_eq!(regrouped(&[car], |_| ()), [(4, 118)]);
+        assert_eq!(regrouped(&[row], |it| it.enabled = false), [(13, 354)]);
+    }
+
+    #[test]
+    fn a_car_is_cut_off_what_is_none_if_it_alone_is_liked_well_enough() {
+        let with_hedge = [sides(10.0, 4.0), sides(14.6, 7.5)].concat();
+        let n_points = with_hedge.len();
+        let margin = |margin: f32| move |it: &mut RegroupingParams| it.lone_part_margin = margin;
+        assert_eq!(regrouped(&[with_hedge.clone()], margin(0.5))[0], (4, 118));
+        assert_eq!(regrouped(&[with_hedge], margin(1.0)), [(12, n_points)]);
+    }
+
+    #[test]
+    fn halves_of_a_car_are_joined_and_cars_are_not() {
+        let (front, rear) = (sides(10.0, 1.9), sides(12.1, 1.9));
+        let n_points = front.len() + rear.len();
+        assert_eq!(regrouped(&[rear.clone(), front.clone()], |_| ()), [(4, n_points)]);
+        assert_eq!(regrouped(&[rear.clone(), front.clone()], |it| it.max_gap_m = 0.1).len(), 2);
+        assert_eq!(regrouped(&[rear, front], |it| it.max_joined_length_m = 1.5).len(), 2);
+        assert_eq!(regrouped(&[sides(10.0, 3.5), sides(13.7, 3.5)], |_| ()).len(), 2);
+    }
+}

@@ -1,0 +1,185 @@
+//! From objects with boxes to detections. Shared with baselines that classify as the paper does.
+
+use crate::classify::regrouping::{Judge, Regrouping};
+use crate::classify::size_gate::size_gate;
+use crate::detection::Detection;
+use crate::detector::{DetectorOutput, StageClock};
+use crate::fit::completion::Completion;
+use crate::fit::convex_hull_box::ConvexHullBox;
+use crate::fit::fitted_objects::{FittedObject, FittedObjects};
+use crate::oriented_box::OrientedBox;
+use crate::params::HierarchicalParams;
+use crate::pipeline::foreground_stages::ForegroundStages;
+use crate::pipeline::vehicle_model::{N_FEATURES, VehicleModel, class_by_decision};
+use crate::point_cloud::PointCloud;
+use crate::stage_product::{Shape, StageProduct};
+
+/// Classes, regrouping and completion of one scan after another.
+#[derive(Debug, Clone)]
+pub struct ObjectStages {
+    fitted: FittedObjects,
+    model: Option<VehicleModel>,
+    values: Vec<Option<[f32; N_FEATURES]>>,
+    regrouping: Option<Regrouping>,
+    completion: Completion,
+    point_indices: Vec<u32>,
+}
+
+impl ObjectStages {
+    /// Stages that tell vehicles by their size, and leave the objects as they are.
+    pub fn new(params: &HierarchicalParams) -> Self {
+        Self {
+            fitted: FittedObjects::default(),
+            model: None,
+            values: Vec::new(),
+            regrouping: None,
+            completion: Completion::new(params.completion.clone()),
+            point_indices: Vec::new(),
+        }
+    }
+
+    /// The same stages, which tell vehicles by `model` instead.
+    pub fn with_vehicle_model(self, model: VehicleModel) -> Self {
+        Self { model: Some(model), ..self }
+    }
+
+    /// The same stages, which cut and join objects if there is a vehicle model.
+    pub fn with_regrouping(self, regrouping: Regrouping) -> Self {
+        Self { regrouping: Some(regrouping), ..self }
+    }
+
+    /// Forgets the objects of the scan before.
+    pub fn clear(&mut self) {
+        self.fitted.clear();
+    }
+
+    /// Adds an object of these points, indices ascending, with its box and the hull it was fitted to.
+    pub fn add(
+        &mut self,
+        points: impl Iterator<Item = (u32, [f32; 3])>,
+        bounding_box: OrientedBox,
+        hull_m: &[[f32; 2]],
+    ) {
+        let start = self.fitted.members.len();
+        for (point_idx, position_m) in points {
+            self.fitted.members.push(point_idx, position_m);
+        }
+        let object = self.fitted.object(start..self.fitted.members.len(), bounding_box, hull_m);
+        self.fitted.objects.push(object);
+    }
+
+    /// Makes detections of the objects that were added.
+    pub fn finish(
+        &mut self,
+        cloud: &PointCloud,
+        foreground: &ForegroundStages,
+        box_fit: &mut ConvexHullBox,
+        clock: &mut StageClock,
+        output: &mut DetectorOutput,
+    ) {
+        if let Some(model) = &mut self.model {
+            let members = &self.fitted.members;
+            let values = self.fitted.objects.iter().map(|it| {
+                let positions_m = members.positions_m(&it.members).iter().copied();
+                model.values(&it.bounding_box, foreground.ground_below_m(&it.bounding_box), positions_m)
+            });
+            self.values.clear();
+            self.values.extend(values);
+            clock.lap("features", &mut output.stage_times);
+            for (object, values) in self.fitted.objects.iter_mut().zip(&self.values) {
+                object.decision = values.as_ref().map(|it| model.decision_on(it));
+            }
+            clock.lap("svm", &mut output.stage_times);
+        }
+        if let (Some(regrouping), Some(model)) = (&mut self.regrouping, &mut self.model) {
+            let ground_m = |bounding_box: &OrientedBox| foreground.ground_below_m(bounding_box);
+            let sizes = &foreground.params().vehicle_size;
+            regrouping.regroup(&mut self.fitted, Judge { box_fit, model, ground_m, sizes });
+            clock.lap("regroup", &mut output.stage_times);
+        }
+        self.complete(cloud, foreground, output);
+        clock.lap("completion", &mut output.stage_times);
+    }
+
+    fn complete(&mut self, cloud: &PointCloud, foreground: &ForegroundStages, output: &mut DetectorOutput) {
+        let FittedObjects { objects, members, .. } = &mut self.fitted;
+        let asked = objects.iter().map(|it| {
+            let ground_m = foreground.ground_below_m(&it.bounding_box);
+            (&it.bounding_box, ground_m, members.point_indices(&it.members))
+        });
+        let mut added = self.completion.find(cloud, foreground.grid(), asked).iter().peekable();
+        for (object, object_idx) in objects.iter_mut().zip(0..) {
+            let (n_points, sizes) = (object.members.len(), &foreground.params().vehicle_size);
+            let class = match self.model {
+                Some(_) => class_by_decision(object.decision, n_points, sizes),
+                None => size_gate(n_points, &object.bounding_box, sizes),
+            };
+            self.point_indices.clear();
+            let mut own = members.point_indices(&object.members);
+            while let Some(&[_, point_idx]) = added.next_if(|[of_object, _]| *of_object == object_idx) {
+                let (before, behind) = own.split_at(own.partition_point(|it| *it < point_idx));
+                self.point_indices.extend_from_slice(before);
+                self.point_indices.push(point_idx);
+                own = behind;
+                include(&mut object.bounding_box, cloud.z_m()[point_idx as usize]);
+            }
+            self.point_indices.extend_from_slice(own);
+            output.detections.push(Detection {
+                point_indices: &self.point_indices,
+                bounding_box: object.bounding_box,
+                class,
+                score: object.decision,
+            });
+        }
+    }
+
+    /// What the stages left behind of the latest scan, which has `n_points` points.
+    pub fn stage_products(&self, n_points: usize) -> Vec<StageProduct> {
+        let FittedObjects { objects, members, .. } = &self.fitted;
+        let hulls = objects.iter().map(|object| self.hull(object)).collect();
+        let rectangles = objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
+        let boxes = objects.iter().map(|object| object.bounding_box).collect();
+        let mut products = vec![
+            StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
+            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
+            StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
+        ];
+        if let Some(model) = &self.model {
+            let positions_m = |it: &FittedObject| members.positions_m(&it.members).iter().copied();
+            products
+                .extend(model.stage_products(objects.iter().map(|it| (it.bounding_box, positions_m(it)))));
+        }
+        let clusters = Shape::Clusters(self.object_of_point(n_points));
+        products.push(StageProduct { stage: "completion", name: "objects", shape: clusters });
+        products
+    }
+
+    fn object_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
+        let mut object_of_point = vec![None; n_points];
+        for (object, object_idx) in self.fitted.objects.iter().zip(0..) {
+            for &point_idx in self.fitted.members.point_indices(&object.members) {
+                object_of_point[point_idx as usize] = Some(object_idx);
+            }
+        }
+        for &[object_idx, point_idx] in self.completion.added() {
+            object_of_point[point_idx as usize] = Some(object_idx);
+        }
+        object_of_point
+    }
+
+    fn hull(&self, object: &FittedObject) -> Vec<[f32; 3]> {
+        let [_, _, center_z_m] = object.bounding_box.center_m;
+        let bottom_m = center_z_m - object.bounding_box.length_width_height_m[2] / 2.0;
+        self.fitted.hull_m(object).iter().map(|&[x, y]| [x, y, bottom_m]).collect()
+    }
+}
+
+/// Makes a box high enough for a point at this elevation.
+fn include(bounding_box: &mut OrientedBox, z_m: f32) {
+    let (center_m, height_m) = (&mut bounding_box.center_m[2], &mut bounding_box.length_width_height_m[2]);
+    let (low_m, high_m) = (*center_m - 0.5 * *height_m, *center_m + 0.5 * *height_m);
+    if z_m < low_m || z_m > high_m {
+        let (low_m, high_m) = (low_m.min(z_m), high_m.max(z_m));
+        (*center_m, *height_m) = (0.5 * (low_m + high_m), high_m - low_m);
+    }
+}
