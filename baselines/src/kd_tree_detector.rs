@@ -77,7 +77,7 @@ impl Detector for KdTreeDetector {
         clock.lap("components", &mut output.stage_times);
         self.fit_boxes(output);
         clock.lap("boxes", &mut output.stage_times);
-        self.objects.finish(cloud, &self.short_objects, &mut self.box_fit, &mut clock, output);
+        self.objects.finish(cloud, &self.short_objects, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -77,7 +77,7 @@ impl Detector for SimpleGridDetector {
         self.outline.mark(self.foreground.grid(), &self.cells, &self.blob_of_cell);
         self.fit_boxes(cloud, output);
         clock.lap("boxes", &mut output.stage_times);
-        self.objects.finish(cloud, &self.foreground, &mut self.box_fit, &mut clock, output);
+        self.objects.finish(cloud, &self.foreground, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

@@ -423,7 +423,7 @@ mod tests {
         let row = [car.clone(), sides(14.6, 4.0), sides(19.2, 4.0)].concat();
         // Only one part of the first cut is liked.
         let lone_part = |it: &mut RegroupingParams| it.lone_part_margin = 0.5;
-        assert_eq!(regrouped(&[row.clone()], lone_part), [(4, 118), (4, 118), (4, 118)]);
+        assert_eq!(regrouped(std::slice::from_ref(&row), lone_part), [(4, 118), (4, 118), (4, 118)]);
         let pair = [car.clone(), sides(14.6, 4.0)].concat();
         assert_eq!(regrouped(&[pair], |_| ()), [(4, 118), (4, 118)]);
         assert_eq!(regrouped(&[car], |_| ()), [(4, 118)]);
@@ -435,7 +435,7 @@ mod tests {
         let with_hedge = [sides(10.0, 4.0), sides(14.6, 7.5)].concat();
         let n_points = with_hedge.len();
         let margin = |margin: f32| move |it: &mut RegroupingParams| it.lone_part_margin = margin;
-        assert_eq!(regrouped(&[with_hedge.clone()], margin(0.5))[0], (4, 118));
+        assert_eq!(regrouped(std::slice::from_ref(&with_hedge), margin(0.5))[0], (4, 118));
         assert_eq!(regrouped(&[with_hedge], margin(1.0)), [(12, n_points)]);
     }
 

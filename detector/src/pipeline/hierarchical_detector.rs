@@ -81,7 +81,7 @@ impl Detector for HierarchicalDetector {
         self.outline.mark(grid, &self.dense, self.separation.object_of_dense());
         self.fit_boxes(output);
         clock.lap("boxes", &mut output.stage_times);
-        self.objects.finish(cloud, &self.foreground, &mut self.box_fit, &mut clock, output);
+        self.objects.finish(cloud, &self.foreground, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {

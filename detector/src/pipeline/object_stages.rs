@@ -21,6 +21,7 @@ pub struct ObjectStages {
     model: Option<VehicleModel>,
     values: Vec<Option<[f32; N_FEATURES]>>,
     regrouping: Option<Regrouping>,
+    box_fit: ConvexHullBox,
     completion: Completion,
     point_indices: Vec<u32>,
 }
@@ -33,6 +34,7 @@ impl ObjectStages {
             model: None,
             values: Vec::new(),
             regrouping: None,
+            box_fit: ConvexHullBox::default(),
             completion: Completion::new(params.completion.clone()),
             point_indices: Vec::new(),
         }
@@ -73,7 +75,6 @@ impl ObjectStages {
         &mut self,
         cloud: &PointCloud,
         foreground: &ForegroundStages,
-        box_fit: &mut ConvexHullBox,
         clock: &mut StageClock,
         output: &mut DetectorOutput,
     ) {
@@ -94,7 +95,8 @@ impl ObjectStages {
         if let (Some(regrouping), Some(model)) = (&mut self.regrouping, &mut self.model) {
             let ground_m = |bounding_box: &OrientedBox| foreground.ground_below_m(bounding_box);
             let sizes = &foreground.params().vehicle_size;
-            regrouping.regroup(&mut self.fitted, Judge { box_fit, model, ground_m, sizes });
+            regrouping
+                .regroup(&mut self.fitted, Judge { box_fit: &mut self.box_fit, model, ground_m, sizes });
             clock.lap("regroup", &mut output.stage_times);
         }
         self.complete(cloud, foreground, output);

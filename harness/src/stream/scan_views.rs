@@ -28,7 +28,7 @@ pub struct ScanView<'a> {
 /// What one detector made of one scan.
 #[derive(Debug, Clone, Copy)]
 pub struct DetectorView<'a> {
-    /// Its name, as announced to [`Stream::open`].
+    /// Its name, as announced when the stream was opened.
     pub name: &'a str,
     /// What it reports.
     pub output: &'a DetectorOutput,
