@@ -163,6 +163,20 @@ impl HierarchicalParams {
         within("separation.object_density_ratio", ratio, 0.0, 1e6, "0 to 10^6")?;
         let gap_points = separation.single_gap_points.into();
         within("separation.single_gap_points", gap_points, 0.0, 1e6, "0 to 10^6 points")?;
+        let regrouping = &self.regrouping;
+        for (name, value) in [
+            ("regrouping.min_length_m", regrouping.min_length_m),
+            ("regrouping.min_width_m", regrouping.min_width_m),
+            ("regrouping.min_end_m", regrouping.min_end_m),
+            ("regrouping.lone_part_margin", regrouping.lone_part_margin),
+            ("regrouping.max_gap_m", regrouping.max_gap_m),
+            ("regrouping.max_joined_length_m", regrouping.max_joined_length_m),
+        ] {
+            within(name, value.into(), 0.0, 100.0, "0 to 100")?;
+        }
+        let completion = &self.completion;
+        within("completion.growth_m", completion.growth_m.into(), 0.0, 10.0, "0 to 10 m")?;
+        within("completion.clearance_m", completion.clearance_m.into(), -10.0, 10.0, "-10 to 10 m")?;
         let implausible = |ImplausibleCurve { field, value, allowed }| ParamsError::OutOfRange {
             name: field,
             value,
@@ -199,6 +213,12 @@ mod tests {
             "ground_band_m = 0.25",
             "ground_band_m = -1.0",
             "foreground.ground_band_m = -1 is outside",
+        );
+        check_refused("growth_m = 0.1", "growth_m = nan", "completion.growth_m = NaN");
+        check_refused(
+            "max_gap_m = 0.3",
+            "max_gap_m = -0.1",
+            "regrouping.max_gap_m = -0.1 is outside of 0 to 100",
         );
         check_refused("low_quantile = 0.25", "low_quantile = 1.1", "terrain.low_quantile = 1.1 is outside");
         check_refused("cell_size_m = 0.6", "cell_size_m = nan", "grid.cell_size_m = NaN");
