@@ -17,6 +17,7 @@ pub(super) fn blocks_of<const D: usize>(vectors: &[[f32; D]]) -> Vec<VectorBlock
 }
 
 /// exp(−`gamma` ‖`vector` − v‖²) for every v of `block`.
+#[inline(always)]
 pub(super) fn rbf_kernel<const D: usize>(
     vector: &[f32; D],
     block: &VectorBlock<D>,
@@ -35,6 +36,7 @@ pub(super) fn rbf_kernel<const D: usize>(
 /// exp(−x) for x ≥ 0, to seven digits; nought from x = 86 on.
 ///
 /// The platform's own differs from machine to machine in the last bit, and serves one number at a time.
+#[inline(always)]
 fn exp_of_negative(x: [f32; LANES]) -> [f32; LANES] {
     use std::f32::consts::LOG2_E;
     const LEAST_WITHOUT_VALUE: f32 = 86.0;
