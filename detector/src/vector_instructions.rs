@@ -11,7 +11,7 @@ pub(crate) trait HotLoop {
     fn run(self) -> Self::Output;
 }
 
-/// Runs `task`, compiled for AVX2 where the processor has it and like everything else where not.
+/// Runs `task`, compiled for AVX-512 or AVX2 where the processor has it and like everything else where not.
 ///
 /// The result is the same to the bit: more numbers are worked on at a time, but products and sums are never fused and never
 /// change their order.

@@ -4,6 +4,9 @@ use super::rbf_kernel::{LANES, VectorBlock, blocks_of, rbf_kernel};
 use super::svm_model::SvmModel;
 use crate::vector_instructions::{HotLoop, vectorised};
 
+/// Sums that are added up side by side.
+const N_SUMS: usize = 8;
+
 /// A ν support vector classifier of `D` values with a Gaussian kernel, ready to decide.
 ///
 /// The time of a decision grows with the number of support vectors.
@@ -54,11 +57,11 @@ impl<const D: usize> HotLoop for WeightedKernels<'_, D> {
 
     #[inline(always)]
     fn run(self) -> f32 {
-        let mut sums = [0.0; LANES];
+        let mut sums = [0.0; N_SUMS];
         for (block, coefficients) in &self.svm.support {
             let kernels = rbf_kernel(self.vector, block, self.svm.gamma);
             for lane in 0..LANES {
-                sums[lane] += coefficients[lane] * kernels[lane];
+                sums[lane % N_SUMS] += coefficients[lane] * kernels[lane];
             }
         }
         sums.iter().sum()
