@@ -19,6 +19,9 @@ pub use oriented_box::OrientedBox;
 pub use point_cloud::PointCloud;
 pub use stage_product::StageProduct;
 
+// How fast they run, and nothing else.
+mod vector_instructions;
+
 // The stages, in order.
 pub mod grid;
 pub mod segment;

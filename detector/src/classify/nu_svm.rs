@@ -2,6 +2,10 @@
 
 use super::rbf_kernel::{LANES, VectorBlock, blocks_of, rbf_kernel};
 use super::svm_model::SvmModel;
+use crate::vector_instructions::{HotLoop, vectorised};
+
+/// Sums that are added up side by side.
+const N_SUMS: usize = 8;
 
 /// A ν support vector classifier of `D` values with a Gaussian kernel, ready to decide.
 ///
@@ -38,13 +42,28 @@ impl<const D: usize> NuSvm<D> {
     /// Paper: VM section 5.
     pub fn decision(&self, vector: &[f32; D]) -> f32 {
         let standardised = std::array::from_fn(|idx| (vector[idx] - self.means[idx]) / self.deviations[idx]);
-        let mut sums = [0.0; LANES];
-        for (block, coefficients) in &self.support {
-            let kernels = rbf_kernel(&standardised, block, self.gamma);
+        vectorised(WeightedKernels { vector: &standardised, svm: self }) - self.rho
+    }
+}
+
+/// The sum of the kernels between a standardised vector and all support vectors, each times its coefficient.
+struct WeightedKernels<'a, const D: usize> {
+    vector: &'a [f32; D],
+    svm: &'a NuSvm<D>,
+}
+
+impl<const D: usize> HotLoop for WeightedKernels<'_, D> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn run(self) -> f32 {
+        let mut sums = [0.0; N_SUMS];
+        for (block, coefficients) in &self.svm.support {
+            let kernels = rbf_kernel(self.vector, block, self.svm.gamma);
             for lane in 0..LANES {
-                sums[lane] += coefficients[lane] * kernels[lane];
+                sums[lane % N_SUMS] += coefficients[lane] * kernels[lane];
             }
         }
-        sums.iter().sum::<f32>() - self.rho
+        sums.iter().sum()
     }
 }

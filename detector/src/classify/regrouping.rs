@@ -47,6 +47,7 @@ pub struct Regrouping {
     to_cut: Vec<FittedObject>,
     n_in_column: Vec<u32>,
     places: Vec<usize>,
+    // With room for all points of an object, so that writing needs no branch.
     parts_m: [Vec<[f32; 3]>; 2],
 }
 
@@ -65,20 +66,30 @@ pub struct Judge<'a, M, G> {
 impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
     /// How surely these points, one at least, are a vehicle; [`NO_VEHICLE`] if their size says no.
     fn decision(&mut self, positions_m: &[[f32; 3]]) -> f32 {
-        let z_range_m = z_range_m(positions_m);
+        let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
+        let bounding_box = self.box_of_vehicle(outline_m, z_range_m(positions_m), positions_m.len());
+        bounding_box.map_or(NO_VEHICLE, |it| self.decision_in(&it, positions_m))
+    }
+
+    /// The box of `n_points` points, one at least, with this outline. `None` if a vehicle has not its size.
+    fn box_of_vehicle(
+        &mut self,
+        outline_m: impl Iterator<Item = [f32; 2]>,
+        z_range_m: [f32; 2],
+        n_points: usize,
+    ) -> Option<OrientedBox> {
         if !self.has_height(z_range_m) {
-            return NO_VEHICLE;
+            return None;
         }
-        let bounding_box = self.box_over(positions_m, z_range_m);
-        match size_gate(positions_m.len(), &bounding_box, self.sizes) {
-            DetectedClass::Vehicle => self.decision_in(&bounding_box, positions_m),
-            DetectedClass::Object => NO_VEHICLE,
-        }
+        let bounding_box = self.box_over(outline_m, z_range_m);
+        let class = size_gate(n_points, &bounding_box, self.sizes);
+        (class == DetectedClass::Vehicle).then_some(bounding_box)
     }
 
     /// Box and decision of an object of these points, one at least.
     fn judge(&mut self, positions_m: &[[f32; 3]]) -> (OrientedBox, f32) {
-        let bounding_box = self.bounding_box(positions_m);
+        let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
+        let bounding_box = self.box_over(outline_m, z_range_m(positions_m));
         (bounding_box, self.decision_in(&bounding_box, positions_m))
     }
 
@@ -87,13 +98,8 @@ impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
         (self.sizes.min_height_m..=self.sizes.max_height_m).contains(&(high_m - low_m))
     }
 
-    fn bounding_box(&mut self, positions_m: &[[f32; 3]]) -> OrientedBox {
-        self.box_over(positions_m, z_range_m(positions_m))
-    }
-
-    fn box_over(&mut self, positions_m: &[[f32; 3]], z_range_m: [f32; 2]) -> OrientedBox {
-        let on_plan_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
-        self.box_fit.fit(on_plan_m, z_range_m).expect("it has points")
+    fn box_over(&mut self, outline_m: impl Iterator<Item = [f32; 2]>, z_range_m: [f32; 2]) -> OrientedBox {
+        self.box_fit.fit(outline_m, z_range_m).expect("it has points")
     }
 
     fn decision_in(&mut self, bounding_box: &OrientedBox, positions_m: &[[f32; 3]]) -> f32 {
@@ -105,10 +111,12 @@ impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
 
 /// From the lowest to the highest of some points.
 fn z_range_m(positions_m: &[[f32; 3]]) -> [f32; 2] {
-    let widen = |[low, high]: [f32; 2], &[_, _, z_m]: &[f32; 3]| {
-        [if z_m < low { z_m } else { low }, if z_m > high { z_m } else { high }]
-    };
-    positions_m.iter().fold([f32::INFINITY, f32::NEG_INFINITY], widen)
+    let (mut low_m, mut high_m) = (f32::INFINITY, f32::NEG_INFINITY);
+    for &[_, _, z_m] in positions_m {
+        low_m = if z_m < low_m { z_m } else { low_m };
+        high_m = if z_m > high_m { z_m } else { high_m };
+    }
+    [low_m, high_m]
 }
 
 /// A decision on the margin of the other class.
@@ -221,16 +229,23 @@ impl Regrouping {
         plane: Plane,
         judge: &mut Judge<'_, M, G>,
     ) -> Option<f32> {
-        for part_m in &mut self.parts_m {
-            part_m.clear();
+        let [before_m, behind_m] = &mut self.parts_m;
+        for part_m in [&mut *before_m, &mut *behind_m] {
+            part_m.resize(part_m.len().max(positions_m.len()), [0.0; 3]);
         }
+        let (mut n_before, mut n_behind) = (0, 0);
         for &position_m in positions_m {
-            self.parts_m[usize::from(!plane.is_before(position_m))].push(position_m);
+            // Written to both, added to one: which one cannot be foreseen.
+            let is_before = usize::from(plane.is_before(position_m));
+            before_m[n_before] = position_m;
+            behind_m[n_behind] = position_m;
+            n_before += is_before;
+            n_behind += 1 - is_before;
         }
-        if self.parts_m.iter().any(|part_m| part_m.len() < self.params.min_points.max(1)) {
+        if n_before.min(n_behind) < self.params.min_points.max(1) {
             return None;
         }
-        let [a, b] = self.parts_m.each_ref().map(|part_m| judge.decision(part_m));
+        let [a, b] = [&before_m[..n_before], &behind_m[..n_behind]].map(|part_m| judge.decision(part_m));
         Some(a.min(b).max(a.max(b) - self.params.lone_part_margin))
     }
 
@@ -294,16 +309,22 @@ impl Regrouping {
             return None;
         }
         let [a_decision, b_decision] = [a, b].map(|it| it.decision.unwrap_or(0.0));
+        let parts_m = [a, b].map(|it| fitted.members.positions_m(&it.members));
+        // What sticks out of both sticks out of one of them.
+        let outline_m = [a, b].into_iter().flat_map(|it| fitted.hull_m(it)).copied();
+        let [a_z_m, b_z_m] = parts_m.map(z_range_m);
+        let z_range_m = [a_z_m[0].min(b_z_m[0]), a_z_m[1].max(b_z_m[1])];
+        let n_points = parts_m[0].len() + parts_m[1].len();
+        let bounding_box = judge.box_of_vehicle(outline_m, z_range_m, n_points)?;
         let [positions_m, _] = &mut self.parts_m;
         positions_m.clear();
-        for object in [a, b] {
-            positions_m.extend_from_slice(fitted.members.positions_m(&object.members));
+        for part_m in parts_m {
+            positions_m.extend_from_slice(part_m);
         }
-        let decision = judge.decision(positions_m);
+        let decision = judge.decision_in(&bounding_box, positions_m);
         if decision <= a_decision.max(b_decision).max(0.0) {
             return None;
         }
-        let bounding_box = judge.bounding_box(positions_m);
         let members = fitted.members.joined([&a.members.clone(), &b.members.clone()]);
         let mut joined = fitted.object(members, bounding_box, judge.box_fit.hull_m());
         joined.decision = Some(decision);

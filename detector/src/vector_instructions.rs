@@ -1,0 +1,32 @@
+//! Hot loops in wide vector instructions.
+
+/// Something to be done in a hot loop.
+///
+/// `run` and what it calls are to be `#[inline(always)]`: only what is inlined is compiled for other instructions.
+pub(crate) trait HotLoop {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs `task`, compiled for AVX-512 or AVX2 where the processor has it and like everything else where not.
+///
+/// The result is the same to the bit: more numbers are worked on at a time, but products and sums are never fused and never
+/// change their order.
+#[inline(always)]
+pub(crate) fn vectorised<T: HotLoop>(task: T) -> T::Output {
+    pulp::Arch::new().dispatch(Task(task))
+}
+
+struct Task<T>(T);
+
+impl<T: HotLoop> pulp::WithSimd for Task<T> {
+    type Output = T::Output;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> T::Output {
+        self.0.run()
+    }
+}
