@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::classify::regrouping::RegroupingParams;
+use crate::classify::regrouping_params::RegroupingParams;
 use crate::classify::size_gate::SizeGateParams;
 use crate::fit::completion::CompletionParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};

@@ -2,6 +2,7 @@
 
 use crate::classify::regrouping::{Judge, Regrouping};
 use crate::classify::size_gate::size_gate;
+use crate::describe::surroundings::ObjectRaster;
 use crate::detection::Detection;
 use crate::detector::{DetectorOutput, StageClock};
 use crate::fit::completion::Completion;
@@ -21,6 +22,7 @@ pub struct ObjectStages {
     model: Option<VehicleModel>,
     values: Vec<Option<[f32; N_FEATURES]>>,
     regrouping: Option<Regrouping>,
+    raster: ObjectRaster,
     box_fit: ConvexHullBox,
     completion: Completion,
     point_indices: Vec<u32>,
@@ -34,6 +36,7 @@ impl ObjectStages {
             model: None,
             values: Vec::new(),
             regrouping: None,
+            raster: ObjectRaster::new(params.grid.extent_m),
             box_fit: ConvexHullBox::default(),
             completion: Completion::new(params.completion.clone()),
             point_indices: Vec::new(),
@@ -78,25 +81,30 @@ impl ObjectStages {
         clock: &mut StageClock,
         output: &mut DetectorOutput,
     ) {
+        let raster = &mut self.raster;
+        let surroundings = |raster: &ObjectRaster, bounding_box: &OrientedBox| {
+            raster.around(bounding_box, foreground.ground_below_m(bounding_box))
+        };
         if let Some(model) = &mut self.model {
             let members = &self.fitted.members;
+            raster.fill(members.positions_m(&(0..members.len())).iter().copied());
             let values = self.fitted.objects.iter().map(|it| {
                 let positions_m = members.positions_m(&it.members).iter().copied();
-                model.values(&it.bounding_box, foreground.ground_below_m(&it.bounding_box), positions_m)
+                model.values(&it.bounding_box, &surroundings(raster, &it.bounding_box), positions_m)
             });
             self.values.clear();
             self.values.extend(values);
             clock.lap("features", &mut output.stage_times);
             for (object, values) in self.fitted.objects.iter_mut().zip(&self.values) {
-                object.decision = values.as_ref().map(|it| model.decision_on(it));
+                object.decision = Some(model.decision_on(values.as_ref()));
             }
             clock.lap("svm", &mut output.stage_times);
         }
         if let (Some(regrouping), Some(model)) = (&mut self.regrouping, &mut self.model) {
-            let ground_m = |bounding_box: &OrientedBox| foreground.ground_below_m(bounding_box);
+            let surroundings = |bounding_box: &OrientedBox| surroundings(raster, bounding_box);
             let sizes = &foreground.params().vehicle_size;
-            regrouping
-                .regroup(&mut self.fitted, Judge { box_fit: &mut self.box_fit, model, ground_m, sizes });
+            let judge = Judge { box_fit: &mut self.box_fit, model, surroundings, sizes };
+            regrouping.regroup(&mut self.fitted, judge);
             clock.lap("regroup", &mut output.stage_times);
         }
         self.complete(cloud, foreground, output);

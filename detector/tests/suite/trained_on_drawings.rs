@@ -4,6 +4,7 @@ use detector::OrientedBox;
 use detector::classify::nu_svc_solver::NuSvcParams;
 use detector::classify::svm_training::train_svm;
 use detector::describe::prototype_library::PrototypeLibrary;
+use detector::describe::surroundings::Surroundings;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use detector::pipeline::vehicle_model::{N_FEATURES, VehicleModel};
@@ -62,5 +63,6 @@ fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m
             positions_m.extend([-1.0, 0.0, 1.0].map(|side| [along, side * width_m / 2.0, up]));
         }
     }
-    describer.describe(&bounding_box, 0.0, positions_m.into_iter()).expect("features").values()
+    let surroundings = Surroundings::default();
+    describer.describe(&bounding_box, &surroundings, positions_m.into_iter()).expect("features").values()
 }
