@@ -136,7 +136,7 @@ impl PcaDetector {
             let (class, score) = match &mut self.vehicle_model {
                 Some(model) => {
                     let decision = model.decision(bounding_box, positions_m);
-                    (class_by_decision(decision, n_points, sizes), decision)
+                    (class_by_decision(decision, n_points, sizes.min_points), decision)
                 }
                 None => (size_gate(n_points, bounding_box, sizes), None),
             };

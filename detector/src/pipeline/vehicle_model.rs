@@ -2,7 +2,6 @@
 
 use crate::classify::nu_svm::NuSvm;
 use crate::classify::object_classifier::{NO_VEHICLE, ObjectClassifier};
-use crate::classify::size_gate::SizeGateParams;
 use crate::classify::svm_model::{SvmModel, SvmModelError};
 use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
@@ -119,17 +118,16 @@ impl ObjectClassifier for VehicleModel {
     }
 }
 
-/// What an object of `n_points` is of which a model says this. What has fewer points than a vehicle has by `sizes` is none
-/// either way: no model is trained on such.
-pub fn class_by_decision(decision: Option<f32>, n_points: usize, sizes: &SizeGateParams) -> DetectedClass {
-    let is_vehicle = n_points >= sizes.min_points && decision.is_some_and(|it| it > 0.0);
+/// What an object of `n_points` is of which a model says this. What has fewer than `min_points` is no vehicle either way: no
+/// model is trained on such.
+pub fn class_by_decision(decision: Option<f32>, n_points: usize, min_points: usize) -> DetectedClass {
+    let is_vehicle = n_points >= min_points && decision.is_some_and(|it| it > 0.0);
     if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::HierarchicalParams;
 
     #[test]
     fn the_shipped_files_are_a_model() {
@@ -151,12 +149,11 @@ mod tests {
 
     #[test]
     fn too_few_points_are_no_vehicle_whatever_they_look_like() {
-        let sizes = HierarchicalParams::paper().vehicle_size;
-        let class = |n_points: usize, decision: f32| class_by_decision(Some(decision), n_points, &sizes);
-        assert_eq!(class(sizes.min_points - 1, 2.0), DetectedClass::Object);
-        assert_eq!(class(sizes.min_points, 2.0), DetectedClass::Vehicle);
-        assert_eq!(class(sizes.min_points, 0.0), DetectedClass::Object);
-        assert_eq!(class_by_decision(None, sizes.min_points, &sizes), DetectedClass::Object);
+        let class = |n_points: usize, decision: f32| class_by_decision(Some(decision), n_points, 10);
+        assert_eq!(class(9, 2.0), DetectedClass::Object);
+        assert_eq!(class(10, 2.0), DetectedClass::Vehicle);
+        assert_eq!(class(10, 0.0), DetectedClass::Object);
+        assert_eq!(class_by_decision(None, 10, 10), DetectedClass::Object);
     }
 
     #[test]

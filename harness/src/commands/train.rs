@@ -146,6 +146,10 @@ fn collect_all<'a>(
     let mut config = RunConfig::without_vehicle_models()?;
     // Models are asked about objects before these are completed.
     config.hierarchical.completion.enabled = false;
+    let min_points = match kind {
+        ModelKind::Hierarchical => config.hierarchical.cluster.min_points,
+        ModelKind::Pca => config.baselines.pca.cluster.min_points,
+    };
     let clusters = arguments.clusters.as_deref().unwrap_or(kind.detector());
     let listed = detectors_named(&[clusters.to_owned()])?[0];
     let boxes = if clusters == kind.detector() {
@@ -166,6 +170,7 @@ fn collect_all<'a>(
             new_detector: &new_detector,
             boxes,
             ground: &of_sensor.hierarchical,
+            min_points,
             regrouping: regrouping.as_ref(),
             seed: arguments.choice_seed,
         };

@@ -19,8 +19,6 @@ use crate::realism::survey::SurveyError;
 use crate::training::regroupings::regroupings;
 use crate::training::vehicle_labels::VehicleLabels;
 
-/// Candidates of fewer points are left out: no detector takes them for objects.
-pub const LEAST_POINTS: usize = 15;
 /// Rectangles that are cut out of the foreground of a scan.
 const N_CUTS: usize = 4;
 /// Their sides, from that of a motor cycle to that of a van.
@@ -89,6 +87,8 @@ pub struct CandidateSource<'a> {
     pub boxes: CandidateBoxes,
     /// How the ground below them is found.
     pub ground: &'a HierarchicalParams,
+    /// Candidates of fewer points are left out: the detector takes them for nothing.
+    pub min_points: usize,
     /// How clusters may be regrouped; `None` if they are not.
     pub regrouping: Option<&'a RegroupingParams>,
     /// What regions are cut out is drawn from it.
@@ -139,10 +139,10 @@ pub fn collect_candidates(
         // A stream for every scan, so that the order in which they are looked at does not matter.
         let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
         rng.set_stream(scan_idx as u64);
-        let mut found = clusters(&scan, &output, source.boxes);
-        found.extend(cut_regions(&scan, &output, source.boxes, &mut rng));
+        let mut found = clusters(&scan, &output, source);
+        found.extend(cut_regions(&scan, &output, source, &mut rng));
         if let Some(params) = source.regrouping {
-            found.extend(regrouped(&scan, &output, source.boxes, params));
+            found.extend(regrouped(&scan, &output, source, params));
         }
         let on_objects = output.detections.iter().flat_map(|it| it.point_indices.iter());
         raster.fill(on_objects.map(|&it| scan.cloud.position_m(it as usize)));
@@ -158,15 +158,18 @@ pub fn collect_candidates(
     Ok(of_scans.into_iter().flatten().collect())
 }
 
-fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) -> Vec<Candidate> {
+fn clusters(scan: &LabeledScan, output: &DetectorOutput, source: &CandidateSource<'_>) -> Vec<Candidate> {
     let labels = VehicleLabels::of(scan);
     let of_detection = |detection: detector::Detection<'_>| {
+        if detection.point_indices.len() < source.min_points {
+            return None;
+        }
         let kind = labels.kind_of(detection.point_indices)?;
-        let bounding_box = match boxes {
+        let bounding_box = match source.boxes {
             CandidateBoxes::OfDetector(_) => Some(detection.bounding_box),
             CandidateBoxes::Fitted(_) => None,
         };
-        candidate(scan, kind, (bounding_box, boxes), detection.point_indices)
+        candidate(scan, kind, (bounding_box, source.boxes), detection.point_indices)
     };
     output.detections.iter().filter_map(of_detection).collect()
 }
@@ -175,12 +178,15 @@ fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) 
 fn regrouped(
     scan: &LabeledScan,
     output: &DetectorOutput,
-    boxes: CandidateBoxes,
+    source: &CandidateSource<'_>,
     params: &RegroupingParams,
 ) -> Vec<Candidate> {
     let labels = VehicleLabels::of(scan);
     let of_points = |point_indices: Vec<u32>| {
-        let it = candidate(scan, labels.kind_of(&point_indices)?, (None, boxes), &point_indices)?;
+        if point_indices.len() < source.min_points {
+            return None;
+        }
+        let it = candidate(scan, labels.kind_of(&point_indices)?, (None, source.boxes), &point_indices)?;
         Some(Candidate { is_regrouped: true, ..it })
     };
     regroupings(&scan.cloud, &output.detections, params).into_iter().filter_map(of_points).collect()
@@ -189,7 +195,7 @@ fn regrouped(
 fn cut_regions(
     scan: &LabeledScan,
     output: &DetectorOutput,
-    boxes: CandidateBoxes,
+    source: &CandidateSource<'_>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Candidate> {
     let labels = VehicleLabels::of(scan);
@@ -209,8 +215,8 @@ fn cut_regions(
         };
         let is_inside = |&point_idx: &u32| rectangle.contains(scan.cloud.position_m(point_idx as usize));
         let inside: Vec<u32> = of_clusters.iter().copied().filter(is_inside).collect();
-        if labels.kind_of(&inside) == Some(CandidateKind::Cluster) {
-            found.extend(candidate(scan, CandidateKind::CutRegion, (None, boxes), &inside));
+        if inside.len() >= source.min_points && labels.kind_of(&inside) == Some(CandidateKind::Cluster) {
+            found.extend(candidate(scan, CandidateKind::CutRegion, (None, source.boxes), &inside));
         }
     }
     found

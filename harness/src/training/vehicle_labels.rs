@@ -1,6 +1,6 @@
 //! What the labels of a scan say of any points of it.
 
-use super::candidates::{CandidateKind, LEAST_POINTS};
+use super::candidates::CandidateKind;
 use crate::annotation::{Annotation, LabeledScan, PointRegion};
 use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, may_be_vehicle};
 
@@ -33,10 +33,10 @@ impl<'a> VehicleLabels<'a> {
         Self { scan, is_on_vehicle }
     }
 
-    /// What these points show. `None` if there are fewer than [`LEAST_POINTS`], or the labels do not tell.
+    /// What these points show. `None` if the labels do not tell.
     pub fn kind_of(&self, point_indices: &[u32]) -> Option<CandidateKind> {
         let n_points = point_indices.len();
-        if n_points < LEAST_POINTS || !self.is_labeled(point_indices) {
+        if !self.is_labeled(point_indices) {
             return None;
         }
         let shared = self.shared(point_indices);
