@@ -85,6 +85,7 @@ impl TurningFunction {
     }
 
     /// [`Self::distance`] if it is below `bound`. The lower the bound, the sooner this is told.
+    #[inline(always)]
     pub fn distance_below(&self, other: &Self, bound: f32) -> Option<f32> {
         // Between sums of squares over the parts.
         let least_sum = |mean_difference_rad: f32| N_PARTS as f32 * mean_difference_rad * mean_difference_rad;
@@ -117,6 +118,7 @@ impl TurningFunction {
         found.then(|| ((least / N_PARTS as f32).sqrt() / PI).min(1.0))
     }
 
+    #[inline(always)]
     fn sum_of_squares(&self, other: &Self, shift: i32) -> f32 {
         let [ours, theirs] = [MAX_SHIFT, MAX_SHIFT + shift].map(|from| from as usize);
         squared_difference(
@@ -126,6 +128,7 @@ impl TurningFunction {
     }
 }
 
+#[inline(always)]
 fn squared_difference(a: &[f32], b: &[f32]) -> f32 {
     const LANES: usize = 8;
     let mut sums = [0.0; LANES];
