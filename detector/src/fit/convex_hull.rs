@@ -259,10 +259,11 @@ mod tests {
     proptest! {
         #[test]
         fn the_hull_has_the_corners_that_no_triangle_of_other_points_covers(
-            // Enough for the filter to take part, on a lattice, so that points repeat and line up.
-            steps in prop::collection::vec((0_i8..6, 0_i8..6), 1..60)
+            // On a lattice, so that points repeat and line up; often enough for the filter to take part, and to be sampled.
+            steps in prop::collection::vec((0_i8..6, 0_i8..6), 1..60), n_times in 1_usize..9,
         ) {
             let points_m: Vec<[f32; 2]> = steps.iter().map(|&(x, y)| [f32::from(x), f32::from(y)]).collect();
+            let points_m = points_m.repeat(n_times);
             let mut corners = hull_of(&points_m);
             corners.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
             prop_assert_eq!(corners, brute_force_corners(&points_m));
