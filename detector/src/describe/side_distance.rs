@@ -7,6 +7,7 @@ use super::box_frame_points::{BoxFramePoints, LANES, lesser};
 ///
 /// What is seen of a vehicle is a shell; beams enter a hedge or a crown, and regions cut at random are filled. Beyond the
 /// eight values of the paper.
+#[inline(always)]
 pub fn mean_side_distance_m(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<f32> {
     if points.along_m().is_empty() {
         return None;
