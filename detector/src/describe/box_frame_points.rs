@@ -11,6 +11,7 @@ pub struct BoxFramePoints {
 
 impl BoxFramePoints {
     /// Takes `positions_m` of the sensor frame over into the frame of `bounding_box`.
+    #[inline(always)]
     pub fn fill(&mut self, bounding_box: &OrientedBox, positions_m: impl ExactSizeIterator<Item = [f32; 3]>) {
         let (sin, cos) = bounding_box.yaw_rad.sin_cos();
         let [center_x, center_y, center_z] = bounding_box.center_m;
@@ -47,6 +48,7 @@ impl BoxFramePoints {
 pub(super) const LANES: usize = 8;
 
 /// Sum of `value` over a column, in the same order on every machine.
+#[inline(always)]
 pub(super) fn sum(column: &[f32], value: impl Fn(f32) -> f32) -> f32 {
     let (chunks, rest) = column.as_chunks::<LANES>();
     let mut sums = [0.0; LANES];
@@ -59,22 +61,41 @@ pub(super) fn sum(column: &[f32], value: impl Fn(f32) -> f32) -> f32 {
 }
 
 /// Least and greatest of a column. `None` without points.
+#[inline(always)]
 pub(super) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
     let mut low = [*column.first()?; LANES];
     let mut high = low;
     let (chunks, rest) = column.as_chunks::<LANES>();
     for chunk in chunks {
-        for lane in 0..LANES {
-            low[lane] = lesser(chunk[lane], low[lane]);
-            high[lane] = -lesser(-chunk[lane], -high[lane]);
-        }
+        low = std::array::from_fn(|lane| lesser(chunk[lane], low[lane]));
+        high = std::array::from_fn(|lane| greater(chunk[lane], high[lane]));
     }
-    let low = low.iter().chain(rest).copied().reduce(lesser)?;
-    let high = high.iter().chain(rest).copied().reduce(|a, b| -lesser(-a, -b))?;
+    let low = rest.iter().copied().fold(reduced(low, lesser), lesser);
+    let high = rest.iter().copied().fold(reduced(high, greater), greater);
     Some([low, high])
 }
 
+/// One number of several, by halves.
+#[inline(always)]
+fn reduced(mut lanes: [f32; LANES], of_two: impl Fn(f32, f32) -> f32) -> f32 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            lanes[lane] = of_two(lanes[lane], lanes[lane + half]);
+        }
+        half /= 2;
+    }
+    lanes[0]
+}
+
 /// The lesser of two numbers of which none is NaN; unlike `f32::min` a single instruction.
+#[inline(always)]
 pub(super) fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+/// The greater of two numbers of which none is NaN.
+#[inline(always)]
+pub(super) fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }

@@ -25,6 +25,7 @@ impl CornerSpheres {
     /// The spheres of an object in a box of `length_m` and `width_m`. `None` without points.
     ///
     /// Paper: VM section 4, principal curvature estimation.
+    #[inline(always)]
     pub fn around(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<Self> {
         let [_, top_m] = extent_m(points.up_m())?;
         let corner_m = [length_m / 2.0, width_m / 2.0];
@@ -86,6 +87,7 @@ impl OrderedRadii {
 }
 
 /// To the front left, back left, back right and front right corner.
+#[inline(always)]
 fn squared_distances([along, across, up]: [f32; 3], [front, left]: [f32; 2]) -> [f32; 4] {
     let square = |it: f32| it * it;
     let (to_front, to_back) = (square(along - front) + square(up), square(along + front) + square(up));

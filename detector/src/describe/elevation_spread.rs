@@ -26,6 +26,7 @@ pub const LEVELS_M: [f32; 3] = [0.5, 1.1, 1.4];
 
 impl ElevationSpread {
     /// The spread of `points` of a box whose centre is `center_m` above the ground. `None` without points.
+    #[inline(always)]
     pub fn of(points: &BoxFramePoints, center_m: f32) -> Option<Self> {
         let up_m = points.up_m();
         let [bottom_m, top_m] = extent_m(up_m)?;

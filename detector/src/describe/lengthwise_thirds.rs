@@ -19,6 +19,7 @@ pub const NOTHING_M: f32 = -1.0;
 
 impl LengthwiseThirds {
     /// The thirds of `points` of a box of `length_m` whose centre is `center_m` above the ground. `None` without points.
+    #[inline(always)]
     pub fn of(points: &BoxFramePoints, length_m: f32, center_m: f32) -> Option<Self> {
         let n_points = points.up_m().len();
         if n_points == 0 {

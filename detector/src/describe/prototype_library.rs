@@ -115,6 +115,7 @@ impl PrototypeLibrary {
     /// equally near ones. `None` if the contour goes around nothing, or differs from all as far as can be.
     ///
     /// Paper: VM sections 4 and 5.
+    #[inline(always)]
     pub fn nearest(&self, contour_m: &[[f32; 2]]) -> Option<NearestPrototype> {
         let function = TurningFunction::of(contour_m)?;
         let mut nearest: Option<NearestPrototype> = None;

@@ -1,6 +1,6 @@
 //! What an object looks like from the side.
 
-use super::box_frame_points::{BoxFramePoints, extent_m, lesser};
+use super::box_frame_points::{BoxFramePoints, extent_m, greater, lesser};
 use crate::fit::convex_hull::convex_hull;
 
 /// Buffers for one concave profile after another, and the latest.
@@ -12,6 +12,10 @@ use crate::fit::convex_hull::convex_hull;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SideProfile {
     column_m: f32,
+    column_of_point: Vec<u32>,
+    // Columns of every fourth point: the sensor stays in a column for a while, and the machine would wait each time for what it
+    // has just written.
+    tables: Vec<[[f32; 2]; N_TABLES]>,
     columns: Vec<[f32; 2]>,
     contour_m: Vec<[f32; 2]>,
 }
@@ -19,7 +23,13 @@ pub struct SideProfile {
 impl SideProfile {
     /// Profiles in columns of at most `column_m`.
     pub fn new(column_m: f32) -> Self {
-        Self { column_m, columns: Vec::new(), contour_m: Vec::new() }
+        Self {
+            column_m,
+            column_of_point: Vec::new(),
+            tables: Vec::new(),
+            columns: Vec::new(),
+            contour_m: Vec::new(),
+        }
     }
 
     /// The concave contour of `points` on the vertical plane along their box: corners (along, up) in metres,
@@ -30,6 +40,7 @@ impl SideProfile {
     /// have a contour without area.
     ///
     /// Paper: VM section 4, concave hull with 20 cm resolution.
+    #[inline(always)]
     pub fn concave_contour(&mut self, points: &BoxFramePoints) -> &[[f32; 2]] {
         self.contour_m.clear();
         if let Some([from_m, to_m]) = extent_m(points.along_m()) {
@@ -39,16 +50,25 @@ impl SideProfile {
         &self.contour_m
     }
 
+    #[inline(always)]
     fn fill_columns(&mut self, points: &BoxFramePoints, from_m: f32, to_m: f32) {
         let n_columns = ((to_m - from_m) / self.column_m).ceil().max(2.0);
-        self.columns.clear();
-        self.columns.resize(n_columns as usize, EMPTY);
         let columns_per_m = if to_m > from_m { n_columns / (to_m - from_m) } else { 0.0 };
-        let last = self.columns.len() - 1;
-        for (&along_m, &up_m) in points.along_m().iter().zip(points.up_m()) {
-            let column = &mut self.columns[(((along_m - from_m) * columns_per_m) as usize).min(last)];
-            *column = [lesser(up_m, column[0]), -lesser(-up_m, -column[1])];
+        let last = n_columns as u32 - 1;
+        let column_of = |along_m: &f32| (((along_m - from_m) * columns_per_m) as u32).min(last);
+        self.column_of_point.clear();
+        self.column_of_point.extend(points.along_m().iter().map(column_of));
+        self.tables.clear();
+        self.tables.resize(last as usize + 1, [EMPTY; N_TABLES]);
+        let mut table = 0;
+        for (&column_idx, &up_m) in self.column_of_point.iter().zip(points.up_m()) {
+            let [low, high] = &mut self.tables[column_idx as usize][table];
+            (*low, *high) = (lesser(up_m, *low), greater(up_m, *high));
+            table = (table + 1) % N_TABLES;
         }
+        let both = |[low, high]: [f32; 2], it: &[f32; 2]| [lesser(it[0], low), greater(it[1], high)];
+        self.columns.clear();
+        self.columns.extend(self.tables.iter().map(|column| column.iter().fold(EMPTY, both)));
     }
 
     /// Along the bottom, and back along the top.
@@ -70,6 +90,8 @@ impl SideProfile {
         }
     }
 }
+
+const N_TABLES: usize = 4;
 
 /// Lowest and highest of no points.
 const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];

@@ -19,6 +19,7 @@ pub struct SideShares {
 
 impl SideShares {
     /// That of `points` of a box of `length_m` and `width_m`. `None` without points.
+    #[inline(always)]
     pub fn of(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<Self> {
         let n_points = points.along_m().len() as f32;
         let share = |offsets_m: &[f32], extent_m: f32| {

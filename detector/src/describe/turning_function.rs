@@ -7,6 +7,9 @@ const N_PARTS: usize = 32;
 /// Contours are shifted against each other by up to half a turn to either side.
 const MAX_SHIFT: i32 = N_PARTS as i32 / 2;
 
+/// Shifts that are tried at once.
+const N_AT_ONCE: usize = 16;
+
 /// The direction of a closed contour along its length: what is left of it when place, size and start are forgotten.
 ///
 /// Directions are not forgotten: up stays up. (Arkin et al. 1991 compare shapes that may be turned as well.)
@@ -85,6 +88,7 @@ impl TurningFunction {
     }
 
     /// [`Self::distance`] if it is below `bound`. The lower the bound, the sooner this is told.
+    #[inline(always)]
     pub fn distance_below(&self, other: &Self, bound: f32) -> Option<f32> {
         // Between sums of squares over the parts.
         let least_sum = |mean_difference_rad: f32| N_PARTS as f32 * mean_difference_rad * mean_difference_rad;
@@ -95,6 +99,8 @@ impl TurningFunction {
         let part_rad = TAU / N_PARTS as f32;
         let ahead_rad = self.mean_rad - other.mean_rad;
         let middle = (ahead_rad / part_rad).round() as i32;
+        let first_shift = (middle - N_AT_ONCE as i32 / 2).clamp(-MAX_SHIFT, MAX_SHIFT + 1 - N_AT_ONCE as i32);
+        let sums = self.sums_of_squares::<N_AT_ONCE>(other, first_shift);
         for away in 0..=2 * MAX_SHIFT {
             let mut is_promising = false;
             for shift in [middle + away, middle - away] {
@@ -103,7 +109,8 @@ impl TurningFunction {
                 }
                 is_promising = true;
                 if (-MAX_SHIFT..=MAX_SHIFT).contains(&shift) {
-                    let sum = self.sum_of_squares(other, shift);
+                    let near = sums.get((shift - first_shift) as usize).copied();
+                    let sum = near.unwrap_or_else(|| self.sums_of_squares::<1>(other, shift)[0]);
                     if sum < least {
                         least = sum;
                         found = true;
@@ -117,25 +124,30 @@ impl TurningFunction {
         found.then(|| ((least / N_PARTS as f32).sqrt() / PI).min(1.0))
     }
 
-    fn sum_of_squares(&self, other: &Self, shift: i32) -> f32 {
-        let [ours, theirs] = [MAX_SHIFT, MAX_SHIFT + shift].map(|from| from as usize);
-        squared_difference(
-            &self.directions_rad[ours..ours + N_PARTS],
-            &other.directions_rad[theirs..theirs + N_PARTS],
-        )
-    }
-}
-
-fn squared_difference(a: &[f32], b: &[f32]) -> f32 {
-    const LANES: usize = 8;
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0) {
-        for lane in 0..LANES {
-            let difference = a[lane] - b[lane];
-            sums[lane] += difference * difference;
+    /// Between our parts and those of `other`, for `N` shifts from `first_shift` on, all of them within half a turn.
+    #[inline(always)]
+    fn sums_of_squares<const N: usize>(&self, other: &Self, first_shift: i32) -> [f32; N] {
+        // Added up eight parts apart and then together, whatever `N` is.
+        const N_APART: usize = 8;
+        let theirs = &other.directions_rad[(MAX_SHIFT + first_shift) as usize..];
+        let mut totals = [0.0; N];
+        for first_part in 0..N_APART {
+            let mut sums = [0.0; N];
+            for part in (first_part..N_PARTS).step_by(N_APART) {
+                let ours = self.directions_rad[MAX_SHIFT as usize + part];
+                let theirs: &[f32; N] =
+                    theirs[part..].first_chunk().expect("the shifts are within half a turn");
+                for step in 0..N {
+                    let difference = ours - theirs[step];
+                    sums[step] += difference * difference;
+                }
+            }
+            for step in 0..N {
+                totals[step] += sums[step];
+            }
         }
+        totals
     }
-    sums.iter().sum()
 }
 
 fn edges(corners: &[[f32; 2]], start: usize) -> impl Iterator<Item = ([f32; 2], [f32; 2])> + Clone {
@@ -268,7 +280,7 @@ mod tests {
         #[test]
         fn no_shift_is_better_than_the_one_that_was_found(a in star(), b in star()) {
             let [a, b] = [a, b].map(|it| function(&it));
-            let least = (-MAX_SHIFT..=MAX_SHIFT).map(|shift| a.sum_of_squares(&b, shift)).fold(f32::INFINITY, f32::min);
+            let least = (-MAX_SHIFT..=MAX_SHIFT).map(|shift| a.sums_of_squares::<1>(&b, shift)[0]).fold(f32::INFINITY, f32::min);
             let expected = ((least / N_PARTS as f32).sqrt() / PI).min(1.0);
             prop_assert!((a.distance(&b) - expected).abs() < 1e-5);
             prop_assert_eq!(a.distance_below(&b, 0.5 * expected), None);

@@ -11,6 +11,7 @@ use super::surface_roughness::RoughnessSquares;
 use super::surroundings::Surroundings;
 use crate::oriented_box::OrientedBox;
 use crate::stage_product::ProductSphere;
+use crate::vector_instructions::{HotLoop, vectorised};
 
 /// What the classifier sees of an object.
 ///
@@ -151,6 +152,16 @@ impl VehicleDescriber {
         surroundings: &Surroundings,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<VehicleFeatures> {
+        vectorised(Description { describer: self, bounding_box, surroundings, positions_m })
+    }
+
+    #[inline(always)]
+    fn features(
+        &mut self,
+        bounding_box: &OrientedBox,
+        surroundings: &Surroundings,
+        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
+    ) -> Option<VehicleFeatures> {
         self.points.fill(bounding_box, positions_m);
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
         let spheres = CornerSpheres::around(&self.points, length_m, width_m)?;
@@ -200,6 +211,23 @@ impl VehicleDescriber {
             concave_m: upright(concave_m),
             nearest_prototype_m: placed_m.map(|it| upright(&it)),
         })
+    }
+}
+
+/// One object to be described.
+struct Description<'a, P> {
+    describer: &'a mut VehicleDescriber,
+    bounding_box: &'a OrientedBox,
+    surroundings: &'a Surroundings,
+    positions_m: P,
+}
+
+impl<P: ExactSizeIterator<Item = [f32; 3]>> HotLoop for Description<'_, P> {
+    type Output = Option<VehicleFeatures>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.describer.features(self.bounding_box, self.surroundings, self.positions_m)
     }
 }
 

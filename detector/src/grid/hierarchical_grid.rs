@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use crate::grid::cell_set::CellSet;
 use crate::point_cloud::PointCloud;
+use crate::vector_instructions::{HotLoop, vectorised};
 
 /// Geometry of the grid.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -94,7 +95,7 @@ impl HierarchicalGrid {
             self.cells[cell_idx as usize] = CoarseCell::EMPTY;
         }
         self.occupied.clear();
-        self.find_cells(cloud);
+        vectorised(CellsOfPoints { grid: self, cloud });
         // A sensor sweeps, so that points which follow each other lie in the same cell more often than not (seven in a row
         // on average in a scan of an HDL-64E): the cell is kept at hand while they do.
         let mut current_idx = NO_CELL;
@@ -118,6 +119,7 @@ impl HierarchicalGrid {
     }
 
     /// Writes the cells of every point. A pass of its own without a branch, for several points at a time.
+    #[inline(always)]
     fn find_cells(&mut self, cloud: &PointCloud) {
         let GridParams { cell_size_m, xi, extent_m } = self.params;
         let (cells_per_m, dense_per_m) = (1.0 / cell_size_m, xi as f32 / cell_size_m);
@@ -206,6 +208,21 @@ impl HierarchicalGrid {
     }
 }
 
+/// The cells of all points of a scan are to be written.
+struct CellsOfPoints<'a> {
+    grid: &'a mut HierarchicalGrid,
+    cloud: &'a PointCloud,
+}
+
+impl HotLoop for CellsOfPoints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.grid.find_cells(self.cloud);
+    }
+}
+
 /// From here to its double neighbouring f32 are 1 apart.
 const WHOLE_FROM: f32 = 8_388_608.0;
 
@@ -213,12 +230,14 @@ const WHOLE_FROM: f32 = 8_388_608.0;
 ///
 /// The same as casts to and fro. Compilers turn this into vector instructions on every machine, and casts, which saturate,
 /// not.
+#[inline(always)]
 fn whole_part(value: f32) -> f32 {
     let rounded = (value + WHOLE_FROM) - WHOLE_FROM;
     rounded - f32::from(rounded > value)
 }
 
 /// A whole `value` as a number, if it is at least 0 and below 2²³; anything otherwise.
+#[inline(always)]
 fn number(value: f32) -> u32 {
     (value + WHOLE_FROM).to_bits() & 0x007f_ffff
 }
