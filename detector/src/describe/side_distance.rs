@@ -1,6 +1,7 @@
 //! How far inside its box an object's points lie.
 
-use super::box_frame_points::{BoxFramePoints, LANES, lesser};
+use super::box_frame_points::{BoxFramePoints, LANES};
+use crate::vector_instructions::lesser;
 
 /// Mean distance of `points` to the nearest side of their box of `length_m` and `width_m`, in metres. `None` without
 /// points.
