@@ -1,6 +1,7 @@
 //! The points of one object in the frame of its box.
 
 use crate::oriented_box::OrientedBox;
+use crate::vector_instructions::{greater, lesser};
 
 /// Columns of coordinates in metres relative to the centre of a box: along its length, across to the left, and up.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -77,7 +78,7 @@ pub(super) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
 
 /// One number of several, by halves.
 #[inline(always)]
-fn reduced(mut lanes: [f32; LANES], of_two: impl Fn(f32, f32) -> f32) -> f32 {
+pub(super) fn reduced(mut lanes: [f32; LANES], of_two: impl Fn(f32, f32) -> f32) -> f32 {
     let mut half = LANES / 2;
     while half > 0 {
         for lane in 0..half {
@@ -86,16 +87,4 @@ fn reduced(mut lanes: [f32; LANES], of_two: impl Fn(f32, f32) -> f32) -> f32 {
         half /= 2;
     }
     lanes[0]
-}
-
-/// The lesser of two numbers of which none is NaN; unlike `f32::min` a single instruction.
-#[inline(always)]
-pub(super) fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The greater of two numbers of which none is NaN.
-#[inline(always)]
-pub(super) fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

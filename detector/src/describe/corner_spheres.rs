@@ -1,6 +1,7 @@
 //! How far the surface of an object is from the upper corners of its box.
 
-use super::box_frame_points::{BoxFramePoints, LANES, extent_m, lesser};
+use super::box_frame_points::{BoxFramePoints, LANES, extent_m, reduced};
+use crate::vector_instructions::lesser;
 
 /// Distances in metres from the four corners of a box, lifted to the highest point of the object, to its nearest point.
 ///
@@ -28,30 +29,9 @@ impl CornerSpheres {
     #[inline(always)]
     pub fn around(points: &BoxFramePoints, length_m: f32, width_m: f32) -> Option<Self> {
         let [_, top_m] = extent_m(points.up_m())?;
-        let corner_m = [length_m / 2.0, width_m / 2.0];
-        let (along, rest_along) = points.along_m().as_chunks::<LANES>();
-        let (across, rest_across) = points.across_m().as_chunks::<LANES>();
-        let (up, rest_up) = points.up_m().as_chunks::<LANES>();
-        let mut front_left = [f32::INFINITY; LANES];
-        let (mut back_left, mut back_right, mut front_right) = (front_left, front_left, front_left);
-        for ((along, across), up) in along.iter().zip(across).zip(up) {
-            for lane in 0..LANES {
-                let [a, b, c, d] = squared_distances([along[lane], across[lane], up[lane] - top_m], corner_m);
-                front_left[lane] = lesser(a, front_left[lane]);
-                back_left[lane] = lesser(b, back_left[lane]);
-                back_right[lane] = lesser(c, back_right[lane]);
-                front_right[lane] = lesser(d, front_right[lane]);
-            }
-        }
-        let mut nearest = [front_left, back_left, back_right, front_right]
-            .map(|lanes| lanes.into_iter().fold(f32::INFINITY, lesser));
-        for ((&along, &across), &up) in rest_along.iter().zip(rest_across).zip(rest_up) {
-            let squared = squared_distances([along, across, up - top_m], corner_m);
-            for corner in 0..4 {
-                nearest[corner] = lesser(squared[corner], nearest[corner]);
-            }
-        }
-        Some(Self { radii_m: nearest.map(f32::sqrt) })
+        let [front, left] = [length_m / 2.0, width_m / 2.0];
+        let corners_m = [[front, left], [-front, left], [-front, -left], [front, -left]];
+        Some(Self { radii_m: corners_m.map(|corner_m| nearest_m(points, corner_m, top_m)) })
     }
 
     /// The radii by the object's own front and near side.
@@ -86,13 +66,25 @@ impl OrderedRadii {
     }
 }
 
-/// To the front left, back left, back right and front right corner.
+/// From a place in the frame of the box to the nearest of the points.
 #[inline(always)]
-fn squared_distances([along, across, up]: [f32; 3], [front, left]: [f32; 2]) -> [f32; 4] {
-    let square = |it: f32| it * it;
-    let (to_front, to_back) = (square(along - front) + square(up), square(along + front) + square(up));
-    let (to_left, to_right) = (square(across - left), square(across + left));
-    [to_front + to_left, to_back + to_left, to_back + to_right, to_front + to_right]
+fn nearest_m(points: &BoxFramePoints, [front, left]: [f32; 2], top_m: f32) -> f32 {
+    let squared = |along: f32, across: f32, up: f32| {
+        let square = |it: f32| it * it;
+        square(along - front) + square(up - top_m) + square(across - left)
+    };
+    let (along, rest_along) = points.along_m().as_chunks::<LANES>();
+    let (across, rest_across) = points.across_m().as_chunks::<LANES>();
+    let (up, rest_up) = points.up_m().as_chunks::<LANES>();
+    let mut least = [f32::INFINITY; LANES];
+    for ((along, across), up) in along.iter().zip(across).zip(up) {
+        for lane in 0..LANES {
+            least[lane] = lesser(squared(along[lane], across[lane], up[lane]), least[lane]);
+        }
+    }
+    let rest = rest_along.iter().zip(rest_across).zip(rest_up);
+    let rest = rest.map(|((&along, &across), &up)| squared(along, across, up));
+    rest.fold(reduced(least, lesser), lesser).sqrt()
 }
 
 #[cfg(test)]

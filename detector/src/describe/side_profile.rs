@@ -1,7 +1,8 @@
 //! What an object looks like from the side.
 
-use super::box_frame_points::{BoxFramePoints, extent_m, greater, lesser};
+use super::box_frame_points::{BoxFramePoints, extent_m};
 use crate::fit::convex_hull::convex_hull;
+use crate::vector_instructions::{greater, lesser};
 
 /// Buffers for one concave profile after another, and the latest.
 ///

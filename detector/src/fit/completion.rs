@@ -188,7 +188,10 @@ impl Completion {
                 over = next;
             }
         }
-        self.added.sort_unstable();
+        // One comparison of numbers for two.
+        self.added.sort_unstable_by_key(|&[object_idx, point_idx]| {
+            u64::from(object_idx) << 32 | u64::from(point_idx)
+        });
     }
 }
 

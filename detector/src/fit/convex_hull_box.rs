@@ -2,6 +2,7 @@
 
 use crate::fit::convex_hull::convex_hull;
 use crate::oriented_box::OrientedBox;
+use crate::vector_instructions::{greater, lesser};
 
 /// Buffers for fitting one box after another, and the hull of the latest.
 #[derive(Debug, Clone, Default)]
@@ -64,12 +65,12 @@ impl ConvexHullBox {
         let mut along_m = [f32::INFINITY, f32::NEG_INFINITY];
         let mut across_m = along_m;
         for [u, v] in self.hull_m.iter().map(project) {
-            along_m = [along_m[0].min(u), along_m[1].max(u)];
-            across_m = [across_m[0].min(v), across_m[1].max(v)];
+            along_m = [lesser(u, along_m[0]), greater(u, along_m[1])];
+            across_m = [lesser(v, across_m[0]), greater(v, across_m[1])];
         }
-        let to_side = |value: f32, sides: [f32; 2]| (value - sides[0]).min(sides[1] - value);
-        let distances =
-            self.hull_m.iter().map(project).map(|[u, v]| to_side(u, along_m).min(to_side(v, across_m)));
+        let to_side = |value: f32, sides: [f32; 2]| lesser(value - sides[0], sides[1] - value);
+        let distances = self.hull_m.iter().map(project);
+        let distances = distances.map(|[u, v]| lesser(to_side(u, along_m), to_side(v, across_m)));
         let mean_distance_m = distances.sum::<f32>() / self.hull_m.len() as f32;
         Rectangle { along, along_m, across_m, mean_distance_m }
     }

@@ -84,6 +84,12 @@ impl Members {
         self.point_indices.push(point_idx);
     }
 
+    /// Adds points at the end.
+    pub fn extend(&mut self, points: impl Iterator<Item = (u32, [f32; 3])> + Clone) {
+        self.positions_m.extend(points.clone().map(|(_, position_m)| position_m));
+        self.point_indices.extend(points.map(|(point_idx, _)| point_idx));
+    }
+
     /// Where the points of a list are, in the sensor frame.
     pub fn positions_m(&self, list: &Range<usize>) -> &[[f32; 3]] {
         &self.positions_m[list.clone()]

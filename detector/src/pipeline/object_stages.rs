@@ -70,14 +70,12 @@ impl ObjectStages {
     /// Adds an object of these points, indices ascending, with its box and the hull it was fitted to.
     pub fn add(
         &mut self,
-        points: impl Iterator<Item = (u32, [f32; 3])>,
+        points: impl Iterator<Item = (u32, [f32; 3])> + Clone,
         bounding_box: OrientedBox,
         hull_m: &[[f32; 2]],
     ) {
         let start = self.fitted.members.len();
-        for (point_idx, position_m) in points {
-            self.fitted.members.push(point_idx, position_m);
-        }
+        self.fitted.members.extend(points);
         let object = self.fitted.object(start..self.fitted.members.len(), bounding_box, hull_m);
         self.fitted.objects.push(object);
     }
@@ -152,7 +150,9 @@ impl ObjectStages {
             self.point_indices.clear();
             let mut own = members.point_indices(&object.members);
             while let Some(&[_, point_idx]) = added.next_if(|[of_object, _]| *of_object == object_idx) {
-                let (before, behind) = own.split_at(own.partition_point(|it| *it < point_idx));
+                // Rarely more than some points away.
+                let n_before = own.iter().position(|it| *it > point_idx).unwrap_or(own.len());
+                let (before, behind) = own.split_at(n_before);
                 self.point_indices.extend_from_slice(before);
                 self.point_indices.push(point_idx);
                 own = behind;
