@@ -146,7 +146,8 @@ impl KdTreeDetector {
         self.objects.clear();
         for (cluster_idx, members) in self.clusters.iter().enumerate() {
             let n_points = members.len();
-            if let Some(reason) = reason_to_drop(n_points, self.objects.min_points()..=self.params.max_points) {
+            if let Some(reason) = reason_to_drop(n_points, self.objects.min_points()..=self.params.max_points)
+            {
                 output.dropped_clusters.push(DroppedCluster { n_points, reason });
                 self.dropped.push(cluster_idx);
                 continue;

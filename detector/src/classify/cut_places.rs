@@ -42,8 +42,7 @@ impl CutPlaces {
         self.planes.clear();
         let (sin, cos) = bounding_box.yaw_rad.sin_cos();
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
-        let axes =
-            [([cos, sin], length_m, params.min_length_m), ([-sin, cos], width_m, params.min_width_m)];
+        let axes = [([cos, sin], length_m, params.min_length_m), ([-sin, cos], width_m, params.min_width_m)];
         for (normal, extent_m, min_extent_m) in axes {
             if extent_m < min_extent_m {
                 continue;
@@ -101,13 +100,18 @@ mod tests {
             length_width_height_m: [length_m, width_m, 1.5],
             yaw_rad: 0.0,
         };
-        CutPlaces::default().find(positions_m, &bounding_box, &HierarchicalParams::paper().regrouping).to_vec()
+        CutPlaces::default()
+            .find(positions_m, &bounding_box, &HierarchicalParams::paper().regrouping)
+            .to_vec()
     }
 
     #[test]
     fn the_gap_between_two_cars_is_the_first_place() {
-        let row: Vec<[f32; 3]> =
-            (0..90_u8).map(|it| 0.1 * f32::from(it)).filter(|x| !(4.0..4.6).contains(x)).map(|x| [x, 0.9, 0.0]).collect();
+        let row: Vec<[f32; 3]> = (0..90_u8)
+            .map(|it| 0.1 * f32::from(it))
+            .filter(|x| !(4.0..4.6).contains(x))
+            .map(|x| [x, 0.9, 0.0])
+            .collect();
         let found = planes(&row, [9.0, 1.8]);
         assert_eq!(found.len(), HierarchicalParams::paper().regrouping.n_places);
         assert!(found[0].is_before([3.9, 0.0, 0.0]) && !found[0].is_before([4.7, 0.0, 0.0]), "{found:?}");

@@ -98,12 +98,7 @@ fn z_range_m(positions_m: &[[f32; 3]]) -> [f32; 2] {
 impl Regrouping {
     /// Nothing regrouped yet.
     pub fn new(params: RegroupingParams) -> Self {
-        Self {
-            params,
-            to_cut: Vec::new(),
-            places: CutPlaces::default(),
-            parts_m: [Vec::new(), Vec::new()],
-        }
+        Self { params, to_cut: Vec::new(), places: CutPlaces::default(), parts_m: [Vec::new(), Vec::new()] }
     }
 
     /// Cuts and joins `fitted`, whose objects have their decisions. Parts stand where the whole stood, a joined object where

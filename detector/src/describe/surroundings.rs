@@ -71,8 +71,7 @@ impl ObjectRaster {
         let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
         let (sin, cos) = bounding_box.yaw_rad.sin_cos();
         let [long_m, wide_m] = [half_length_m + REACH_M, half_width_m + REACH_M];
-        let reach_m =
-            [cos.abs() * long_m + sin.abs() * wide_m, sin.abs() * long_m + cos.abs() * wide_m];
+        let reach_m = [cos.abs() * long_m + sin.abs() * wide_m, sin.abs() * long_m + cos.abs() * wide_m];
         let cells = |center_m: f32, reach_m: f32| {
             let place = |it: f32| ((it + self.half_side_m) / CELL_M).clamp(0.0, self.n_along_side as f32);
             place(center_m - reach_m) as usize..place(center_m + reach_m).ceil() as usize
@@ -135,7 +134,8 @@ mod tests {
         let mut raster = ObjectRaster::new(12.1);
         raster.fill([at(&it, -2.4, 0.0); 3].into_iter());
         assert_eq!(raster.around(&it, 0.0).n_beyond_ends, 3);
-        raster.fill([[f32::NAN, 0.0, 0.0], [1e9, 3.0, 0.0], [f32::INFINITY; 3], at(&it, 2.4, 0.0)].into_iter());
+        raster
+            .fill([[f32::NAN, 0.0, 0.0], [1e9, 3.0, 0.0], [f32::INFINITY; 3], at(&it, 2.4, 0.0)].into_iter());
         // The far end of the box reaches over the border of the raster.
         assert_eq!(raster.around(&it, 0.0), Surroundings::default());
     }

@@ -248,8 +248,7 @@ impl Training<'_> {
         library: Option<&PrototypeLibrary>,
     ) -> anyhow::Result<FilesAndText> {
         let numbers = (self.arguments.vehicles as usize, self.arguments.others);
-        let taught: Vec<&Candidate> =
-            self.taught.iter().copied().filter(|it| S::is_looked_at(it)).collect();
+        let taught: Vec<&Candidate> = self.taught.iter().copied().filter(|it| S::is_looked_at(it)).collect();
         let selected = select(&taught, numbers, self.arguments.choice_seed);
         let params = NuSvcParams {
             gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),

@@ -12,10 +12,11 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::annotation::{AnnotationClass, LabeledScan, Occlusion};
+use crate::annotation::LabeledScan;
 use crate::dataset::Dataset;
 use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
+use crate::training::candidate_kind::CandidateKind;
 use crate::training::regroupings::regroupings;
 use crate::training::vehicle_labels::VehicleLabels;
 
@@ -24,43 +25,6 @@ const N_CUTS: usize = 4;
 /// Their sides, from that of a motor cycle to that of a van.
 const CUT_LENGTH_M: std::ops::Range<f32> = 2.0..7.0;
 const CUT_WIDTH_M: std::ops::Range<f32> = 0.6..2.6;
-
-/// What a candidate is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum CandidateKind {
-    /// A cluster that shows an annotated vehicle.
-    Vehicle {
-        /// What it is.
-        class: AnnotationClass,
-        /// The box around all of it, front forward.
-        whole: Option<OrientedBox>,
-        /// How much of it is hidden.
-        occlusion: Option<Occlusion>,
-    },
-    /// A cluster that shows none.
-    Cluster,
-    /// A cluster of a part of a vehicle, of several, or of a vehicle and other things, that shows none of them well enough.
-    Fragment,
-    /// What lies in a rectangle put anywhere over the foreground.
-    CutRegion,
-}
-
-impl CandidateKind {
-    /// The name used in files and on screens.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Vehicle { class, .. } => class.name(),
-            Self::Cluster => "other cluster",
-            Self::Fragment => "fragment",
-            Self::CutRegion => "cut region",
-        }
-    }
-
-    /// Whether it is to be told a vehicle.
-    pub fn is_vehicle(&self) -> bool {
-        matches!(self, Self::Vehicle { .. })
-    }
-}
 
 /// An object to train with or to judge by.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,8 @@ use rand::SeedableRng as _;
 use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::candidates::{Candidate, CandidateKind};
+use super::candidate_kind::CandidateKind;
+use super::candidates::Candidate;
 
 /// Cut regions are at most this share of the background: a street has more clusters to be taken for vehicles than
 /// rectangles that nobody put there.

@@ -1,6 +1,6 @@
 //! What the labels of a scan say of any points of it.
 
-use super::candidates::CandidateKind;
+use super::candidate_kind::CandidateKind;
 use crate::annotation::{Annotation, LabeledScan, PointRegion};
 use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, may_be_vehicle};
 
