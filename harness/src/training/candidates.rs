@@ -68,6 +68,9 @@ pub enum CandidateBoxes {
     Fitted(ObjectBox),
 }
 
+/// What every thread looks at its scans with.
+type State = (Box<dyn Detector>, ForegroundStages, ObjectRaster);
+
 /// The candidates of the scans `scan_indices` of `dataset`, in their order: what the detector of `source` finds in them,
 /// and regions cut out of it.
 ///
@@ -90,7 +93,6 @@ pub fn collect_candidates(
         let ground = ForegroundStages::new(source.ground.clone(), sensor_height_m);
         ((source.new_detector)(), ground, ObjectRaster::new(source.ground.grid.extent_m))
     };
-    type State = (Box<dyn Detector>, ForegroundStages, ObjectRaster);
     let of_scan = |(detector, ground, raster): &mut State, &scan_idx: &usize| {
         if interrupted.load(Ordering::Relaxed) {
             let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
