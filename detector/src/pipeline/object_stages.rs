@@ -2,7 +2,8 @@
 
 use crate::classify::regrouping::{Judge, Regrouping};
 use crate::classify::size_gate::{SizeGateParams, size_gate};
-use crate::describe::surroundings::ObjectRaster;
+use crate::describe::seen_size::may_be_vehicle;
+use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::detection::Detection;
 use crate::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::fit::completion::Completion;
@@ -90,7 +91,13 @@ impl ObjectStages {
     ) {
         let raster = &mut self.raster;
         let surroundings = |raster: &ObjectRaster, bounding_box: &OrientedBox| {
-            raster.around(bounding_box, foreground.ground_below_m(bounding_box))
+            let ground_m = foreground.ground_below_m(bounding_box);
+            // The model does not look at others.
+            if may_be_vehicle(bounding_box, ground_m) {
+                raster.around(bounding_box, ground_m)
+            } else {
+                Surroundings { ground_m, ..Surroundings::default() }
+            }
         };
         if let Some(model) = &mut self.model {
             let members = &self.fitted.members;
