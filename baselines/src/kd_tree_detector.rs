@@ -1,5 +1,7 @@
 //! The rival of the hierarchical grid: components of points over a kd-tree.
 
+use std::ops::RangeInclusive;
+
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock, StageTime};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
@@ -41,7 +43,7 @@ impl KdTreeDetector {
         shared.walls.enabled &= params.foreground == ForegroundChoice::Refined;
         // Of the whole scan there is no grid to complete clusters from.
         shared.completion.enabled &= params.foreground != ForegroundChoice::All;
-        let objects = ObjectStages::new(&shared);
+        let objects = ObjectStages::new(&shared, params.min_points);
         Self {
             params,
             short_objects: ForegroundStages::new(shared, sensor_height_m),
@@ -144,7 +146,8 @@ impl KdTreeDetector {
         self.objects.clear();
         for (cluster_idx, members) in self.clusters.iter().enumerate() {
             let n_points = members.len();
-            if let Some(reason) = self.params.reason_to_drop(n_points) {
+            if let Some(reason) = reason_to_drop(n_points, self.objects.min_points()..=self.params.max_points)
+            {
                 output.dropped_clusters.push(DroppedCluster { n_points, reason });
                 self.dropped.push(cluster_idx);
                 continue;
@@ -190,14 +193,12 @@ impl KdTreeDetector {
     }
 }
 
-impl KdTreeParams {
-    fn reason_to_drop(&self, n_points: usize) -> Option<DropReason> {
-        if n_points < self.min_points {
-            Some(DropReason::TooFewPoints)
-        } else if n_points > self.max_points {
-            Some(DropReason::TooManyPoints)
-        } else {
-            None
-        }
+fn reason_to_drop(n_points: usize, kept: RangeInclusive<usize>) -> Option<DropReason> {
+    if n_points < *kept.start() {
+        Some(DropReason::TooFewPoints)
+    } else if n_points > *kept.end() {
+        Some(DropReason::TooManyPoints)
+    } else {
+        None
     }
 }

@@ -1,9 +1,9 @@
 //! The rival of the vehicle model: an occupancy grid, and boxes along principal axes.
 
-use detector::classify::size_gate::SizeGateParams;
+use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid, NO_CELL};
-use detector::pipeline::vehicle_model::classify_object;
+use detector::pipeline::vehicle_model::class_by_decision;
 use detector::segment::clusters::Clusters;
 use detector::stage_product::{ProductCell, Shape, SurfaceClass};
 use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
@@ -132,11 +132,14 @@ impl PcaDetector {
             self.object_points.clear();
             self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
             let positions_m = self.object_points.iter().map(|&it| cloud.position_m(it as usize));
-            // Without a terrain: what the box stands on. The model does not look at it.
-            let bottom_m = bounding_box.center_m[2] - 0.5 * bounding_box.length_width_height_m[2];
-            let object_box = (bounding_box, bottom_m);
-            let (class, score) =
-                classify_object(self.vehicle_model.as_mut(), object_box, positions_m, &self.vehicle_size);
+            let (n_points, sizes) = (members.len(), &self.vehicle_size);
+            let (class, score) = match &mut self.vehicle_model {
+                Some(model) => {
+                    let decision = model.decision(bounding_box, positions_m);
+                    (class_by_decision(decision, n_points, sizes.min_points), decision)
+                }
+                None => (size_gate(n_points, bounding_box, sizes), None),
+            };
             output.detections.push(Detection {
                 point_indices: &self.object_points,
                 bounding_box: *bounding_box,

@@ -2,7 +2,6 @@
 
 use detector::OrientedBox;
 use detector::classify::nu_svm::NuSvm;
-use detector::classify::object_classifier::ObjectClassifier;
 use detector::classify::svm_model::{SvmModel, SvmModelError};
 use detector::describe::trained_file::AtLine;
 
@@ -35,13 +34,11 @@ impl PcaVehicleModel {
         let svm = SvmModel::from_toml(text, PcaFeatures::NAMES, &PcaDescriber::name())?;
         Ok(Self { describer: PcaDescriber::default(), svm: NuSvm::new(&svm) })
     }
-}
 
-impl ObjectClassifier for PcaVehicleModel {
-    fn decision(
+    /// How surely an object with these points, in the sensor frame, is a vehicle: above 0 it is one. `None` without points.
+    pub fn decision(
         &mut self,
         bounding_box: &OrientedBox,
-        _: f32,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<f32> {
         let features = self.describer.describe(bounding_box, positions_m)?;
@@ -80,7 +77,7 @@ mod tests {
         let mut model = PcaVehicleModel::shipped();
         let mut decide = |points: &[[f32; 3]]| {
             let bounding_box = principal_axes_box(points.iter().copied()).unwrap();
-            model.decision(&bounding_box, -1.73, points.iter().copied()).unwrap()
+            model.decision(&bounding_box, points.iter().copied()).unwrap()
         };
         let [car, person] = [decide(&car), decide(&person)];
         assert!(car > 0.0 && person < 0.0, "{car} and {person}");

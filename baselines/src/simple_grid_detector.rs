@@ -41,7 +41,7 @@ impl SimpleGridDetector {
     /// A detector for a sensor `sensor_height_m` above the road; `shared` are the parameters of the hierarchical detector.
     pub fn new(mut shared: HierarchicalParams, sensor_height_m: f32) -> Self {
         shared.grid.xi = 1;
-        let objects = ObjectStages::new(&shared);
+        let objects = ObjectStages::new(&shared, shared.cluster.min_points);
         Self {
             foreground: ForegroundStages::new(shared, sensor_height_m),
             cells: DenseLevel::default(),
@@ -115,7 +115,7 @@ impl SimpleGridDetector {
         let cell_of_point = self.cells.dense_of_point();
         for members in self.clusters.iter() {
             let n_points = members.len();
-            if n_points < self.foreground.params().cluster.min_points {
+            if n_points < self.objects.min_points() {
                 output.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
                 continue;
             }

@@ -8,6 +8,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use detector::describe::surroundings::ObjectRaster;
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::pipeline::vehicle_model::VehicleModel;
@@ -42,17 +43,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 fn measure(scans: &[Vec<Candidate>]) {
     let mut model = VehicleModel::shipped();
+    let mut raster = ObjectRaster::new(HierarchicalParams::paper().grid.extent_m);
     let (mut features, mut decisions, mut vectors) = (Vec::new(), Vec::new(), Vec::new());
     let mut sum = 0.0;
     for round in 0..=N_ROUNDS {
         for scan in scans {
             vectors.clear();
             let started = Instant::now();
+            raster.fill(scan.iter().flat_map(|(_, points_m)| points_m).copied());
             for (bounding_box, points_m) in scan {
-                vectors.extend(model.values(bounding_box, -SENSOR_HEIGHT_M, points_m.iter().copied()));
+                let ground_m = -SENSOR_HEIGHT_M;
+                let surroundings = raster.around(bounding_box, ground_m);
+                vectors.push(model.values(bounding_box, &surroundings, points_m.iter().copied()));
             }
             let described = Instant::now();
-            sum += vectors.iter().map(|vector| model.decision_on(vector)).sum::<f32>();
+            sum += vectors.iter().map(|vector| model.decision_on(vector.as_ref())).sum::<f32>();
             let decided = described.elapsed();
             // The first round warms up.
             if round > 0 {

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::classify::regrouping::RegroupingParams;
+use crate::classify::regrouping_params::RegroupingParams;
 use crate::classify::size_gate::SizeGateParams;
 use crate::fit::completion::CompletionParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
@@ -49,6 +49,9 @@ pub struct HierarchicalParams {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClusterParams {
+    /// Fewest points of what a vehicle model may take for a vehicle. Smaller clusters than `min_points` are dropped unless it
+    /// does.
+    pub min_vehicle_points: usize,
     /// Fewest points of an object.
     pub min_points: usize,
 }

@@ -8,4 +8,7 @@ pub mod svm_model;
 pub mod svm_training;
 pub mod nu_svm;
 pub mod object_classifier;
+pub mod regrouping_params;
+pub mod cut_places;
+pub mod joinable;
 pub mod regrouping;

@@ -1,37 +1,15 @@
 //! Objects that are cut, or joined, where the vehicle model likes that better.
 
-use serde::Deserialize;
-
-use super::object_classifier::ObjectClassifier;
+use super::cut_places::{CutPlaces, Plane};
+use super::joinable::may_be_one;
+use super::object_classifier::{NO_VEHICLE, ObjectClassifier};
+use super::regrouping_params::RegroupingParams;
 use super::size_gate::{SizeGateParams, size_gate};
+use crate::describe::surroundings::Surroundings;
 use crate::detection::DetectedClass;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
 use crate::oriented_box::OrientedBox;
-
-/// Tuning of [`Regrouping`].
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RegroupingParams {
-    /// Whether objects are regrouped at all.
-    pub enabled: bool,
-    /// Objects as long as this are cut across, in metres: longer than a car.
-    pub min_length_m: f32,
-    /// Objects as wide as this are cut along, in metres: wider than a van.
-    pub min_width_m: f32,
-    /// Cuts are at least this far from both ends, in metres.
-    pub min_end_m: f32,
-    /// How many places are tried along each axis, those with the fewest points first.
-    pub n_places: usize,
-    /// A part has at least this many points.
-    pub min_points: usize,
-    /// By how much more the model has to like one part than the whole if it does not like the other.
-    pub lone_part_margin: f32,
-    /// Objects no farther apart than this may be joined, in metres.
-    pub max_gap_m: f32,
-    /// Longer objects are not joined with others, in metres.
-    pub max_joined_length_m: f32,
-}
 
 /// Cuts objects in which several vehicles stand, or one and something else, and joins vehicles that came apart.
 ///
@@ -45,25 +23,24 @@ pub struct RegroupingParams {
 pub struct Regrouping {
     params: RegroupingParams,
     to_cut: Vec<FittedObject>,
-    n_in_column: Vec<u32>,
-    places: Vec<usize>,
+    places: CutPlaces,
     // With room for all points of an object, so that writing needs no branch.
     parts_m: [Vec<[f32; 3]>; 2],
 }
 
 /// What looks at an object as it might be.
-pub struct Judge<'a, M, G> {
+pub struct Judge<'a, M, S> {
     /// Fits its box.
     pub box_fit: &'a mut ConvexHullBox,
     /// Tells how surely it is a vehicle.
     pub model: &'a mut M,
-    /// Elevation of the ground below a box, in metres.
-    pub ground_m: G,
+    /// Tells what stands around a box.
+    pub surroundings: S,
     /// What has not the size of a vehicle is none, without asking the model.
     pub sizes: &'a SizeGateParams,
 }
 
-impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
+impl<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings> Judge<'_, M, S> {
     /// How surely these points, one at least, are a vehicle; [`NO_VEHICLE`] if their size says no.
     fn decision(&mut self, positions_m: &[[f32; 3]]) -> f32 {
         let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
@@ -103,9 +80,8 @@ impl<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32> Judge<'_, M, G> {
     }
 
     fn decision_in(&mut self, bounding_box: &OrientedBox, positions_m: &[[f32; 3]]) -> f32 {
-        let ground_m = (self.ground_m)(bounding_box);
-        let decision = self.model.decision(bounding_box, ground_m, positions_m.iter().copied());
-        decision.expect("it has points")
+        let surroundings = (self.surroundings)(bounding_box);
+        self.model.decision(bounding_box, &surroundings, positions_m.iter().copied())
     }
 }
 
@@ -119,45 +95,18 @@ fn z_range_m(positions_m: &[[f32; 3]]) -> [f32; 2] {
     [low_m, high_m]
 }
 
-/// A decision on the margin of the other class.
-const NO_VEHICLE: f32 = -1.0;
-
-/// A vertical plane through an object.
-#[derive(Debug, Clone, Copy)]
-struct Plane {
-    normal: [f32; 2],
-    offset_m: f32,
-}
-
-impl Plane {
-    fn is_before(&self, [x_m, y_m, _]: [f32; 3]) -> bool {
-        x_m * self.normal[0] + y_m * self.normal[1] < self.offset_m
-    }
-}
-
-/// Width of the columns in which points are counted, in metres; cuts lie in their middles.
-const COLUMN_M: f32 = 0.2;
-/// Places this many columns or fewer apart are one place.
-const NEAR_COLUMNS: usize = 3;
-
 impl Regrouping {
     /// Nothing regrouped yet.
     pub fn new(params: RegroupingParams) -> Self {
-        Self {
-            params,
-            to_cut: Vec::new(),
-            n_in_column: Vec::new(),
-            places: Vec::new(),
-            parts_m: [Vec::new(), Vec::new()],
-        }
+        Self { params, to_cut: Vec::new(), places: CutPlaces::default(), parts_m: [Vec::new(), Vec::new()] }
     }
 
     /// Cuts and joins `fitted`, whose objects have their decisions. Parts stand where the whole stood, a joined object where
     /// the first of its parts stood.
-    pub fn regroup<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+    pub fn regroup<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings>(
         &mut self,
         fitted: &mut FittedObjects,
-        mut judge: Judge<'_, M, G>,
+        mut judge: Judge<'_, M, S>,
     ) {
         if self.params.enabled {
             self.cut(fitted, &mut judge);
@@ -165,10 +114,10 @@ impl Regrouping {
         }
     }
 
-    fn cut<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+    fn cut<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings>(
         &mut self,
         fitted: &mut FittedObjects,
-        judge: &mut Judge<'_, M, G>,
+        judge: &mut Judge<'_, M, S>,
     ) {
         self.to_cut.clear();
         self.to_cut.extend(fitted.objects.drain(..).rev());
@@ -188,46 +137,32 @@ impl Regrouping {
     }
 
     /// The cut whose parts are liked best, if they are liked better than the whole.
-    fn best_cut<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+    fn best_cut<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings>(
         &mut self,
         fitted: &FittedObjects,
         object: &FittedObject,
-        judge: &mut Judge<'_, M, G>,
+        judge: &mut Judge<'_, M, S>,
     ) -> Option<Plane> {
         let positions_m = fitted.members.positions_m(&object.members);
-        let (sin, cos) = object.bounding_box.yaw_rad.sin_cos();
-        let [length_m, width_m, _] = object.bounding_box.length_width_height_m;
-        let axes = [
-            ([cos, sin], length_m, self.params.min_length_m),
-            ([-sin, cos], width_m, self.params.min_width_m),
-        ];
+        let mut places = std::mem::take(&mut self.places);
         let mut best = (object.decision.unwrap_or(0.0).max(0.0), None);
-        for (normal, extent_m, min_extent_m) in axes {
-            if extent_m < min_extent_m {
-                continue;
-            }
-            let [x_m, y_m, _] = object.bounding_box.center_m;
-            let start_m = x_m * normal[0] + y_m * normal[1] - 0.5 * extent_m;
-            self.find_places(positions_m, normal, start_m, extent_m);
-            for place_idx in 0..self.places.len() {
-                let offset_m = start_m + (self.places[place_idx] as f32 + 0.5) * COLUMN_M;
-                let plane = Plane { normal, offset_m };
-                if let Some(value) = self.value(positions_m, plane, judge)
-                    && value > best.0
-                {
-                    best = (value, Some(plane));
-                }
+        for &plane in places.find(positions_m, &object.bounding_box, &self.params) {
+            if let Some(value) = self.value(positions_m, plane, judge)
+                && value > best.0
+            {
+                best = (value, Some(plane));
             }
         }
+        self.places = places;
         best.1
     }
 
     /// How much the model likes the parts on both sides of a plane. `None` if one of them has too few points.
-    fn value<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+    fn value<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings>(
         &mut self,
         positions_m: &[[f32; 3]],
         plane: Plane,
-        judge: &mut Judge<'_, M, G>,
+        judge: &mut Judge<'_, M, S>,
     ) -> Option<f32> {
         let [before_m, behind_m] = &mut self.parts_m;
         for part_m in [&mut *before_m, &mut *behind_m] {
@@ -249,35 +184,10 @@ impl Regrouping {
         Some(a.min(b).max(a.max(b) - self.params.lone_part_margin))
     }
 
-    /// The columns with the fewest points along an axis, neighbours included by half; not near the ends, nor near each other.
-    fn find_places(&mut self, positions_m: &[[f32; 3]], normal: [f32; 2], start_m: f32, extent_m: f32) {
-        let last = (extent_m / COLUMN_M) as usize;
-        self.n_in_column.clear();
-        self.n_in_column.resize(last + 1, 0);
-        for [x_m, y_m, _] in positions_m {
-            let along_m = x_m * normal[0] + y_m * normal[1] - start_m;
-            self.n_in_column[((along_m / COLUMN_M) as usize).min(last)] += 1;
-        }
-        let n_in = |column: usize| self.n_in_column.get(column).copied().unwrap_or(0);
-        let doubled = |column: usize| 2 * n_in(column) + n_in(column.wrapping_sub(1)) + n_in(column + 1);
-        let n_end = (self.params.min_end_m / COLUMN_M) as usize;
-        self.places.clear();
-        for _ in 0..self.params.n_places {
-            let is_free = |column: &usize| self.places.iter().all(|it| it.abs_diff(*column) > NEAR_COLUMNS);
-            // Of equal ones the one nearest to the middle.
-            let key = |column: &usize| (doubled(*column), (2 * column).abs_diff(last));
-            let Some(place) = (n_end..(last + 1).saturating_sub(n_end)).filter(is_free).min_by_key(key)
-            else {
-                break;
-            };
-            self.places.push(place);
-        }
-    }
-
-    fn join<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+    fn join<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings>(
         &mut self,
         fitted: &mut FittedObjects,
-        judge: &mut Judge<'_, M, G>,
+        judge: &mut Judge<'_, M, S>,
     ) {
         let mut first = 0;
         while first < fitted.objects.len() {
@@ -296,11 +206,11 @@ impl Regrouping {
     }
 
     /// What two objects are together, if the model likes that better than either.
-    fn joined<M: ObjectClassifier, G: Fn(&OrientedBox) -> f32>(
+    fn joined<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings>(
         &mut self,
         fitted: &mut FittedObjects,
         pair: [usize; 2],
-        judge: &mut Judge<'_, M, G>,
+        judge: &mut Judge<'_, M, S>,
     ) -> Option<FittedObject> {
         let [a, b] = pair.map(|it| &fitted.objects[it]);
         let [a_range_m, b_range_m] = [a, b].map(|it| ends_m(&it.bounding_box));
@@ -332,42 +242,14 @@ impl Regrouping {
     }
 
     fn may_be_joined(&self, fitted: &FittedObjects, a: &FittedObject, b: &FittedObject) -> bool {
-        let RegroupingParams { max_gap_m, max_joined_length_m, .. } = self.params;
         let are_vehicles = [a, b].iter().all(|it| it.decision.is_some_and(|decision| decision > 0.0));
-        let is_long = |it: &FittedObject| it.bounding_box.length_width_height_m[0] > max_joined_length_m;
-        if are_vehicles || is_long(a) || is_long(b) {
-            return false;
-        }
-        let [dx, dy] = [0, 1].map(|axis| a.bounding_box.center_m[axis] - b.bounding_box.center_m[axis]);
-        let reach_m = half_diagonal_m(&a.bounding_box) + half_diagonal_m(&b.bounding_box) + max_gap_m;
-        dx * dx + dy * dy <= reach_m * reach_m
-            && (gap_m(&a.bounding_box, fitted.hull_m(b)) <= max_gap_m
-                || gap_m(&b.bounding_box, fitted.hull_m(a)) <= max_gap_m)
+        !are_vehicles && may_be_one([a, b].map(|it| (&it.bounding_box, fitted.hull_m(it))), &self.params)
     }
 }
 
 /// The lower and the upper end of a box.
 fn ends_m(bounding_box: &OrientedBox) -> [f32; 2] {
     [-0.5, 0.5].map(|it| bounding_box.center_m[2] + it * bounding_box.length_width_height_m[2])
-}
-
-fn half_diagonal_m(bounding_box: &OrientedBox) -> f32 {
-    let [length_m, width_m, _] = bounding_box.length_width_height_m;
-    0.5 * (length_m * length_m + width_m * width_m).sqrt()
-}
-
-/// From a box to the nearest corner of a hull on the ground plan, in metres.
-fn gap_m(bounding_box: &OrientedBox, hull_m: &[[f32; 2]]) -> f32 {
-    let [x_m, y_m, _] = bounding_box.center_m;
-    let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
-    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
-    let distance_m = |&[corner_x_m, corner_y_m]: &[f32; 2]| {
-        let (dx, dy) = (corner_x_m - x_m, corner_y_m - y_m);
-        let beyond_end_m = ((cos * dx + sin * dy).abs() - half_length_m).max(0.0);
-        let beside_m = ((cos * dy - sin * dx).abs() - half_width_m).max(0.0);
-        (beyond_end_m * beyond_end_m + beside_m * beside_m).sqrt()
-    };
-    hull_m.iter().map(distance_m).fold(f32::INFINITY, f32::min)
 }
 
 #[cfg(test)]
@@ -382,10 +264,11 @@ mod tests {
         fn decision(
             &mut self,
             bounding_box: &OrientedBox,
-            _ground_m: f32,
+            _: &Surroundings,
             positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-        ) -> Option<f32> {
-            (positions_m.len() > 0).then(|| 1.0 - (bounding_box.length_width_height_m[0] - 4.0).abs())
+        ) -> f32 {
+            assert!(positions_m.len() > 0);
+            1.0 - (bounding_box.length_width_height_m[0] - 4.0).abs()
         }
     }
 
@@ -409,7 +292,7 @@ mod tests {
         let mut judge = Judge {
             box_fit: &mut box_fit,
             model: &mut model,
-            ground_m: |_: &OrientedBox| -1.7,
+            surroundings: |_: &OrientedBox| Surroundings::default(),
             sizes: &sizes,
         };
         let mut next_point = 0;

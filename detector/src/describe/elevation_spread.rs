@@ -16,7 +16,13 @@ pub struct ElevationSpread {
     pub mean_m: f32,
     /// Their standard deviation.
     pub deviation_m: f32,
+    /// The share of the points above each of [`LEVELS_M`].
+    pub shares_above: [f32; 3],
 }
+
+/// Elevations above the ground that the points are counted above, in metres: a car's bumper, bonnet
+/// and windows end there, more or less.
+pub const LEVELS_M: [f32; 3] = [0.5, 1.1, 1.4];
 
 impl ElevationSpread {
     /// The spread of `points` of a box whose centre is `center_m` above the ground. `None` without points.
@@ -27,11 +33,16 @@ impl ElevationSpread {
         let n_points = up_m.len() as f32;
         let mean_m = sum(up_m, |it| it) / n_points;
         let variance = sum(up_m, |it| (it - mean_m) * (it - mean_m)) / n_points;
+        let share_above = |level_m: f32| {
+            let least_m = level_m - center_m;
+            sum(up_m, |it| f32::from(u8::from(it > least_m))) / n_points
+        };
         Some(Self {
             bottom_m: center_m + bottom_m,
             top_m: center_m + top_m,
             mean_m: center_m + mean_m,
             deviation_m: variance.sqrt(),
+            shares_above: LEVELS_M.map(share_above),
         })
     }
 }
@@ -51,7 +62,10 @@ mod tests {
     #[test]
     fn of_four_points_it_can_be_done_in_the_head() {
         let found = spread(&[-0.5, -0.5, 0.5, 0.5], 1.0).unwrap();
-        assert_eq!(found, ElevationSpread { bottom_m: 0.5, top_m: 1.5, mean_m: 1.0, deviation_m: 0.5 });
+        let shares_above = [0.5, 0.5, 0.5];
+        let expected =
+            ElevationSpread { bottom_m: 0.5, top_m: 1.5, mean_m: 1.0, deviation_m: 0.5, shares_above };
+        assert_eq!(found, expected);
     }
 
     #[test]

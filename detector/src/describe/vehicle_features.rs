@@ -3,9 +3,12 @@
 use super::box_frame_points::{BoxFramePoints, extent_m};
 use super::corner_spheres::{CornerSpheres, OrderedRadii};
 use super::elevation_spread::ElevationSpread;
+use super::lengthwise_thirds::LengthwiseThirds;
 use super::prototype_library::PrototypeLibrary;
-use super::side_distance::mean_side_distance_m;
 use super::side_profile::{SideProfile, convex_contour};
+use super::side_shares::SideShares;
+use super::surface_roughness::RoughnessSquares;
+use super::surroundings::Surroundings;
 use crate::oriented_box::OrientedBox;
 use crate::stage_product::ProductSphere;
 use crate::vector_instructions::{HotLoop, vectorised};
@@ -13,7 +16,8 @@ use crate::vector_instructions::{HotLoop, vectorised};
 /// What the classifier sees of an object.
 ///
 /// The first eight values are the paper's. It has no height among them, nor anything that tells a shell from a filled
-/// volume, or which side of the object is seen; the other six say that.
+/// volume or leaves from metal, which side of the object is seen, how much of it, or what stands around it; the others say
+/// that.
 ///
 /// Paper: VM section 5.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,16 +32,26 @@ pub struct VehicleFeatures {
     pub profile_difference: f32,
     /// Where its points are above the ground.
     pub elevation: ElevationSpread,
-    /// Mean distance of its points to the nearest side of the box.
-    pub side_distance_m: f32,
+    /// How much of it lies on the sides of its box.
+    pub side_shares: SideShares,
     /// Cosine of the angle between the line of sight and the length of the box, without its sign: 1 if an end is seen, 0
     /// if a side is.
     pub view_cosine: f32,
+    /// How it is built from end to end.
+    pub thirds: LengthwiseThirds,
+    /// The share of its points that are far from flat sides.
+    pub rough_share: f32,
+    /// Number of its points.
+    pub n_points: f32,
+    /// Distance of its middle from the sensor on the ground.
+    pub range_m: f32,
+    /// What stands around it.
+    pub surroundings: Surroundings,
 }
 
 impl VehicleFeatures {
     /// The names of [`Self::values`], as in files.
-    pub const NAMES: [&'static str; 14] = [
+    pub const NAMES: [&'static str; 28] = [
         "length_m",
         "width_m",
         "front_near_radius_m",
@@ -50,13 +64,32 @@ impl VehicleFeatures {
         "top_m",
         "mean_elevation_m",
         "elevation_deviation_m",
-        "side_distance_m",
         "view_cosine",
+        "share_above_0.5_m",
+        "share_above_1.1_m",
+        "share_above_1.4_m",
+        "low_end_top_m",
+        "middle_top_m",
+        "high_end_top_m",
+        "low_end_share",
+        "middle_share",
+        "on_ends_share",
+        "on_sides_share",
+        "rough_share",
+        "root_n_points",
+        "root_seen_area",
+        "beyond_ends_share",
+        "occupied_share",
     ];
 
     /// The values in the order of [`Self::NAMES`].
-    pub fn values(&self) -> [f32; 14] {
+    pub fn values(&self) -> [f32; 28] {
         let OrderedRadii { front_m: [front_near, front_far], back_m: [back_near, back_far] } = self.radii;
+        let [above_bumper, above_bonnet, above_windows] = self.elevation.shares_above;
+        let [low_end_top_m, middle_top_m, high_end_top_m] = self.thirds.tops_m;
+        let [low_end_share, middle_share, _] = self.thirds.shares;
+        let n_beyond_ends = self.surroundings.n_beyond_ends as f32;
+        let fourth_root = |it: f32| it.sqrt().sqrt();
         [
             self.length_m,
             self.width_m,
@@ -70,8 +103,23 @@ impl VehicleFeatures {
             self.elevation.top_m,
             self.elevation.mean_m,
             self.elevation.deviation_m,
-            self.side_distance_m,
             self.view_cosine,
+            above_bumper,
+            above_bonnet,
+            above_windows,
+            low_end_top_m,
+            middle_top_m,
+            high_end_top_m,
+            low_end_share,
+            middle_share,
+            self.side_shares.on_ends,
+            self.side_shares.on_sides,
+            self.rough_share,
+            fourth_root(self.n_points),
+            // Points lie the wider apart the farther they are.
+            fourth_root(self.n_points * self.range_m * self.range_m),
+            n_beyond_ends / (n_beyond_ends + self.n_points),
+            self.surroundings.occupied_share,
         ]
     }
 }
@@ -82,13 +130,14 @@ pub struct VehicleDescriber {
     library: PrototypeLibrary,
     points: BoxFramePoints,
     profile: SideProfile,
+    squares: RoughnessSquares,
 }
 
 impl VehicleDescriber {
     /// Compares profiles with those of `library`, in the same columns.
     pub fn new(library: PrototypeLibrary) -> Self {
         let profile = SideProfile::new(library.column_m());
-        Self { library, points: BoxFramePoints::default(), profile }
+        Self { library, points: BoxFramePoints::default(), profile, squares: RoughnessSquares::default() }
     }
 
     /// What is compared with and no value of its own, as trained models record it.
@@ -96,36 +145,42 @@ impl VehicleDescriber {
         format!("prototypes of SHA-256 {}", library.checksum())
     }
 
-    /// The features of an object with these points, in the sensor frame, above ground of elevation `ground_m` there. `None`
-    /// without points.
+    /// The features of an object with these points, in the sensor frame, and with these surroundings. `None` without points.
     pub fn describe(
         &mut self,
         bounding_box: &OrientedBox,
-        ground_m: f32,
+        surroundings: &Surroundings,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<VehicleFeatures> {
-        vectorised(Description { describer: self, bounding_box, ground_m, positions_m })
+        vectorised(Description { describer: self, bounding_box, surroundings, positions_m })
     }
 
     #[inline(always)]
     fn features(
         &mut self,
         bounding_box: &OrientedBox,
-        ground_m: f32,
+        surroundings: &Surroundings,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<VehicleFeatures> {
         self.points.fill(bounding_box, positions_m);
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
         let spheres = CornerSpheres::around(&self.points, length_m, width_m)?;
         let nearest = self.library.nearest(self.profile.concave_contour(&self.points));
+        let [center_x_m, center_y_m, center_z_m] = bounding_box.center_m;
+        let center_above_m = center_z_m - surroundings.ground_m;
         Some(VehicleFeatures {
             length_m,
             width_m,
             radii: spheres.ordered(),
             profile_difference: nearest.map_or(1.0, |it| it.difference),
-            elevation: ElevationSpread::of(&self.points, bounding_box.center_m[2] - ground_m)?,
-            side_distance_m: mean_side_distance_m(&self.points, length_m, width_m)?,
+            elevation: ElevationSpread::of(&self.points, center_above_m)?,
+            side_shares: SideShares::of(&self.points, length_m, width_m)?,
             view_cosine: view_cosine(bounding_box),
+            thirds: LengthwiseThirds::of(&self.points, length_m, center_above_m)?,
+            rough_share: self.squares.rough_share(&self.points, length_m, width_m)?,
+            n_points: self.points.up_m().len() as f32,
+            range_m: (center_x_m * center_x_m + center_y_m * center_y_m).sqrt(),
+            surroundings: *surroundings,
         })
     }
 
@@ -163,7 +218,7 @@ impl VehicleDescriber {
 struct Description<'a, P> {
     describer: &'a mut VehicleDescriber,
     bounding_box: &'a OrientedBox,
-    ground_m: f32,
+    surroundings: &'a Surroundings,
     positions_m: P,
 }
 
@@ -172,7 +227,7 @@ impl<P: ExactSizeIterator<Item = [f32; 3]>> HotLoop for Description<'_, P> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        self.describer.features(self.bounding_box, self.ground_m, self.positions_m)
+        self.describer.features(self.bounding_box, self.surroundings, self.positions_m)
     }
 }
 
@@ -239,15 +294,22 @@ mod tests {
     #[test]
     fn names_and_values_belong_together() {
         let radii = OrderedRadii { front_m: [0.3, 0.5], back_m: [0.1, 0.1] };
-        let elevation = ElevationSpread { bottom_m: 0.2, top_m: 1.5, mean_m: 0.8, deviation_m: 0.4 };
+        let shares_above = [0.9, 0.6, 0.2];
+        let elevation =
+            ElevationSpread { bottom_m: 0.2, top_m: 1.5, mean_m: 0.8, deviation_m: 0.4, shares_above };
         let it = VehicleFeatures {
             length_m: 4.0,
             width_m: 1.8,
             radii,
             profile_difference: 0.07,
             elevation,
-            side_distance_m: 0.1,
+            side_shares: SideShares { on_ends: 0.2, on_sides: 0.7 },
             view_cosine: 0.9,
+            thirds: LengthwiseThirds { tops_m: [0.9, 1.5, 1.4], shares: [0.3, 0.5, 0.2] },
+            rough_share: 0.15,
+            n_points: 81.0,
+            range_m: 10.0,
+            surroundings: Surroundings { ground_m: -1.7, n_beyond_ends: 27, occupied_share: 0.25 },
         };
         let value =
             |name: &str| it.values()[VehicleFeatures::NAMES.iter().position(|it| *it == name).unwrap()];
@@ -259,13 +321,19 @@ mod tests {
         assert_eq!(value("top_m"), 1.5);
         assert_eq!(value("elevation_deviation_m"), 0.4);
         assert_eq!(value("view_cosine"), 0.9);
+        assert_eq!(value("share_above_1.1_m"), 0.6);
+        assert_eq!([value("low_end_top_m"), value("high_end_top_m"), value("middle_share")], [0.9, 1.4, 0.5]);
+        assert_eq!([value("on_sides_share"), value("rough_share")], [0.7, 0.15]);
+        assert_eq!(value("root_n_points"), 3.0);
+        assert!((value("root_seen_area") - 90.0_f32.sqrt()).abs() < 1e-5);
+        assert_eq!([value("beyond_ends_share"), value("occupied_share")], [0.25, 0.25]);
     }
 
     #[test]
     fn no_points_have_no_features() {
         let (bounding_box, _) = car(0.0, [0.0; 3]);
         let mut describer = VehicleDescriber::new(PrototypeLibrary::drawn());
-        assert_eq!(describer.describe(&bounding_box, 0.0, std::iter::empty()), None);
+        assert_eq!(describer.describe(&bounding_box, &Surroundings::default(), std::iter::empty()), None);
         assert_eq!(describer.shapes(&bounding_box, std::iter::empty()), None);
     }
 
@@ -310,12 +378,15 @@ mod tests {
                 // The box does not know which end is the front.
                 bounding_box.yaw_rad += if turn { std::f32::consts::PI } else { 0.0 };
                 let ground_m = bounding_box.center_m[2] - 0.8;
-                describer.describe(&bounding_box, ground_m, positions_m.into_iter()).unwrap().values()
+                let surroundings = Surroundings { ground_m, ..Surroundings::default() };
+                describer.describe(&bounding_box, &surroundings, positions_m.into_iter()).unwrap().values()
             };
             let here = describe(car(0.0, [0.0; 3]), false);
             let there = describe(car(yaw_rad, [x, y, -0.9]), turn);
-            // The last is where it is seen from.
-            for (name, (a, b)) in VehicleFeatures::NAMES[..13].iter().zip(here.iter().zip(there)) {
+            // Where it is seen from, from how far, and squares that points on their borders may leave.
+            let changes = ["view_cosine", "root_seen_area", "rough_share"];
+            let values = VehicleFeatures::NAMES.iter().zip(here.iter().zip(there));
+            for (name, (a, b)) in values.filter(|(name, _)| !changes.contains(name)) {
                 prop_assert!((a - b).abs() < 0.02, "{name}: {a} against {b}");
             }
             prop_assert!(here[7] < 0.03, "unlike itself by {}", here[7]);

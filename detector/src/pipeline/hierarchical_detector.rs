@@ -40,7 +40,7 @@ impl HierarchicalDetector {
         let separation = DenseSeparation::new(params.separation.clone(), &params.grid, &weighting);
         let outline = Outline::new(params.grid.xi);
         let regrouping = Regrouping::new(params.regrouping.clone());
-        let objects = ObjectStages::new(&params).with_regrouping(regrouping);
+        let objects = ObjectStages::new(&params, params.cluster.min_points).with_regrouping(regrouping);
         Self {
             foreground: ForegroundStages::new(params, sensor_height_m),
             dense: DenseLevel::default(),
@@ -116,7 +116,7 @@ impl HierarchicalDetector {
         self.objects.clear();
         for cluster_idx in 0..self.clusters.n_objects() {
             let points = self.clusters.points(cluster_idx);
-            if points.len() < self.foreground.params().cluster.min_points {
+            if points.len() < self.objects.min_points() {
                 let reason = DropReason::TooFewPoints;
                 output.dropped_clusters.push(DroppedCluster { n_points: points.len(), reason });
                 continue;

@@ -1,9 +1,11 @@
 //! From objects with boxes to detections. Shared with baselines that classify as the paper does.
 
 use crate::classify::regrouping::{Judge, Regrouping};
-use crate::classify::size_gate::size_gate;
+use crate::classify::size_gate::{SizeGateParams, size_gate};
+use crate::describe::seen_size::may_be_vehicle;
+use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::detection::Detection;
-use crate::detector::{DetectorOutput, StageClock};
+use crate::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::fit::completion::Completion;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
@@ -17,23 +19,29 @@ use crate::stage_product::{Shape, StageProduct};
 /// Classes, regrouping and completion of one scan after another.
 #[derive(Debug, Clone)]
 pub struct ObjectStages {
+    min_points: usize,
+    min_vehicle_points: usize,
     fitted: FittedObjects,
     model: Option<VehicleModel>,
     values: Vec<Option<[f32; N_FEATURES]>>,
     regrouping: Option<Regrouping>,
+    raster: ObjectRaster,
     box_fit: ConvexHullBox,
     completion: Completion,
     point_indices: Vec<u32>,
 }
 
 impl ObjectStages {
-    /// Stages that tell vehicles by their size, and leave the objects as they are.
-    pub fn new(params: &HierarchicalParams) -> Self {
+    /// Stages that tell vehicles by their size, and leave the objects as they are. Objects have at least `min_points`.
+    pub fn new(params: &HierarchicalParams, min_points: usize) -> Self {
         Self {
+            min_points,
+            min_vehicle_points: params.cluster.min_vehicle_points.min(min_points),
             fitted: FittedObjects::default(),
             model: None,
             values: Vec::new(),
             regrouping: None,
+            raster: ObjectRaster::new(params.grid.extent_m),
             box_fit: ConvexHullBox::default(),
             completion: Completion::new(params.completion.clone()),
             point_indices: Vec::new(),
@@ -48,6 +56,11 @@ impl ObjectStages {
     /// The same stages, which cut and join objects if there is a vehicle model.
     pub fn with_regrouping(self, regrouping: Regrouping) -> Self {
         Self { regrouping: Some(regrouping), ..self }
+    }
+
+    /// Fewest points of what may become a detection.
+    pub fn min_points(&self) -> usize {
+        if self.model.is_some() { self.min_vehicle_points } else { self.min_points }
     }
 
     /// Forgets the objects of the scan before.
@@ -76,29 +89,56 @@ impl ObjectStages {
         clock: &mut StageClock,
         output: &mut DetectorOutput,
     ) {
+        let raster = &mut self.raster;
+        let surroundings = |raster: &ObjectRaster, bounding_box: &OrientedBox| {
+            let ground_m = foreground.ground_below_m(bounding_box);
+            // The model does not look at others.
+            if may_be_vehicle(bounding_box, ground_m) {
+                raster.around(bounding_box, ground_m)
+            } else {
+                Surroundings { ground_m, ..Surroundings::default() }
+            }
+        };
         if let Some(model) = &mut self.model {
             let members = &self.fitted.members;
+            raster.fill(members.positions_m(&(0..members.len())).iter().copied());
             let values = self.fitted.objects.iter().map(|it| {
                 let positions_m = members.positions_m(&it.members).iter().copied();
-                model.values(&it.bounding_box, foreground.ground_below_m(&it.bounding_box), positions_m)
+                model.values(&it.bounding_box, &surroundings(raster, &it.bounding_box), positions_m)
             });
             self.values.clear();
             self.values.extend(values);
             clock.lap("features", &mut output.stage_times);
             for (object, values) in self.fitted.objects.iter_mut().zip(&self.values) {
-                object.decision = values.as_ref().map(|it| model.decision_on(it));
+                object.decision = Some(model.decision_on(values.as_ref()));
             }
             clock.lap("svm", &mut output.stage_times);
         }
         if let (Some(regrouping), Some(model)) = (&mut self.regrouping, &mut self.model) {
-            let ground_m = |bounding_box: &OrientedBox| foreground.ground_below_m(bounding_box);
-            let sizes = &foreground.params().vehicle_size;
-            regrouping
-                .regroup(&mut self.fitted, Judge { box_fit: &mut self.box_fit, model, ground_m, sizes });
+            let surroundings = |bounding_box: &OrientedBox| surroundings(raster, bounding_box);
+            let min_points = self.min_vehicle_points;
+            let sizes = &SizeGateParams { min_points, ..foreground.params().vehicle_size.clone() };
+            let judge = Judge { box_fit: &mut self.box_fit, model, surroundings, sizes };
+            regrouping.regroup(&mut self.fitted, judge);
             clock.lap("regroup", &mut output.stage_times);
         }
+        self.drop_small_background(output);
         self.complete(cloud, foreground, output);
         clock.lap("completion", &mut output.stage_times);
+    }
+
+    /// Drops what has too few points for an object and is no vehicle.
+    fn drop_small_background(&mut self, output: &mut DetectorOutput) {
+        let is_kept = |it: &FittedObject| {
+            let n_points = it.members.len();
+            let is_kept = n_points >= self.min_points || it.decision.is_some_and(|decision| decision > 0.0);
+            if !is_kept {
+                let reason = DropReason::TooFewPoints;
+                output.dropped_clusters.push(DroppedCluster { n_points, reason });
+            }
+            is_kept
+        };
+        self.fitted.objects.retain(is_kept);
     }
 
     fn complete(&mut self, cloud: &PointCloud, foreground: &ForegroundStages, output: &mut DetectorOutput) {
@@ -111,7 +151,7 @@ impl ObjectStages {
         for (object, object_idx) in objects.iter_mut().zip(0..) {
             let (n_points, sizes) = (object.members.len(), &foreground.params().vehicle_size);
             let class = match self.model {
-                Some(_) => class_by_decision(object.decision, n_points, sizes),
+                Some(_) => class_by_decision(object.decision, n_points, self.min_vehicle_points),
                 None => size_gate(n_points, &object.bounding_box, sizes),
             };
             self.point_indices.clear();

@@ -1,11 +1,12 @@
 //! From an object to how surely it is a vehicle. Shared with baselines that classify as the paper does.
 
 use crate::classify::nu_svm::NuSvm;
-use crate::classify::object_classifier::ObjectClassifier;
-use crate::classify::size_gate::{SizeGateParams, size_gate};
+use crate::classify::object_classifier::{NO_VEHICLE, ObjectClassifier};
 use crate::classify::svm_model::{SvmModel, SvmModelError};
 use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
+use crate::describe::seen_size::may_be_vehicle;
+use crate::describe::surroundings::Surroundings;
 use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use crate::detection::DetectedClass;
@@ -62,20 +63,23 @@ impl VehicleModel {
         Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm) }
     }
 
-    /// What the classifier sees of an object with these points, in the sensor frame, above ground of elevation `ground_m`. `None`
-    /// without points.
+    /// What the classifier sees of an object with these points, in the sensor frame, and these surroundings. `None` without
+    /// points, or if its size says that it is no vehicle.
     pub fn values(
         &mut self,
         bounding_box: &OrientedBox,
-        ground_m: f32,
+        surroundings: &Surroundings,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<[f32; N_FEATURES]> {
-        Some(self.describer.describe(bounding_box, ground_m, positions_m)?.values())
+        if !may_be_vehicle(bounding_box, surroundings.ground_m) {
+            return None;
+        }
+        Some(self.describer.describe(bounding_box, surroundings, positions_m)?.values())
     }
 
-    /// How surely what is seen like this is a vehicle: above 0 it is one.
-    pub fn decision_on(&self, values: &[f32; N_FEATURES]) -> f32 {
-        self.svm.decision(values)
+    /// How surely what is seen like this is a vehicle: above 0 it is one. What shows none has the margin of the background.
+    pub fn decision_on(&self, values: Option<&[f32; N_FEATURES]>) -> f32 {
+        values.map_or(NO_VEHICLE, |it| self.svm.decision(it))
     }
 
     /// What the features of `objects`, boxes with their points, were taken from.
@@ -106,38 +110,24 @@ impl ObjectClassifier for VehicleModel {
     fn decision(
         &mut self,
         bounding_box: &OrientedBox,
-        ground_m: f32,
+        surroundings: &Surroundings,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-    ) -> Option<f32> {
-        let values = self.values(bounding_box, ground_m, positions_m)?;
-        Some(self.decision_on(&values))
+    ) -> f32 {
+        let values = self.values(bounding_box, surroundings, positions_m);
+        self.decision_on(values.as_ref())
     }
 }
 
-/// What an object with these points in a box above ground of some elevation is, by `model` (VM sections 4 and 5), with how sure that is; by its size if there is
-/// no model. What has fewer points than a vehicle has by `sizes` is none either way: no model is trained on such.
-pub fn classify_object(
-    model: Option<&mut impl ObjectClassifier>,
-    (bounding_box, ground_m): (&OrientedBox, f32),
-    positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-    sizes: &SizeGateParams,
-) -> (DetectedClass, Option<f32>) {
-    let n_points = positions_m.len();
-    let Some(model) = model else { return (size_gate(n_points, bounding_box, sizes), None) };
-    let decision = model.decision(bounding_box, ground_m, positions_m);
-    (class_by_decision(decision, n_points, sizes), decision)
-}
-
-/// What an object is of which a model says this.
-pub fn class_by_decision(decision: Option<f32>, n_points: usize, sizes: &SizeGateParams) -> DetectedClass {
-    let is_vehicle = n_points >= sizes.min_points && decision.is_some_and(|it| it > 0.0);
+/// What an object of `n_points` is of which a model says this. What has fewer than `min_points` is no vehicle either way: no
+/// model is trained on such.
+pub fn class_by_decision(decision: Option<f32>, n_points: usize, min_points: usize) -> DetectedClass {
+    let is_vehicle = n_points >= min_points && decision.is_some_and(|it| it > 0.0);
     if is_vehicle { DetectedClass::Vehicle } else { DetectedClass::Object }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::params::HierarchicalParams;
 
     #[test]
     fn the_shipped_files_are_a_model() {
@@ -159,17 +149,23 @@ mod tests {
 
     #[test]
     fn too_few_points_are_no_vehicle_whatever_they_look_like() {
-        let sizes = HierarchicalParams::paper().vehicle_size;
-        let bounding_box =
-            OrientedBox { center_m: [9.0, 0.0, -1.0], length_width_height_m: [4.2, 1.7, 1.3], yaw_rad: 0.0 };
-        let points_m = |n: usize| (0..n).map(move |it| [7.0 + 4.0 * it as f32 / n as f32, 0.85, -1.0]);
+        let class = |n_points: usize, decision: f32| class_by_decision(Some(decision), n_points, 10);
+        assert_eq!(class(9, 2.0), DetectedClass::Object);
+        assert_eq!(class(10, 2.0), DetectedClass::Vehicle);
+        assert_eq!(class(10, 0.0), DetectedClass::Object);
+        assert_eq!(class_by_decision(None, 10, 10), DetectedClass::Object);
+    }
+
+    #[test]
+    fn what_has_not_the_size_of_a_vehicle_is_not_looked_at() {
         let mut model = VehicleModel::shipped();
-        let few = points_m(sizes.min_points - 1);
-        let (class, score) = classify_object(Some(&mut model), (&bounding_box, -1.73), few, &sizes);
-        assert_eq!(class, DetectedClass::Object);
-        assert!(score.is_some_and(f32::is_finite));
-        let (class, score) =
-            classify_object(None::<&mut VehicleModel>, (&bounding_box, -1.73), points_m(100), &sizes);
-        assert_eq!((class, score), (DetectedClass::Vehicle, None));
+        let mut bounding_box =
+            OrientedBox { center_m: [9.0, 0.0, -1.0], length_width_height_m: [4.2, 1.7, 1.3], yaw_rad: 0.0 };
+        let points_m = || (0..40).map(|it| [7.0 + 0.1 * it as f32, 0.85, -1.0]);
+        let surroundings = Surroundings { ground_m: -1.73, ..Surroundings::default() };
+        assert!(model.values(&bounding_box, &surroundings, points_m()).is_some());
+        bounding_box.length_width_height_m[0] = 15.0;
+        assert_eq!(model.values(&bounding_box, &surroundings, points_m()), None);
+        assert_eq!(model.decision(&bounding_box, &surroundings, points_m()), NO_VEHICLE);
     }
 }

@@ -71,7 +71,9 @@ impl GroundSegmentation {
             return SurfaceClass::Tall;
         }
         let flat = cell.z_extent_m() < params.max_ground_extent_m;
-        if flat && (neighborhood_mean_m(grid, cell_idx) - terrain_m).abs() <= params.ground_band_m {
+        // A ring across the boot of a car far away is flat, and the mean of its neighbourhood is that of the road.
+        let low = cell.z_max_m - terrain_m <= params.ground_band_m;
+        if flat && low && (neighborhood_mean_m(grid, cell_idx) - terrain_m).abs() <= params.ground_band_m {
             SurfaceClass::Ground
         } else {
             SurfaceClass::Short

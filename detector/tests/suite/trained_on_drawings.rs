@@ -4,9 +4,13 @@ use detector::OrientedBox;
 use detector::classify::nu_svc_solver::NuSvcParams;
 use detector::classify::svm_training::train_svm;
 use detector::describe::prototype_library::PrototypeLibrary;
+use detector::describe::surroundings::Surroundings;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use detector::pipeline::vehicle_model::{N_FEATURES, VehicleModel};
+
+/// How far ahead of the sensor the drawings stand, in metres.
+const AHEAD_M: f32 = 7.0;
 
 /// Drawn vehicles of all kinds and sizes against upright blocks from a pole to a stretch of wall.
 pub fn vehicle_model() -> VehicleModel {
@@ -30,7 +34,7 @@ pub fn vehicle_model() -> VehicleModel {
             }
         }
     }
-    let params = NuSvcParams { gamma: 0.1078, nu: 0.0377, tolerance: 1e-3, max_steps: 100_000 };
+    let params = NuSvcParams { gamma: 0.02, nu: 0.0377, tolerance: 1e-3, max_steps: 100_000 };
     let made = Provenance {
         command: "cargo test".to_owned(),
         data: vec!["drawings".to_owned()],
@@ -50,17 +54,21 @@ fn features_of(describer: &mut VehicleDescriber, contour_m: &[[f32; 2]], width_m
     let [from_m, to_m] = extent_m(0);
     let [bottom_m, top_m] = extent_m(1);
     let bounding_box = OrientedBox {
-        center_m: [f32::midpoint(from_m, to_m), 0.0, f32::midpoint(bottom_m, top_m)],
+        center_m: [AHEAD_M + f32::midpoint(from_m, to_m), 0.0, f32::midpoint(bottom_m, top_m)],
         length_width_height_m: [to_m - from_m, width_m, top_m - bottom_m],
         yaw_rad: 0.0,
     };
     let mut positions_m = Vec::new();
     for (from_m, to_m) in contour_m.iter().zip(contour_m.iter().cycle().skip(1)) {
-        for step in 0..40 {
-            let share = step as f32 / 40.0;
+        // As many points a metre of every contour: their number tells nothing.
+        let n_steps = (10.0 * (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1])).ceil();
+        for step in 0..n_steps as usize {
+            let share = step as f32 / n_steps;
             let [along, up] = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
-            positions_m.extend([-1.0, 0.0, 1.0].map(|side| [along, side * width_m / 2.0, up]));
+            let sides = (0..=18).map(|it| it as f32 / 18.0 - 0.5);
+            positions_m.extend(sides.map(|side| [AHEAD_M + along, side * width_m, up]));
         }
     }
-    describer.describe(&bounding_box, 0.0, positions_m.into_iter()).expect("features").values()
+    let surroundings = Surroundings::default();
+    describer.describe(&bounding_box, &surroundings, positions_m.into_iter()).expect("features").values()
 }

@@ -146,6 +146,10 @@ fn collect_all<'a>(
     let mut config = RunConfig::without_vehicle_models()?;
     // Models are asked about objects before these are completed.
     config.hierarchical.completion.enabled = false;
+    let min_points = match kind {
+        ModelKind::Hierarchical => config.hierarchical.cluster.min_points,
+        ModelKind::Pca => config.baselines.pca.cluster.min_points,
+    };
     let clusters = arguments.clusters.as_deref().unwrap_or(kind.detector());
     let listed = detectors_named(&[clusters.to_owned()])?[0];
     let boxes = if clusters == kind.detector() {
@@ -153,6 +157,9 @@ fn collect_all<'a>(
     } else {
         CandidateBoxes::Fitted(kind.object_box())
     };
+    // Only this model is asked about what regrouping might make of its own clusters.
+    let is_regrouped = kind == ModelKind::Hierarchical && clusters == kind.detector();
+    let regrouping = is_regrouped.then(|| config.hierarchical.regrouping.clone());
     let mut candidates = Vec::new();
     for OpenedDataset { dataset, scan_indices, .. } in opened {
         let description = dataset.description();
@@ -163,6 +170,8 @@ fn collect_all<'a>(
             new_detector: &new_detector,
             boxes,
             ground: &of_sensor.hierarchical,
+            min_points,
+            regrouping: regrouping.as_ref(),
             seed: arguments.choice_seed,
         };
         let progress = progress_over_scans(scan_indices.len(), &description.id);
@@ -232,14 +241,15 @@ impl Training<'_> {
         Ok(PrototypeLibrary::new(made, COLUMN_M, prototypes).map_err(|error| nothing(&error))?)
     }
 
-    fn fit_and_judge<const D: usize>(
+    fn fit_and_judge<const D: usize, S: CandidateDescriber<D>>(
         &self,
-        describer: &mut impl CandidateDescriber<D>,
+        describer: &mut S,
         named: ([&'static str; D], String),
         library: Option<&PrototypeLibrary>,
     ) -> anyhow::Result<FilesAndText> {
         let numbers = (self.arguments.vehicles as usize, self.arguments.others);
-        let selected = select(&self.taught, numbers, self.arguments.choice_seed);
+        let taught: Vec<&Candidate> = self.taught.iter().copied().filter(|it| S::is_looked_at(it)).collect();
+        let selected = select(&taught, numbers, self.arguments.choice_seed);
         let params = NuSvcParams {
             gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),
             nu: self.arguments.nu.unwrap_or(self.kind.nu()),
@@ -251,6 +261,8 @@ impl Training<'_> {
         let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = self
             .judged
             .iter()
+            // Judged by what the detector finds.
+            .filter(|(_, it)| !it.is_regrouped && S::is_looked_at(it))
             .filter_map(|(dataset, it)| Some((*dataset, it, DescribedObject::of(it, describer)?)))
             .collect();
         let objects: Vec<DescribedObject<D>> = judged.iter().map(|&(_, _, object)| object).collect();

@@ -3,7 +3,8 @@
 use detector::classify::svm_model::SvmModel;
 use detector::describe::prototype_library::PrototypeLibrary;
 
-use crate::training::candidates::{Candidate, CandidateKind};
+use crate::training::candidate_kind::CandidateKind;
+use crate::training::candidates::Candidate;
 use crate::training::evaluation::Evaluation;
 use crate::training::held_out::HeldOut;
 

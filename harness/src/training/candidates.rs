@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use detector::classify::regrouping_params::RegroupingParams;
+use detector::describe::surroundings::{ObjectRaster, Surroundings};
 use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
@@ -10,64 +12,19 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan, Occlusion, PointRegion};
+use crate::annotation::LabeledScan;
 use crate::dataset::Dataset;
-use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, may_be_vehicle};
-use crate::matching::point_overlap::PointOverlap;
 use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
+use crate::training::candidate_kind::CandidateKind;
+use crate::training::regroupings::regroupings;
+use crate::training::vehicle_labels::VehicleLabels;
 
-/// Candidates of fewer points are left out: no detector takes them for objects.
-pub const LEAST_POINTS: usize = 15;
-/// Annotations of fewer points show no vehicle: they are not judged in a run either.
-const LEAST_ANNOTATED_POINTS: usize = EligibilityParams::STANDARD.min_points;
-/// Least intersection over union of the points of a cluster and the vehicle it shows.
-const LEAST_IOU: f64 = 0.5;
-/// Background has no larger share of its points on vehicles, or on what may be one; what has more and shows none of them
-/// is a fragment.
-const MOST_ON_VEHICLES: f64 = 0.05;
 /// Rectangles that are cut out of the foreground of a scan.
 const N_CUTS: usize = 4;
 /// Their sides, from that of a motor cycle to that of a van.
 const CUT_LENGTH_M: std::ops::Range<f32> = 2.0..7.0;
 const CUT_WIDTH_M: std::ops::Range<f32> = 0.6..2.6;
-
-/// What a candidate is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum CandidateKind {
-    /// A cluster that shows an annotated vehicle.
-    Vehicle {
-        /// What it is.
-        class: AnnotationClass,
-        /// The box around all of it, front forward.
-        whole: Option<OrientedBox>,
-        /// How much of it is hidden.
-        occlusion: Option<Occlusion>,
-    },
-    /// A cluster that shows none.
-    Cluster,
-    /// A cluster of a part of a vehicle, of several, or of a vehicle and other things, that shows none of them well enough.
-    Fragment,
-    /// What lies in a rectangle put anywhere over the foreground.
-    CutRegion,
-}
-
-impl CandidateKind {
-    /// The name used in files and on screens.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Vehicle { class, .. } => class.name(),
-            Self::Cluster => "other cluster",
-            Self::Fragment => "fragment",
-            Self::CutRegion => "cut region",
-        }
-    }
-
-    /// Whether it is to be told a vehicle.
-    pub fn is_vehicle(&self) -> bool {
-        matches!(self, Self::Vehicle { .. })
-    }
-}
 
 /// An object to train with or to judge by.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,8 +35,10 @@ pub struct Candidate {
     pub kind: CandidateKind,
     /// The box around what is seen of it.
     pub bounding_box: OrientedBox,
-    /// Elevation of the ground below it in the sensor frame, in metres.
-    pub ground_m: f32,
+    /// The ground below it, and what stands around it.
+    pub surroundings: Surroundings,
+    /// Whether it is no object of the detector, but what regrouping might make of one or two.
+    pub is_regrouped: bool,
     /// Its points, in the sensor frame.
     pub positions_m: Vec<[f32; 3]>,
 }
@@ -92,6 +51,10 @@ pub struct CandidateSource<'a> {
     pub boxes: CandidateBoxes,
     /// How the ground below them is found.
     pub ground: &'a HierarchicalParams,
+    /// Candidates of fewer points are left out: the detector takes them for nothing.
+    pub min_points: usize,
+    /// How clusters may be regrouped; `None` if they are not.
+    pub regrouping: Option<&'a RegroupingParams>,
     /// What regions are cut out is drawn from it.
     pub seed: u64,
 }
@@ -104,6 +67,9 @@ pub enum CandidateBoxes {
     /// All are fitted like this.
     Fitted(ObjectBox),
 }
+
+/// What every thread looks at its scans with.
+type State = (Box<dyn Detector>, ForegroundStages, ObjectRaster);
 
 /// The candidates of the scans `scan_indices` of `dataset`, in their order: what the detector of `source` finds in them,
 /// and regions cut out of it.
@@ -123,9 +89,11 @@ pub fn collect_candidates(
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<Candidate>, SurveyError> {
     let sensor_height_m = dataset.description().sensor_height_m;
-    let new_state =
-        || ((source.new_detector)(), ForegroundStages::new(source.ground.clone(), sensor_height_m));
-    let of_scan = |(detector, ground): &mut (Box<dyn Detector>, ForegroundStages), &scan_idx: &usize| {
+    let new_state = || {
+        let ground = ForegroundStages::new(source.ground.clone(), sensor_height_m);
+        ((source.new_detector)(), ground, ObjectRaster::new(source.ground.grid.extent_m))
+    };
+    let of_scan = |(detector, ground, raster): &mut State, &scan_idx: &usize| {
         if interrupted.load(Ordering::Relaxed) {
             let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
             return Err(SurveyError::Interrupted { dataset, n_scans });
@@ -137,10 +105,15 @@ pub fn collect_candidates(
         // A stream for every scan, so that the order in which they are looked at does not matter.
         let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
         rng.set_stream(scan_idx as u64);
-        let mut found = clusters(&scan, &output, source.boxes);
-        found.extend(cut_regions(&scan, &output, source.boxes, &mut rng));
-        for candidate in &mut found {
-            candidate.ground_m = ground.ground_below_m(&candidate.bounding_box);
+        let mut found = clusters(&scan, &output, source);
+        found.extend(cut_regions(&scan, &output, source, &mut rng));
+        if let Some(params) = source.regrouping {
+            found.extend(regrouped(&scan, &output, source, params));
+        }
+        let on_objects = output.detections.iter().flat_map(|it| it.point_indices.iter());
+        raster.fill(on_objects.map(|&it| scan.cloud.position_m(it as usize)));
+        for Candidate { bounding_box, surroundings, .. } in &mut found {
+            *surroundings = raster.around(bounding_box, ground.ground_below_m(bounding_box));
         }
         on_scan();
         Ok(found)
@@ -151,58 +124,47 @@ pub fn collect_candidates(
     Ok(of_scans.into_iter().flatten().collect())
 }
 
-fn clusters(scan: &LabeledScan, output: &DetectorOutput, boxes: CandidateBoxes) -> Vec<Candidate> {
-    let overlap = PointOverlap::count(scan, &output.detections);
-    let maybe_vehicle = points_of_vehicles(scan);
-    let mut found = Vec::new();
-    for (detection_idx, detection) in output.detections.iter().enumerate() {
-        let n_points = detection.point_indices.len();
-        if n_points < LEAST_POINTS || !is_labeled(scan, detection.point_indices) {
-            continue;
+fn clusters(scan: &LabeledScan, output: &DetectorOutput, source: &CandidateSource<'_>) -> Vec<Candidate> {
+    let labels = VehicleLabels::of(scan);
+    let of_detection = |detection: detector::Detection<'_>| {
+        if detection.point_indices.len() < source.min_points {
+            return None;
         }
-        let matched = overlap.of_detection(detection_idx).find_map(|(annotation_idx, n_shared)| {
-            let annotation = &scan.annotations[annotation_idx];
-            let n_annotated = annotation.point_indices.len();
-            let iou = n_shared as f64 / (n_points + n_annotated - n_shared) as f64;
-            let fits = counts_as_vehicle(annotation.class)
-                && n_annotated >= LEAST_ANNOTATED_POINTS
-                && iou >= LEAST_IOU;
-            fits.then_some(annotation)
-        });
-        let kind = match matched {
-            Some(&Annotation { class, bounding_box, occlusion, .. }) => {
-                CandidateKind::Vehicle { class, whole: bounding_box, occlusion }
-            }
-            None if is_background(&maybe_vehicle, detection.point_indices) => CandidateKind::Cluster,
-            None if is_unscorable(scan, &overlap, detection_idx, n_points) => continue,
-            None => CandidateKind::Fragment,
-        };
-        let bounding_box = match boxes {
+        let kind = labels.kind_of(detection.point_indices)?;
+        let bounding_box = match source.boxes {
             CandidateBoxes::OfDetector(_) => Some(detection.bounding_box),
             CandidateBoxes::Fitted(_) => None,
         };
-        found.extend(candidate(scan, kind, (bounding_box, boxes), detection.point_indices));
-    }
-    found
+        candidate(scan, kind, (bounding_box, source.boxes), detection.point_indices)
+    };
+    output.detections.iter().filter_map(of_detection).collect()
 }
 
-/// Whether half of the points of a detection lie on what is not judged: vehicles of few points, and what may be one.
-fn is_unscorable(scan: &LabeledScan, overlap: &PointOverlap, detection_idx: usize, n_points: usize) -> bool {
-    let on_unscorable = overlap.of_detection(detection_idx).filter(|&(annotation_idx, _)| {
-        let annotation = &scan.annotations[annotation_idx];
-        let too_few = annotation.point_indices.len() < LEAST_ANNOTATED_POINTS;
-        too_few || may_be_vehicle(annotation.class)
-    });
-    2 * on_unscorable.map(|(_, n_shared)| n_shared).sum::<usize>() >= n_points
+/// What regrouping might make of the clusters: parts of them, and pairs.
+fn regrouped(
+    scan: &LabeledScan,
+    output: &DetectorOutput,
+    source: &CandidateSource<'_>,
+    params: &RegroupingParams,
+) -> Vec<Candidate> {
+    let labels = VehicleLabels::of(scan);
+    let of_points = |point_indices: Vec<u32>| {
+        if point_indices.len() < source.min_points {
+            return None;
+        }
+        let it = candidate(scan, labels.kind_of(&point_indices)?, (None, source.boxes), &point_indices)?;
+        Some(Candidate { is_regrouped: true, ..it })
+    };
+    regroupings(&scan.cloud, &output.detections, params).into_iter().filter_map(of_points).collect()
 }
 
 fn cut_regions(
     scan: &LabeledScan,
     output: &DetectorOutput,
-    boxes: CandidateBoxes,
+    source: &CandidateSource<'_>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Candidate> {
-    let maybe_vehicle = points_of_vehicles(scan);
+    let labels = VehicleLabels::of(scan);
     let mut of_clusters: Vec<u32> =
         output.detections.iter().flat_map(|it| it.point_indices.iter().copied()).collect();
     of_clusters.sort_unstable();
@@ -219,38 +181,11 @@ fn cut_regions(
         };
         let is_inside = |&point_idx: &u32| rectangle.contains(scan.cloud.position_m(point_idx as usize));
         let inside: Vec<u32> = of_clusters.iter().copied().filter(is_inside).collect();
-        let is_usable = inside.len() >= LEAST_POINTS
-            && is_labeled(scan, &inside)
-            && is_background(&maybe_vehicle, &inside);
-        if is_usable {
-            found.extend(candidate(scan, CandidateKind::CutRegion, (None, boxes), &inside));
+        if inside.len() >= source.min_points && labels.kind_of(&inside) == Some(CandidateKind::Cluster) {
+            found.extend(candidate(scan, CandidateKind::CutRegion, (None, source.boxes), &inside));
         }
     }
     found
-}
-
-/// For every point whether it is on a vehicle, or on something of which the task does not say whether it is one.
-fn points_of_vehicles(scan: &LabeledScan) -> Vec<bool> {
-    let mut is_vehicle = vec![false; scan.cloud.len()];
-    for annotation in &scan.annotations {
-        if counts_as_vehicle(annotation.class) || may_be_vehicle(annotation.class) {
-            for &point_idx in &annotation.point_indices {
-                is_vehicle[point_idx as usize] = true;
-            }
-        }
-    }
-    is_vehicle
-}
-
-fn is_background(maybe_vehicle: &[bool], point_indices: &[u32]) -> bool {
-    let n_on_vehicles = point_indices.iter().filter(|&&it| maybe_vehicle[it as usize]).count();
-    n_on_vehicles as f64 <= MOST_ON_VEHICLES * point_indices.len() as f64
-}
-
-/// Whether the labels say something about most of these points.
-fn is_labeled(scan: &LabeledScan, point_indices: &[u32]) -> bool {
-    let labeled = |&&it: &&u32| scan.point_regions[it as usize] == PointRegion::Labeled;
-    2 * point_indices.iter().filter(labeled).count() > point_indices.len()
 }
 
 /// The candidate of these points, in the box it was found in or else a fitted one. `None` without points.
@@ -264,5 +199,6 @@ fn candidate(
         point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
     let (CandidateBoxes::OfDetector(fit) | CandidateBoxes::Fitted(fit)) = boxes;
     let bounding_box = found_in.or_else(|| fit.around(&positions_m))?;
-    Some(Candidate { sequence: scan.id.sequence.clone(), kind, bounding_box, ground_m: 0.0, positions_m })
+    let (sequence, surroundings) = (scan.id.sequence.clone(), Surroundings::default());
+    Some(Candidate { sequence, kind, bounding_box, surroundings, is_regrouped: false, positions_m })
 }

@@ -1,6 +1,9 @@
 //! From labelled scans to a trained vehicle model, and how good it is on streets it has not seen.
 
 pub mod model_kind;
+pub mod candidate_kind;
+pub mod regroupings;
+pub mod vehicle_labels;
 pub mod candidates;
 pub mod held_out;
 pub mod prototypes;

@@ -31,7 +31,7 @@ impl ModelKind {
     /// Width of the Gaussian kernel, chosen by held-out simulated drives.
     pub fn gamma(self) -> f32 {
         match self {
-            Self::Hierarchical => 0.15,
+            Self::Hierarchical => 0.054,
             Self::Pca => 0.1078,
         }
     }

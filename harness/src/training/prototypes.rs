@@ -5,7 +5,8 @@ use detector::describe::prototype_library::Prototype;
 use detector::describe::side_profile::SideProfile;
 use detector::describe::turning_function::TurningFunction;
 
-use super::candidates::{Candidate, CandidateKind};
+use super::candidate_kind::CandidateKind;
+use super::candidates::Candidate;
 use crate::annotation::{AnnotationClass, Occlusion};
 
 /// Width of the columns of the profiles.

@@ -25,6 +25,7 @@ pub fn cell_classes(
         } else if height_m > params.tall_height_m || points.z_extent_m() > params.tall_height_m {
             SurfaceClass::Tall
         } else if points.z_extent_m() < params.max_ground_extent_m
+            && height_m <= params.ground_band_m
             && (neighborhood_mean_m(cells, cell) - terrain_m).abs() <= params.ground_band_m
         {
             SurfaceClass::Ground
