@@ -81,18 +81,15 @@ impl ObjectRaster {
         let columns = cells(center_x_m, reach_m[0]);
         let first_dx = middle_m(columns.start) - center_x_m;
         let ring = Ring { cos, sin, half_m: [half_length_m, half_width_m] };
-        let mut counts = RingCounts::default();
+        let (mut n_beyond_ends, mut n_occupied, mut n_cells) = (0, 0, 0);
         for row in cells(center_y_m, reach_m[1]) {
             let n_points = &self.n_points[row * self.n_along_side..][columns.clone()];
-            vectorised(RowCount {
-                ring,
-                first_dx,
-                dy: middle_m(row) - center_y_m,
-                n_points,
-                counts: &mut counts,
-            });
+            let dy = middle_m(row) - center_y_m;
+            let [beyond_ends, occupied, cells] = vectorised(RowCount { ring, first_dx, dy, n_points });
+            n_beyond_ends += beyond_ends;
+            n_occupied += occupied;
+            n_cells += cells;
         }
-        let RingCounts { n_beyond_ends, n_occupied, n_cells } = counts;
         let occupied_share = n_occupied as f32 / n_cells.max(1) as f32;
         Surroundings { ground_m, n_beyond_ends, occupied_share }
     }
@@ -106,45 +103,33 @@ struct Ring {
     half_m: [f32; 2],
 }
 
-#[derive(Debug, Default)]
-struct RingCounts {
-    n_beyond_ends: u32,
-    n_occupied: u32,
-    n_cells: u32,
-}
-
-/// Counts what lies in the ring on one row of cells.
+/// Counts what lies in the ring on one row of cells: points beyond the ends, cells with points, and all cells.
 struct RowCount<'a> {
     ring: Ring,
     /// From the centre of the box to that of the first cell, in metres.
     first_dx: f32,
     dy: f32,
     n_points: &'a [u16],
-    counts: &'a mut RingCounts,
 }
 
 impl HotLoop for RowCount<'_> {
-    type Output = ();
+    type Output = [u32; 3];
 
     #[inline(always)]
-    fn run(self) {
-        let Self { ring: Ring { cos, sin, half_m }, first_dx, dy, n_points, counts } = self;
+    fn run(self) -> [u32; 3] {
+        let Self { ring: Ring { cos, sin, half_m }, first_dx, dy, n_points } = self;
         let (mut n_beyond_ends, mut n_occupied, mut n_cells) = (0, 0, 0);
         for (&n_points, column) in n_points.iter().zip(0_i32..) {
             let dx = first_dx + CELL_M * column as f32;
             let beyond_m = (cos * dx + sin * dy).abs() - half_m[0];
             let beside_m = (cos * dy - sin * dx).abs() - half_m[1];
-            // Without a branch: they cannot be foreseen.
-            let is_near = (beyond_m <= REACH_M) & (beside_m <= REACH_M);
             let (is_beyond, is_beside) = (beyond_m > MARGIN_M, beside_m > MARGIN_M);
-            let is_in_ring = is_near & (is_beyond ^ is_beside);
-            n_beyond_ends += if is_in_ring & is_beyond { u32::from(n_points) } else { 0 };
+            let is_in_ring = beyond_m <= REACH_M && beside_m <= REACH_M && is_beyond != is_beside;
+            n_beyond_ends += if is_in_ring && is_beyond { u32::from(n_points) } else { 0 };
             n_cells += u32::from(is_in_ring);
-            n_occupied += u32::from(is_in_ring & (n_points > 0));
+            n_occupied += u32::from(is_in_ring && n_points > 0);
         }
-        counts.n_beyond_ends += n_beyond_ends;
-        counts.n_cells += n_cells;
-        counts.n_occupied += n_occupied;
+        [n_beyond_ends, n_occupied, n_cells]
     }
 }
 
