@@ -42,6 +42,21 @@ fn a_car_is_told_from_a_box_of_its_size() {
 }
 
 #[test]
+fn what_is_small_for_an_object_is_kept_if_the_model_takes_it_for_a_vehicle() {
+    let mut params = HierarchicalParams::paper();
+    params.cluster.min_points = 1_000_000;
+    let by_size = HierarchicalDetector::new(params, SENSOR_HEIGHT_M);
+    let by_model = by_size.clone().with_vehicle_model(vehicle_model());
+    for (mut detector, n_vehicles) in [(by_size, 0), (by_model, 1)] {
+        let mut output = DetectorOutput::default();
+        detector.detect(&street(), &mut output);
+        let classes: Vec<_> = output.detections.iter().map(|it| it.class).collect();
+        assert_eq!(classes, vec![DetectedClass::Vehicle; n_vehicles]);
+        assert_eq!(output.dropped_clusters.len(), 2 - n_vehicles);
+    }
+}
+
+#[test]
 fn what_the_model_looked_at_can_be_drawn() {
     let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
         .with_vehicle_model(vehicle_model());
