@@ -35,13 +35,13 @@ pub struct TrainArgs {
     /// Most vehicles to train on
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
     pub vehicles: u32,
-    /// Most other objects to train on, for each vehicle
+    /// Most other objects to train on, for each vehicle; for hierarchical some parts and pairs of clusters come on top
     #[arg(long, value_name = "N", default_value_t = OTHERS_PER_VEHICLE, value_parser = others_per_vehicle)]
     pub others: f64,
     /// Most side profiles of each kind of vehicle to compare with
     #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
     pub prototypes: u32,
-    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078 [default: 0.15; for pca 0.1078]
+    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078 [default: 0.054; for pca 0.1078]
     #[arg(long, value_name = "X")]
     pub gamma: Option<f32>,
     /// Share of vehicles and background that may lie inside the margin; the paper has 0.0377 [default: 0.12; for pca 0.2]

@@ -1,5 +1,6 @@
 //! `scanbench train`.
 
+use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
 use baselines::pca_features::{PcaDescriber, PcaFeatures};
@@ -258,16 +259,25 @@ impl Training<'_> {
         };
         let model = fit_model(&selected, describer, named, &params, self.settings.made.clone())
             .map_err(|error| nothing(&error))?;
-        let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = self
-            .judged
-            .iter()
-            // Judged by what the detector finds.
-            .filter(|(_, it)| !it.is_regrouped && S::is_looked_at(it))
+        // Judged by what the detector finds.
+        let found = self.judged.iter().copied().filter(|(_, it)| !it.is_regrouped);
+        let (looked_at, refused): (Vec<_>, Vec<_>) = found.partition(|(_, it)| S::is_looked_at(it));
+        let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = looked_at
+            .into_iter()
             .filter_map(|(dataset, it)| Some((*dataset, it, DescribedObject::of(it, describer)?)))
             .collect();
         let objects: Vec<DescribedObject<D>> = judged.iter().map(|&(_, _, object)| object).collect();
         let evaluation = evaluate(&model, &objects, self.arguments.choice_seed);
-        let printed = summary(self.settings.parted, &selected, library, &model, &evaluation);
+        let mut printed = summary(self.settings.parted, &selected, library, &model, &evaluation);
+        if !refused.is_empty() {
+            let n_vehicles = refused.iter().filter(|(_, it)| it.kind.is_vehicle()).count();
+            let n_others = refused.len() - n_vehicles;
+            // Writing to a string cannot fail.
+            let _ = write!(
+                printed,
+                "\nNot judged, because no vehicle has their size: {n_vehicles} vehicles and {n_others} others"
+            );
+        }
         let trained = TrainedModel { model, library, judged, evaluation };
         Ok((write_files(&self.settings, &trained)?, printed))
     }
