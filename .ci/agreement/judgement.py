@@ -1,0 +1,139 @@
+"""What became of every annotation and detection under the criterion *points*, from points alone.
+
+Written from README ("How it is judged") and the documentation of `harness/src/matching/`, not from its code.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from assignment import assign
+from labelled_scan import Annotation, Floats, Indices, LabelledScan, Region
+
+MIN_IOU = 0.5
+MIN_POINTS = 20
+MAX_RANGE_M = 80.0
+
+TASKS = ("objects", "vehicles")
+VEHICLES = ("car", "van", "truck", "bus")
+# Neither right nor wrong among vehicles.
+AMBIGUOUS = ("tram", "trailer", "misc")
+
+
+@dataclass(frozen=True)
+class Detections:
+    """What a detector found in a scan: the detection of every point (-1 for none), and the class of every detection."""
+
+    of_point: Indices
+    classes: list[str]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one annotation or detection."""
+
+    kind: str
+    partner: int | None = None
+    cost: float | None = field(default=None, compare=False)
+    # All that hold of why it is ignored.
+    reasons: frozenset[str] = field(default=frozenset(), compare=False)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Of every annotation and every detection; `None` is not asked for by the task."""
+
+    annotations: list[Outcome | None]
+    detections: list[Outcome | None]
+
+
+COUNTS = Outcome("counts")
+
+
+def exclusion(scan: LabelledScan, annotation: Annotation, task: str, is_tall: bool) -> Outcome | None:
+    """Why an annotation is ignored; `COUNTS` if it is to be found, `None` if it is background."""
+    reasons = set()
+    if task == "vehicles" and annotation.class_name in AMBIGUOUS:
+        reasons.add("ambiguous class")
+    elif task == "vehicles" and annotation.class_name not in VEHICLES:
+        return None
+    if annotation.n_points < MIN_POINTS:
+        reasons.add("too few points")
+    if np.hypot(*scan.center_m(annotation)) > MAX_RANGE_M + scan.slack:
+        reasons.add("beyond range")
+    n_labelled = np.count_nonzero(scan.regions[annotation.point_indices] == Region.LABELLED)
+    if 2 * n_labelled <= annotation.n_points:
+        reasons.add("outside labelled region")
+    if task == "objects" and is_tall:
+        reasons.add("tall")
+    return Outcome("ignored", reasons=frozenset(reasons)) if reasons else COUNTS
+
+
+def shared_points(scan: LabelledScan, detections: Detections) -> Indices:
+    """How many points each annotation (row) and detection (column) share."""
+    n_detections = len(detections.classes)
+    shared = np.zeros((len(scan.annotations), n_detections), np.int64)
+    for row, annotation in enumerate(scan.annotations):
+        found = detections.of_point[annotation.point_indices]
+        shared[row] = np.bincount(found[found >= 0], minlength=n_detections)
+    return shared
+
+
+def matched_pairs(scan: LabelledScan, detections: Detections, may_match: NDArray[np.bool_]) -> dict[tuple[int, int], float]:
+    """The pairs that are made of those that `may_match`, with their costs, 1 - IoU."""
+    if 0 in may_match.shape:
+        return {}
+    shared = shared_points(scan, detections)
+    n_of_annotation = np.array([it.n_points for it in scan.annotations])
+    union = n_of_annotation[:, None] + points_of_each(detections)[None, :] - shared
+    iou: Floats = shared / np.maximum(union, 1)
+    costs = np.where(may_match & (iou >= MIN_IOU), 1.0 - iou, np.nan)
+    return {pair: float(costs[pair]) for pair in assign(costs)}
+
+
+def points_of_each(detections: Detections, among: NDArray[np.bool_] | None = None) -> Indices:
+    """How many points each detection has, of all or of those `among` which to count."""
+    is_counted = detections.of_point >= 0
+    if among is not None:
+        is_counted = is_counted & among
+    return np.bincount(detections.of_point[is_counted], minlength=len(detections.classes))
+
+
+def ignored_detections(scan: LabelledScan, detections: Detections, ignored: list[Annotation]) -> list[Outcome | None]:
+    """For every detection why it is neither right nor false if it matches nothing: half of its points are not judged."""
+    is_on_ignored = np.zeros(len(scan.points_m), bool)
+    for annotation in ignored:
+        is_on_ignored[annotation.point_indices] = True
+    of_reason = {
+        "on ignored annotation": is_on_ignored,
+        "outside labelled region": scan.regions == Region.OUTSIDE,
+        "beyond range": scan.range_m > MAX_RANGE_M + scan.slack,
+    }
+    of_any = np.any([*of_reason.values(), scan.regions == Region.UNSCORABLE], axis=0)
+    n_points = points_of_each(detections)
+    is_half = {reason: 2 * points_of_each(detections, mask) >= n_points for reason, mask in of_reason.items()}
+    is_half_of_any = 2 * points_of_each(detections, of_any) >= n_points
+    outcomes: list[Outcome | None] = []
+    for idx in range(len(n_points)):
+        reasons = frozenset(reason for reason in of_reason if is_half[reason][idx]) or frozenset(["on ignored points"])
+        outcomes.append(Outcome("ignored", reasons=reasons) if is_half_of_any[idx] else None)
+    return outcomes
+
+
+def judge(scan: LabelledScan, tall: frozenset[int], detections: Detections, task: str, unmatched: str) -> Judgement:
+    """Judges one scan; `unmatched` says what a detection is that matches nothing: "false", or "unknowable"."""
+    exclusions = [exclusion(scan, it, task, idx in tall) for idx, it in enumerate(scan.annotations)]
+    is_asked = np.array([task == "objects" or it == "vehicle" for it in detections.classes], bool)
+    may_match = np.array([it is COUNTS for it in exclusions], bool)[:, None] & is_asked[None, :]
+    pairs = matched_pairs(scan, detections, may_match)
+    annotations = [Outcome("missed") if it is COUNTS else it for it in exclusions]
+    ignored = [it for it, excluded in zip(scan.annotations, exclusions) if excluded is not None and excluded.kind == "ignored"]
+    found: list[Outcome | None] = [
+        (ignored_outcome or Outcome(unmatched)) if asked else None
+        for asked, ignored_outcome in zip(is_asked, ignored_detections(scan, detections, ignored))
+    ]
+    for (annotation_idx, detection_idx), cost in pairs.items():
+        annotations[annotation_idx] = Outcome("matched", detection_idx, cost)
+        found[detection_idx] = Outcome("matched", annotation_idx, cost)
+    return Judgement(annotations, found)

@@ -1,0 +1,138 @@
+"""A scan with its ground truth, as everything here sees it: sensor frame, x forward, y left, z up, metres."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class Region(IntEnum):
+    """Whether the labels say anything about a point."""
+
+    LABELLED = 0
+    UNSCORABLE = 1
+    OUTSIDE = 2
+
+
+@dataclass(frozen=True)
+class Box:
+    """An upright box; length lies along the heading."""
+
+    center_m: tuple[float, float, float]
+    length_m: float
+    width_m: float
+    height_m: float
+    yaw_rad: float
+
+    @property
+    def volume_m3(self) -> float:
+        return self.length_m * self.width_m * self.height_m
+
+    @property
+    def top_m(self) -> float:
+        return self.center_m[2] + self.height_m / 2
+
+    @property
+    def bottom_m(self) -> float:
+        return self.center_m[2] - self.height_m / 2
+
+    def beside_m(self, points_m: Floats) -> Floats:
+        """How far each point is beyond the nearest side on the ground plan; below 0 inside."""
+        dx, dy = points_m[:, 0] - self.center_m[0], points_m[:, 1] - self.center_m[1]
+        cos, sin = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
+        along, across = np.abs(cos * dx + sin * dy), np.abs(cos * dy - sin * dx)
+        return np.maximum(along - self.length_m / 2, across - self.width_m / 2)
+
+    def outside_m(self, points_m: Floats) -> Floats:
+        """How far each point is beyond the nearest face; below 0 inside."""
+        up = np.abs(points_m[:, 2] - self.center_m[2])
+        return np.maximum(self.beside_m(points_m), up - self.height_m / 2)
+
+
+@dataclass(frozen=True)
+class Annotation:
+    """A labelled object."""
+
+    class_name: str
+    box: Box | None
+    point_indices: Indices
+    track: int | None
+
+    @property
+    def n_points(self) -> int:
+        return len(self.point_indices)
+
+
+@dataclass(frozen=True)
+class LabelledScan:
+    """Points, objects, and for every point its region."""
+
+    points_m: Floats
+    annotations: list[Annotation]
+    regions: NDArray[np.uint8]
+    slack: float
+
+    @cached_property
+    def range_m(self) -> Floats:
+        """Distance of every point from the sensor on the ground plan."""
+        return np.hypot(self.points_m[:, 0], self.points_m[:, 1])
+
+    def center_m(self, annotation: Annotation) -> Floats:
+        """Where an object stands on the ground plan: the centre of its box, else of its points."""
+        if annotation.box is not None:
+            return np.array(annotation.box.center_m[:2])
+        return self.points_m[annotation.point_indices, :2].mean(axis=0)
+
+
+# A scan as it is if every edge that decides something (face of a box, rim of the image, cell, range) is moved out by so many
+# metres or pixels. Programs round differently; what comes out alike if all edges move a little cannot depend on that.
+ScanWithSlack = Callable[[float], LabelledScan]
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """What a data set says of itself, and how to read its scans by drive and number."""
+
+    root: str
+    annotates_everything: bool
+    annotates_vehicles: bool
+    read: Callable[[str, int], ScanWithSlack]
+
+
+def read_bin(path: Path) -> Floats:
+    """The positions in a Velodyne `.bin` file: x, y, z and intensity, little-endian f32."""
+    return np.fromfile(path, "<f4").reshape(-1, 4)[:, :3].astype(np.float64)
+
+
+@dataclass(frozen=True)
+class PointsNearBoxes:
+    """For every box the points around it, and how far each is beyond the nearest face."""
+
+    n_points: int
+    boxes: list[Box]
+    near: list[tuple[Indices, Floats]]
+
+    @classmethod
+    def of(cls, points_m: Floats, boxes: list[Box]) -> "PointsNearBoxes":
+        near = []
+        for box in boxes:
+            reach_m = 0.5 * np.hypot(box.length_m, box.width_m) + 1.0
+            indices = np.flatnonzero((np.abs(points_m[:, :2] - box.center_m[:2]) < reach_m).all(axis=1))
+            near.append((indices, box.outside_m(points_m[indices])))
+        return cls(len(points_m), boxes, near)
+
+    def inside(self, slack_m: float) -> list[Indices]:
+        """The points of each box; a point in several belongs to the one of least volume, of equal ones to the first."""
+        owner = np.full(self.n_points, -1)
+        largest_first = sorted(range(len(self.boxes)), key=lambda idx: (self.boxes[idx].volume_m3, idx), reverse=True)
+        for idx in largest_first:
+            indices, outside_m = self.near[idx]
+            owner[indices[outside_m <= slack_m]] = idx
+        return [indices[owner[indices] == idx] for idx, (indices, _) in enumerate(self.near)]
