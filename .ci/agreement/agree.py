@@ -33,49 +33,46 @@ from sklearn.metrics import precision_recall_curve
 
 from assignment import assign
 from failures import Failures
-from labelled_scan import Floats
-from program import Row, Run
+from labelled_scan import Box, Floats
+from program import Row, Run, row_box
 
 ROUNDING = 2e-3  # of an intersection over union or of metres, from four decimals of centres, sizes and headings
 NEAR_GATE = 1e-3
 
-# Centre x, y, z, length, width, height, yaw.
-BoxValues = tuple[float, ...]
-Measure = Callable[[BoxValues, BoxValues], float]
+Measure = Callable[[Box, Box], float]
 
 
-def box(row: Row, side: str) -> BoxValues:
-    names = ("center_x_m", "center_y_m", "center_z_m", "length_m", "width_m", "height_m", "yaw_rad")
-    if row[f"{side}_center_x_m"] == "" or row[f"{side}_length_m"] == "":
+def box(row: Row, side: str) -> Box:
+    found = row_box(row, side)
+    if found is None:
         sys.exit(f"{side} {row[f'{side}_id']} of {row['sequence']}/{row['scan']} has no box, but boxes are compared")
-    return tuple(float(row[f"{side}_{name}"]) for name in names)
+    return found
 
 
-def footprint(it: BoxValues) -> Polygon:
-    x, y, _, length, width, _, yaw = it
-    c, s = math.cos(yaw), math.sin(yaw)
+def footprint(it: Box) -> Polygon:
+    x, y, _ = it.center_m
+    c, s = math.cos(it.yaw_rad), math.sin(it.yaw_rad)
     corners = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
-    return Polygon([(x + c * a * length - s * b * width, y + s * a * length + c * b * width) for a, b in corners])
+    halves = [(a * it.length_m, b * it.width_m) for a, b in corners]
+    return Polygon([(x + c * along - s * across, y + s * along + c * across) for along, across in halves])
 
 
-def bev_iou(first: BoxValues, second: BoxValues) -> float:
+def bev_iou(first: Box, second: Box) -> float:
     a, b = footprint(first), footprint(second)
     common = a.intersection(b).area
     union = a.area + b.area - common
     return common / union if union > 0 else 0.0
 
 
-def iou_3d(first: BoxValues, second: BoxValues) -> float:
+def iou_3d(first: Box, second: Box) -> float:
     common = footprint(first).intersection(footprint(second)).area
-    top = min(first[2] + first[5] / 2, second[2] + second[5] / 2)
-    bottom = max(first[2] - first[5] / 2, second[2] - second[5] / 2)
-    common *= max(top - bottom, 0.0)
-    union = first[3] * first[4] * first[5] + second[3] * second[4] * second[5] - common
+    common *= max(min(first.top_m, second.top_m) - max(first.bottom_m, second.bottom_m), 0.0)
+    union = first.volume_m3 + second.volume_m3 - common
     return common / union if union > 0 else 0.0
 
 
-def distance(first: BoxValues, second: BoxValues) -> float:
-    return float(np.hypot(first[0] - second[0], first[1] - second[1]))
+def distance(first: Box, second: Box) -> float:
+    return math.dist(first.center_m[:2], second.center_m[:2])
 
 
 def gate_of(run: Run) -> tuple[str, Measure | None, float]:
@@ -87,19 +84,19 @@ def gate_of(run: Run) -> tuple[str, Measure | None, float]:
 
 
 def pairs_and_cost(
-    annotations: list[BoxValues], detections: list[BoxValues], measure: Measure, criterion: str, gate: float
+    annotations: list[Box], detections: list[Box], measure: Measure, criterion: str, gate: float
 ) -> tuple[int, float, float]:
     """Number of pairs, sum of costs, and the least distance of any pair from the gate."""
     if not annotations or not detections:
         return 0, 0.0, math.inf
-    centers = np.array([it[:2] for it in detections])
+    centers = np.array([it.center_m[:2] for it in detections])
     costs = np.full((len(annotations), len(detections)), np.nan)
     least = math.inf
     for row, annotation in enumerate(annotations):
-        reach = gate + 1 if criterion == "centre" else 0.5 * math.hypot(*annotation[3:5])
-        reach_of = [reach if criterion == "centre" else reach + 0.5 * math.hypot(*it[3:5]) for it in detections]
-        apart = np.hypot(*(centers - annotation[:2]).T)
-        for column in np.flatnonzero(apart <= reach_of):
+        half_diagonals = np.array([0.5 * math.hypot(it.length_m, it.width_m) for it in detections])
+        reach = half_diagonals + 0.5 * math.hypot(annotation.length_m, annotation.width_m)
+        apart = np.hypot(*(centers - annotation.center_m[:2]).T)
+        for column in np.flatnonzero(apart <= (gate + 1 if criterion == "centre" else reach)):
             value = measure(annotation, detections[column])
             least = min(least, abs(value - gate))
             if criterion == "centre" and value < gate:

@@ -1,6 +1,5 @@
 """Holds the rows of a run against judgements made by ourselves."""
 
-import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,11 +7,10 @@ from dataclasses import dataclass
 from failures import Failures
 from judgement import Judgement, Outcome
 from labelled_scan import Annotation, LabelledScan
-from program import Row
+from program import BOX_ROUNDING, Row, row_box
 
-# Costs have six decimals, boxes four.
+# Costs have six decimals.
 COST_ROUNDING = 1e-6
-BOX_ROUNDING = 2e-4
 
 # What scans.csv counts, by side and outcome.
 COUNTED = {
@@ -113,21 +111,14 @@ class Comparison:
         facts = annotation.class_name, "" if annotation.track is None else str(annotation.track)
         theirs = row["annotation_class"], row["annotation_track"]
         self.fail_unless(facts == theirs, name, facts, theirs)
-        if annotation.box is not None:
-            it = annotation.box
-            self.compare_box(name, (*it.center_m, it.length_m, it.width_m, it.height_m), it.yaw_rad, row)
+        box = row_box(row, "annotation")
+        is_same_box = box is None if annotation.box is None else box is not None and box.is_near(annotation.box, BOX_ROUNDING)
+        self.fail_unless(is_same_box, name, annotation.box, box)
         outcome = self.judged.outcomes("annotations")[idx]
         if outcome is not None and outcome.cost is not None and row["cost"]:
             # Points on the faces of its box may or may not be its own.
             tolerance = COST_ROUNDING + (most - least) / most
             self.fail_unless(abs(outcome.cost - float(row["cost"])) <= tolerance, name, outcome, row["cost"])
-
-    def compare_box(self, name: str, metres: tuple[float, ...], yaw_rad: float, row: Row) -> None:
-        columns = ("center_x_m", "center_y_m", "center_z_m", "length_m", "width_m", "height_m")
-        theirs = [float(row[f"annotation_{it}"]) for it in columns]
-        turned = math.remainder(yaw_rad - float(row["annotation_yaw_rad"]), 2 * math.pi)
-        is_near = all(abs(a - b) < BOX_ROUNDING for a, b in zip(metres, theirs)) and abs(turned) < BOX_ROUNDING
-        self.fail_unless(is_near, name, (*metres, yaw_rad), theirs)
 
     def compare_counts(self, scan_row: Row, n_left_out: int) -> None:
         n_points = len(self.judged.scans[0].points_m)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from comparison import Comparison, Judged, Tally
+from conversions import check_boxes, check_conversion, check_points
 from damage import damaged_copies
 from failures import Failures
 from judgement import TASKS, judge, points_of_each
@@ -31,6 +32,8 @@ from semantic_kitti_scans import semantic_kitti
 SLACK = 1e-4
 MAX_SHARE_LEFT_OUT = 0.01
 DETECTORS = ("hierarchical", "kd-tree", "pca")
+LAYOUTS = (("kitti-tracking", kitti, check_boxes), ("semantic-kitti", semantic_kitti, check_points))
+ALL_SCANS = "0..1000"
 SIMULATED = ("streets", "streets-ahead", "--scans", "0..20:10")
 OBJECT_IMAGE_SIZES_PX = ((1000, 300), (1224, 370))
 DATA_VARIABLE, REQUIRED_VARIABLE = "SCANBENCH_TEST_DATA", "SCANBENCH_REQUIRE_TEST_DATA"
@@ -45,16 +48,17 @@ class Source:
     selection: str
 
 
-def simulated_sources(program: Program, scratch: Path) -> list[Source]:
+def simulated_sources(program: Program, scratch: Path, failures: Failures) -> list[Source]:
     """The same streets in both layouts, all round and labelled ahead of the sensor alone."""
-    for layout in ("kitti-tracking", "semantic-kitti"):
+    program.call("run", *SIMULATED, "-d", DETECTORS[0], "--no-rrd", "-o", scratch / "originals")
+    originals, sources = Run(scratch / "originals"), []
+    for layout, open_folder, check in LAYOUTS:
         program.call("data", "simulate", *SIMULATED, "--to", layout, "-o", scratch / layout)
-    tracking = [kitti(it / "training") for it in sorted((scratch / "kitti-tracking").iterdir())]
-    semantic = [semantic_kitti(it) for it in sorted((scratch / "semantic-kitti").iterdir())]
-    return [
-        Source("simulated, as KITTI tracking", tracking, "0..2"),
-        Source("simulated, as SemanticKITTI", semantic, "0..2"),
-    ]
+        datasets = {it.name: open_folder(it) for it in sorted((scratch / layout).iterdir())}
+        n_same = sum(check_conversion(originals, name, it, check, failures) for name, it in datasets.items())
+        print(f"  {layout}: {n_same} annotations of {len(datasets)} converted data sets held against the originals")
+        sources.append(Source(f"simulated, as {layout}", list(datasets.values()), ALL_SCANS))
+    return sources
 
 
 def objects_with_images(original: Path, scratch: Path) -> Path:
@@ -65,15 +69,15 @@ def objects_with_images(original: Path, scratch: Path) -> Path:
         (folder / name).symlink_to(original / name)
     for idx, labels in enumerate(sorted((original / "label_2").iterdir())):
         write_png(folder / f"image_2/{labels.stem}.png", OBJECT_IMAGE_SIZES_PX[idx // 2 % 2])
-    return folder
+    return folder.parent
 
 
 def real_sources(data: Path, scratch: Path) -> list[Source]:
     objects = objects_with_images((data / "kitti_object/training").resolve(), scratch)
     return [
-        Source("KITTI tracking", [kitti(data / "kitti_tracking/training")], "2..40:5"),
+        Source("KITTI tracking", [kitti(data / "kitti_tracking")], "2..40:5"),
         Source("KITTI object", [kitti(objects)], "0..8:2"),
-        Source("SemanticKITTI", [semantic_kitti(data / "semantic_kitti")], "0..3"),
+        Source("SemanticKITTI", [semantic_kitti(data / "semantic_kitti")], ALL_SCANS),
     ]
 
 
@@ -161,7 +165,7 @@ def main() -> None:
     program, scratch = Program(Path(sys.argv[1])), Path(sys.argv[2])
     scratch.mkdir(parents=True, exist_ok=True)
     failures = Failures()
-    sources = simulated_sources(program, scratch)
+    sources = simulated_sources(program, scratch, failures)
     data = real_data(failures)
     for source in sources + (real_sources(data, scratch) if data else []):
         check_source(program, source, scratch, failures)

@@ -234,8 +234,9 @@ def object_files(root: Path, _drive: str, number: int) -> ScanFiles:
     )
 
 
-def kitti(root: Path) -> Dataset:
-    """The split at `root`, of whichever benchmark."""
+def kitti(folder: Path) -> Dataset:
+    """The split `training` of whichever benchmark."""
+    root = folder / "training"
     files_of = tracking_files if (root / "label_02").is_dir() else object_files
     sheet_file = root / "scanbench.json"
     sheet = json.loads(sheet_file.read_text()) if sheet_file.exists() else {}

@@ -1,5 +1,6 @@
 """A scan with its ground truth, as everything here sees it: sensor frame, x forward, y left, z up, metres."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
@@ -42,6 +43,13 @@ class Box:
     @property
     def bottom_m(self) -> float:
         return self.center_m[2] - self.height_m / 2
+
+    def is_near(self, other: "Box", tolerance: float) -> bool:
+        """Whether two boxes are the same but for so many metres or radians of each value."""
+        ours = (*self.center_m, self.length_m, self.width_m, self.height_m)
+        theirs = (*other.center_m, other.length_m, other.width_m, other.height_m)
+        turned_rad = math.remainder(self.yaw_rad - other.yaw_rad, 2 * math.pi)
+        return abs(turned_rad) < tolerance and all(abs(a - b) < tolerance for a, b in zip(ours, theirs))
 
     def beside_m(self, points_m: Floats) -> Floats:
         """How far each point is beyond the nearest side on the ground plan; below 0 inside."""

@@ -11,11 +11,15 @@ from typing import Any
 import numpy as np
 
 from judgement import Detections
-from labelled_scan import Indices
+from labelled_scan import Box, Indices
 
 Row = dict[str, str]
 # Data set, drive, number of the scan, detector, task.
 ScanKey = tuple[str, str, str, str, str]
+
+BOX_COLUMNS = ("center_x_m", "center_y_m", "center_z_m", "length_m", "width_m", "height_m", "yaw_rad")
+# Of metres and radians in the files, which have four decimals.
+BOX_ROUNDING = 2e-4
 
 NO_CLUSTER = 0xFFFFFFFF
 
@@ -58,6 +62,14 @@ def write_csv(path: Path, rows: list[Row]) -> None:
 
 def key_of(row: Row) -> ScanKey:
     return row["dataset"], row["sequence"], row["scan"], row["detector"], row["task"]
+
+
+def row_box(row: Row, side: str) -> Box | None:
+    """The box of the annotation or detection of a row, if it has one."""
+    if row[f"{side}_length_m"] == "":
+        return None
+    x, y, z, length_m, width_m, height_m, yaw_rad = (float(row[f"{side}_{it}"]) for it in BOX_COLUMNS)
+    return Box((x, y, z), length_m, width_m, height_m, yaw_rad)
 
 
 class Run:
