@@ -36,7 +36,7 @@ class Outcome:
     kind: str
     partner: int | None = None
     cost: float | None = field(default=None, compare=False)
-    # All that hold of why it is ignored.
+    # Why it is ignored: any of these.
     reasons: frozenset[str] = field(default=frozenset(), compare=False)
 
 
@@ -53,21 +53,19 @@ COUNTS = Outcome("counts")
 
 def exclusion(scan: LabelledScan, annotation: Annotation, task: str, is_tall: bool) -> Outcome | None:
     """Why an annotation is ignored; `COUNTS` if it is to be found, `None` if it is background."""
-    reasons = set()
-    if task == "vehicles" and annotation.class_name in AMBIGUOUS:
-        reasons.add("ambiguous class")
-    elif task == "vehicles" and annotation.class_name not in VEHICLES:
+    if task == "vehicles" and annotation.class_name not in (*VEHICLES, *AMBIGUOUS):
         return None
-    if annotation.n_points < MIN_POINTS:
-        reasons.add("too few points")
-    if np.hypot(*scan.center_m(annotation)) > MAX_RANGE_M + scan.slack:
-        reasons.add("beyond range")
-    n_labelled = np.count_nonzero(scan.regions[annotation.point_indices] == Region.LABELLED)
-    if 2 * n_labelled <= annotation.n_points:
-        reasons.add("outside labelled region")
-    if task == "objects" and is_tall:
-        reasons.add("tall")
-    return Outcome("ignored", reasons=frozenset(reasons)) if reasons else COUNTS
+    n_unscorable = np.count_nonzero(scan.regions[annotation.point_indices] == Region.UNSCORABLE)
+    # Of several the first counts, so that what is tall would count but for its height.
+    reasons = {
+        "ambiguous class": task == "vehicles" and annotation.class_name in AMBIGUOUS,
+        "too few points": annotation.n_points < MIN_POINTS,
+        "beyond range": np.hypot(*scan.center_m(annotation)) > MAX_RANGE_M + scan.slack,
+        "unscorable": 2 * n_unscorable >= annotation.n_points,
+        "tall": task == "objects" and is_tall,
+    }
+    first = [reason for reason, holds in reasons.items() if holds][:1]
+    return Outcome("ignored", reasons=frozenset(first)) if first else COUNTS
 
 
 def shared_points(scan: LabelledScan, detections: Detections) -> Indices:

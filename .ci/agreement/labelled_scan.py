@@ -51,17 +51,18 @@ class Box:
         turned_rad = math.remainder(self.yaw_rad - other.yaw_rad, 2 * math.pi)
         return abs(turned_rad) < tolerance and all(abs(a - b) < tolerance for a, b in zip(ours, theirs))
 
-    def beside_m(self, points_m: Floats) -> Floats:
-        """How far each point is beyond the nearest side on the ground plan; below 0 inside."""
+    def along_across_m(self, points_m: Floats) -> tuple[Floats, Floats]:
+        """Where points are on the ground plan, from the centre along the length and along the width."""
         dx, dy = points_m[:, 0] - self.center_m[0], points_m[:, 1] - self.center_m[1]
-        cos, sin = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
-        along, across = np.abs(cos * dx + sin * dy), np.abs(cos * dy - sin * dx)
-        return np.maximum(along - self.length_m / 2, across - self.width_m / 2)
+        cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
+        return cos * dx + sin * dy, cos * dy - sin * dx
 
     def outside_m(self, points_m: Floats) -> Floats:
         """How far each point is beyond the nearest face; below 0 inside."""
-        up = np.abs(points_m[:, 2] - self.center_m[2])
-        return np.maximum(self.beside_m(points_m), up - self.height_m / 2)
+        along, across = self.along_across_m(points_m)
+        up = points_m[:, 2] - self.center_m[2]
+        beyond = [np.abs(along) - self.length_m / 2, np.abs(across) - self.width_m / 2, np.abs(up) - self.height_m / 2]
+        return np.max(beyond, axis=0)
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ class LabelledScan:
         """Where an object stands on the ground plan: the centre of its box, else of its points."""
         if annotation.box is not None:
             return np.array(annotation.box.center_m[:2])
-        return self.points_m[annotation.point_indices, :2].mean(axis=0)
+        return self.points_m[annotation.point_indices, :2].mean(axis=0) if annotation.n_points > 0 else np.zeros(2)
 
 
 # A scan as it is if every edge that decides something (face of a box, rim of the image, cell, range) is moved out by so many
@@ -116,7 +117,15 @@ class Dataset:
 
 def read_bin(path: Path) -> Floats:
     """The positions in a Velodyne `.bin` file: x, y, z and intensity, little-endian f32."""
-    return np.fromfile(path, "<f4").reshape(-1, 4)[:, :3].astype(np.float64)
+    # Column by column, as they are asked for.
+    return np.asfortranarray(np.fromfile(path, "<f4").reshape(-1, 4)[:, :3].astype(np.float64))
+
+
+def indices_around(points_m: Floats, box: Box, margin_m: float) -> Indices:
+    """All points on the ground plan within `margin_m` of the box, and some more."""
+    reach_m = 0.5 * math.hypot(box.length_m, box.width_m) + margin_m
+    x, y, _ = box.center_m
+    return np.flatnonzero((np.abs(points_m[:, 0] - x) <= reach_m) & (np.abs(points_m[:, 1] - y) <= reach_m))
 
 
 @dataclass(frozen=True)
@@ -131,8 +140,7 @@ class PointsNearBoxes:
     def of(cls, points_m: Floats, boxes: list[Box]) -> "PointsNearBoxes":
         near = []
         for box in boxes:
-            reach_m = 0.5 * np.hypot(box.length_m, box.width_m) + 1.0
-            indices = np.flatnonzero((np.abs(points_m[:, :2] - box.center_m[:2]) < reach_m).all(axis=1))
+            indices = indices_around(points_m, box, 1.0)
             near.append((indices, box.outside_m(points_m[indices])))
         return cls(len(points_m), boxes, near)
 
