@@ -87,9 +87,7 @@ def pairs_and_cost(
     annotations: list[Box], detections: list[Box], measure: Measure, criterion: str, gate: float
 ) -> tuple[int, float, float]:
     """Number of pairs, sum of costs, and the least distance of any pair from the gate."""
-    if not annotations or not detections:
-        return 0, 0.0, math.inf
-    centers = np.array([it.center_m[:2] for it in detections])
+    centers = np.array([it.center_m[:2] for it in detections]).reshape(-1, 2)
     costs = np.full((len(annotations), len(detections)), np.nan)
     least = math.inf
     for row, annotation in enumerate(annotations):

@@ -46,6 +46,8 @@ class Judgement:
 
     annotations: list[Outcome | None]
     detections: list[Outcome | None]
+    # Which left-over detection finds which tall annotation, if they are asked for.
+    found_tall: dict[int, int]
 
 
 COUNTS = Outcome("counts")
@@ -78,16 +80,13 @@ def shared_points(scan: LabelledScan, detections: Detections) -> Indices:
     return shared
 
 
-def matched_pairs(scan: LabelledScan, detections: Detections, may_match: NDArray[np.bool_]) -> dict[tuple[int, int], float]:
-    """The pairs that are made of those that `may_match`, with their costs, 1 - IoU."""
-    if 0 in may_match.shape:
-        return {}
+def admissible_costs(scan: LabelledScan, detections: Detections) -> Floats:
+    """1 - IoU of each annotation (row) and detection (column), NaN for what is no pair."""
     shared = shared_points(scan, detections)
     n_of_annotation = np.array([it.n_points for it in scan.annotations])
     union = n_of_annotation[:, None] + points_of_each(detections)[None, :] - shared
     iou: Floats = shared / np.maximum(union, 1)
-    costs = np.where(may_match & (iou >= MIN_IOU), 1.0 - iou, np.nan)
-    return {pair: float(costs[pair]) for pair in assign(costs)}
+    return np.where(iou >= MIN_IOU, 1.0 - iou, np.nan)
 
 
 def points_of_each(detections: Detections, among: NDArray[np.bool_] | None = None) -> Indices:
@@ -123,15 +122,21 @@ def judge(scan: LabelledScan, tall: frozenset[int], detections: Detections, task
     """Judges one scan; `unmatched` says what a detection is that matches nothing: "false", or "unknowable"."""
     exclusions = [exclusion(scan, it, task, idx in tall) for idx, it in enumerate(scan.annotations)]
     is_asked = np.array([task == "objects" or it == "vehicle" for it in detections.classes], bool)
-    may_match = np.array([it is COUNTS for it in exclusions], bool)[:, None] & is_asked[None, :]
-    pairs = matched_pairs(scan, detections, may_match)
+    costs = admissible_costs(scan, detections)
+    counts = np.array([it is COUNTS for it in exclusions], bool)
+    pairs = assign(np.where(counts[:, None] & is_asked, costs, np.nan))
     annotations = [Outcome("missed") if it is COUNTS else it for it in exclusions]
     ignored = [it for it, excluded in zip(scan.annotations, exclusions) if excluded is not None and excluded.kind == "ignored"]
     found: list[Outcome | None] = [
         (ignored_outcome or Outcome(unmatched)) if asked else None
         for asked, ignored_outcome in zip(is_asked, ignored_detections(scan, detections, ignored))
     ]
-    for (annotation_idx, detection_idx), cost in pairs.items():
+    is_left_over = is_asked.copy()
+    for annotation_idx, detection_idx in pairs:
+        cost = float(costs[annotation_idx, detection_idx])
         annotations[annotation_idx] = Outcome("matched", detection_idx, cost)
         found[detection_idx] = Outcome("matched", annotation_idx, cost)
-    return Judgement(annotations, found)
+        is_left_over[detection_idx] = False
+    is_tall = np.array([it is not None and "tall" in it.reasons for it in exclusions], bool)
+    found_tall = assign(np.where(is_tall[:, None] & is_left_over, costs, np.nan))
+    return Judgement(annotations, found, dict(found_tall))
