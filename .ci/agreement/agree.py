@@ -15,7 +15,6 @@ For every run, detector and task:
 matches.csv has four decimals: a pair within a thousandth of the gate may fall on either side of it.
 """
 
-import json
 import math
 import sys
 from collections import defaultdict
@@ -134,8 +133,7 @@ def check_assignments(run: Run, failures: Failures) -> None:
 
 
 def report_values(run: Run) -> dict[tuple[str, ...], Any]:
-    report = json.loads((run.path / "report.json").read_text())
-    rows = report["rows"] + report["overall"]
+    rows = run.report["rows"] + run.report["overall"]
     of_all = (it for it in rows if it["slice"] == "all")
     return {(it["dataset"], it["task"], it["detector"], it["metric"]): it["value"] for it in of_all}
 

@@ -18,7 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from comparison import Comparison, Judged, Tally
+from comparison import SLICES, Comparison, Judged, Tally, compare_slices
 from conversions import check_boxes, check_conversion, check_points
 from damage import damaged_copies
 from failures import Failures
@@ -120,9 +120,12 @@ def check_source(program: Program, source: Source, scratch: Path, failures: Fail
         of_scans = pool.map(lambda it: judge_scan(program, run, by_id[it[0]], it[1], int(it[2])), wanted)
         judged = {key: value for of_scan in of_scans for key, value in of_scan.items()}
     tally = compare_run(run, judged, failures)
+    slices = compare_slices(judged, run.report, failures)
     of_outcomes = ", ".join(f"{tally[it]} {it}" for it in ("matched", "missed", "false", "unknowable", "ignored"))
     print(f"  {source.name}: {len(wanted)} scans, {tally['annotations']} annotations and {tally['detections']} detections")
     print(f"    {of_outcomes}, {tally['left out']} left out at an edge")
+    of_slices = ", ".join(f"{slices[f'{it} no']} {it} of which {slices[f'{it} tp']} found" for it in SLICES)
+    print(f"    slices: {of_slices}")
     failures.check(tally["matched"] > 0, f"{source.name}: no pairs at all")
     is_bounded = tally.share_left_out <= MAX_SHARE_LEFT_OUT
     failures.check(is_bounded, f"{source.name}: {tally.share_left_out:.1%} left out, at most {MAX_SHARE_LEFT_OUT:.0%} may be")

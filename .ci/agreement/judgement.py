@@ -3,6 +3,7 @@
 Written from README ("How it is judged") and the documentation of `harness/src/matching/`, not from its code.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -46,24 +47,22 @@ class Judgement:
 
     annotations: list[Outcome | None]
     detections: list[Outcome | None]
-    # Which left-over detection finds which tall annotation, if they are asked for.
-    found_tall: dict[int, int]
 
 
 COUNTS = Outcome("counts")
+TALL = frozenset(["tall"])
 
 
 def exclusion(scan: LabelledScan, annotation: Annotation, task: str, is_tall: bool) -> Outcome | None:
     """Why an annotation is ignored; `COUNTS` if it is to be found, `None` if it is background."""
     if task == "vehicles" and annotation.class_name not in (*VEHICLES, *AMBIGUOUS):
         return None
-    n_unscorable = np.count_nonzero(scan.regions[annotation.point_indices] == Region.UNSCORABLE)
     # Of several the first counts, so that what is tall would count but for its height.
     reasons = {
         "ambiguous class": task == "vehicles" and annotation.class_name in AMBIGUOUS,
         "too few points": annotation.n_points < MIN_POINTS,
-        "beyond range": np.hypot(*scan.center_m(annotation)) > MAX_RANGE_M + scan.slack,
-        "unscorable": 2 * n_unscorable >= annotation.n_points,
+        "beyond range": math.hypot(*scan.center_m(annotation)[:2]) > MAX_RANGE_M + scan.slack,
+        "unscorable": 2 * scan.n_points_in(annotation, Region.UNSCORABLE) >= annotation.n_points,
         "tall": task == "objects" and is_tall,
     }
     first = [reason for reason, holds in reasons.items() if holds][:1]
@@ -119,7 +118,10 @@ def ignored_detections(scan: LabelledScan, detections: Detections, ignored: list
 
 
 def judge(scan: LabelledScan, tall: frozenset[int], detections: Detections, task: str, unmatched: str) -> Judgement:
-    """Judges one scan; `unmatched` says what a detection is that matches nothing: "false", or "unknowable"."""
+    """Judges one scan; `unmatched` says what a detection is that matches nothing: "false", or "unknowable".
+
+    Detections that are left over may find tall annotations; both are ignored all the same.
+    """
     exclusions = [exclusion(scan, it, task, idx in tall) for idx, it in enumerate(scan.annotations)]
     is_asked = np.array([task == "objects" or it == "vehicle" for it in detections.classes], bool)
     costs = admissible_costs(scan, detections)
@@ -137,6 +139,9 @@ def judge(scan: LabelledScan, tall: frozenset[int], detections: Detections, task
         annotations[annotation_idx] = Outcome("matched", detection_idx, cost)
         found[detection_idx] = Outcome("matched", annotation_idx, cost)
         is_left_over[detection_idx] = False
-    is_tall = np.array([it is not None and "tall" in it.reasons for it in exclusions], bool)
-    found_tall = assign(np.where(is_tall[:, None] & is_left_over, costs, np.nan))
-    return Judgement(annotations, found, dict(found_tall))
+    is_tall = np.array([it is not None and it.reasons == TALL for it in exclusions], bool)
+    for annotation_idx, detection_idx in assign(np.where(is_tall[:, None] & is_left_over, costs, np.nan)):
+        cost = float(costs[annotation_idx, detection_idx])
+        annotations[annotation_idx] = Outcome("ignored", detection_idx, cost, TALL)
+        found[detection_idx] = Outcome("ignored", annotation_idx, cost, TALL)
+    return Judgement(annotations, found)

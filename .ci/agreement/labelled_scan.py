@@ -94,10 +94,13 @@ class LabelledScan:
         return np.hypot(self.points_m[:, 0], self.points_m[:, 1])
 
     def center_m(self, annotation: Annotation) -> Floats:
-        """Where an object stands on the ground plan: the centre of its box, else of its points."""
+        """Where an object stands: the centre of its box, else of its points; the sensor if it has neither."""
         if annotation.box is not None:
-            return np.array(annotation.box.center_m[:2])
-        return self.points_m[annotation.point_indices, :2].mean(axis=0) if annotation.n_points > 0 else np.zeros(2)
+            return np.array(annotation.box.center_m)
+        return self.points_m[annotation.point_indices].mean(axis=0) if annotation.n_points > 0 else np.zeros(3)
+
+    def n_points_in(self, annotation: Annotation, region: Region) -> int:
+        return int(np.count_nonzero(self.regions[annotation.point_indices] == region))
 
 
 # A scan as it is if every edge that decides something (face of a box, rim of the image, cell, range) is moved out by so many

@@ -5,6 +5,7 @@ import json
 import subprocess
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -82,6 +83,10 @@ class Run:
         self.matches: dict[ScanKey, list[Row]] = defaultdict(list)
         for row in read_csv(path / "matches.csv"):
             self.matches[key_of(row)].append(row)
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        return json.loads((self.path / "report.json").read_text())
 
     def id_of(self, root: str) -> str:
         """What the data set in this folder is called."""
