@@ -90,7 +90,10 @@ class Runner:
         if is_real(word):
             return str(Path(self.data or "") / word.removeprefix("~/"))
         name, equals, value = word.rpartition("=")
-        return f"{name}{equals}{outputs[value]}" if value in outputs else word
+        if value not in outputs:
+            return word
+        # The value of a parameter is TOML.
+        return f'{name}="{outputs[value]}"' if equals else str(outputs[value])
 
     def start(self, command: str, words: list[str], place: Path):
         print(f"  $ {command}", flush=True)

@@ -352,8 +352,11 @@ def fitness_summary(results: list[Result]) -> Shown:
 def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     """The best cell size of each data set, beside what Knuth's rule and the configuration recommend."""
     lines: dict[str, list[str]] = {}
-    for row in verdicts(results):
-        if row["task"] != task:
+    found = [it for it in verdicts(results) if it["task"] == task]
+    # Only data sets of one sensor and one origin are summed.
+    is_one = len({(it["sensor"], it["origin"]) for it in found}) == 1 and found[0]["origin"] == "simulated"
+    for row in found:
+        if row["dataset"] == "overall" and not is_one:
             continue
         # Data sets of one kind of street differ by their sensor.
         name = origin_in_words(row).replace(f"-{row['sensor']}", "")

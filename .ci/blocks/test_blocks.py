@@ -255,7 +255,7 @@ echo run >> "$COUNTED"
         with redirect_stdout(StringIO()):
             results = self.runner().run(commands)
         said = (results[1].directory / "robustness.md").read_text()
-        self.assertIn(f"vehicle_model.directory={results[0].directory}", said)
+        self.assertIn(f'vehicle_model.directory="{results[0].directory}"', said)
 
     def test_tiny_runs_are_not_taken_for_real_ones(self):
         self.make(tiny=True)
