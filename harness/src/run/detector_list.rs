@@ -26,7 +26,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         build: |config, sensor_height_m| {
             let by_size = HierarchicalDetector::new(config.hierarchical.clone(), sensor_height_m);
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape.clone())),
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
                 None => Box::new(by_size),
             }
         },
@@ -38,7 +38,7 @@ pub const DETECTORS: &[ListedDetector] = &[
             let params = config.baselines.kd_tree.clone();
             let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m);
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape.clone())),
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
                 None => Box::new(by_size),
             }
         },
@@ -50,7 +50,7 @@ pub const DETECTORS: &[ListedDetector] = &[
             let vehicle_size = config.hierarchical.vehicle_size.clone();
             let by_size = PcaDetector::new(config.baselines.pca.clone(), vehicle_size);
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.pca.clone())),
+                Some(models) => Box::new(by_size.with_vehicle_model(models.pca())),
                 None => Box::new(by_size),
             }
         },
@@ -62,7 +62,7 @@ pub const DETECTORS: &[ListedDetector] = &[
         build: |config, sensor_height_m| {
             let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m);
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape.clone())),
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
                 None => Box::new(by_size),
             }
         },
