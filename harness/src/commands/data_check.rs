@@ -24,7 +24,7 @@ const N_AT_ONCE: usize = 16;
 ///
 /// The error of the first damaged scan, after everything has been printed and unless damage is to be skipped; if data sets cannot be opened.
 pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let mut first_damage = None;
     for (place, opened) in
         open_datasets_past_damage(&arguments.data, arguments.damage.policy())?.iter().enumerate()

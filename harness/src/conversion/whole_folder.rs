@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use reports::claimed_name::ClaimedName;
+use reports::unfinished::{Kind, Unfinished};
 use tempfile::TempDir;
 
 use super::ConversionError;
@@ -13,7 +15,9 @@ use super::ConversionError;
 #[must_use = "a folder that is not finished is thrown away"]
 pub struct WholeFolder {
     partial: TempDir,
+    unfinished: Unfinished,
     target: PathBuf,
+    _name: ClaimedName,
 }
 
 impl WholeFolder {
@@ -21,7 +25,7 @@ impl WholeFolder {
     ///
     /// # Errors
     ///
-    /// [`ConversionError`] if it does, or nothing can be written there.
+    /// [`ConversionError`] if it does, somebody else is writing it, or nothing can be written there.
     pub fn create(target: &Path) -> Result<Self, ConversionError> {
         if target.exists() {
             return Err(ConversionError::Occupied { path: target.to_path_buf() });
@@ -37,10 +41,13 @@ impl WholeFolder {
             use std::os::unix::fs::PermissionsExt as _;
             builder.permissions(std::fs::Permissions::from_mode(0o777));
         }
-        let partial = builder.tempdir_in(parent);
-        let partial =
-            partial.map_err(|source| ConversionError::Write { path: target.to_path_buf(), source })?;
-        Ok(Self { partial, target: target.to_path_buf() })
+        let refused = |source| ConversionError::Write { path: target.to_path_buf(), source };
+        let name = ClaimedName::claim(target).map_err(refused)?;
+        let name = name.ok_or_else(|| ConversionError::InUse { path: target.to_path_buf() })?;
+        let make = || builder.tempdir_in(parent);
+        let (unfinished, partial) =
+            Unfinished::begin(Kind::Folder, make, |it| it.path().to_path_buf()).map_err(refused)?;
+        Ok(Self { partial, unfinished, target: target.to_path_buf(), _name: name })
     }
 
     /// Writes the file `name`, with its folders.
@@ -50,8 +57,11 @@ impl WholeFolder {
     /// [`ConversionError::Write`].
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), ConversionError> {
         let path = self.partial.path().join(name);
-        let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
-        let written = folder.and_then(|()| std::fs::write(&path, content));
+        // Undisturbed, because folders that are removed would come back.
+        let written = self.unfinished.undisturbed(|| {
+            path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+            std::fs::write(&path, content)
+        });
         written.map_err(|source| ConversionError::Write { path: self.target.join(name), source })
     }
 
@@ -61,11 +71,12 @@ impl WholeFolder {
     ///
     /// [`ConversionError`] if something of that name has appeared.
     pub fn finish(self) -> Result<(), ConversionError> {
-        let Self { partial, target } = self;
+        let Self { partial, unfinished, target, _name } = self;
         if target.exists() {
             return Err(ConversionError::Occupied { path: target });
         }
-        std::fs::rename(partial.path(), &target)
+        unfinished
+            .undisturbed(|| std::fs::rename(partial.path(), &target))
             .map_err(|source| ConversionError::Write { path: target, source })?;
         // It has moved: there is nothing left to remove.
         let _ = partial.keep();

@@ -4,6 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use test_data::{needs_test_data, test_data};
+
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
 
@@ -153,15 +155,10 @@ fn a_simulated_scan_is_called_so() {
     assert!(ended.stdout.starts_with(head) && ended.stdout.contains(" clusters of "), "{ended:#?}");
 }
 
-/// What PCL 1.13 makes of the foreground of a real scan: for every point the smallest point of its component. The points
-/// may not be passed on, so that the test is skipped where they are missing.
-#[test]
+/// What PCL 1.13 makes of the foreground of a real scan: for every point the smallest point of its component.
+#[needs_test_data("oracle/obj_000001_fg.bin", "oracle/sk00_000000_fg.bin")]
 fn the_kd_tree_gives_the_components_of_pcl() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/oracle"));
-    let Ok(folder) = folder.canonicalize() else {
-        eprintln!("skipped the_kd_tree_gives_the_components_of_pcl: no oracle");
-        return;
-    };
+    let folder = test_data!("oracle");
     for scan in ["obj_000001", "sk00_000000"] {
         for tolerance in ["0.3", "0.5", "0.7"] {
             let workplace = Workplace::new();

@@ -11,8 +11,9 @@ use harness::conversion::output_format::OutputFormat;
 use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::{Dataset, DatasetDescription, DatasetError};
+use test_data::{needs_test_data, test_data};
 
-use super::{open, real_data};
+use super::open;
 use crate::program::Workplace;
 
 /// Three scans of a simulated street.
@@ -84,25 +85,23 @@ fn converted(dataset: &dyn Dataset, workplace: &Workplace, format: OutputFormat)
 }
 
 #[track_caller]
-fn check_recording_is_the_same(name: &str, test: &str) {
-    let Some(folder) = real_data(name, test) else { return };
+fn check_recording_is_the_same(folder: &Path) {
     let workplace = Workplace::new();
-    let dataset = open(&folder);
+    let dataset = open(folder);
     let recording = open(&converted(&*dataset, &workplace, OutputFormat::Mcap));
     assert_eq!(recording.description().annotated, dataset.description().annotated);
     check_same(&scans(&*recording), &scans(&*dataset));
 }
 
-#[test]
+#[needs_test_data("data/kitti_object")]
 fn a_recording_of_kitti_object_is_the_same() {
-    check_recording_is_the_same("kitti_object", "a_recording_of_kitti_object_is_the_same");
+    check_recording_is_the_same(&test_data!("data/kitti_object"));
 }
 
-#[test]
+#[needs_test_data("data/semantic_kitti")]
 fn a_recording_of_semantic_kitti_is_the_same() {
-    let test = "a_recording_of_semantic_kitti_is_the_same";
-    check_recording_is_the_same("semantic_kitti", test);
-    let Some(folder) = real_data("semantic_kitti", test) else { return };
+    let folder = test_data!("data/semantic_kitti");
+    check_recording_is_the_same(&folder);
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let recording = open(&converted(&*dataset, &workplace, OutputFormat::Mcap));
@@ -140,11 +139,9 @@ fn kitti_layouts_keep_points_and_boxes() {
     }
 }
 
-#[test]
+#[needs_test_data("data/kitti_object")]
 fn what_is_not_labelled_in_kitti_stays_so_in_kitti() {
-    let Some(folder) = real_data("kitti_object", "what_is_not_labelled_in_kitti_stays_so_in_kitti") else {
-        return;
-    };
+    let folder = test_data!("data/kitti_object");
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let written = open(&converted(&*dataset, &workplace, OutputFormat::KittiObject));
@@ -191,11 +188,9 @@ fn objects(scans: &[LabeledScan]) -> Vec<Vec<(AnnotationClass, Vec<u32>, Option<
     scans.iter().map(of_scan).collect()
 }
 
-#[test]
+#[needs_test_data("data/semantic_kitti")]
 fn semantic_kitti_in_semantic_kitti_is_the_same() {
-    let Some(folder) = real_data("semantic_kitti", "semantic_kitti_in_semantic_kitti_is_the_same") else {
-        return;
-    };
+    let folder = test_data!("data/semantic_kitti");
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let written = open(&converted(&*dataset, &workplace, OutputFormat::SemanticKitti));
