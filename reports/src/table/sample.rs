@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::archive::SCHEMA;
+use crate::blocks::{BlockCount, BlockKind};
 use crate::counts::Counts;
 use crate::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Machine, Manifest};
 use crate::metric::Metric;
@@ -109,7 +110,8 @@ fn rows() -> Vec<MetricRow> {
 }
 
 fn interval_around(rate: f64) -> Interval {
-    Interval { ends: [rate - 0.0251, rate + 0.0149], n_blocks: 20 }
+    let blocks = BlockCount::of_dataset(20, BlockKind::Drives);
+    Interval { ends: [rate - 0.0251, rate + 0.0149], blocks }
 }
 
 pub(crate) fn report() -> RunReport {
