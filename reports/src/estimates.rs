@@ -1,23 +1,26 @@
 //! From what was gathered of a run to its numbers, and how sure they are.
 
 use crate::average_precision::{RankedDetection, average_precision, operating_points};
-use crate::bootstrap::{Distribution, Resamples};
+use crate::blocks::BlockCount;
+use crate::bootstrap::Distribution;
 use crate::metric::{Metric, RecallPositions};
 use crate::precision_recall_row::PrecisionRecallRow;
 use crate::run_report::{MetricRow, OVERALL, Subject};
 use crate::slice::Slice;
 use crate::sums::{FalseObjects, RATIOS, Sums, Term};
-use crate::tally::Tally;
+use crate::tally::{Draw, Tally};
 
 /// Sums of one subject, as they are and as they would be had other scans been drawn.
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// Number of scans.
     pub n_scans: u64,
-    /// Number of blocks that were drawn from.
-    pub n_blocks: usize,
+    /// The blocks that were drawn from.
+    pub blocks: BlockCount,
     /// Whether all false objects are known.
     pub false_objects: FalseObjects,
+    /// What the sums are of.
+    pub slice: Slice,
     /// The sums themselves.
     pub total: Sums,
     /// Those of each resample.
@@ -39,7 +42,7 @@ pub struct Question<'a> {
 
 impl Tally {
     /// The sums that are asked for; `None` if nothing was seen of the kind.
-    pub fn sample(&self, question: &Question<'_>, draws: &[Resamples]) -> Option<Sample> {
+    pub fn sample(&self, question: &Question<'_>, draws: &[Draw]) -> Option<Sample> {
         let mut all: Option<Sample> = None;
         for (dataset_idx, draw) in draws.iter().enumerate() {
             if question.dataset != OVERALL && question.dataset != self.datasets()[dataset_idx] {
@@ -54,19 +57,20 @@ impl Tally {
         all
     }
 
-    fn sample_of(&self, dataset_idx: usize, question: &Question<'_>, draw: &Resamples) -> Option<Sample> {
+    fn sample_of(&self, dataset_idx: usize, question: &Question<'_>, draw: &Draw) -> Option<Sample> {
         let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
-        let placed = self.sums_of_blocks(dataset_idx, gathered, question.slice);
+        let placed = gathered.sums_of_blocks(question.slice, &draw.blocks);
         let mut total = Sums::default();
         for (_, sums) in &placed {
             total.add_times(sums, 1.0);
         }
         Some(Sample {
             n_scans: gathered.n_scans,
-            n_blocks: draw.n_blocks(),
+            blocks: draw.blocks.count(),
             false_objects: gathered.false_objects,
+            slice: question.slice.clone(),
             total,
-            resampled: draw.sums(&placed),
+            resampled: draw.resamples.sums(&placed),
         })
     }
 
@@ -81,7 +85,7 @@ impl Tally {
         if self.datasets().len() < 2 { Vec::new() } else { self.rows_about(OVERALL, &self.draw()) }
     }
 
-    fn rows_about(&self, dataset: &str, draws: &[Resamples]) -> Vec<MetricRow> {
+    fn rows_about(&self, dataset: &str, draws: &[Draw]) -> Vec<MetricRow> {
         let mut rows = Vec::new();
         for task in self.tasks() {
             for detector in self.detectors() {
@@ -120,8 +124,7 @@ impl Tally {
                     let Some(gathered) = self.gathered(dataset_idx, task, detector) else { continue };
                     let is_known = gathered.false_objects == FalseObjects::Known;
                     let Some(ranked) = gathered.ranked.as_ref().filter(|_| is_known) else { continue };
-                    let of_blocks = self.sums_of_blocks(dataset_idx, gathered, &Slice::All);
-                    let no = of_blocks.iter().map(|(_, sums)| sums.of(Term::Annotations)).sum::<f64>() as u64;
+                    let no = gathered.total(Term::Annotations) as u64;
                     let points = operating_points(ranked);
                     rows.extend(
                         points.iter().map(|it| PrecisionRecallRow::new(dataset, task, detector, no, it)),
@@ -174,7 +177,7 @@ impl Sample {
     /// Both together; false objects are known only where they are in both.
     fn with(mut self, other: &Self) -> Self {
         self.n_scans += other.n_scans;
-        self.n_blocks += other.n_blocks;
+        self.blocks = self.blocks.with(other.blocks);
         self.total.add_times(&other.total, 1.0);
         for (sum, it) in self.resampled.iter_mut().zip(&other.resampled) {
             sum.add_times(it, 1.0);
@@ -185,9 +188,9 @@ impl Sample {
         self
     }
 
-    /// The value of `metric`.
+    /// The value of `metric`; `None` if it is undefined, or not measured of the slice.
     pub fn value(&self, metric: &Metric) -> Option<f64> {
-        self.total.value(metric, self.false_objects)
+        self.total.value(metric, self.false_objects).filter(|_| self.slice.measures(metric))
     }
 
     /// The value of `metric` in each resample.
@@ -199,6 +202,9 @@ impl Sample {
         let metrics: Vec<Metric> = match question.slice {
             Slice::All => {
                 let mut all: Vec<Metric> = OF_ALL.into_iter().chain(RATIOS).collect();
+                if self.total.of(Term::TimedScans) > 0.0 {
+                    all.extend([Metric::ReferenceTime, Metric::TimeRatio]);
+                }
                 all.sort();
                 all.dedup();
                 all
@@ -214,11 +220,15 @@ impl Sample {
     fn row(&self, question: &Question<'_>, metric: &Metric) -> MetricRow {
         let value = self.value(metric);
         let row = |n| MetricRow::new(question.subject(), metric.clone(), value, n);
-        if !RATIOS.contains(metric) {
-            return row(self.n_scans);
-        }
-        let n = self.total.ratio(metric, self.false_objects).map_or(0.0, |[_, denominator]| denominator);
-        let distribution = Distribution::new(self.resampled_values(metric), self.n_blocks);
+        let n = match metric {
+            Metric::TimeRatio => self.total.of(Term::TimedScans),
+            Metric::ReferenceTime => return row(self.total.of(Term::TimedScans) as u64),
+            ratio if RATIOS.contains(ratio) => {
+                self.total.ratio(ratio, self.false_objects).map_or(0.0, |[_, denominator]| denominator)
+            }
+            _ => return row(self.n_scans),
+        };
+        let distribution = Distribution::new(self.resampled_values(metric), self.blocks);
         row(n as u64).within(distribution.filter(|_| value.is_some()).map(|it| it.interval()))
     }
 }
@@ -226,11 +236,12 @@ impl Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocks::BlockKind;
     use crate::counts::Counts;
     use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
     use crate::match_row::MatchRow;
     use crate::metric::BoxDimension;
-    use crate::run_report::SLICE_ALL;
+    use crate::run_report::{Interval, SLICE_ALL};
     use crate::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
 
     fn boxed(x_m: f32, length_m: f32, yaw_deg: f32) -> BoxFacts {
@@ -267,6 +278,8 @@ mod tests {
         let numbers = ScanNumbers {
             n_points: 1000,
             latency_ms: Some(1.0),
+            least_latency_ms: Some(0.8),
+            reference_ms: Some(0.2),
             counts: Counts::new(no, tp, fo).unwrap(),
             n_ignored_annotations: 1,
             n_ignored_detections: 2,
@@ -282,7 +295,8 @@ mod tests {
             n_dropped_too_small: 0,
             n_dropped_too_large: 0,
         };
-        ScanRow { dataset, sequence, scan, detector, task, outcome: ScanOutcome::Evaluated(numbers) }
+        let (time_s, outcome) = (f64::from(scan) / 10.0, ScanOutcome::Evaluated(numbers));
+        ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }
     }
 
     /// Four annotations and three detections: a car found by a box half a metre off, 1 m too short and turned by 190°; a car
@@ -361,6 +375,8 @@ mod tests {
                 (Metric::BoxError(BoxDimension::Length), 0.5),
                 (Metric::BoxError(BoxDimension::Width), 0.0),
                 (Metric::BoxError(BoxDimension::Yaw), 15.0),
+                (Metric::ReferenceTime, 0.2),
+                (Metric::TimeRatio, 4.0),
                 // Right, false, right of four annotations: precision 1 up to 25 %, 2/3 up to 50 %, then none.
                 (Metric::AveragePrecision(RecallPositions::Points101), (26.0 + 25.0 * 2.0 / 3.0) / 101.0),
                 (Metric::AveragePrecision(RecallPositions::R40), (10.0 + 10.0 * 2.0 / 3.0) / 40.0),
@@ -519,21 +535,56 @@ mod tests {
         assert!(!tally.metric_rows().iter().any(|it| matches!(it.metric, Metric::AveragePrecision(_))));
     }
 
+    /// The interval of the F-rate of scans of drives, each with its drive and time.
+    fn f_rate_interval(scans: &[(&str, f64)]) -> Option<Interval> {
+        let mut tally = Tally::default();
+        for (scan, (drive, time_s)) in (0_u32..).zip(scans) {
+            let row = scan_row(scan, 4, 1 + u64::from(scan % 2), Some(1));
+            tally.add_scan(&ScanRow { sequence: (*drive).to_owned(), time_s: *time_s, ..row });
+        }
+        let row = tally.metric_rows().into_iter().find(|it| it.metric == Metric::FRate);
+        row.unwrap().interval()
+    }
+
     #[test]
     fn scans_of_a_second_are_one_block_and_one_block_has_no_interval() {
-        let f_rate = |scans: &[u32]| {
-            let mut tally = Tally::default();
-            for scan in scans {
-                tally.add_scan(&scan_row(*scan, 4, 1 + u64::from(scan % 2), Some(1)));
-            }
-            let row = tally.metric_rows().into_iter().find(|it| it.metric == Metric::FRate);
-            row.unwrap().interval()
-        };
-        assert_eq!(f_rate(&[0, 3, 9]), None);
-        assert_eq!(f_rate(&[0, 3, 9, 10, 35]).map(|it| it.n_blocks), Some(3));
+        assert_eq!(f_rate_interval(&[("a", 0.0), ("a", 0.3), ("a", 0.9)]), None);
+        let scans = [("a", 0.0), ("a", 0.3), ("a", 0.9), ("a", 1.0), ("a", 3.5)];
+        let interval = f_rate_interval(&scans).unwrap();
+        assert_eq!((interval.blocks.n_blocks, interval.blocks.kind), (3, BlockKind::Seconds));
         // The two blocks reach 2 / 6 and 4 / 7: what is drawn lies between.
-        let [low, high] = f_rate(&[0, 11]).unwrap().ends;
-        assert_eq!([low, high], [2.0 / 6.0, 4.0 / 7.0]);
+        assert_eq!(f_rate_interval(&[("a", 0.0), ("a", 1.1)]).unwrap().ends, [2.0 / 6.0, 4.0 / 7.0]);
+    }
+
+    #[test]
+    fn ten_drives_are_ten_blocks_however_many_scans_they_have() {
+        let drives: Vec<String> = (0..10).map(|it| format!("{it}")).collect();
+        let scans: Vec<(&str, f64)> =
+            drives.iter().flat_map(|drive| [0.0, 5.0, 10.0].map(|it| (drive.as_str(), it))).collect();
+        let blocks = f_rate_interval(&scans).unwrap().blocks;
+        assert_eq!((blocks.n_blocks, blocks.kind, blocks.are_too_few()), (10, BlockKind::Drives, false));
+        // Nine of them are drawn by the second.
+        let blocks = f_rate_interval(&scans[..27]).unwrap().blocks;
+        assert_eq!((blocks.n_blocks, blocks.kind, blocks.are_too_few()), (27, BlockKind::Seconds, false));
+    }
+
+    #[test]
+    fn matches_belong_to_the_block_of_their_scan() {
+        // Scan 3 of the scene is at 0.3 s by its number, and at 20.3 s by its time stamp.
+        let mut tally = Tally::default();
+        for (scan, time_s) in [(3, 20.3), (4, 0.4)] {
+            tally.add_scan(&ScanRow { time_s, ..scan_row(scan, 1, 0, Some(0)) });
+            let annotation = annotation("car", 30, boxed(10.0, 4.0, 0.0));
+            let reason = "split".to_owned();
+            tally.add_match(&match_row(scan, MatchOutcome::Missed { annotation, reason }));
+        }
+        let rows = tally.metric_rows();
+        let of_cars = rows.iter().find(|it| it.subject.slice == "class/car" && it.metric == Metric::Recall);
+        assert_eq!(of_cars.unwrap().interval().unwrap().blocks.n_blocks, 2);
+        // One of a scan that is not there counts nowhere.
+        let annotation = annotation("bus", 30, boxed(10.0, 4.0, 0.0));
+        tally.add_match(&match_row(5, MatchOutcome::Missed { annotation, reason: "split".to_owned() }));
+        assert!(!tally.metric_rows().iter().any(|it| it.subject.slice == "class/bus"));
     }
 
     #[test]

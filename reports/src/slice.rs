@@ -1,5 +1,6 @@
 //! Parts of the objects that are looked at alone: by class, range, number of points, occlusion, and what a limit cuts.
 
+use crate::metric::Metric;
 use crate::run_report::SLICE_ALL;
 
 /// A part of the objects.
@@ -54,6 +55,16 @@ impl Slice {
     pub fn of_points(n_points: u64) -> Self {
         let bin = POINTS.iter().position(|&(_, end)| n_points < end);
         Self::Points(bin.unwrap_or(POINTS.len() - 1))
+    }
+
+    /// Whether `metric` is measured of it. What is torn apart or run together, and boxes, are of everything alone.
+    pub fn measures(&self, metric: &Metric) -> bool {
+        match metric {
+            _ if *self == Self::All => true,
+            Metric::No | Metric::Tp | Metric::Mo | Metric::Recall => true,
+            Metric::Fo | Metric::Precision | Metric::FRate => self.has_false_detections(),
+            _ => false,
+        }
     }
 
     /// Whether it can be told of a false detection if it belongs here, so that precision and F-rate mean something.

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::bootstrap::SCANS_PER_BLOCK;
 use crate::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::match_row::MatchRow;
 use crate::worst::Mistake;
 
+/// Scans whose numbers begin alike when divided by this are taken for scans of one second.
+const SCANS_PER_SECOND: u32 = 10;
 /// Mistakes of a kind that are kept for each detector and task.
 pub const MOST_OF_A_KIND: usize = 4;
 /// Half the side of the smallest window around an object, in metres, and of the widest.
@@ -158,7 +159,7 @@ impl<T> WorstPlace<T> {
         is_same_drive
             && match (self.track, track) {
                 (Some(ours), Some(theirs)) => ours == theirs,
-                _ => self.object.scan / SCANS_PER_BLOCK == row.scan / SCANS_PER_BLOCK,
+                _ => self.object.scan / SCANS_PER_SECOND == row.scan / SCANS_PER_SECOND,
             }
     }
 }

@@ -45,6 +45,7 @@ pub mod catalogue;
 pub mod names_check;
 pub mod open;
 pub mod scan_selection;
+pub mod scan_times;
 
 pub use error::DatasetError;
 

@@ -192,7 +192,14 @@ fn unmatched_name(detection: &DetectionFacts) -> String {
 
 /// What changed in the numbers of a scan all of whose matches are the same; times always do.
 fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Option<String> {
-    let untimed = |it: Option<&ScanNumbers>| it.map(|it| ScanNumbers { latency_ms: None, ..it.clone() });
+    let untimed = |it: Option<&ScanNumbers>| {
+        it.map(|it| ScanNumbers {
+            latency_ms: None,
+            least_latency_ms: None,
+            reference_ms: None,
+            ..it.clone()
+        })
+    };
     let (before, now) = (untimed(before), untimed(now));
     (before != now).then(|| {
         let in_words = |it: &Option<ScanNumbers>| {
