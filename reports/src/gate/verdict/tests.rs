@@ -83,6 +83,8 @@ fn missed(detector: &str, scan: u32, id: u64) -> MatchRow {
         class: "car".to_owned(),
         occlusion: None,
         n_points: 100,
+        centroid_m: None,
+        n_points_outside: 0,
         bounding_box: Some(bounding_box),
     };
     let [dataset, sequence, detector, task, criterion] =
