@@ -35,10 +35,12 @@ pub enum BlockKind {
     Seconds,
     /// Drives of one data set and seconds of another.
     Both,
+    /// Single objects, each in all scans that show it, where a number is of objects and drives are too few.
+    Tracks,
 }
 
 impl BlockKind {
-    const ALL: [Self; 3] = [Self::Drives, Self::Seconds, Self::Both];
+    const ALL: [Self; 4] = [Self::Drives, Self::Seconds, Self::Both, Self::Tracks];
 
     /// The name used in files.
     pub fn name(self) -> &'static str {
@@ -46,6 +48,7 @@ impl BlockKind {
             Self::Drives => "drives",
             Self::Seconds => "seconds",
             Self::Both => "drives and seconds",
+            Self::Tracks => "tracks",
         }
     }
 
@@ -85,14 +88,35 @@ impl BlockCount {
 
     /// What is to be said of an interval of these; `None` if nothing is.
     pub fn caveat(self) -> Option<String> {
-        let blocks = if self.n_blocks == 1 { "block" } else { "blocks" };
-        self.are_too_few().then(|| format!("of only {} {blocks} of scans", self.n_blocks))
+        let what = match (self.kind, self.n_blocks) {
+            (BlockKind::Tracks, 1) => "object",
+            (BlockKind::Tracks, _) => "objects",
+            (_, 1) => "block of scans",
+            _ => "blocks of scans",
+        };
+        self.are_too_few().then(|| format!("of only {} {what}", self.n_blocks))
     }
 
     /// Whether these are too few for anything to rest on: fewer than [`FEWEST_BLOCKS`] of one data set, or as few degrees of
     /// freedom of several.
     pub fn are_too_few(self) -> bool {
         self.degrees_of_freedom + 1 < FEWEST_BLOCKS
+    }
+}
+
+/// How sure a number is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Lower and upper end of the 95 % interval.
+    pub ends: [f64; 2],
+    /// The blocks that it was estimated from. Nothing may rest on it where these are too few.
+    pub blocks: BlockCount,
+}
+
+impl Interval {
+    /// What is to be said of it; `None` if nothing is.
+    pub fn caveat(&self) -> Option<String> {
+        self.blocks.caveat().map(|of_blocks| format!("interval {of_blocks}"))
     }
 }
 

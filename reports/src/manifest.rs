@@ -27,6 +27,9 @@ pub struct Manifest {
     pub seeds: BTreeMap<String, u64>,
     /// Detections of the first scan, for each detector, that were thrown away before anything was timed.
     pub n_warmup_detections: u32,
+    /// How often each detector looked at each scan.
+    #[serde(default = "once")]
+    pub n_repeats: u32,
     /// By what a detection was matched with an annotation, in words, such as `points, Jaccard at least 0.5`.
     pub matching_criterion: String,
     /// Which annotations do not count.
@@ -110,6 +113,9 @@ pub struct Simulation {
     pub n_drive_scans: u32,
     /// Turns of the sensor from one scan to the next.
     pub turns_per_scan: u32,
+    /// Scans of a street, after which the drive went on in that of the next seed; `None` for as many as it has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scans_per_drive: Option<u32>,
     /// The sensor: its id, or the file that describes it.
     pub sensor: String,
     /// `instant` or `rolling`.
@@ -168,6 +174,10 @@ pub struct Machine {
     pub os: String,
 }
 
+fn once() -> u32 {
+    1
+}
+
 impl Manifest {
     /// The content of `manifest.json`.
     pub fn to_json(&self) -> String {
@@ -202,6 +212,7 @@ mod tests {
             config: serde_json::json!({"run": {"n_jobs": 1}}),
             seeds: BTreeMap::from([("simulator".to_owned(), u64::MAX)]),
             n_warmup_detections: 2,
+            n_repeats: 3,
             matching_criterion: "points, Jaccard at least 0.5".to_owned(),
             ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
             datasets: vec![DatasetEntry {
@@ -260,6 +271,7 @@ mod tests {
             "simulator": 18446744073709551615
           },
           "n_warmup_detections": 2,
+          "n_repeats": 3,
           "matching_criterion": "points, Jaccard at least 0.5",
           "ignored": {
             "min_points": 20,

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::archive::{ArchiveError, SCHEMA, read_json};
 use crate::blocks::{BlockCount, BlockKind};
+
+pub use crate::blocks::Interval;
 use crate::metric::Metric;
 
 /// The slice of everything.
@@ -53,22 +55,6 @@ pub struct MetricRow {
     /// number of timed scans.
     pub n: u64,
     interval: Option<Interval>,
-}
-
-/// How sure a number is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
-    /// Lower and upper end of the 95 % interval.
-    pub ends: [f64; 2],
-    /// The blocks of scans that it was estimated from. Nothing may rest on it where these are too few.
-    pub blocks: BlockCount,
-}
-
-impl Interval {
-    /// What is to be said of it; `None` if nothing is.
-    pub fn caveat(&self) -> Option<String> {
-        self.blocks.caveat().map(|of_blocks| format!("interval {of_blocks}"))
-    }
 }
 
 /// Why numbers make no report.

@@ -1,5 +1,6 @@
 //! `scanbench ablation`.
 
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
@@ -51,6 +52,7 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
     let settings = RunSettings {
         data: &arguments.data,
         n_warmup: arguments.timing.warmup,
+        n_repeats: NonZeroUsize::MIN,
         config: &config,
         detectors: variants.iter().map(|it| entry(it, &listed[0])).collect(),
         datasets: &datasets,
@@ -93,6 +95,7 @@ fn evaluate(
         scan_indices: &opened.scan_indices,
         matching: variants[0].config.matching,
         n_warmup: arguments.timing.warmup.into(),
+        n_repeats: NonZeroUsize::MIN,
         n_jobs: arguments.timing.n_jobs(),
         interrupted,
     };

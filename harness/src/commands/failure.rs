@@ -8,7 +8,7 @@ use reports::archive::ArchiveError;
 use reports::gate::accept::AcceptError;
 use reports::gate::comparability::NotComparable;
 use reports::gate::tolerances::TolerancesError;
-use reports::gate::verdict::Conclusion;
+use reports::gate::verdict::{Conclusion, JudgeError};
 use reports::run_directory::RunDirectoryError;
 
 use crate::commands::standard_streams::print_error;
@@ -153,6 +153,12 @@ impl Failure {
         if error.is::<NotComparable>() {
             return Some(Self::NotComparable);
         }
+        if let Some(error) = error.downcast_ref::<JudgeError>() {
+            return Some(match error {
+                JudgeError::NotComparable(_) => Self::NotComparable,
+                JudgeError::Rules(_) => Self::Usage,
+            });
+        }
         if error.is::<DamagedRun>() {
             return Some(Self::Data);
         }
@@ -163,6 +169,8 @@ impl Failure {
             AcceptError::Directory(error) => Self::of_run_directory(error),
             AcceptError::Archive(error) => Self::of_archive(error),
             AcceptError::History { .. } => Self::Data,
+            AcceptError::Dirty { .. } => Self::Usage,
+            AcceptError::NoSuccessor { .. } => Self::NotComparable,
         })
     }
 

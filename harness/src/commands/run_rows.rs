@@ -1,5 +1,7 @@
 //! From what became of a scan to rows of the archive.
 
+use std::time::Duration;
+
 use detector::detector::DropReason;
 use detector::{Detection, OrientedBox};
 use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
@@ -13,15 +15,17 @@ use crate::metrics::counts::{Counts, FalseDetections};
 use crate::metrics::segmentation_quality::SegmentationQuality;
 use crate::run::side_by_side::DetectorScan;
 
-/// The row of one scan, detector and task in `scans.csv`.
+/// The row of one scan, detector and task in `scans.csv`; the scan comes with the time it was taken at, in seconds since the first
+/// of its drive.
 pub fn scan_row(
     dataset: &DatasetDescription,
-    scan: &LabeledScan,
+    (scan, time_s): (&LabeledScan, f64),
     result: &DetectorScan,
     assignment: &Assignment,
 ) -> ScanRow {
     let counts = Counts::of(assignment);
     let segmentation = SegmentationQuality::of(scan, &result.output.detections, assignment);
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
     let n_dropped = |reasons: &[DropReason]| {
         let dropped = result.output.dropped_clusters.iter();
         dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
@@ -30,11 +34,14 @@ pub fn scan_row(
         dataset: dataset.id.clone(),
         sequence: scan.id.sequence.clone(),
         scan: scan.id.index,
+        time_s,
         detector: result.detector.to_owned(),
         task: assignment.task.name().to_owned(),
         outcome: ScanOutcome::Evaluated(ScanNumbers {
             n_points: scan.cloud.len() as u64,
-            latency_ms: Some(result.latency.as_secs_f64() * 1e3),
+            latency_ms: Some(ms(result.times.first)),
+            least_latency_ms: Some(ms(result.times.least)),
+            reference_ms: result.times.reference.map(ms),
             counts: counts.scored(FalseDetections::of(&dataset.annotated, assignment.task)),
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,

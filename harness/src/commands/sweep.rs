@@ -1,5 +1,6 @@
 //! `scanbench sweep`.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -186,6 +187,7 @@ impl<'a> Sweep<'a> {
         let manifest = run_manifest(RunSettings {
             data: &self.arguments.data,
             n_warmup: 1,
+            n_repeats: NonZeroUsize::MIN,
             config: &self.plan.base,
             detectors: detector_entries(&self.plan.detectors, &self.plan.base),
             datasets: &self.datasets,

@@ -1,6 +1,7 @@
 //! The recording of the scans with the worst mistakes.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use clap::Parser as _;
@@ -183,6 +184,7 @@ impl RunAgain {
                 scan_indices: &[scan_idx],
                 matching: config.matching,
                 n_warmup: n_warmup.into(),
+                n_repeats: NonZeroUsize::MIN,
                 n_jobs: 1,
                 interrupted,
             };

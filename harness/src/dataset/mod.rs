@@ -42,6 +42,7 @@ pub mod root_template;
 pub mod catalogue;
 pub mod open;
 pub mod scan_selection;
+pub mod scan_times;
 
 pub use error::DatasetError;
 

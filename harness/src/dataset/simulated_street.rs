@@ -26,6 +26,8 @@ pub struct StreetDrive {
     pub n_scans: u32,
     /// Turns of the sensor from one scan to the next; 1 takes every turn.
     pub turns_per_scan: u32,
+    /// Scans of a street, after which the drive goes on in that of the next seed; as many as it has if this is left out.
+    pub scans_per_drive: Option<u32>,
     /// The sensor: the id of an embedded description, or the path of a file with one.
     pub sensor: String,
     /// Whether the street moves on while the sensor turns.
@@ -77,7 +79,8 @@ struct SimulatedStreet {
 /// The format's name in tables and files.
 const FORMAT: &str = "simulated-street";
 
-/// Opens the drive as the data set called `id`. Where a street ends, the drive goes on in the street of the next seed.
+/// Opens the drive as the data set called `id`. Where a street ends, or has given as many scans as it may, the drive goes on in
+/// the street of the next seed.
 ///
 /// # Errors
 ///
@@ -87,8 +90,9 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
     let height_above_road_m = drive.sensor_height_m.unwrap_or(described.height_above_road_m);
     let sensor = SensorModel { height_above_road_m, ..described };
     let (seeds, scan_ids) = scans_of(drive, &sensor);
+    let per_drive = drive.scans_per_drive.map_or_else(String::new, |it| format!("scans per drive {it}\n"));
     let made_of = format!(
-        "{}scans {}\nturns per scan {}\nshutter {:?}\nlabelled to either side {:?}\n",
+        "{}scans {}\nturns per scan {}\n{per_drive}shutter {:?}\nlabelled to either side {:?}\n",
         drive.draw(drive.seed).provenance(&sensor),
         drive.n_scans,
         drive.turns_per_scan,
@@ -143,6 +147,11 @@ impl Dataset for SimulatedStreet {
         Ok(scan)
     }
 
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        let turns = f64::from(self.scan_ids[scan_idx].index);
+        Some((1e9 * turns / f64::from(self.sensor.turns_per_second)).round() as u64)
+    }
+
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let street = self.drive.draw(self.seeds[scan_idx]);
         let pose = street.ego_pose(&self.sensor, self.scan_ids[scan_idx].index);
@@ -161,7 +170,9 @@ fn scans_of(drive: &StreetDrive, sensor: &SensorModel) -> (Vec<u64>, Vec<ScanId>
         let street = drive.draw(seed);
         // A drive shorter than the step still has its first turn.
         let turns = (0..street.n_scans(sensor).max(1)).step_by(drive.turns_per_scan as usize);
-        for index in turns.take(drive.n_scans as usize - scan_ids.len()) {
+        let n_missing = drive.n_scans as usize - scan_ids.len();
+        let n_of_drive = drive.scans_per_drive.map_or(n_missing, |it| n_missing.min(it as usize));
+        for index in turns.take(n_of_drive) {
             seeds.push(seed);
             scan_ids.push(ScanId { sequence: street.sequence(), index });
         }
@@ -208,6 +219,7 @@ mod tests {
             seed: 3,
             n_scans: 4,
             turns_per_scan: 5,
+            scans_per_drive: None,
             sensor: "hdl-64e-s2".to_owned(),
             shutter: Shutter::Instant,
             rain_mm_per_h: None,
@@ -290,6 +302,21 @@ mod tests {
         assert_eq!(ids, of_street(3).chain(of_street(4)).collect::<Vec<_>>());
         let next = Street::new(StreetKind::MainRoad, 4).scan(&SensorModel::hdl_64e_s2(), 150);
         assert_eq!(dataset.read_scan(4).unwrap(), next);
+    }
+
+    #[test]
+    fn many_short_drives_take_a_few_scans_of_each_seed() {
+        let short = StreetDrive { n_scans: 5, turns_per_scan: 150, scans_per_drive: Some(2), ..drive() };
+        let dataset = open(&short);
+        let ids: Vec<String> = dataset.scan_ids().iter().map(ToString::to_string).collect();
+        let expected = ["3/000000", "3/000150", "4/000000", "4/000150", "5/000000"];
+        assert_eq!(ids, expected.map(|it| format!("main-road-{it}")));
+        assert_eq!([0, 1, 2].map(|it| dataset.scan_time_ns(it).unwrap()), [0, 15_000_000_000, 0]);
+        let of_second = Street::new(StreetKind::MainRoad, 4).scan(&SensorModel::hdl_64e_s2(), 150);
+        assert_eq!(dataset.read_scan(3).unwrap(), of_second);
+        // Without the limit, checksums are what they were before there was one.
+        let checksum = |drive: &StreetDrive| open(drive).description().checksum.clone();
+        assert_ne!(checksum(&short), checksum(&StreetDrive { scans_per_drive: None, ..short.clone() }));
     }
 
     #[test]

@@ -206,7 +206,7 @@ mod tests {
             &[
                 "; 9 blocks of scans are too few to tell who leads.",
                 "<sup>§</sup>",
-                "§ of fewer than 10 blocks of scans",
+                "§ of fewer than 10 blocks",
                 "95 % intervals (bars, of only 9 blocks of scans, too few for anything to rest on them).",
             ],
         );

@@ -71,6 +71,7 @@ pub(crate) fn about_interval(kind: BlockKind) -> String {
         BlockKind::Seconds => {
             format!("{of} seconds of the drives, which are fewer than {FEWEST_DRIVES}: {same_drives}.")
         }
+        BlockKind::Tracks => format!("{of} objects, each with all scans that show it: {same_drives}."),
         BlockKind::Both => format!(
             "{of} whole drives; of data sets that have fewer than {FEWEST_DRIVES}, of seconds of these: {same_drives}."
         ),
@@ -147,8 +148,8 @@ impl Notes {
             Mark::FewBlocks => {
                 let sign = self.sign_of(mark);
                 return format!(
-                    "{sign} of fewer than {FEWEST_BLOCKS} blocks of scans: too few for the interval to be relied on, and for anything \
-                     to be concluded from it."
+                    "{sign} of fewer than {FEWEST_BLOCKS} blocks: too few for the interval to be relied on, and for anything to be \
+                     concluded from it."
                 );
             }
             Mark::Undefined(Undefined::FalseObjectsUnknown) => {

@@ -23,6 +23,7 @@ pub(crate) fn manifest() -> Manifest {
         config: serde_json::Value::Null,
         seeds: BTreeMap::new(),
         n_warmup_detections: 1,
+        n_repeats: 1,
         matching_criterion: "points, Jaccard at least 0.5".to_owned(),
         ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
         datasets: DATASETS.map(dataset).to_vec(),

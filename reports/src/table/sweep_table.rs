@@ -99,7 +99,7 @@ mod tests {
           bootstrap, 10000 resamples of seconds of the drives, which are fewer than 10: how much scans of
           the same drives could vary, not other drives. Lowest: the rate at the worst value. Time: of a
           detection at the best value, the median over scans of the shortest of each.
-        § of fewer than 10 blocks of scans: too few for the interval to be relied on, and for anything to be
+        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
           concluded from it.
         ");
     }
