@@ -173,6 +173,7 @@ mod tests {
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
+    use crate::run::side_by_side::DetectionTimes;
     use crate::task::Task;
 
     /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
@@ -242,11 +243,15 @@ mod tests {
         let result = DetectorScan {
             detector: "drawn",
             output,
-            latency: Duration::from_millis(1),
+            times: DetectionTimes {
+                first: Duration::from_millis(1),
+                least: Duration::from_millis(1),
+                reference: None,
+            },
             assignments: vec![assignment.clone()],
         };
         let rows = match_rows(&dataset(), "points", scan, &result, &assignment);
-        (scan_row(&dataset(), scan, &result, &assignment), rows)
+        (scan_row(&dataset(), (scan, 0.0), &result, &assignment), rows)
     }
 
     #[test]
