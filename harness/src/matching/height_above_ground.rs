@@ -346,10 +346,11 @@ mod tests {
     #[test]
     fn on_a_slope_the_ground_beside_counts_and_not_that_downhill() {
         let slope = |x_m: f32, _: f32| -1.7 + 0.1 * (x_m - 10.0);
-        on_ground(slope).boxed([-1.7, 1.2]).check(2.9);
-        on_ground(slope).boxed([-1.7, 1.7]).check(3.4);
+        // The lower quartile of a side lies 4 cm below the ground in the middle.
+        on_ground(slope).boxed([-1.7, 1.2]).check(2.94);
+        on_ground(slope).boxed([-1.7, 1.7]).check(3.44);
         let floating_m = on_ground(slope).boxed([0.2, 1.2]).heights_m()[0].unwrap();
-        assert!((2.75..=2.9).contains(&floating_m), "{floating_m}");
+        assert!((2.75..=2.95).contains(&floating_m), "{floating_m}");
     }
 
     #[test]

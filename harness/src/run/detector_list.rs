@@ -151,12 +151,12 @@ mod tests {
 
     fn scans() -> (Vec<LabeledScan>, f32) {
         let options = OpenOptions {
-            n_simulated_scans: Some(4),
+            n_simulated_scans: Some(12),
             sensor: Some(SENSOR.to_owned()),
             ..OpenOptions::default()
         };
         let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
-        let scans = (0..4).map(|scan_idx| street.read_scan(scan_idx).unwrap()).collect();
+        let scans = (0..12).map(|scan_idx| street.read_scan(scan_idx).unwrap()).collect();
         (scans, street.description().sensor_height_m)
     }
 
