@@ -54,11 +54,9 @@ impl CheckReport {
         report.count_points(&facts);
         report.check_ground(description, &facts);
         report.count_annotations(&facts);
-        if let Some(stray_labels) = stray_labels {
-            report.line("without scans", stray_labels.to_owned());
-        }
         report.check_times(scans);
         report.check_repetition(scans);
+        report.warnings.extend(stray_labels.map(|it| format!("{} {it}", description.id)));
         report
     }
 
@@ -304,8 +302,9 @@ mod tests {
     #[test]
     fn sound_scans_give_no_warning() {
         check(|_| {}, None);
-        let report = CheckReport::of(&description(), &scans(), Some("labels of 3 scans that are not there"))
-            .to_string();
+        let report =
+            CheckReport::of(&description(), &scans(), Some("has labels of 3 scans that are not there"))
+                .to_string();
         for line in [
             "scans               4 of 1 drive",
             "points              400, 100 to 100 a scan",

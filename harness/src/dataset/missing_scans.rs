@@ -9,7 +9,7 @@ pub fn labels_of_missing(mut missing: impl Iterator<Item = String>) -> Option<St
     let first = missing.next()?;
     let n = 1 + missing.count();
     let scans = if n == 1 { "scan that is" } else { "scans that are" };
-    Some(format!("labels of {n} {scans} not there, such as {first:?}"))
+    Some(format!("has labels of {n} {scans} not there, such as {first:?}"))
 }
 
 /// The same for labels by drive and number: those without a scan among `scan_ids`.

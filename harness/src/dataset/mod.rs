@@ -74,7 +74,7 @@ pub trait Dataset: Send + Sync {
         None
     }
 
-    /// How many labels of scans there are that are not there, in words; `None` if there are none. A part of a data set has some.
+    /// Labels of scans that are not there, as the rest of a sentence about the data set; `None` if there are none.
     ///
     /// # Errors
     ///
