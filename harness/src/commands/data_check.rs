@@ -34,8 +34,7 @@ pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
         }
         let is_interrupted = || interrupted.load(Ordering::Relaxed);
         let (scans, damage) = check(opened, is_interrupted)?;
-        let stray_labels = opened.dataset.labels_without_scans()?;
-        print_result(CheckReport::of(opened.dataset.description(), &scans, stray_labels.as_deref()))?;
+        print_result(CheckReport::of(opened.dataset.description(), &scans))?;
         first_damage = first_damage.or(damage);
     }
     match first_damage {

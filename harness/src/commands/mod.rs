@@ -5,7 +5,6 @@ pub mod interruption;
 pub mod failure;
 pub mod progress;
 pub mod config;
-pub mod missing_positions;
 pub mod open_datasets;
 pub mod open_scan;
 pub mod provenance;

@@ -43,9 +43,7 @@ pub struct CheckReport {
 
 impl CheckReport {
     /// What `scans` say about the data set, in the order of the data set.
-    ///
-    /// `stray_labels` is what [`Dataset::labels_without_scans`](crate::dataset::Dataset::labels_without_scans) says.
-    pub fn of(description: &DatasetDescription, scans: &[CheckedScan], stray_labels: Option<&str>) -> Self {
+    pub fn of(description: &DatasetDescription, scans: &[CheckedScan]) -> Self {
         let facts: Vec<&ScanFacts> = scans.iter().filter_map(|it| it.facts.as_ref().ok()).collect();
         let mut report =
             Self { lines: Vec::new(), warnings: Vec::new(), n_damaged: scans.len() - facts.len() };
@@ -56,7 +54,6 @@ impl CheckReport {
         report.count_annotations(&facts);
         report.check_times(scans);
         report.check_repetition(scans);
-        report.warnings.extend(stray_labels.map(|it| format!("{} {it}", description.id)));
         report
     }
 
@@ -289,7 +286,7 @@ mod tests {
     fn check(change: impl Fn(&mut CheckedScan), expected: Option<&str>) {
         let mut scans = scans();
         scans.iter_mut().for_each(change);
-        let report = CheckReport::of(&description(), &scans, None);
+        let report = CheckReport::of(&description(), &scans);
         let found: Vec<&str> = report.warnings.iter().map(String::as_str).collect();
         assert_eq!(found.len(), usize::from(expected.is_some()), "{found:?}");
         assert!(found.iter().zip(expected).all(|(found, expected)| found.contains(expected)), "{found:?}");
@@ -302,9 +299,7 @@ mod tests {
     #[test]
     fn sound_scans_give_no_warning() {
         check(|_| {}, None);
-        let report =
-            CheckReport::of(&description(), &scans(), Some("has labels of 3 scans that are not there"))
-                .to_string();
+        let report = CheckReport::of(&description(), &scans()).to_string();
         for line in [
             "scans               4 of 1 drive",
             "points              400, 100 to 100 a scan",

@@ -13,13 +13,11 @@ pub mod error;
 // What several formats have in common.
 pub mod text_file;
 pub mod numbered_files;
-pub mod position_check;
 pub mod velodyne_bin;
 pub mod packed_points;
 pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
-pub mod missing_scans;
 pub mod checksum;
 pub mod class_name;
 mod written_classes;
@@ -42,7 +40,6 @@ pub mod scan_folder;
 pub mod detect_format;
 pub mod root_template;
 pub mod catalogue;
-pub mod names_check;
 pub mod open;
 pub mod scan_selection;
 pub mod scan_times;
@@ -72,15 +69,6 @@ pub trait Dataset: Send + Sync {
     /// What was left out when it was opened, since it is damaged and that was to be skipped.
     fn left_out(&self) -> Option<&str> {
         None
-    }
-
-    /// Labels of scans that are not there, as the rest of a sentence about the data set; `None` if there are none.
-    ///
-    /// # Errors
-    ///
-    /// [`DatasetError`] if the labels have to be read for it and are damaged.
-    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
-        Ok(None)
     }
 
     /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.
