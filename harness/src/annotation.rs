@@ -15,6 +15,8 @@ pub struct LabeledScan {
     pub annotations: Vec<Annotation>,
     /// For every point, whether the labels say anything about it.
     pub point_regions: Vec<PointRegion>,
+    /// Places, among the points of the file, of those that are not in `cloud` since they have no position; ascending.
+    pub points_left_out: Vec<u32>,
 }
 
 /// Names a scan within its data set.

@@ -108,7 +108,11 @@ impl Failure {
         }
         match error.downcast_ref::<ConversionError>() {
             Some(ConversionError::Dataset(error)) => return of_dataset(error),
-            Some(ConversionError::Occupied { .. } | ConversionError::Unwritable { .. }) => {
+            Some(
+                ConversionError::Occupied { .. }
+                | ConversionError::Unwritable { .. }
+                | ConversionError::TooManyObjects { .. },
+            ) => {
                 return Self::Usage;
             }
             Some(_) | None => {}

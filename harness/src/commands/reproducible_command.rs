@@ -20,6 +20,9 @@ pub fn reproducible_command(
         ("--sensor", arguments.source.sensor.clone()),
         ("--catalogue", catalogue.map(|it| it.display().to_string())),
     ];
+    for class in &arguments.source.classes {
+        words.extend(["--class".to_owned(), class.to_string()]);
+    }
     for (option, value) in of_data.iter().chain(options) {
         words.extend(value.iter().flat_map(|value| [(*option).to_owned(), value.clone()]));
     }

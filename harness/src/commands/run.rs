@@ -73,13 +73,10 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let interrupted = interruption_flag()?;
     let started = Timestamp::now();
     let detectors = detectors_named(&arguments.detectors)?;
-    let plan = Plan {
-        arguments,
-        started,
-        config: judging_config(&arguments.config, &arguments.matching, &detectors)?,
-        detectors,
-        datasets: open_datasets_past_damage(&arguments.data, arguments.damage.policy())?,
-    };
+    let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+    let policy = arguments.damage.policy();
+    let datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
+    let plan = Plan { arguments, config, detectors, datasets, started };
     let directory = begin_directory(&plan)?;
     let mut archive = Archive::begin(&plan, &directory)?;
     let mut scores = Vec::new();
@@ -330,6 +327,7 @@ fn evaluate(
         archive.add(opened, &results, &scores, &progress)
     })?;
     progress.finish_and_clear();
+    opened.warn_of_points_left_out();
     if scores.n_annotations() == 0 {
         let reason = format!(
             "none of the {} scans of {:?} has an annotation that counts",

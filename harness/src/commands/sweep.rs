@@ -65,6 +65,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
             return Err(error.into());
         }
     };
+    sweep.datasets.iter().for_each(OpenedDataset::warn_of_points_left_out);
     let swept = sweep.swept_datasets();
     let results = SweepResults { plan: &sweep.plan, datasets: &swept, scans: &counted, times: &timed };
     let scores = results.summary();
@@ -92,7 +93,7 @@ impl<'a> Sweep<'a> {
         let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
         let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
         let policy = arguments.damage.policy();
-        let mut datasets = open_datasets_past_damage(&arguments.data, policy)?;
+        let mut datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
         if policy == DamagePolicy::Skip {
             // Threads take scans in any order, so that it has to be known before which there are.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
@@ -183,7 +184,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn manifest(&self) -> String {
-        let manifest = run_manifest(RunSettings {
+        let mut manifest = run_manifest(RunSettings {
             data: &self.arguments.data,
             n_warmup: 1,
             config: &self.plan.base,
@@ -191,6 +192,8 @@ impl<'a> Sweep<'a> {
             datasets: &self.datasets,
             started: self.started,
         });
+        // Which scans have been read depends on where the sweep was taken up.
+        manifest.datasets.iter_mut().for_each(|it| it.n_points_left_out = 0);
         let values = |it: &SweptValues| serde_json::json!({ "name": it.name, "values": it.values });
         let sweep = serde_json::json!({
             "swept": self.plan.swept.iter().map(values).collect::<Vec<_>>(),

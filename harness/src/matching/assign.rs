@@ -237,7 +237,11 @@ mod tests {
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let id = ScanId { sequence: "drawn".into(), index: 0 };
         let annotations = annotations.iter().map(annotation).collect();
-        Street { scan: LabeledScan { id, cloud, annotations, point_regions }, detections: all }
+        let points_left_out = Vec::new();
+        Street {
+            scan: LabeledScan { id, cloud, annotations, point_regions, points_left_out },
+            detections: all,
+        }
     }
 
     impl Street {

@@ -332,6 +332,7 @@ mod tests {
             cloud: (0..N_POINTS).map(|step| [step as f32 * 0.1, 0.0, 0.0]).collect::<PointCloud>(),
             annotations: (0..).zip(annotations).map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; N_POINTS as usize],
+            points_left_out: Vec::new(),
         };
         let mut all = Detections::default();
         for (class, range) in detections {

@@ -99,6 +99,7 @@ mod tests {
             cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
             annotations: annotations.filter(|it| !it.point_indices.is_empty()).collect(),
             point_regions: vec![PointRegion::Labeled; n_points],
+            points_left_out: Vec::new(),
         };
         let mut found = Detections::default();
         for letter in "xyz".chars() {

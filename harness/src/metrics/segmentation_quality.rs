@@ -120,6 +120,7 @@ mod tests {
             cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
             annotations: letters_of(annotations).into_iter().map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; n_points],
+            points_left_out: Vec::new(),
         };
         let mut found = Detections::default();
         for letter in letters_of(detections) {

@@ -44,6 +44,7 @@ pub fn scan() -> LabeledScan {
     LabeledScan {
         id: ScanId { sequence: "drawn".to_owned(), index: 0 },
         point_regions: vec![PointRegion::Labeled; cloud.len()],
+        points_left_out: Vec::new(),
         cloud,
         annotations: vec![car],
     }

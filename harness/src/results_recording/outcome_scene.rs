@@ -136,6 +136,7 @@ mod tests {
         LabeledScan {
             id: ScanId { sequence: "a".to_owned(), index: 0 },
             point_regions: vec![PointRegion::Labeled; cloud.len()],
+            points_left_out: Vec::new(),
             cloud,
             annotations: vec![annotation],
         }

@@ -62,6 +62,7 @@ pub fn staged_scan(objects: &[StagedObject], sensor: &SensorModel, seed: u64) ->
         id: ScanId { sequence: format!("staged-{seed}"), index: 0 },
         annotations: annotations.collect(),
         point_regions: vec![PointRegion::Labeled; turn.cloud.len()],
+        points_left_out: Vec::new(),
         cloud: turn.cloud,
     }
 }

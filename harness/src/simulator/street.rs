@@ -211,7 +211,7 @@ impl Street {
         let annotations = self.annotations(&turn, sensor, &moments);
         let point_regions = vec![PointRegion::Labeled; turn.cloud.len()];
         let id = ScanId { sequence: self.sequence(), index: scan_idx };
-        LabeledScan { id, cloud: turn.cloud, annotations, point_regions }
+        LabeledScan { id, cloud: turn.cloud, annotations, point_regions, points_left_out: Vec::new() }
     }
 
     fn world_from_sensor(&self, sensor: &SensorModel, time_s: f32) -> Pose {

@@ -47,6 +47,7 @@ pub fn scan(index: u32) -> LabeledScan {
         cloud: (0..N_POINTS).map(|it| [it as f32, 0.5, 0.5]).collect(),
         annotations: vec![annotation(Some(unit_box(0.0)), vec![0]), annotation(None, vec![2, 3])],
         point_regions: vec![PointRegion::Labeled; N_POINTS],
+        points_left_out: Vec::new(),
     }
 }
 
