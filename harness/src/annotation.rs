@@ -18,6 +18,8 @@ pub struct LabeledScan {
     pub point_regions: Vec<PointRegion>,
     /// Where the labels say something about places without a point.
     pub labeled_area: LabeledArea,
+    /// Places, among the points of the file, of those that are not in `cloud` since they have no position; ascending.
+    pub points_left_out: Vec<u32>,
 }
 
 /// Names a scan within its data set.

@@ -79,6 +79,12 @@ pub struct DatasetEntry {
     /// Those of them that were left out because they are damaged.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub skipped_scans: Vec<SkippedScan>,
+    /// Points without a position in the scans that were read; they are left out.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub n_points_left_out: u64,
+    /// What the user said names of classes in the labels stand for.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub classes: BTreeMap<String, String>,
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
@@ -89,6 +95,11 @@ pub struct DatasetEntry {
     pub licence: Option<String>,
     /// What a simulation was asked for besides its seed; `None` for what was recorded.
     pub simulation: Option<Simulation>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 /// A scan that was left out because it is damaged.
@@ -227,6 +238,8 @@ mod tests {
                 checksum: None,
                 n_scans: 40,
                 skipped_scans: Vec::new(),
+                n_points_left_out: 0,
+                classes: BTreeMap::new(),
                 selection: Some("0..80:2".to_owned()),
                 sensor_height_m: 1.73,
                 sensor: "hdl-64e-s2".to_owned(),

@@ -40,7 +40,7 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
     let listed = detectors_named(&[METHOD.to_owned()])?;
     let config = judging_config(&arguments.config, &arguments.matching, &listed)?;
     let variants = variants(&config)?;
-    let datasets = open_datasets(&arguments.data)?;
+    let datasets = open_datasets(&arguments.data, &config.classes)?;
     let unnamed = format!("{}-ablation-{}", compact_utc(started), ids_of(&datasets));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let mut evaluated = Vec::new();
@@ -104,6 +104,7 @@ fn evaluate(
         Ok(())
     })?;
     progress.finish_and_clear();
+    opened.warn_of_points_left_out();
     if scores.n_annotations() == 0 {
         let reason = format!("no scan of {:?} has an annotation that counts", description.id);
         return Err(NothingEvaluated { reason }.into());

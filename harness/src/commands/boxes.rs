@@ -49,7 +49,7 @@ pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
     let mut config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
     // What clusters are taken for does not matter.
     config.vehicle_models = None;
-    let opened = open_datasets(&arguments.data)?;
+    let opened = open_datasets(&arguments.data, &config.classes)?;
     let unnamed = format!("{}-boxes-{}", compact_utc(started), ids_of(&opened));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let groups = collect_all(&opened, &detectors[0], &config, interrupted)?;
@@ -105,7 +105,8 @@ fn collect_all<'a>(
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Vec<Group<'a>>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
-    for OpenedDataset { dataset, scan_indices, .. } in opened {
+    for it in opened {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
         warn_of_unknown_sensor(config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
@@ -113,6 +114,7 @@ fn collect_all<'a>(
         let found =
             box_pairs(&**dataset, scan_indices, (listed, &of_sensor), interrupted, || progress.inc(1))?;
         progress.finish_and_clear();
+        it.warn_of_points_left_out();
         let found = found.into_iter().map(|it| (description.id.as_str(), it));
         let is_simulated = description.is_simulated();
         match groups.iter_mut().find(|it| is_simulated && it.is_simulated) {

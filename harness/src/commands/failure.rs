@@ -115,7 +115,8 @@ impl Failure {
             Some(
                 ConversionError::Occupied { .. }
                 | ConversionError::InUse { .. }
-                | ConversionError::Unwritable { .. },
+                | ConversionError::Unwritable { .. }
+                | ConversionError::TooManyObjects { .. },
             ) => return Self::Usage,
             Some(_) | None => {}
         }

@@ -74,8 +74,9 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let started = Timestamp::now();
     let detectors = detectors_named(&arguments.detectors)?;
     let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+    let policy = arguments.damage.policy();
     let named = claim_named(&arguments.output)?;
-    let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
+    let datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
     let plan = Plan { arguments, started, config, detectors, datasets };
     let directory = begin_directory(&plan, named)?;
     let mut archive = Archive::begin(&plan, &directory)?;
@@ -334,6 +335,7 @@ fn evaluate(
         archive.add(opened, &results, &scores, &progress)
     })?;
     progress.finish_and_clear();
+    opened.warn_of_points_left_out();
     if scores.n_annotations() == 0 {
         let reason = format!(
             "none of the {} scans of {:?} has an annotation that counts",

@@ -118,6 +118,8 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,
         skipped_scans: opened.skipped.borrow().clone(),
+        classes: opened.classes.written(),
+        n_points_left_out: opened.points_left_out.sum().map_or(0, |(n_points, ..)| n_points as u64),
         selection: arguments.scans.clone(),
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),

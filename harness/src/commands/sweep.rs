@@ -71,6 +71,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
             return Err(error.into());
         }
     };
+    sweep.datasets.iter().for_each(OpenedDataset::warn_of_points_left_out);
     let swept = sweep.swept_datasets();
     let results = SweepResults { plan: &sweep.plan, datasets: &swept, scans: &counted, times: &timed };
     let scores = results.summary();
@@ -94,7 +95,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
 impl<'a> Sweep<'a> {
     fn new(arguments: &'a SweepArgs, plan: SweepPlan, started: Timestamp) -> anyhow::Result<Self> {
         let policy = arguments.damage.policy();
-        let mut datasets = open_datasets_past_damage(&arguments.data, policy)?;
+        let mut datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
         if policy == DamagePolicy::Skip {
             // Threads take scans in any order, so that it has to be known before which there are.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
@@ -163,7 +164,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn manifest(&self) -> String {
-        let manifest = run_manifest(RunSettings {
+        let mut manifest = run_manifest(RunSettings {
             data: &self.arguments.data,
             n_warmup: 1,
             n_repeats: NonZeroUsize::MIN,
@@ -172,6 +173,8 @@ impl<'a> Sweep<'a> {
             datasets: &self.datasets,
             started: self.started,
         });
+        // Which scans have been read depends on where the sweep was taken up.
+        manifest.datasets.iter_mut().for_each(|it| it.n_points_left_out = 0);
         let values = |it: &SweptValues| serde_json::json!({ "name": it.name, "values": it.values });
         let sweep = serde_json::json!({
             "swept": self.plan.swept.iter().map(values).collect::<Vec<_>>(),

@@ -111,7 +111,8 @@ impl RunAgain {
             serde_json::to_value(&config.resolved)? == manifest.config,
             Usage("the parameters are not those of the run: a file or this program has changed".to_owned())
         );
-        let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
+        let datasets =
+            open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
         for opened in &datasets {
             let id = &opened.dataset.description().id;
             let found = dataset_entry(opened, &arguments.data);

@@ -254,8 +254,8 @@ mod tests {
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let id = ScanId { sequence: "drawn".into(), index: 0 };
         let annotations = annotations.iter().map(annotation).collect();
-        let labeled_area = LabeledArea::AsPoints;
-        let scan = LabeledScan { id, cloud, annotations, point_regions, labeled_area };
+        let (labeled_area, points_left_out) = (LabeledArea::AsPoints, Vec::new());
+        let scan = LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out };
         Street { scan, detections: all }
     }
 

@@ -340,6 +340,7 @@ mod tests {
             annotations: (0..).zip(annotations).map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; N_POINTS as usize],
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let mut all = Detections::default();
         for (class, range) in detections {

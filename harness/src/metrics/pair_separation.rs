@@ -100,6 +100,7 @@ mod tests {
             annotations: annotations.filter(|it| !it.point_indices.is_empty()).collect(),
             point_regions: vec![PointRegion::Labeled; n_points],
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let mut found = Detections::default();
         for letter in "xyz".chars() {

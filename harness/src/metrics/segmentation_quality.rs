@@ -129,6 +129,7 @@ mod tests {
             annotations: letters_of(annotations).into_iter().map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; n_points],
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let mut found = Detections::default();
         for letter in letters_of(detections) {

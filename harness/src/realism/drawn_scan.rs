@@ -45,6 +45,7 @@ pub fn scan() -> LabeledScan {
         id: ScanId { sequence: "drawn".to_owned(), index: 0 },
         point_regions: vec![PointRegion::Labeled; cloud.len()],
         labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
         cloud,
         annotations: vec![car],
     }

@@ -159,6 +159,7 @@ mod tests {
             id: ScanId { sequence: "a".to_owned(), index: 0 },
             point_regions: vec![PointRegion::Labeled; cloud.len()],
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
             cloud,
             annotations: vec![annotation],
         }

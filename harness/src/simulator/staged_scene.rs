@@ -63,6 +63,7 @@ pub fn staged_scan(objects: &[StagedObject], sensor: &SensorModel, seed: u64) ->
         annotations: annotations.collect(),
         point_regions: vec![PointRegion::Labeled; turn.cloud.len()],
         labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
         cloud: turn.cloud,
     }
 }

@@ -217,6 +217,7 @@ impl Street {
             annotations,
             point_regions,
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         }
     }
 

@@ -67,6 +67,9 @@ fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
     if before.annotated != now.annotated {
         return Some(format!("{id} annotated other classes"));
     }
+    if before.classes != now.classes {
+        return Some(format!("names of classes in the labels of {id} stood for others"));
+    }
     if (before.sensor_height_m, &before.sensor) != (now.sensor_height_m, &now.sensor) {
         return Some(format!("the sensor of {id} is another, or mounted elsewhere"));
     }

@@ -56,6 +56,8 @@ fn dataset(id: &str) -> DatasetEntry {
         checksum: None,
         n_scans: 20,
         skipped_scans: Vec::new(),
+        n_points_left_out: 0,
+        classes: std::collections::BTreeMap::new(),
         selection: None,
         sensor_height_m: 1.73,
         sensor: "hdl-64e-s2".to_owned(),

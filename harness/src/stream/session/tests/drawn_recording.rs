@@ -48,6 +48,7 @@ pub fn scan(index: u32) -> LabeledScan {
         annotations: vec![annotation(Some(unit_box(0.0)), vec![0]), annotation(None, vec![2, 3])],
         point_regions: vec![PointRegion::Labeled; N_POINTS],
         labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
     }
 }
 
