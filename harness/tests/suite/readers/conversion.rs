@@ -223,7 +223,13 @@ impl Dataset for TwoDrives {
         let mut scan = street().read_scan(0)?;
         let car = scan.annotations.swap_remove(0);
         let car = Annotation { point_indices: vec![0], track: Some(70_000 + scan_idx as u32), ..car };
-        Ok(LabeledScan { id: self.1[scan_idx].clone(), cloud, annotations: vec![car], point_regions: vec![PointRegion::Labeled; 2], ..scan })
+        Ok(LabeledScan {
+            id: self.1[scan_idx].clone(),
+            cloud,
+            annotations: vec![car],
+            point_regions: vec![PointRegion::Labeled; 2],
+            ..scan
+        })
     }
 }
 
