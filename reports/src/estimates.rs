@@ -132,16 +132,20 @@ impl Tally {
         rows
     }
 
-    /// The detections that count, with their scores; `None` if there are none or one of them has no score.
+    /// The detections that count, with their scores: none if nothing was found. `None` if one of them has no score, the task
+    /// does not rank them, or nothing was seen of the kind.
     pub fn ranked(&self, question: &Question<'_>) -> Option<Vec<RankedDetection>> {
-        let mut all = Vec::new();
+        let mut all = None;
         for (dataset_idx, dataset) in self.datasets().iter().enumerate() {
-            if question.dataset == OVERALL || question.dataset == dataset {
-                let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
-                all.extend(gathered.ranked.as_ref()?);
+            if question.dataset != OVERALL && question.dataset != dataset {
+                continue;
+            }
+            // As for every other number, a data set of which no scan was evaluated says nothing.
+            if let Some(gathered) = self.gathered(dataset_idx, question.task, question.detector) {
+                all.get_or_insert_with(Vec::new).extend(gathered.ranked.as_ref()?);
             }
         }
-        (!all.is_empty()).then_some(all)
+        all
     }
 }
 
@@ -223,7 +227,7 @@ impl Sample {
 mod tests {
     use super::*;
     use crate::counts::Counts;
-    use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+    use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
     use crate::match_row::MatchRow;
     use crate::metric::BoxDimension;
     use crate::run_report::SLICE_ALL;
@@ -236,7 +240,16 @@ mod tests {
 
     fn annotation(class: &str, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
         let (class, occlusion) = (class.to_owned(), Some("none".to_owned()));
-        AnnotationFacts { id: 0, track: None, class, occlusion, n_points, bounding_box: Some(bounding_box) }
+        AnnotationFacts {
+            id: 0,
+            track: None,
+            class,
+            occlusion,
+            n_points,
+            n_points_outside: 0,
+            bounding_box: Some(bounding_box),
+            centroid_m: None,
+        }
     }
 
     fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {
@@ -366,6 +379,125 @@ mod tests {
         check(&tally, "occlusion/none", &[(Metric::No, 4.0), (Metric::Recall, 0.5)]);
         let has_false = |it: &MetricRow| it.subject.slice.starts_with("class/") && it.metric == Metric::Fo;
         assert!(!tally.metric_rows().iter().any(has_false));
+    }
+
+    #[test]
+    fn what_the_labelled_region_cuts_has_a_slice_and_counts_as_any_other() {
+        let mut tally = Tally::default();
+        tally.add_scan(&scan_row(3, 3, 1, Some(0)));
+        let cut = |n_points_outside| AnnotationFacts {
+            n_points_outside,
+            ..annotation("car", 100, boxed(10.0, 4.0, 0.0))
+        };
+        let reason = "split".to_owned();
+        let detection = detection(Some(0.9), 100, boxed(10.0, 4.0, 0.0));
+        for outcome in [
+            MatchOutcome::Matched { annotation: cut(50), detection, cost: 0.1 },
+            MatchOutcome::Missed { annotation: cut(100), reason: reason.clone() },
+            MatchOutcome::Missed { annotation: cut(49), reason },
+        ] {
+            tally.add_match(&match_row(3, outcome));
+        }
+        check(&tally, "truncated", &[(Metric::No, 2.0), (Metric::Tp, 1.0), (Metric::Recall, 0.5)]);
+        check(&tally, "class/car", &[(Metric::No, 3.0)]);
+        check(&tally, "range/0-15", &[(Metric::No, 3.0)]);
+        let of_truncated = |it: &MetricRow| it.subject.slice == "truncated" && it.metric == Metric::Precision;
+        assert!(!tally.metric_rows().iter().any(of_truncated));
+    }
+
+    #[test]
+    fn what_is_tall_is_counted_apart_and_in_nothing_else() {
+        let plain = scene();
+        let mut with_tall = scene();
+        let tree = || annotation("tree", 300, boxed(10.0, 4.0, 0.0));
+        let found = FoundBy { detection: detection(Some(0.95), 250, boxed(10.5, 3.0, 0.0)), cost: 0.1 };
+        for found_by in [Some(found), None, None] {
+            with_tall.add_match(&match_row(3, MatchOutcome::Tall { annotation: tree(), found_by }));
+        }
+        check(&with_tall, "tall", &[(Metric::No, 3.0), (Metric::Tp, 1.0), (Metric::Recall, 1.0 / 3.0)]);
+        let mut rows = with_tall.metric_rows();
+        rows.retain(|it| it.subject.slice != "tall");
+        assert_eq!(rows, plain.metric_rows());
+    }
+
+    /// Annotations without a box are in the range of their centroid, so that the ranges add up.
+    #[test]
+    fn ranges_add_up_without_boxes() {
+        let mut tally = Tally::default();
+        tally.add_scan(&scan_row(3, 4, 2, Some(1)));
+        let unboxed = |x_m| AnnotationFacts {
+            bounding_box: None,
+            centroid_m: Some([x_m, 3.0, 0.0]),
+            ..annotation("car", 100, boxed(0.0, 4.0, 0.0))
+        };
+        let found = |x_m| MatchOutcome::Matched {
+            annotation: unboxed(x_m),
+            detection: detection(Some(0.9), 100, boxed(x_m, 4.0, 0.0)),
+            cost: 0.1,
+        };
+        let missed = |x_m| MatchOutcome::Missed { annotation: unboxed(x_m), reason: "split".to_owned() };
+        let detection = detection(Some(0.9), 100, boxed(20.0, 4.0, 0.0));
+        let false_one = MatchOutcome::False { detection, reason: "fragment".to_owned() };
+        for outcome in [found(10.0), found(40.0), missed(10.0), missed(70.0), false_one] {
+            tally.add_match(&match_row(3, outcome));
+        }
+        let rows = tally.metric_rows();
+        for metric in [Metric::No, Metric::Tp, Metric::Fo] {
+            let sum = |is_asked: &dyn Fn(&str) -> bool| -> f64 {
+                let asked = rows.iter().filter(|it| it.metric == metric && is_asked(&it.subject.slice));
+                asked.filter_map(MetricRow::value).sum()
+            };
+            assert_eq!(sum(&|it| it.starts_with("range/")), sum(&|it| it == SLICE_ALL), "{}", metric.id());
+        }
+        check(&tally, "range/30-50", &[(Metric::No, 1.0), (Metric::Recall, 1.0), (Metric::FRate, 1.0)]);
+        check(&tally, "range/50-80", &[(Metric::No, 1.0), (Metric::Recall, 0.0)]);
+    }
+
+    #[test]
+    fn a_detector_that_found_nothing_has_an_average_precision_of_zero() {
+        let missed = || MatchOutcome::Missed {
+            annotation: annotation("car", 100, boxed(10.0, 4.0, 0.0)),
+            reason: "nothing there".to_owned(),
+        };
+        let average_precision = |scan: ScanRow, outcomes: Vec<MatchOutcome>| -> Vec<Option<f64>> {
+            let mut tally = Tally::default();
+            let task = scan.task.clone();
+            tally.add_scan(&scan);
+            for outcome in outcomes {
+                tally.add_match(&MatchRow { task: task.clone(), ..match_row(3, outcome) });
+            }
+            let rows = tally.metric_rows().into_iter();
+            rows.filter(|it| matches!(it.metric, Metric::AveragePrecision(_))).map(|it| it.value()).collect()
+        };
+        assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![missed()]), [Some(0.0); 2]);
+        assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![]), [Some(0.0); 2]);
+        // Nothing to find, false ones unknown, and a task without a ranking.
+        assert_eq!(average_precision(scan_row(3, 0, 0, Some(0)), vec![]), [None; 2]);
+        assert_eq!(average_precision(scan_row(3, 1, 0, None), vec![missed()]), []);
+        let objects = ScanRow { task: "objects".to_owned(), ..scan_row(3, 1, 0, Some(0)) };
+        assert_eq!(average_precision(objects, vec![missed()]), []);
+    }
+
+    #[test]
+    fn average_precision_does_not_depend_on_the_order_of_equal_scores() {
+        let outcome = |is_match: bool| {
+            let detection = detection(Some(0.5), 70, boxed(20.0, 1.0, 0.0));
+            let annotation = annotation("car", 100, boxed(20.0, 4.0, 0.0));
+            if is_match {
+                MatchOutcome::Matched { annotation, detection, cost: 0.25 }
+            } else {
+                MatchOutcome::False { detection, reason: "fragment".to_owned() }
+            }
+        };
+        let rows = |order: [bool; 4]| {
+            let mut tally = Tally::default();
+            tally.add_scan(&scan_row(3, 4, 2, Some(2)));
+            for is_match in order {
+                tally.add_match(&match_row(3, outcome(is_match)));
+            }
+            (tally.metric_rows(), tally.precision_recall_rows())
+        };
+        assert_eq!(rows([true, true, false, false]), rows([false, true, false, true]));
     }
 
     #[test]

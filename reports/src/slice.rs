@@ -1,4 +1,4 @@
-//! Parts of the objects that are looked at alone: by class, range, number of points, occlusion.
+//! Parts of the objects that are looked at alone: by class, range, number of points, occlusion, and what a limit cuts.
 
 use crate::run_report::SLICE_ALL;
 
@@ -17,6 +17,11 @@ pub enum Slice {
     Points(usize),
     /// Annotations of which other things hide this much. False detections belong to none.
     Occlusion(String),
+    /// Annotations at least half of whose points lie outside the labelled region, such as what the border of a camera image
+    /// cuts. Counted by points, not by what labels say of their image. False detections belong to none.
+    Truncated,
+    /// Annotations that are too tall for the task and so count nowhere else, with those of them that were found all the same.
+    Tall,
 }
 
 /// Names and upper ends, exclusive, of the bins of range.
@@ -35,6 +40,8 @@ impl Slice {
             Self::Range(bin) => format!("range/{}", RANGES_M[*bin].0),
             Self::Points(bin) => format!("points/{}", POINTS[*bin].0),
             Self::Occlusion(occlusion) => format!("occlusion/{occlusion}"),
+            Self::Truncated => "truncated".to_owned(),
+            Self::Tall => "tall".to_owned(),
         }
     }
 

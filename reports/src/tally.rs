@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::average_precision::RankedDetection;
 use crate::bootstrap::{Resamples, SCANS_PER_BLOCK};
-use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome, range_m};
 use crate::match_row::MatchRow;
 use crate::scan_row::{ScanOutcome, ScanRow};
 use crate::slice::Slice;
@@ -47,7 +47,7 @@ pub(crate) struct Gathered {
     pub(crate) n_scans: u64,
     pub(crate) false_objects: FalseObjects,
     slices: BTreeMap<Slice, BTreeMap<Block, Sums>>,
-    /// The detections that count, or nothing once one of them came without a score.
+    /// The detections that count, where they are ranked; nothing once one of them came without a score.
     pub(crate) ranked: Option<Vec<RankedDetection>>,
 }
 
@@ -58,7 +58,7 @@ impl Tally {
         let block = block_of(&row.sequence, row.scan);
         self.blocks[key.dataset].insert(block.clone());
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
-        let gathered = self.of_key.entry(key).or_default();
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(&row.task));
         gathered.n_scans += 1;
         if numbers.counts.fo().is_none() {
             gathered.false_objects = FalseObjects::Unknown;
@@ -91,10 +91,7 @@ impl Tally {
     pub fn add_match(&mut self, row: &MatchRow) {
         let key = self.key(&row.dataset, &row.task, &row.detector);
         let block = block_of(&row.sequence, row.scan);
-        let gathered = self.of_key.entry(key).or_default();
-        if row.task != RANKED_TASK {
-            gathered.ranked = None;
-        }
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(&row.task));
         match &row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => {
                 gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
@@ -110,6 +107,12 @@ impl Tally {
             MatchOutcome::False { detection, .. } => {
                 gathered.add_to_slices(&slices_of_detection(detection), &block, Term::False);
                 gathered.rank(detection, false);
+            }
+            MatchOutcome::Tall { found_by, .. } => {
+                gathered.add_to_slices(&[Slice::Tall], &block, Term::Annotations);
+                if found_by.is_some() {
+                    gathered.add_to_slices(&[Slice::Tall], &block, Term::Matched);
+                }
             }
             MatchOutcome::IgnoredAnnotation { .. }
             | MatchOutcome::IgnoredDetection { .. }
@@ -174,18 +177,12 @@ impl Tally {
     }
 }
 
-impl Default for Gathered {
-    fn default() -> Self {
-        Self {
-            n_scans: 0,
-            false_objects: FalseObjects::Known,
-            slices: BTreeMap::new(),
-            ranked: Some(Vec::new()),
-        }
-    }
-}
-
 impl Gathered {
+    fn of_task(task: &str) -> Self {
+        let ranked = (task == RANKED_TASK).then(Vec::new);
+        Self { n_scans: 0, false_objects: FalseObjects::Known, slices: BTreeMap::new(), ranked }
+    }
+
     fn sums(&mut self, slice: Slice, block: &Block) -> &mut Sums {
         self.slices.entry(slice).or_default().entry(block.clone()).or_default()
     }
@@ -218,20 +215,16 @@ fn block_of(sequence: &str, scan: u32) -> Block {
 
 fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::Class(annotation.class.clone()), Slice::of_points(annotation.n_points)];
-    slices.extend(annotation.bounding_box.and_then(|it| Slice::of_range(range_m(&it))));
+    slices.extend(annotation.center_m().and_then(|it| Slice::of_range(range_m(it))));
     slices.extend(annotation.occlusion.clone().map(Slice::Occlusion));
+    slices.extend(annotation.is_truncated().then_some(Slice::Truncated));
     slices
 }
 
 fn slices_of_detection(detection: &DetectionFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::of_points(detection.n_points)];
-    slices.extend(Slice::of_range(range_m(&detection.bounding_box)));
+    slices.extend(Slice::of_range(range_m(detection.bounding_box.center_m)));
     slices
-}
-
-fn range_m(bounding_box: &BoxFacts) -> f64 {
-    let [x_m, y_m, _] = bounding_box.center_m.map(f64::from);
-    x_m.hypot(y_m)
 }
 
 fn add_box_errors(sums: &mut Sums, labelled: &BoxFacts, found: &BoxFacts) {

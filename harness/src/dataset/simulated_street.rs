@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::checksum::sha256;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
-use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::simulator::rain::Rain;
 use crate::simulator::sensor::{EMBEDDED_SENSORS, SensorModel};
 use crate::simulator::street_conditions::StreetConditions;
@@ -188,7 +188,9 @@ pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
     described.map_err(|source| DatasetError::Sensor { path: path.to_owned(), source })
 }
 
-/// Marks all points farther than `limit_deg` to either side of forward as outside of what is labelled.
+/// Marks all points farther than `limit_deg` to either side of forward as outside of what is labelled, and takes away the
+/// annotations without a point nearer to forward. As where people label what a camera sees, an object that the limit cuts
+/// keeps all of its points.
 fn mark_outside(scan: &mut LabeledScan, limit_deg: f32) {
     let columns = scan.cloud.x_m().iter().zip(scan.cloud.y_m());
     for ((x_m, y_m), region) in columns.zip(&mut scan.point_regions) {
@@ -196,6 +198,10 @@ fn mark_outside(scan: &mut LabeledScan, limit_deg: f32) {
             *region = PointRegion::Outside;
         }
     }
+    let regions = &scan.point_regions;
+    let is_labeled = |point_idx: &u32| regions[*point_idx as usize] == PointRegion::Labeled;
+    scan.annotations.retain(|it| it.point_indices.iter().any(is_labeled));
+    scan.labeled_area = LabeledArea::Ahead { to_either_side_deg: limit_deg };
 }
 
 #[cfg(test)]
@@ -269,6 +275,21 @@ mod tests {
                 position_m[0] > 0.0 && position_m[1].abs() < position_m[0] * 40.0_f32.to_radians().tan();
             assert_eq!(is_ahead, *region == PointRegion::Labeled, "{position_m:?}");
         }
+    }
+
+    #[test]
+    fn what_the_limit_cuts_keeps_its_points_and_what_is_beside_is_not_annotated() {
+        let limited = StreetDrive { labeled_to_either_side_deg: Some(40.0), ..drive() };
+        let scan = open(&limited).read_scan(0).unwrap();
+        let everything = open(&drive()).read_scan(0).unwrap();
+        let is_ahead = |point_idx: &u32| scan.point_regions[*point_idx as usize] == PointRegion::Labeled;
+        let mut ahead = everything.annotations.clone();
+        ahead.retain(|it| it.point_indices.iter().any(is_ahead));
+        assert_eq!(scan.annotations, ahead);
+        assert!(ahead.len() < everything.annotations.len() / 2);
+        let is_cut = |it: &&crate::annotation::Annotation| !it.point_indices.iter().all(is_ahead);
+        assert!(scan.annotations.iter().any(|it| is_cut(&it)), "something is cut");
+        assert_eq!(scan.labeled_area, LabeledArea::Ahead { to_either_side_deg: 40.0 });
     }
 
     #[test]

@@ -85,6 +85,7 @@ pub fn accept(run: &RunArchive, directory: &Path, date: &str, why: &str) -> Resu
     Ok(line)
 }
 
+/// Whether a number of the report is made of it: what is tall has a slice of its own.
 fn counts(outcome: &MatchOutcome) -> bool {
     !matches!(outcome, MatchOutcome::IgnoredAnnotation { .. } | MatchOutcome::IgnoredDetection { .. })
 }

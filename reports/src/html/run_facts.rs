@@ -222,6 +222,9 @@ fn boxes_of(
             MatchOutcome::Missed { annotation, .. } | MatchOutcome::IgnoredAnnotation { annotation, .. } => {
                 (Some(annotation), None)
             }
+            MatchOutcome::Tall { annotation, found_by } => {
+                (Some(annotation), found_by.map(|it| it.detection))
+            }
             MatchOutcome::False { detection, .. }
             | MatchOutcome::IgnoredDetection { detection, .. }
             | MatchOutcome::Unknowable { detection } => (None, Some(detection)),

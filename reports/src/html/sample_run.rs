@@ -139,7 +139,9 @@ impl SampleRun<'_> {
                     class: self.class.to_owned(),
                     occlusion: None,
                     n_points: 100 + id,
+                    n_points_outside: 0,
                     bounding_box: Some(box_at(id)),
+                    centroid_m: None,
                 };
                 if id < n_found {
                     MatchOutcome::Matched { annotation, detection: detection(id), cost: 0.1 }

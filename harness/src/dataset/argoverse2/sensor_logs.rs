@@ -17,7 +17,7 @@ use detector::PointCloud;
 use nalgebra::{Isometry3, Vector3};
 
 use super::log_truth::LogTruth;
-use crate::annotation::{AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
@@ -131,7 +131,8 @@ impl Dataset for SensorLogs {
             annotation.point_indices = points;
         }
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area: LabeledArea::Everywhere })
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

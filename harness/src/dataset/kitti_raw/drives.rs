@@ -19,7 +19,7 @@ use nalgebra::Isometry3;
 use super::drive_calibration::{CameraView, parse_camera_view, parse_transform};
 use super::inertial_poses::{InertialFix, parse_inertial_fix};
 use super::tracklet_file::parse_tracklets;
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
@@ -125,25 +125,26 @@ impl Dataset for KittiRaw {
         let cloud = read_velodyne_bin(&drive.folder.join(SCANS).join(format!("{:010}.bin", id.index)))?;
         let Some(labels) = &drive.labels else {
             let point_regions = vec![PointRegion::Outside; cloud.len()];
-            return Ok(LabeledScan { id, cloud, annotations: Vec::new(), point_regions });
+            let labeled_area = LabeledArea::AsPoints;
+            return Ok(LabeledScan { id, cloud, annotations: Vec::new(), point_regions, labeled_area });
         };
         let mut annotations = labels.annotations_by_scan.get(&id.index).cloned().unwrap_or_default();
         let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
         for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
             annotation.point_indices = points;
         }
-        let point_regions = match self.labeled_region {
-            LabeledRegion::Camera => {
-                let view = CameraFieldOfView {
-                    image_from_velodyne: &labels.view.image_from_velodyne,
-                    image_size_px: labels.view.image_size_px,
-                    dont_care: &[],
-                };
-                point_regions(&cloud, &annotations, &view)
-            }
-            LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
+        let view = CameraFieldOfView {
+            image_from_velodyne: &labels.view.image_from_velodyne,
+            image_size_px: labels.view.image_size_px,
+            dont_care: &[],
         };
-        Ok(LabeledScan { id, cloud, annotations, point_regions })
+        let (point_regions, labeled_area) = match self.labeled_region {
+            LabeledRegion::Camera => (point_regions(&cloud, &annotations, &view), view.labeled_area()),
+            LabeledRegion::Everywhere | LabeledRegion::PerPoint => {
+                (vec![PointRegion::Labeled; cloud.len()], LabeledArea::Everywhere)
+            }
+        };
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area })
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

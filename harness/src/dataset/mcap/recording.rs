@@ -17,7 +17,7 @@ use super::recording_index::{MessagePlace, RecordingIndex, index_recording};
 use super::ros_messages::{StampedTransform, detection_3d_array, point_cloud_2, tf_message};
 use super::scene_objects::{SceneObject, objects_of_detections, objects_of_scene};
 use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
@@ -194,13 +194,13 @@ impl Dataset for Recording {
             None => assign_points_in_boxes(&recorded.cloud, &mut annotations),
         }
         let n_points = recorded.cloud.len();
-        let point_regions = match recorded.regions {
-            Some(regions) => regions.into_iter().map(region_of).collect(),
-            None if is_annotated => vec![PointRegion::Labeled; n_points],
-            None => vec![PointRegion::Outside; n_points],
+        let (point_regions, labeled_area) = match recorded.regions {
+            Some(regions) => (regions.into_iter().map(region_of).collect(), LabeledArea::AsPoints),
+            None if is_annotated => (vec![PointRegion::Labeled; n_points], LabeledArea::Everywhere),
+            None => (vec![PointRegion::Outside; n_points], LabeledArea::AsPoints),
         };
         let id = self.scan_ids[scan_idx].clone();
-        Ok(LabeledScan { id, cloud: recorded.cloud, annotations, point_regions })
+        Ok(LabeledScan { id, cloud: recorded.cloud, annotations, point_regions, labeled_area })
     }
 
     fn left_out(&self) -> Option<&str> {

@@ -12,7 +12,7 @@ use detector::PointCloud;
 use nalgebra::Isometry3;
 
 use super::lidar_tables::{Keyframe, read_keyframes};
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::points_of_boxes::points_of_boxes;
@@ -144,7 +144,8 @@ impl Dataset for NuScenes {
             annotation.point_indices = points;
         }
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area: LabeledArea::Everywhere })
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

@@ -14,7 +14,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use super::any_scan_file::{read_scan_file, scan_origin_m};
 use super::label_file::LabelFile;
 use super::scan_file::scan_extension;
-use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::is_hidden;
@@ -121,7 +121,8 @@ impl Dataset for ScanFolder {
         }
         let point_regions = vec![region; points.cloud.len()];
         let id = self.scan_ids[scan_idx].clone();
-        Ok(LabeledScan { id, cloud: points.cloud, annotations, point_regions })
+        let labeled_area = LabeledArea::AsPoints;
+        Ok(LabeledScan { id, cloud: points.cloud, annotations, point_regions, labeled_area })
     }
 
     /// Where the origin was moved to, of scans on a map.
