@@ -202,6 +202,7 @@ mod tests {
             annotations,
             point_regions: vec![PointRegion::Labeled; cloud.len()],
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
             cloud,
         }
     }

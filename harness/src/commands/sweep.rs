@@ -95,7 +95,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
 impl<'a> Sweep<'a> {
     fn new(arguments: &'a SweepArgs, plan: SweepPlan, started: Timestamp) -> anyhow::Result<Self> {
         let policy = arguments.damage.policy();
-        let mut datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
+        let mut datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
         if policy == DamagePolicy::Skip {
             // Threads take scans in any order, so that it has to be known before which there are.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;

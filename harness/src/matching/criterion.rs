@@ -193,6 +193,7 @@ mod tests {
             annotations: annotations.iter().map(annotation).collect(),
             point_regions: Vec::<PointRegion>::new(),
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let class = DetectedClass::Object;
         let detection = |bounding_box: &OrientedBox| Detection {

@@ -299,6 +299,7 @@ mod tests {
                 id: ScanId { sequence: "drawn".to_owned(), index: 0 },
                 point_regions: vec![PointRegion::Labeled; self.cloud.len()],
                 labeled_area: LabeledArea::Everywhere,
+                points_left_out: Vec::new(),
                 cloud: self.cloud,
                 annotations: self.annotations,
             };

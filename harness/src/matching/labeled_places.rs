@@ -124,7 +124,8 @@ mod tests {
         };
         let point_regions = cloud.positions_m().map(region).collect();
         let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
-        LabeledScan { id, cloud, annotations: Vec::new(), point_regions, labeled_area }
+        let (annotations, points_left_out) = (Vec::new(), Vec::new());
+        LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
     }
 
     /// A camera at the sensor that looks forward: x to the right is -y, y down is -z; 1000 × 400 pixels, 45° to either side.

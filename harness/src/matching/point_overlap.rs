@@ -159,6 +159,7 @@ mod tests {
             annotations: annotations.iter().map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; N_POINTS as usize],
             labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let bounding_box = OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
         let mut all = Detections::default();

@@ -166,8 +166,8 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
     let history = workplace.read("golden/SCORES.md");
     let lines: Vec<&str> = history.lines().filter(|it| it.starts_with("- ")).collect();
     assert_eq!(lines.len(), 2, "{history}");
-    assert!(lines[0].ends_with(". nothing better yet"), "{history}");
-    assert!(lines[1].ends_with(". smaller clusters are objects too"), "{history}");
+    assert!(lines[0].ends_with(". nothing better yet."), "{history}");
+    assert!(lines[1].ends_with(". smaller clusters are objects too."), "{history}");
     let manifest: Value = serde_json::from_str(&workplace.read("golden/run/manifest.json")).expect("JSON");
     assert_eq!(manifest["argv"][0], "scanbench");
     let n_rows = |name: &str| workplace.read(name).lines().count();

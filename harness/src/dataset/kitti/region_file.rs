@@ -65,6 +65,7 @@ mod tests {
             cloud: vec![[1.0, 2.0, 3.0]; n_points].into_iter().collect(),
             annotations: Vec::new(),
             point_regions: Vec::new(),
+            labeled_area: crate::annotation::LabeledArea::AsPoints,
             points_left_out: vec![1],
         };
         assert_eq!(read_point_regions(&path, &scan(2)).unwrap(), [PointRegion::Labeled; 2]);

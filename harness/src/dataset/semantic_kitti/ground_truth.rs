@@ -8,7 +8,6 @@ use super::upright_components::upright_components;
 use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::positioned_points::PositionedPoints;
-use crate::dataset::DatasetError;
 
 /// The scan `id` with one annotation for each instance, then one for each pole or sign; `path` is the file of `labels`, one for each point of the
 /// file of `points`.

@@ -91,7 +91,8 @@ fn any_scan() -> impl Strategy<Value = LabeledScan> {
             let place = |it: usize| [(it % 12) as f32 - 4.0, (it / 12) as f32 - 2.0, (it % 5) as f32];
             let cloud = (0..N_POINTS).map(place).collect::<PointCloud>();
             let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
-            LabeledScan { id, cloud, annotations, point_regions, labeled_area }
+            let points_left_out = Vec::new();
+            LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
         })
 }
 
@@ -253,7 +254,8 @@ fn tiling_the_plane_is_paid_for() {
     let point_regions = vec![PointRegion::Labeled; cloud.len()];
     let id = ScanId { sequence: "drawn".to_owned(), index: 0 };
     let labeled_area = LabeledArea::Everywhere;
-    let scan = LabeledScan { id, cloud, annotations: vec![annotation], point_regions, labeled_area };
+    let (annotations, points_left_out) = (vec![annotation], Vec::new());
+    let scan = LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out };
     let tile = |it: i32| Drawn {
         point_indices: Vec::new(),
         bounding_box: OrientedBox {

@@ -193,10 +193,9 @@ fn renumbered(scans: &[LabeledScan]) -> Vec<Vec<(AnnotationClass, Vec<u32>, Opti
     in_order
 }
 
-#[test]
+#[needs_test_data("data/semantic_kitti")]
 fn semantic_kitti_written_again_has_the_same_annotations() {
-    let test = "semantic_kitti_written_again_has_the_same_annotations";
-    let Some(folder) = real_data("semantic_kitti", test) else { return };
+    let folder = test_data!("data/semantic_kitti");
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let again = open(&converted(&*dataset, &workplace, OutputFormat::SemanticKitti));
