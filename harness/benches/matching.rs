@@ -130,6 +130,7 @@ fn drawn(scene: Scene) -> (LabeledScan, Detections) {
         annotations,
         point_regions: vec![PointRegion::Labeled; cloud.len()],
         labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
         cloud,
     };
     (scan, detections)

@@ -146,7 +146,14 @@ impl Dataset for NuScenes {
         }
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let id = self.scan_ids[scan_idx].clone();
-        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area: LabeledArea::Everywhere, points_left_out })
+        Ok(LabeledScan {
+            id,
+            cloud,
+            annotations,
+            point_regions,
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out,
+        })
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {

@@ -59,7 +59,14 @@ pub fn label_scan(
         .into_iter()
         .map(|points| annotation(AnnotationClass::Pole, points, None));
     let annotations = of_instances.chain(of_uprights).collect();
-    LabeledScan { id, cloud, annotations, point_regions, labeled_area: LabeledArea::Everywhere, points_left_out }
+    LabeledScan {
+        id,
+        cloud,
+        annotations,
+        point_regions,
+        labeled_area: LabeledArea::Everywhere,
+        points_left_out,
+    }
 }
 
 /// What becomes of the points of a label: as the user says of its number, else as the format does. A number that neither knows is noted.
