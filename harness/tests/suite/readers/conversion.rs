@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use detector::PointCloud;
-use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use harness::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use harness::conversion::ConversionError;
 use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
@@ -257,6 +257,7 @@ impl Dataset for Drawn {
             annotations: objects.iter().enumerate().map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; cloud.len()],
             cloud,
+            labeled_area: LabeledArea::Everywhere,
             points_left_out: Vec::new(),
         })
     }
