@@ -187,7 +187,7 @@ fn other_data_may_be_judged_by_and_other_clusters_described() {
         "model",
     ];
     let ended = workplace.succeed(&[&TRAIN_PCA[..], &held_out].concat());
-    let [trained, judged] = ["Trained on 3 drives: ", "Held out 1 drives: street-narrow: narrow-1\n"];
+    let [trained, judged] = ["Trained on 6 drives: ", "Held out 1 drives: street-narrow: narrow-9001\n"];
     assert!(ended.stdout.contains(trained) && ended.stdout.contains(judged), "{ended:#?}");
     let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
     let command = model["made"]["command"].as_str().expect("text").to_owned();
@@ -200,7 +200,7 @@ fn other_data_may_be_judged_by_and_other_clusters_described() {
     let objects = workplace.read("model/objects.csv");
     assert!(
         objects.lines().count() > 10
-            && objects.lines().skip(1).all(|it| it.starts_with("street-narrow,narrow-1,"))
+            && objects.lines().skip(1).all(|it| it.starts_with("street-narrow,narrow-9001,"))
     );
     let manifest: serde_json::Value =
         serde_json::from_str(&workplace.read("model/manifest.json")).expect("JSON");
