@@ -63,8 +63,12 @@ impl KdTreeDetector {
 
     /// The detector `kd-tree-same-walls`: like for like with the hierarchical one, it looks for walls before it clusters,
     /// whatever `params` say about the foreground.
-    pub fn with_same_walls(params: KdTreeParams, shared: HierarchicalParams, sensor_height_m: f32) -> Self {
-        let params = KdTreeParams { foreground: ForegroundChoice::Refined, ..params };
+    pub fn with_same_walls(
+        mut params: KdTreeParams,
+        shared: HierarchicalParams,
+        sensor_height_m: f32,
+    ) -> Self {
+        params.foreground = ForegroundChoice::Refined;
         Self { name: "kd-tree-same-walls", ..Self::new(params, shared, sensor_height_m) }
     }
 

@@ -42,7 +42,7 @@ pub struct TrainArgs {
     #[arg(long)]
     pub parts_and_pairs: bool,
     /// Train with objects of any size, also those that no vehicle has; pca always does. A run takes such a model with
-    /// -P vehicle_bounds.enabled=false
+    /// `-P vehicle_bounds.enabled=false`
     #[arg(long)]
     pub any_size: bool,
     /// Most side profiles of each kind of vehicle to compare with

@@ -77,7 +77,7 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let policy = arguments.damage.policy();
     let named = claim_named(&arguments.output)?;
     let datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
-    let plan = Plan { arguments, started, config, detectors, datasets };
+    let plan = Plan { arguments, config, detectors, datasets, started };
     let directory = begin_directory(&plan, named)?;
     let mut archive = Archive::begin(&plan, &directory)?;
     let mut scores = Vec::new();

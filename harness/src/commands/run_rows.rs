@@ -261,7 +261,9 @@ mod tests {
         let (scan_row, match_rows) = rows_of(&scan, &[(0..30, 5.0), (60..90, 40.0), (120..150, 25.0)]);
         let mut tally = Tally::default();
         tally.add_scan(&scan_row);
-        match_rows.iter().for_each(|it| tally.add_match(it));
+        for row in &match_rows {
+            tally.add_match(row);
+        }
         let rows = tally.metric_rows();
         let sum = |metric: &Metric, is_asked: &dyn Fn(&str) -> bool| -> f64 {
             let asked = rows.iter().filter(|it| it.metric == *metric && is_asked(&it.subject.slice));

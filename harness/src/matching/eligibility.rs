@@ -164,8 +164,8 @@ mod tests {
 
     #[test]
     fn vehicles_people_and_cycles_are_never_tall() {
-        let tall: Vec<_> = AnnotationClass::ALL.into_iter().filter(|it| may_be_tall(*it)).collect();
         use AnnotationClass::{Fence, Hedge, Misc, Pole, StreetFurniture, Tree};
+        let tall: Vec<_> = AnnotationClass::ALL.into_iter().filter(|it| may_be_tall(*it)).collect();
         assert_eq!(tall, [Pole, Tree, Hedge, Fence, StreetFurniture, Misc]);
         assert!(!tall.iter().any(|it| counts_as_vehicle(*it)));
     }

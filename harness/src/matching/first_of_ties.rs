@@ -24,12 +24,10 @@ pub fn first_of_ties(pairs: &[RewardedPair], best: &[usize]) -> Vec<usize> {
     let mut choice = Choice::new(pairs, best);
     let mut chosen = Vec::with_capacity(best.len());
     for annotation in 0..choice.n_annotations {
-        for pair_idx in choice.begins[annotation]..choice.begins[annotation + 1] {
-            if choice.can_be_made_to_hold(pair_idx) {
-                chosen.push(pair_idx);
-                choice.is_open[choice.n_annotations + pairs[pair_idx].detection] = false;
-                break;
-            }
+        let mut of_annotation = choice.begins[annotation]..choice.begins[annotation + 1];
+        if let Some(pair_idx) = of_annotation.find(|it| choice.can_be_made_to_hold(*it)) {
+            chosen.push(pair_idx);
+            choice.is_open[choice.n_annotations + pairs[pair_idx].detection] = false;
         }
         choice.is_open[annotation] = false;
     }

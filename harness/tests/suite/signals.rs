@@ -181,7 +181,7 @@ fn a_reader_that_waits_for_ever_ends_soon() {
 fn a_result_that_nobody_takes_ends_soon() {
     let workplace = Workplace::new();
     let mut points = std::fs::File::create(workplace.path("many.bin")).unwrap();
-    points.write_all(&[0; 16 * 200_000]).unwrap();
+    points.write_all(&vec![0; 16 * 200_000]).unwrap();
     for signals in [&["-TERM"][..], &["-TERM", "-TERM"]] {
         let mut command = workplace.command(&["detect", "many.bin", "-o", "-"]);
         let (full, writer) = std::io::pipe().unwrap();
@@ -191,7 +191,9 @@ fn a_result_that_nobody_takes_ends_soon() {
         wait_until_it_listens(&child);
         std::thread::sleep(Duration::from_millis(500));
         assert!(child.try_wait().unwrap().is_none(), "it is not stuck");
-        signals.iter().for_each(|signal| send(&child, signal));
+        for signal in signals {
+            send(&child, signal);
+        }
         let sent = Instant::now();
         assert_eq!(child.wait().unwrap().code(), Some(143));
         assert!(sent.elapsed() < SOON, "{:?}", sent.elapsed());

@@ -9,6 +9,7 @@ use crate::gate::gated_speeds::SpeedComparison;
 use crate::gate::tolerances::{RuleProblems, Tolerances};
 use crate::run_archive::RunArchive;
 use crate::run_report::OVERALL;
+use crate::tally::Draw;
 
 /// What came of a gate.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,7 +97,7 @@ pub fn judge(
     let (before, after) = (baseline.tally(), run.tally());
     let draws = before.draw();
     let sides = Sides { before: &before, after: &after, draws: &draws };
-    let blocks = draws.iter().map(|it| it.blocks()).reduce(BlockCount::with);
+    let blocks = draws.iter().map(Draw::blocks).reduce(BlockCount::with);
     let nothing_run = || NotComparable { reasons: vec!["the baseline has no scans".to_owned()] };
     Ok(Verdict {
         dataset: match before.datasets() {

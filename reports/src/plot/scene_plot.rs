@@ -45,24 +45,28 @@ pub struct SceneDetection {
     pub is_asked: bool,
 }
 
+/// What the sensor saw, from above, at `scale` pixels a metre.
+fn seen_cells(cells: &PlanCells, scale: f64) -> String {
+    let mut elements = String::new();
+    let middle = SIDE_PX / 2;
+    let per_cell = scale * f64::from(PLAN_CELL_M);
+    let paths = [(&cells.low, "k-grid", QUIET, 1.0), (&cells.high, "k-ink", [90, 90, 90], 0.62)];
+    for (cells, class, color, opacity) in paths.into_iter().filter(|(cells, ..)| !cells.is_empty()) {
+        // Writing to a string cannot fail.
+        let _ = write!(
+            elements,
+            r#"<path class="{class}" transform="translate({middle} {middle}) scale({per_cell:.3})" opacity="{opacity}" fill="none" stroke="{}" d="{}"/>"#,
+            hex(color),
+            runs(cells)
+        );
+    }
+    elements
+}
+
 /// The scene; `label` says what is seen.
 pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
-    let mut elements = String::new();
     let scale = f64::from(SIDE_PX) / (2.0 * f64::from(scene.window.half_m));
-    if let Some(cells) = scene.cells {
-        let middle = SIDE_PX / 2;
-        let per_cell = scale * f64::from(PLAN_CELL_M);
-        let paths = [(&cells.low, "k-grid", QUIET, 1.0), (&cells.high, "k-ink", [90, 90, 90], 0.62)];
-        for (cells, class, color, opacity) in paths.into_iter().filter(|(cells, ..)| !cells.is_empty()) {
-            // Writing to a string cannot fail.
-            let _ = write!(
-                elements,
-                r#"<path class="{class}" transform="translate({middle} {middle}) scale({per_cell:.3})" opacity="{opacity}" fill="none" stroke="{}" d="{}"/>"#,
-                hex(color),
-                runs(cells)
-            );
-        }
-    }
+    let mut elements = scene.cells.map(|cells| seen_cells(cells, scale)).unwrap_or_default();
     let place = |[x_m, y_m]: [f64; 2]| {
         let [forward, left] =
             [x_m - f64::from(scene.window.center_m[0]), y_m - f64::from(scene.window.center_m[1])];

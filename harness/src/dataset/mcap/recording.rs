@@ -233,7 +233,7 @@ impl Dataset for Recording {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let without_scan = self.places_without_scan()?;
-        let first = without_scan.first().map(|place| self.place_in_words(*place));
+        let first = without_scan.first().map(|place| place_in_words(*place));
         let mut oddities = labels_without_scan(without_scan.len(), first);
         oddities.extend(self.names_not_taken.clone());
         Ok(oddities)
@@ -316,7 +316,7 @@ impl Recording {
         let mut reader = ClassReader::new(&self.classes, &[]);
         let mut classes = Vec::with_capacity(objects.len());
         for object in &objects {
-            classes.push(reader.class_of(&object.class_name, || self.place_in_words(logged)));
+            classes.push(reader.class_of(&object.class_name, || place_in_words(logged)));
         }
         if !reader.unknown().is_empty() {
             self.all_unknown_classes().refuse(&self.description.id)?;
@@ -344,10 +344,6 @@ impl Recording {
         known.map(annotation).collect::<Result<_, _>>().map(Some)
     }
 
-    fn place_in_words(&self, place: MessagePlace) -> String {
-        format!("the message logged at {} ns", place.log_time_ns)
-    }
-
     /// Of all annotations that can be read, so that they are said at once.
     fn all_unknown_classes(&self) -> UnknownClasses {
         let mut classes = ClassReader::new(&self.classes, &[]);
@@ -356,7 +352,7 @@ impl Recording {
                 // What cannot be read is said when its scan is read.
                 let (_, objects) = self.read_objects(channel, place).unwrap_or_default();
                 for object in objects {
-                    classes.class_of(&object.class_name, || self.place_in_words(place));
+                    classes.class_of(&object.class_name, || place_in_words(place));
                 }
             }
         }
@@ -446,6 +442,10 @@ impl Recording {
         };
         read().map_err(|problem| self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns)))
     }
+}
+
+fn place_in_words(place: MessagePlace) -> String {
+    format!("the message logged at {} ns", place.log_time_ns)
 }
 
 fn recorded_cloud(

@@ -104,27 +104,7 @@ pub fn choose_channels(
     index: &RecordingIndex,
     choice: &TopicChoice,
 ) -> Result<ChosenChannels, DatasetError> {
-    let known = |is_wanted: fn(MessageKind) -> bool| -> Vec<ChosenChannel> {
-        let channels = index.channels.iter().filter_map(|(&id, info)| {
-            let kind = MessageKind::of(info).filter(|kind| is_wanted(*kind))?;
-            Some(ChosenChannel { ids: vec![id], kind, info: info.clone() })
-        });
-        // A topic may have been announced several times: what carries the same is one, and what carries nothing does not count beside another.
-        let mut by_topic: BTreeMap<String, Vec<ChosenChannel>> = BTreeMap::new();
-        for channel in channels {
-            let of_topic = by_topic.entry(channel.info.topic.clone()).or_default();
-            match of_topic.iter_mut().find(|it| it.info == channel.info) {
-                Some(same) => same.ids.extend(channel.ids),
-                None => of_topic.push(channel),
-            }
-        }
-        for of_topic in by_topic.values_mut() {
-            of_topic.sort_by_key(|it| std::cmp::Reverse(n_messages(index, it)));
-            let n_with_messages = of_topic.iter().filter(|it| n_messages(index, it) > 0).count();
-            of_topic.truncate(n_with_messages.max(1));
-        }
-        by_topic.into_values().flatten().collect()
-    };
+    let known = |is_wanted: fn(MessageKind) -> bool| known_channels(index, is_wanted);
     let error = |problem: String, candidates: &[ChosenChannel]| DatasetError::Topic {
         path: path.to_path_buf(),
         problem,
@@ -174,6 +154,31 @@ pub fn choose_channels(
         annotations: annotations.cloned(),
         transforms: known(MessageKind::is_transforms),
     })
+}
+
+/// The channels whose messages are wanted, by topic.
+///
+/// A topic may have been announced several times: what carries the same is one, and what carries nothing does not count
+/// beside another.
+fn known_channels(index: &RecordingIndex, is_wanted: fn(MessageKind) -> bool) -> Vec<ChosenChannel> {
+    let channels = index.channels.iter().filter_map(|(&id, info)| {
+        let kind = MessageKind::of(info).filter(|kind| is_wanted(*kind))?;
+        Some(ChosenChannel { ids: vec![id], kind, info: info.clone() })
+    });
+    let mut by_topic: BTreeMap<String, Vec<ChosenChannel>> = BTreeMap::new();
+    for channel in channels {
+        let of_topic = by_topic.entry(channel.info.topic.clone()).or_default();
+        match of_topic.iter_mut().find(|it| it.info == channel.info) {
+            Some(same) => same.ids.extend(channel.ids),
+            None => of_topic.push(channel),
+        }
+    }
+    for of_topic in by_topic.values_mut() {
+        of_topic.sort_by_key(|it| std::cmp::Reverse(n_messages(index, it)));
+        let n_with_messages = of_topic.iter().filter(|it| n_messages(index, it) > 0).count();
+        of_topic.truncate(n_with_messages.max(1));
+    }
+    by_topic.into_values().flatten().collect()
 }
 
 fn n_messages(index: &RecordingIndex, channel: &ChosenChannel) -> usize {

@@ -259,12 +259,15 @@ fn read_poses(path: &Path, unplaced: &[Unplaced]) -> Result<BTreeMap<String, Iso
     Ok(poses)
 }
 
+/// Annotations by the token of their sample.
+type ObjectsBySample = BTreeMap<String, Vec<WorldObject>>;
+
 /// The annotations of each sample, and the other samples that have any.
 fn read_objects(
     table: &impl Fn(&str) -> PathBuf,
     unplaced: &[Unplaced],
     classes: &mut ClassReader<'_>,
-) -> Result<(BTreeMap<String, Vec<WorldObject>>, BTreeSet<String>), DatasetError> {
+) -> Result<(ObjectsBySample, BTreeSet<String>), DatasetError> {
     let mut categories = BTreeMap::new();
     read_table(&table("category"), |it: NamedRecord| {
         categories.insert(it.token, it.name);

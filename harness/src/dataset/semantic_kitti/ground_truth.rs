@@ -161,12 +161,12 @@ mod tests {
         for x_m in [1.0, f64::NAN, 3.0] {
             points.push([x_m, 0.0, 0.0], 0.0).unwrap();
         }
-        let (rules, labels) = (ClassRules::default(), [40, 10 | 1 << 16, 10 | 2 << 16]);
+        let (rules, labels) = (ClassRules::default(), [40, 0xa | 1 << 16, 0xa | 2 << 16]);
         let id = ScanId { sequence: "00".to_owned(), index: 0 };
         let mut classes = ClassReader::new(&rules, &[]);
         let scan = label_scan(id, points, (&labels, Path::new("a.label")), &mut classes);
         assert_eq!((scan.points_left_out, scan.point_regions.len()), (vec![1], 2));
         let [car] = &scan.annotations[..] else { panic!("{:?}", scan.annotations) };
-        assert_eq!((car.track, &car.point_indices[..]), (Some(10 | 2 << 16), &[1][..]));
+        assert_eq!((car.track, &car.point_indices[..]), (Some(0xa | 2 << 16), &[1][..]));
     }
 }

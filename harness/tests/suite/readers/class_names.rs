@@ -17,7 +17,7 @@ fn replace(path: PathBuf, from: &str, to: &str) {
     std::fs::write(path, text.replace(from, to)).unwrap();
 }
 
-/// Data sets whose labels have a *Fork_Lift* and a *gizmo*, by format, with the file or folder to name.
+/// Data sets whose labels have a `Fork_Lift` and a *gizmo*, by format, with the file or folder to name.
 fn data_sets(workplace: &Workplace) -> Vec<&'static str> {
     let line = |number: u32, class: &str| {
         format!("{number} {number} {class} 0 0 0 500 150 700 300 1.5 1.8 4.2 0 1.7 12 0\n")

@@ -173,8 +173,11 @@ fn semantic_kitti_keeps_which_point_is_of_which_object() {
     }
 }
 
+/// Class, points and the number of an object.
+type NumberedObject = (AnnotationClass, Vec<u32>, Option<usize>);
+
 /// Tracks of scans, each given the number of the first object that has it.
-fn renumbered(scans: &[LabeledScan]) -> Vec<Vec<(AnnotationClass, Vec<u32>, Option<usize>)>> {
+fn renumbered(scans: &[LabeledScan]) -> Vec<Vec<NumberedObject>> {
     let mut first_of: BTreeMap<u32, usize> = BTreeMap::new();
     let mut in_order = Vec::new();
     for scan in scans {
@@ -270,8 +273,8 @@ fn two_objects_never_become_one_in_semantic_kitti() {
     // Tracks that are the same in their lower 16 bits, one track in two classes, none, and one twice in a scan.
     let drawn = Drawn::new(vec![
         vec![
-            (Car, Some(10 | 1 << 16)),
-            (Car, Some(10 | 2 << 16)),
+            (Car, Some(0xa | 1 << 16)),
+            (Car, Some(0xa | 2 << 16)),
             (Truck, Some(7)),
             (Car, Some(7)),
             (Van, Some(7)),
@@ -279,7 +282,7 @@ fn two_objects_never_become_one_in_semantic_kitti() {
         vec![
             (Car, None),
             (Car, Some(7)),
-            (Car, Some(10 | 2 << 16)),
+            (Car, Some(0xa | 2 << 16)),
             (Car, None),
             (Pole, None),
             (Pole, Some(0)),

@@ -165,7 +165,9 @@ fn drive() -> Workplace {
     let workplace = Workplace::new();
     let drawn = DrawnDataset::tracking(workplace.folder(), 3);
     let first = place(drawn.path("training/velodyne/0000/000000.bin"), 0, 16);
-    [5, 6, 900].into_iter().for_each(|point_idx| first.set(point_idx, f32::NAN));
+    for point_idx in [5, 6, 900] {
+        first.set(point_idx, f32::NAN);
+    }
     workplace
 }
 
