@@ -84,8 +84,7 @@ fn format_of(arguments: &ConvertArgs, n_datasets: usize) -> Result<OutputFormat,
 ///
 /// [`ConversionError::Write`] if the operating system refuses.
 pub fn folder_of_several(folder: &Path) -> Result<NewFolders, ConversionError> {
-    NewFolders::create(folder)
-        .map_err(|source| ConversionError::Write { path: folder.to_path_buf(), source })
+    NewFolders::create(folder).map_err(|source| ConversionError::Write { path: folder.to_path_buf(), source })
 }
 
 /// Where each data set goes.

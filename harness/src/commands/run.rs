@@ -124,10 +124,7 @@ fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunRepor
     Ok(RunReport::with_overall(SCORING_VERSION, rows, overall)?)
 }
 
-fn begin_directory(
-    plan: &Plan<'_>,
-    named: Option<ClaimedTarget>,
-) -> Result<RunDirectory, RunDirectoryError> {
+fn begin_directory(plan: &Plan<'_>, named: Option<ClaimedTarget>) -> Result<RunDirectory, RunDirectoryError> {
     let unnamed = format!("{}-{}", compact_utc(plan.started), ids_of(&plan.datasets));
     RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)
 }

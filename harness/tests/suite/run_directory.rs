@@ -90,7 +90,8 @@ fn a_run_without_a_name_is_found_as_the_latest() {
 #[test]
 fn runs_that_begin_in_the_same_second_have_names_of_their_own() {
     let workplace = drive(1);
-    let children: Vec<_> = (0..4).map(|_| workplace.start(&["run", "street", "-d", "pca", "--no-rrd"])).collect();
+    let children: Vec<_> =
+        (0..4).map(|_| workplace.start(&["run", "street", "-d", "pca", "--no-rrd"])).collect();
     for child in children {
         let ended = Ended::from(child.wait_with_output().expect("it ends"));
         assert_eq!(ended.exit_code, Some(0), "{ended:#?}");

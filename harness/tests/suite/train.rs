@@ -193,7 +193,7 @@ fn other_data_may_be_judged_by_and_other_clusters_described() {
         &workplace,
         &["streets", "--clusters", "kdtree", "-o", "m"],
         2,
-        "possible values: hierarchical, kd-tree, pca",
+        "possible values: hierarchical, kd-tree-same-walls, kd-tree, pca",
     );
 }
 

@@ -163,9 +163,11 @@ mod tests {
     #[test]
     fn what_is_whose_stands_beneath_the_table() {
         let mut manifest = manifest();
-        manifest.detectors[0].rules = ["walls removed", "regrouping", "completion"].map(str::to_owned).to_vec();
+        manifest.detectors[0].rules =
+            ["walls removed", "regrouping", "completion"].map(str::to_owned).to_vec();
         manifest.detectors[1].rules = vec!["completion".to_owned()];
-        let sentence = |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
+        let sentence =
+            |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
         let tables = task_tables(&report(), &manifest).unwrap();
         let expected = "Rules beside the clustering: walls removed: hierarchical alone; regrouping: hierarchical alone; \
                         completion: hierarchical, kd-tree; none: pca.";

@@ -150,10 +150,7 @@ impl RunConfig {
         Self::from_resolved(resolved, vehicle_models)
     }
 
-    fn from_resolved(
-        resolved: Table,
-        vehicle_models: Option<VehicleModels>,
-    ) -> Result<Self, ValueProblem> {
+    fn from_resolved(resolved: Table, vehicle_models: Option<VehicleModels>) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         // A curve that is not given is the sensor's; until that is known, the paper's stands in.
         let of_paper = HierarchicalParams::paper_table();
