@@ -182,7 +182,9 @@ mod tests {
     }
 
     fn has_walls(products: &[StageProduct]) -> bool {
-        products.iter().any(|it| matches!(&it.shape, Shape::Segments(walls) if it.stage == "walls" && !walls.is_empty()))
+        products
+            .iter()
+            .any(|it| matches!(&it.shape, Shape::Segments(walls) if it.stage == "walls" && !walls.is_empty()))
     }
 
     /// The rules that a detector shows by what it does with `scans`.
@@ -224,13 +226,8 @@ mod tests {
             let to_be_seen: Vec<Rule> = said.into_iter().filter(|it| *it != Rule::SizeBounds).collect();
             assert_eq!(rules_seen(&mut *detector, &scans), to_be_seen, "{}", listed.name);
         }
-        let expected = [
-            ("hierarchical", 5),
-            ("kd-tree-same-walls", 4),
-            ("kd-tree", 3),
-            ("pca", 0),
-            ("simple-grid", 4),
-        ];
+        let expected =
+            [("hierarchical", 5), ("kd-tree-same-walls", 4), ("kd-tree", 3), ("pca", 0), ("simple-grid", 4)];
         assert_eq!(n_rules, expected);
     }
 
