@@ -8,7 +8,7 @@ use crate::classify::svm_model::SvmModel;
 use crate::classify::svm_model_error::SvmModelError;
 use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
-use crate::describe::seen_size::may_be_vehicle;
+use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::Surroundings;
 use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
@@ -26,6 +26,7 @@ pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
 pub struct VehicleModel {
     describer: VehicleDescriber,
     svm: NuSvm<N_FEATURES>,
+    bounds: VehicleBoundsParams,
 }
 
 /// Why there is no model.
@@ -67,7 +68,13 @@ impl VehicleModel {
 
     /// A model from the prototypes and the classifier that was trained with them.
     pub fn new(library: PrototypeLibrary, svm: &SvmModel<N_FEATURES>) -> Self {
-        Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm) }
+        let bounds = VehicleBoundsParams { enabled: true };
+        Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm), bounds }
+    }
+
+    /// The same model, which is asked about what `bounds` allow.
+    pub fn within(self, bounds: VehicleBoundsParams) -> Self {
+        Self { bounds, ..self }
     }
 
     /// What the classifier sees of an object with these points, in the sensor frame, and these surroundings. `None` without
@@ -78,7 +85,7 @@ impl VehicleModel {
         surroundings: &Surroundings,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<[f32; N_FEATURES]> {
-        if !may_be_vehicle(bounding_box, surroundings.ground_m) {
+        if !self.bounds.allow(bounding_box, surroundings.ground_m) {
             return None;
         }
         Some(self.describer.describe(bounding_box, surroundings, positions_m)?.values())

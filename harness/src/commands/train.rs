@@ -25,6 +25,7 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
 use crate::commands::train_summary::summary;
 use crate::dataset::Dataset;
+use crate::dataset::class_table::ClassTable;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::detectors_named;
 use crate::training::candidates::{Candidate, CandidateBoxes, CandidateSource, collect_candidates};
@@ -55,10 +56,10 @@ pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
         ModelName::Pca => ModelKind::Pca,
     };
     let named = claim_named(&arguments.output)?;
-    let trained = open_datasets(&arguments.data)?;
+    let trained = open_datasets(&arguments.data, &ClassTable::default())?;
     let held_out_arguments = held_out_arguments(arguments);
     let held_out = match &held_out_arguments {
-        Some(arguments) => open_datasets(arguments)?,
+        Some(arguments) => open_datasets(arguments, &ClassTable::default())?,
         None => Vec::new(),
     };
     let parted = parted(arguments, &trained, &held_out)?;
@@ -109,6 +110,7 @@ fn held_out_arguments(arguments: &TrainArgs) -> Option<DatasetArgs> {
         source: SourceArgs {
             topic: None,
             annotation_topic: None,
+            classes: arguments.data.source.classes.clone(),
             format: arguments.held_out_format.clone(),
             seed: None,
             simulated_scans: None,
@@ -158,11 +160,13 @@ fn collect_all<'a>(
     } else {
         CandidateBoxes::Fitted(kind.object_box())
     };
-    // Only this model is asked about what regrouping might make of its own clusters.
-    let is_regrouped = kind == ModelKind::Hierarchical && clusters == kind.detector();
+    // Only this model is asked about what regrouping might make of its own clusters; another may learn from it.
+    let is_asked = kind == ModelKind::Hierarchical && clusters == kind.detector();
+    let is_regrouped = is_asked || arguments.parts_and_pairs;
     let regrouping = is_regrouped.then(|| config.hierarchical.regrouping.clone());
     let mut candidates = Vec::new();
-    for OpenedDataset { dataset, scan_indices, .. } in opened {
+    for it in opened {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
         warn_of_unknown_sensor(&config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
@@ -179,6 +183,7 @@ fn collect_all<'a>(
         let found = collect_candidates(&**dataset, scan_indices, &source, interrupted, || progress.inc(1))?;
         candidates.extend(found.into_iter().map(|it| (description.id.as_str(), it)));
         progress.finish_and_clear();
+        it.warn_of_points_left_out();
     }
     Ok(candidates)
 }
@@ -199,6 +204,8 @@ fn provenance(
         ("--hold-out-every", unless(arguments.hold_out_every.into(), HOLD_OUT_EVERY.into())),
         ("--vehicles", Some(arguments.vehicles.to_string())),
         ("--others", Some(arguments.others.to_string())),
+        ("--parts-and-pairs", arguments.parts_and_pairs.then(String::new)),
+        ("--any-size", arguments.any_size.then(String::new)),
         ("--prototypes", unless(arguments.prototypes.into(), PROTOTYPES.into())),
         ("--gamma", Some(arguments.gamma.unwrap_or(kind.gamma()).to_string())),
         ("--nu", Some(arguments.nu.unwrap_or(kind.nu()).to_string())),
@@ -249,7 +256,8 @@ impl Training<'_> {
         library: Option<&PrototypeLibrary>,
     ) -> anyhow::Result<FilesAndText> {
         let numbers = (self.arguments.vehicles as usize, self.arguments.others);
-        let taught: Vec<&Candidate> = self.taught.iter().copied().filter(|it| S::is_looked_at(it)).collect();
+        let is_looked_at = |it: &Candidate| self.arguments.any_size || S::is_looked_at(it);
+        let taught: Vec<&Candidate> = self.taught.iter().copied().filter(|it| is_looked_at(it)).collect();
         let selected = select(&taught, numbers, self.arguments.choice_seed);
         let params = NuSvcParams {
             gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),
@@ -261,7 +269,7 @@ impl Training<'_> {
             .map_err(|error| nothing(&error))?;
         // Judged by what the detector finds.
         let found = self.judged.iter().copied().filter(|(_, it)| !it.is_regrouped);
-        let (looked_at, refused): (Vec<_>, Vec<_>) = found.partition(|(_, it)| S::is_looked_at(it));
+        let (looked_at, refused): (Vec<_>, Vec<_>) = found.partition(|(_, it)| is_looked_at(it));
         let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = looked_at
             .into_iter()
             .filter_map(|(dataset, it)| Some((*dataset, it, DescribedObject::of(it, describer)?)))

@@ -1,5 +1,6 @@
 //! Folders that are written whole or not at all.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use reports::claimed_name::ClaimedName;
@@ -53,13 +54,14 @@ impl WholeFolder {
     ///
     /// # Errors
     ///
-    /// [`ConversionError::Write`].
+    /// [`ConversionError::Write`], also if there is a file of that name already: two names may be one where upper and lower case are not told apart.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), ConversionError> {
+        use std::io::Write as _;
         let path = self.partial.path().join(name);
         // Undisturbed, because folders that are removed would come back.
         let written = self.unfinished.undisturbed(|| {
             path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
-            std::fs::write(&path, content)
+            std::fs::File::create_new(&path)?.write_all(content)
         });
         written.map_err(|source| ConversionError::Write { path: self.target.join(name), source })
     }
@@ -83,35 +85,63 @@ impl WholeFolder {
     }
 }
 
-/// `name` as the name of a folder that leads nowhere else: whatever is neither letter, digit, `-`, `_` nor an inner dot becomes
-/// `_`.
+/// `name` as the name of a folder that leads nowhere else, and another one for every name: each byte of what is neither letter, digit, `-`, `_` nor
+/// an inner dot becomes `%` and two hexadecimal digits; the empty name becomes `%`.
 pub fn folder_name(name: &str) -> String {
-    let is_plain = |it: char| it.is_ascii_alphanumeric() || matches!(it, '-' | '_' | '.');
-    let plain: String = name.chars().map(|it| if is_plain(it) { it } else { '_' }).collect();
-    match plain.strip_prefix('.') {
-        Some(rest) => format!("_{rest}"),
-        None if plain.is_empty() => "_".to_owned(),
-        None => plain,
+    if name.is_empty() {
+        return "%".to_owned();
     }
+    let mut folder = String::with_capacity(name.len());
+    for (place, byte) in name.bytes().enumerate() {
+        let is_plain =
+            byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_') || (byte == b'.' && place > 0);
+        if is_plain {
+            folder.push(char::from(byte));
+        } else {
+            let _ = write!(folder, "%{byte:02X}");
+        }
+    }
+    folder
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn names_lead_nowhere_else() {
         for (name, expected) in [
             ("0000", "0000"),
             ("main-road-1.2", "main-road-1.2"),
-            ("../../etc", "_._.._etc"),
-            ("/etc", "_etc"),
-            ("..", "_."),
-            ("", "_"),
-            ("a\\b:c", "a_b_c"),
+            ("../../etc", "%2E.%2F..%2Fetc"),
+            ("/etc", "%2Fetc"),
+            ("..", "%2E."),
+            ("", "%"),
+            ("a\\b:c", "a%5Cb%3Ac"),
+            ("a/b", "a%2Fb"),
+            ("a_b", "a_b"),
+            ("a%2Fb", "a%252Fb"),
+            ("straße", "stra%C3%9Fe"),
         ] {
             assert_eq!(folder_name(name), expected, "{name}");
         }
+    }
+
+    proptest! {
+        #[test]
+        fn different_names_are_different_folders(one in ".{0,8}", other in ".{0,8}") {
+            prop_assert_eq!(one == other, folder_name(&one) == folder_name(&other));
+        }
+    }
+
+    #[test]
+    fn nothing_is_written_over() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = WholeFolder::create(&parent.path().join("drive")).unwrap();
+        folder.write("a/b.txt", b"b").unwrap();
+        let error = folder.write("a/b.txt", b"c").expect_err("there is one");
+        assert!(matches!(error, ConversionError::Write { .. }), "{error}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::fmt;
 
 use super::scan_facts::{RANGES_M, ScanFacts, ring_areas_m2};
 use crate::annotation::ScanId;
+use crate::dataset::shown_name::shown;
 use crate::dataset::{AnnotatedClasses, DatasetDescription};
 
 /// Boxes nearer than this should hold points, in metres.
@@ -57,6 +58,11 @@ impl CheckReport {
         report
     }
 
+    /// Adds what may be wrong with labels and names as a whole, see [`Dataset::oddities`](crate::dataset::Dataset::oddities).
+    pub fn add_oddities(&mut self, oddities: impl IntoIterator<Item = String>) {
+        self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
+    }
+
     fn line(&mut self, name: &'static str, value: String) {
         self.lines.push((name, value));
     }
@@ -65,7 +71,7 @@ impl CheckReport {
         let simulated = if description.is_simulated() { ", simulated" } else { "" };
         self.line("data set", format!("{} ({}{simulated})", description.id, description.format));
         if let Some(root) = &description.root {
-            self.line("path", root.display().to_string());
+            self.line("path", shown(&root.display().to_string()).into_owned());
         }
         self.line(
             "sensor",

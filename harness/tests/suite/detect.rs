@@ -134,9 +134,10 @@ fn several_detections_have_a_least_and_a_median_time() {
 #[test]
 fn a_simulated_scan_is_called_so() {
     let workplace = Workplace::new();
-    let arguments = ["detect", "street-narrow", "--scan", "narrow-7/10", "--seed", "7", "--sensor", "vlp-16"];
+    let arguments =
+        ["detect", "street-narrow", "--scan", "narrow-7/200", "--seed", "7", "--sensor", "vlp-16"];
     let ended = workplace.succeed(&arguments);
-    let head = "street-narrow (simulated), scan narrow-7/000010: ";
+    let head = "street-narrow (simulated), scan narrow-7/000200: ";
     assert!(ended.stdout.starts_with(head) && ended.stdout.contains(" clusters of "), "{ended:#?}");
 }
 
