@@ -291,7 +291,7 @@ mod tests {
         }
         let message = unknown.refuse("drive").expect_err("unknown").to_string();
         for line in [
-            "  \"forklift\"          2 times, first in \"a.txt\", line 3",
+            "  \"forklift\"         2 times, first in \"a.txt\", line 3",
             "  --class 'cart \"a\"=misc' --class forklift=misc --class 'it'\\''s=misc'",
             "  \"cart \\\"a\\\"\" = \"misc\"",
             "  \"forklift\" = \"misc\"",

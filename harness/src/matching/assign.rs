@@ -29,7 +29,7 @@ pub struct MatchingParams {
 ///
 /// `annotated` tells whether a detection that matches nothing is known to be false. Every point of a detection must
 /// be a point of the scan; it may be one of several detections. The order of the detections does not matter: where pairs
-/// are as good, [`detection_ranks`] decide. What is left over may find tall annotations, by the same criterion; both are
+/// are as good, `detection_ranks` decide. What is left over may find tall annotations, by the same criterion; both are
 /// ignored then.
 ///
 /// Paper: HG section 5; ignored regions as in the KITTI evaluation.

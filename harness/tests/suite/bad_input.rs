@@ -79,20 +79,11 @@ fn a_scan_with_bytes_too_many() {
 }
 
 #[test]
-fn a_coordinate_that_is_nan() {
-    let it = Spoilt::drive();
-    let offset = 40 * N_BYTES_PER_POINT + 4;
-    it.dataset.change(SCAN, |bytes| bytes[offset..offset + 4].copy_from_slice(&f32::NAN.to_le_bytes()));
-    it.check_run(3, &["0000/000001.bin\", point 40 (byte 640): y is NaN"]);
-}
-
-#[test]
-fn a_coordinate_that_is_infinite() {
+fn a_coordinate_that_no_sensor_sees() {
     let it = Spoilt::drive();
     let offset = 7 * N_BYTES_PER_POINT + 8;
-    let infinity = f32::NEG_INFINITY.to_le_bytes();
-    it.dataset.change(SCAN, |bytes| bytes[offset..offset + 4].copy_from_slice(&infinity));
-    it.check_run(3, &["0000/000001.bin\", point 7 (byte 112): z is -inf"]);
+    it.dataset.change(SCAN, |bytes| bytes[offset..offset + 4].copy_from_slice(&(-2e4_f32).to_le_bytes()));
+    it.check_run(3, &["0000/000001.bin", "point 7", "-20000"]);
 }
 
 #[test]
@@ -134,8 +125,8 @@ fn a_detection_on_a_damaged_scan() {
     let check = |input: &str, parts: &[&str]| {
         it.check(&format!("detect {input} -o clusters.csv --boxes boxes.csv"), 3, parts);
     };
-    it.dataset.change(SCAN, |bytes| bytes[4..8].copy_from_slice(&f32::NAN.to_le_bytes()));
-    check(&file, &["0000/000001.bin\", point 0 (byte 0): y is NaN"]);
+    it.dataset.change(SCAN, |bytes| bytes[4..8].copy_from_slice(&1e9_f32.to_le_bytes()));
+    check(&file, &["0000/000001.bin", "point 0", "1e9"]);
     it.dataset.change(SCAN, |bytes| bytes.truncate(23));
     check(&file, &["0000/000001.bin\" is damaged or cut off", "23 bytes are not a multiple of the 16"]);
     check("street --scan 1", &["0000/000001.bin\" is damaged or cut off"]);

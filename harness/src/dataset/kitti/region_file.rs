@@ -47,7 +47,8 @@ pub fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRe
             Err(DatasetError::Damaged { path: path.to_path_buf(), problem })
         }
     };
-    values_of_kept(&bytes, &scan.points_left_out).iter().map(region).collect()
+    let regions: Vec<PointRegion> = bytes.iter().map(region).collect::<Result<_, _>>()?;
+    Ok(values_of_kept(&regions, &scan.points_left_out))
 }
 
 #[cfg(test)]

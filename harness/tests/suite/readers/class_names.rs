@@ -63,7 +63,7 @@ fn data_sets(workplace: &Workplace) -> Vec<&'static str> {
         messages.extend(foxglove_messages(second * SECOND, &category(class)));
     }
     write(workplace, WriteOptions::new(), &messages);
-    vec!["t/street", "o/street", "raw", "nuscenes", "folder", "drive.mcap"]
+    vec!["t/street", "o/street", "raw", "./nuscenes", "folder", "drive.mcap"]
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn mistakes_in_the_mapping_are_usage() {
 fn checksums_and_lists_do_not_ask_about_classes() {
     let workplace = Workplace::new();
     data_sets(&workplace);
-    let ended = workplace.succeed(&["data", "hash", "t/street", "nuscenes", "drive.mcap"]);
+    let ended = workplace.succeed(&["data", "hash", "t/street", "./nuscenes", "drive.mcap"]);
     assert_eq!(ended.stdout.lines().count(), 3);
 }
 

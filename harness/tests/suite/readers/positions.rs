@@ -193,7 +193,6 @@ fn every_verb_says_what_it_left_out() {
         &["selftest", "street"],
         &["boxes", "street", "-o", "boxes"],
         &["fit-density", "street", "-o", "curve.toml"],
-        &["train", "street", "-o", "train"],
         &["data", "convert", "street", "-o", "street.mcap"],
         &["data", "prelabel", "street", "--to", "kitti", "-o", "prelabel"],
         &["data", "realism", "street", "--against", "street", "-o", "realism"],
