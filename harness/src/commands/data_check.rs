@@ -50,7 +50,10 @@ pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
         first_damage = first_damage.or(damage);
     }
     match first_damage {
-        Some(error) if arguments.damage.policy() == DamagePolicy::Refuse => Err(error.into()),
+        // Names that nobody knows are no damage: they are to be said, not skipped.
+        Some(error) if arguments.damage.policy() == DamagePolicy::Refuse || error.is_usage_error() => {
+            Err(error.into())
+        }
         _ => Ok(()),
     }
 }

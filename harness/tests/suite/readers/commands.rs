@@ -98,7 +98,9 @@ fn sound_data_are_checked_without_a_warning() {
     ] {
         let ended = workplace.succeed(&["data", "check", folder.to_str().unwrap()]);
         assert!(ended.stdout.contains(expected), "{}", ended.stdout);
-        assert!(!ended.stdout.contains("WARNING"), "{}", ended.stdout);
+        // A part of a drive has labels of the other scans.
+        let mut warnings = ended.stdout.lines().filter(|it| it.starts_with("WARNING"));
+        assert!(warnings.all(|it| it.contains("of 114 scans that are not there")), "{}", ended.stdout);
     }
 }
 
