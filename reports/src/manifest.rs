@@ -27,6 +27,9 @@ pub struct Manifest {
     pub seeds: BTreeMap<String, u64>,
     /// Detections of the first scan, for each detector, that were thrown away before anything was timed.
     pub n_warmup_detections: u32,
+    /// How often each detector looked at each scan.
+    #[serde(default = "once")]
+    pub n_repeats: u32,
     /// By what a detection was matched with an annotation, in words, such as `points, Jaccard at least 0.5`.
     pub matching_criterion: String,
     /// Which annotations do not count.
@@ -110,6 +113,9 @@ pub struct Simulation {
     pub n_drive_scans: u32,
     /// Turns of the sensor from one scan to the next.
     pub turns_per_scan: u32,
+    /// Scans of a street, after which the drive went on in that of the next seed; `None` for as many as it has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scans_per_drive: Option<u32>,
     /// The sensor: its id, or the file that describes it.
     pub sensor: String,
     /// `instant` or `rolling`.
@@ -144,6 +150,9 @@ pub struct DetectorEntry {
     pub name: String,
     /// Every parameter with its value.
     pub parameters: serde_json::Value,
+    /// What it does beside finding clusters, which others may not.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rules: Vec<String>,
 }
 
 /// The state of the source that the program was built from.
@@ -166,6 +175,10 @@ pub struct Machine {
     pub n_cores: u32,
     /// The operating system.
     pub os: String,
+}
+
+fn once() -> u32 {
+    1
 }
 
 impl Manifest {
@@ -202,6 +215,7 @@ mod tests {
             config: serde_json::json!({"run": {"n_jobs": 1}}),
             seeds: BTreeMap::from([("simulator".to_owned(), u64::MAX)]),
             n_warmup_detections: 2,
+            n_repeats: 3,
             matching_criterion: "points, Jaccard at least 0.5".to_owned(),
             ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
             datasets: vec![DatasetEntry {
@@ -222,6 +236,7 @@ mod tests {
             detectors: vec![DetectorEntry {
                 name: "kd-tree".to_owned(),
                 parameters: serde_json::json!({"tolerance_m": 0.5}),
+                rules: vec!["completion".to_owned()],
             }],
             git: Some(GitState { commit: "c0ffee".to_owned(), dirty: true }),
             rustc_version: "1.95.0".to_owned(),
@@ -260,6 +275,7 @@ mod tests {
             "simulator": 18446744073709551615
           },
           "n_warmup_detections": 2,
+          "n_repeats": 3,
           "matching_criterion": "points, Jaccard at least 0.5",
           "ignored": {
             "min_points": 20,
@@ -290,7 +306,10 @@ mod tests {
               "name": "kd-tree",
               "parameters": {
                 "tolerance_m": 0.5
-              }
+              },
+              "rules": [
+                "completion"
+              ]
             }
           ],
           "git": {

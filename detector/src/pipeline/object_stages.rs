@@ -14,6 +14,7 @@ use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::pipeline::vehicle_model::{N_FEATURES, VehicleModel, class_by_decision};
 use crate::point_cloud::PointCloud;
+use crate::rule::Rule;
 use crate::stage_product::{Shape, StageProduct};
 
 /// Classes, regrouping and completion of one scan after another.
@@ -63,6 +64,24 @@ impl ObjectStages {
     /// Fewest points of what may become a detection.
     pub fn min_points(&self) -> usize {
         if self.model.is_some() { self.min_vehicle_points } else { self.min_points }
+    }
+
+    /// What becomes of clusters beside their class.
+    pub fn rules(&self) -> Vec<Rule> {
+        let mut rules = Vec::new();
+        if self.model.is_some() {
+            if self.min_vehicle_points < self.min_points {
+                rules.push(Rule::SmallVehicles { min_points: self.min_vehicle_points });
+            }
+            rules.push(Rule::SizeBounds);
+            if self.regrouping.as_ref().is_some_and(Regrouping::is_enabled) {
+                rules.push(Rule::Regrouping);
+            }
+        }
+        if self.completion.is_enabled() {
+            rules.push(Rule::Completion);
+        }
+        rules
     }
 
     /// Forgets the objects of the scan before.

@@ -1,8 +1,11 @@
 //! From an object to how surely it is a vehicle. Shared with baselines that classify as the paper does.
 
+use std::sync::LazyLock;
+
 use crate::classify::nu_svm::NuSvm;
 use crate::classify::object_classifier::{NO_VEHICLE, ObjectClassifier};
-use crate::classify::svm_model::{SvmModel, SvmModelError};
+use crate::classify::svm_model::SvmModel;
+use crate::classify::svm_model_error::SvmModelError;
 use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::seen_size::VehicleBoundsParams;
@@ -38,13 +41,17 @@ pub enum VehicleModelError {
 }
 
 impl VehicleModel {
-    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again.
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it is
+    /// first asked for, and once.
     pub fn shipped() -> Self {
-        let [prototypes, svm] = [
-            include_str!("../params/vehicle_model/prototypes.toml"),
-            include_str!("../params/vehicle_model/model.toml"),
-        ];
-        Self::from_toml(prototypes, svm).expect("the embedded files are tested")
+        static SHIPPED: LazyLock<VehicleModel> = LazyLock::new(|| {
+            let [prototypes, svm] = [
+                include_str!("../params/vehicle_model/prototypes.toml"),
+                include_str!("../params/vehicle_model/model.toml"),
+            ];
+            VehicleModel::from_toml(prototypes, svm).expect("the embedded files are tested")
+        });
+        SHIPPED.clone()
     }
 
     /// A model from the text of both of its files.

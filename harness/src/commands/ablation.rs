@@ -1,10 +1,10 @@
 //! `scanbench ablation`.
 
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
 use reports::csv_rows::CsvRowWriter;
-use reports::manifest::DetectorEntry;
 use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
 use reports::table::ablation_score::AblationRow;
 use reports::table::ablation_table::AblationTable;
@@ -17,7 +17,7 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::{compact_utc, machine};
 use crate::commands::run_directory::begin_run_directory;
-use crate::commands::run_manifest::{RunSettings, criterion_in_words, run_manifest};
+use crate::commands::run_manifest::{RunSettings, criterion_in_words, detector_entry, run_manifest};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::run::ablation::{AblationScores, TASK, Variant, variants};
 use crate::run::detector_list::{ListedDetector, detectors_named};
@@ -35,8 +35,7 @@ const ABLATION_MD: &str = "ablation.md";
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let listed = detectors_named(&[METHOD.to_owned()])?;
     let config = judging_config(&arguments.config, &arguments.matching, &listed)?;
@@ -51,8 +50,9 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
     let settings = RunSettings {
         data: &arguments.data,
         n_warmup: arguments.timing.warmup,
+        n_repeats: NonZeroUsize::MIN,
         config: &config,
-        detectors: variants.iter().map(|it| entry(it, &listed[0])).collect(),
+        detectors: variants.iter().map(|it| detector_entry(&it.name, &listed[0], &it.config)).collect(),
         datasets: &datasets,
         started,
     };
@@ -93,6 +93,7 @@ fn evaluate(
         scan_indices: &opened.scan_indices,
         matching: variants[0].config.matching,
         n_warmup: arguments.timing.warmup.into(),
+        n_repeats: NonZeroUsize::MIN,
         n_jobs: arguments.timing.n_jobs(),
         interrupted,
     };
@@ -108,14 +109,6 @@ fn evaluate(
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(scores)
-}
-
-fn entry(variant: &Variant, method: &ListedDetector) -> DetectorEntry {
-    let parameters = serde_json::to_value(&variant.config.resolved[method.table]);
-    DetectorEntry {
-        name: variant.name.clone(),
-        parameters: parameters.expect("a configuration has text keys only"),
-    }
 }
 
 fn write_table(directory: &RunDirectory, table: &AblationTable) -> anyhow::Result<()> {

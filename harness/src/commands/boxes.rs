@@ -1,5 +1,6 @@
 //! `scanbench boxes`.
 
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
@@ -29,7 +30,7 @@ use crate::run::detector_list::{ListedDetector, detectors_named};
 
 /// What has to be said of the numbers.
 const NOTES: [&str; 2] = [
-    "Medians of absolute errors with their 95 % intervals (bootstrap of tracks, 10,000 resamples). pairs: clusters of the \
+    "Medians of absolute errors with their 95 % intervals. pairs: clusters of the \
      hierarchical detector that match an annotated car, van, truck or bus; both boxes are fitted to the same points of \
      these. centre: distance on the ground plan; yaw: modulo 180 degrees, so at most 90.",
     "Annotated boxes hold the whole vehicle, also what the sensor does not see of it; a box around what is seen is shorter \
@@ -42,8 +43,7 @@ const NOTES: [&str; 2] = [
 ///
 /// If anything asked for is not there, no vehicle is matched, or the output cannot be written; nothing is left behind then.
 pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let detectors = detectors_named(&["hierarchical".to_owned()])?;
     let mut config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
@@ -61,6 +61,7 @@ pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
     let manifest = run_manifest(RunSettings {
         data: &arguments.data,
         n_warmup: 0,
+        n_repeats: NonZeroUsize::MIN,
         config: &config,
         detectors: detector_entries(&detectors, &config),
         datasets: &opened,

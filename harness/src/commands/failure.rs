@@ -8,9 +8,10 @@ use reports::archive::ArchiveError;
 use reports::gate::accept::AcceptError;
 use reports::gate::comparability::NotComparable;
 use reports::gate::tolerances::TolerancesError;
-use reports::gate::verdict::Conclusion;
+use reports::gate::verdict::{Conclusion, JudgeError};
 use reports::run_directory::RunDirectoryError;
 
+use crate::commands::interruption::interruption_exit_code;
 use crate::commands::standard_streams::print_error;
 use crate::conversion::ConversionError;
 use crate::dataset::DatasetError;
@@ -41,7 +42,7 @@ pub enum Failure {
     Regression = 100,
     /// Not surely worse, but judged otherwise than the baseline.
     Drift = 101,
-    /// Ended by the user; what shells report for Ctrl-C.
+    /// Ended by the user; what shells report for Ctrl-C. After a request to terminate it is 143.
     Interrupted = 130,
 }
 
@@ -79,7 +80,10 @@ pub fn exit_code_of(work: impl FnOnce() -> anyhow::Result<()>) -> u8 {
         Ok(Ok(())) => 0,
         Ok(Err(error)) => {
             print_error(format_args!("error: {error:#}"));
-            Failure::of(&error) as u8
+            match Failure::of(&error) {
+                Failure::Interrupted => interruption_exit_code(),
+                failure => failure as u8,
+            }
         }
         // The panic has been reported where it happened.
         Err(_) => Failure::Internal as u8,
@@ -108,9 +112,11 @@ impl Failure {
         }
         match error.downcast_ref::<ConversionError>() {
             Some(ConversionError::Dataset(error)) => return of_dataset(error),
-            Some(ConversionError::Occupied { .. } | ConversionError::Unwritable { .. }) => {
-                return Self::Usage;
-            }
+            Some(
+                ConversionError::Occupied { .. }
+                | ConversionError::InUse { .. }
+                | ConversionError::Unwritable { .. },
+            ) => return Self::Usage,
             Some(_) | None => {}
         }
         if let Some(error) = error.downcast_ref::<SweepError>() {
@@ -153,6 +159,12 @@ impl Failure {
         if error.is::<NotComparable>() {
             return Some(Self::NotComparable);
         }
+        if let Some(error) = error.downcast_ref::<JudgeError>() {
+            return Some(match error {
+                JudgeError::NotComparable(_) => Self::NotComparable,
+                JudgeError::Rules(_) => Self::Usage,
+            });
+        }
         if error.is::<DamagedRun>() {
             return Some(Self::Data);
         }
@@ -163,6 +175,8 @@ impl Failure {
             AcceptError::Directory(error) => Self::of_run_directory(error),
             AcceptError::Archive(error) => Self::of_archive(error),
             AcceptError::History { .. } => Self::Data,
+            AcceptError::Dirty { .. } => Self::Usage,
+            AcceptError::NoSuccessor { .. } => Self::NotComparable,
         })
     }
 
@@ -179,6 +193,7 @@ impl Failure {
         match error {
             RunDirectoryError::NoName { .. }
             | RunDirectoryError::Occupied { .. }
+            | RunDirectoryError::InUse { .. }
             | RunDirectoryError::NotARun { .. }
             | RunDirectoryError::LatestOccupied { .. } => Self::Usage,
             RunDirectoryError::Io { source, .. } => Self::of_writing(source.kind()),

@@ -1,6 +1,7 @@
 //! What `manifest.json` says of a run.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 
 use jiff::Timestamp;
 use reports::archive::SCHEMA;
@@ -24,6 +25,8 @@ pub struct RunSettings<'a> {
     pub data: &'a DatasetArgs,
     /// Detections that were thrown away before any was timed.
     pub n_warmup: u16,
+    /// How often each detector looked at each scan.
+    pub n_repeats: NonZeroUsize,
     /// The parameters.
     pub config: &'a RunConfig,
     /// What took part, in the order of the tables.
@@ -45,6 +48,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         argv: command_line(),
         seeds: seeds(settings.datasets),
         n_warmup_detections: settings.n_warmup.into(),
+        n_repeats: settings.n_repeats.get() as u32,
         matching_criterion: criterion_in_words(matching.criterion),
         ignored: IgnoreRule {
             min_points: matching.eligibility.min_points as u32,
@@ -62,12 +66,19 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
 
 /// What a manifest says of `detectors` with the parameters of `config`.
 pub fn detector_entries(detectors: &[ListedDetector], config: &RunConfig) -> Vec<DetectorEntry> {
-    let resolved = json(&config.resolved);
-    let entry = |listed: &ListedDetector| DetectorEntry {
-        name: listed.name.to_owned(),
-        parameters: resolved[listed.table].clone(),
-    };
-    detectors.iter().map(entry).collect()
+    detectors.iter().map(|it| detector_entry(it.name, it, config)).collect()
+}
+
+/// What a manifest says of `listed` under the name `name`.
+pub fn detector_entry(name: &str, listed: &ListedDetector, config: &RunConfig) -> DetectorEntry {
+    let mut parameters = json(&config.resolved)[listed.table].take();
+    for (parameter, value) in listed.fixed {
+        parameters[*parameter] = (*value).into();
+    }
+    // Rules do not depend on the height.
+    let rules = listed.build(config, 0.0).rules();
+    let rules = rules.iter().map(ToString::to_string).collect();
+    DetectorEntry { name: name.to_owned(), parameters, rules }
 }
 
 fn json(resolved: &toml::Table) -> serde_json::Value {
@@ -121,6 +132,7 @@ fn simulation(drive: &StreetDrive) -> Simulation {
         street: drive.street.name().to_owned(),
         n_drive_scans: drive.n_scans,
         turns_per_scan: drive.turns_per_scan,
+        scans_per_drive: drive.scans_per_drive,
         sensor: drive.sensor.clone(),
         shutter: drive.shutter.name().to_owned(),
         rain_mm_per_h: drive.rain_mm_per_h,

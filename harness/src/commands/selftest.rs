@@ -158,8 +158,8 @@ fn echo<'a>(scan: &'a LabeledScan) -> Detections {
 
 /// A box without extent where the points of `annotation` are on average, as the matching takes its centre to be.
 fn box_of_points(scan: &LabeledScan, annotation: &Annotation) -> OrientedBox {
-    let [x_m, y_m] = crate::matching::criterion::center_m(scan, annotation).unwrap_or_default();
-    OrientedBox { center_m: [x_m as f32, y_m as f32, 0.0], length_width_height_m: [0.0; 3], yaw_rad: 0.0 }
+    let center_m = annotation.center_m(&scan.cloud).unwrap_or_default();
+    OrientedBox { center_m, length_width_height_m: [0.0; 3], yaw_rad: 0.0 }
 }
 
 #[cfg(test)]

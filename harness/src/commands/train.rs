@@ -10,7 +10,7 @@ use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use jiff::Timestamp;
-use reports::run_directory::LatestPointer;
+use reports::run_directory::{LatestPointer, RunDirectory};
 
 use crate::cli::{DatasetArgs, ModelName, SourceArgs, TrainArgs};
 use crate::commands::config::warn_of_unknown_sensor;
@@ -20,7 +20,7 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::reproducible_command::reproducible_command;
-use crate::commands::run_directory::begin_run_directory;
+use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
 use crate::commands::train_summary::summary;
@@ -48,13 +48,13 @@ const MOST_STEPS: usize = 500_000;
 /// If anything asked for is not there, data are damaged or too few, or the output cannot be written; nothing is left
 /// behind then.
 pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let kind = match arguments.detector {
         ModelName::Hierarchical => ModelKind::Hierarchical,
         ModelName::Pca => ModelKind::Pca,
     };
+    let named = claim_named(&arguments.output)?;
     let trained = open_datasets(&arguments.data)?;
     let held_out_arguments = held_out_arguments(arguments);
     let held_out = match &held_out_arguments {
@@ -63,7 +63,7 @@ pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
     };
     let parted = parted(arguments, &trained, &held_out)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&trained));
-    let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
+    let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let mut candidates = Vec::new();
     for opened in [&trained, &held_out] {
         candidates.extend(collect_all(opened, arguments, kind, interrupted)?);

@@ -1,6 +1,7 @@
 //! The recording of the scans with the worst mistakes.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use clap::Parser as _;
@@ -35,8 +36,7 @@ pub fn record(
     if arguments.stream.no_rrd {
         return Ok(());
     }
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let again = RunAgain::of(manifest)?;
     let scans = again.scans_of(mistakes)?;
     let file = arguments.run.join("worst.rrd");
@@ -183,6 +183,7 @@ impl RunAgain {
                 scan_indices: &[scan_idx],
                 matching: config.matching,
                 n_warmup: n_warmup.into(),
+                n_repeats: NonZeroUsize::MIN,
                 n_jobs: 1,
                 interrupted,
             };

@@ -127,13 +127,14 @@ fn ground_z_m(cloud: &PointCloud) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::ScanId;
+    use crate::annotation::{LabeledArea, ScanId};
 
     fn facts(positions_m: &[[f32; 3]]) -> ScanFacts {
         let cloud: PointCloud = positions_m.iter().copied().collect();
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let id = ScanId { sequence: "0".to_owned(), index: 0 };
-        ScanFacts::of(&LabeledScan { id, cloud, annotations: Vec::new(), point_regions })
+        let labeled_area = LabeledArea::Everywhere;
+        ScanFacts::of(&LabeledScan { id, cloud, annotations: Vec::new(), point_regions, labeled_area })
     }
 
     #[test]

@@ -206,7 +206,10 @@ fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String
 }
 
 fn check_drive(drive: &StreetDrive) -> Result<(), String> {
-    let &StreetDrive { n_scans, turns_per_scan, .. } = drive;
+    let &StreetDrive { n_scans, turns_per_scan, scans_per_drive, .. } = drive;
+    if scans_per_drive == Some(0) {
+        return Err("0 scans per drive is no drive".to_owned());
+    }
     if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
         return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
     }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::bootstrap::{N_RESAMPLES, SCANS_PER_BLOCK};
+use crate::blocks::{BlockKind, FEWEST_BLOCKS, FEWEST_DRIVES};
+use crate::bootstrap::N_RESAMPLES;
 use crate::table::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
 use crate::table::task_grids::INTERVAL_TITLE;
 use crate::table::task_table::TaskTable;
@@ -36,10 +37,9 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         );
     }
     if lines().flat_map(|it| &it.cells).any(|it| it.is_interval) {
-        notes.sentences.push(format!(
-            "{INTERVAL_TITLE}: cluster bootstrap, {N_RESAMPLES} resamples of blocks of {SCANS_PER_BLOCK} scan numbers, a second \
-             or more. How much scans of the same drives could vary, not other drives."
-        ));
+        notes
+            .sentences
+            .extend(table.block_kind().map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
     }
     if has_line(LineKind::Overall) {
         notes.sentences.push(
@@ -58,8 +58,40 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
             )
         }));
     }
+    notes.sentences.extend(rules(table));
     notes.explain_marks();
     notes
+}
+
+/// What is whose beside the clusters; `None` where nobody has anything.
+fn rules(table: &TaskTable) -> Option<String> {
+    let whose = |names: &[String]| match names {
+        [only] => format!("{only} alone"),
+        names if names.len() == table.detectors.len() => "all".to_owned(),
+        names => names.join(", "),
+    };
+    let rules: Vec<String> =
+        table.rules.iter().map(|(rule, names)| format!("{rule}: {}", whose(names))).collect();
+    let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
+    let without: Vec<&str> = table.detectors.iter().filter(|it| !has_any(it)).map(String::as_str).collect();
+    let without = if without.is_empty() { String::new() } else { format!("; none: {}", without.join(", ")) };
+    (!rules.is_empty()).then(|| format!("Rules beside the clustering: {}{without}.", rules.join("; ")))
+}
+
+/// How intervals are made, and what they say.
+pub(crate) fn about_interval(kind: BlockKind) -> String {
+    let of = format!("cluster bootstrap, {N_RESAMPLES} resamples of");
+    let same_drives = "how much scans of the same drives could vary, not other drives";
+    match kind {
+        BlockKind::Drives => format!("{of} whole drives."),
+        BlockKind::Seconds => {
+            format!("{of} seconds of the drives, which are fewer than {FEWEST_DRIVES}: {same_drives}.")
+        }
+        BlockKind::Tracks => format!("{of} objects, each with all scans that show it: {same_drives}."),
+        BlockKind::Both => format!(
+            "{of} whole drives; of data sets that have fewer than {FEWEST_DRIVES}, of seconds of these: {same_drives}."
+        ),
+    }
 }
 
 fn marks(grid: &Grid) -> impl Iterator<Item = Mark> + '_ {
@@ -74,9 +106,9 @@ fn abbreviations(cpu_model: &str) -> String {
 }
 
 impl Notes {
-    /// `sentences`, and then what the marks in `grid` mean.
-    pub(crate) fn beneath(grid: &Grid, sentences: Vec<String>) -> Self {
-        let mut notes = Self { marks: marks(grid).collect(), sentences };
+    /// `sentences`, and then what the marks in `grids` mean.
+    pub(crate) fn beneath(grids: &[Grid], sentences: Vec<String>) -> Self {
+        let mut notes = Self { marks: grids.iter().flat_map(marks).collect(), sentences };
         notes.explain_marks();
         notes
     }
@@ -112,6 +144,7 @@ impl Notes {
         match mark {
             Mark::Undefined(_) => {}
             Mark::FewScans => return "‡".to_owned(),
+            Mark::FewBlocks => return "§".to_owned(),
             Mark::Simulated | Mark::PartlySimulated | Mark::NotPublic => return "†".to_owned(),
         }
         let is_number = |it: &&Mark| matches!(it, Mark::Undefined(_));
@@ -128,6 +161,13 @@ impl Notes {
             }
             Mark::NotPublic => "Budapest recordings, not public.",
             Mark::FewScans => "of too few scans to be relied on: p95 takes 59, p99 takes 299.",
+            Mark::FewBlocks => {
+                let sign = self.sign_of(mark);
+                return format!(
+                    "{sign} of fewer than {FEWEST_BLOCKS} blocks: too few for the interval to be relied on, and for anything to be \
+                     concluded from it."
+                );
+            }
             Mark::Undefined(Undefined::FalseObjectsUnknown) => {
                 "undefined: not every class of object is annotated, so false objects cannot be known."
             }
@@ -135,5 +175,33 @@ impl Notes {
             Mark::Undefined(Undefined::NotTimed) => "undefined: no scan was timed.",
         };
         format!("{} {sentence}", self.sign_of(mark))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::sample::{manifest, report};
+    use crate::table::task_table::task_tables;
+
+    #[test]
+    fn what_is_whose_stands_beneath_the_table() {
+        let mut manifest = manifest();
+        manifest.detectors[0].rules =
+            ["walls removed", "regrouping", "completion"].map(str::to_owned).to_vec();
+        manifest.detectors[1].rules = vec!["completion".to_owned()];
+        let sentence =
+            |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
+        let tables = task_tables(&report(), &manifest).unwrap();
+        let expected = "Rules beside the clustering: walls removed: hierarchical alone; regrouping: hierarchical alone; \
+                        completion: hierarchical, kd-tree; none: pca.";
+        assert_eq!(sentence(&tables[0]).as_deref(), Some(expected));
+        manifest.detectors[2].rules = vec!["completion".to_owned()];
+        manifest.detectors[0].rules.truncate(0);
+        manifest.detectors[0].rules.push("completion".to_owned());
+        let tables = task_tables(&report(), &manifest).unwrap();
+        assert_eq!(sentence(&tables[0]).as_deref(), Some("Rules beside the clustering: completion: all."));
+        manifest.detectors.iter_mut().for_each(|it| it.rules.clear());
+        assert_eq!(sentence(&task_tables(&report(), &manifest).unwrap()[0]), None);
     }
 }

@@ -1,5 +1,6 @@
 //! What the table of a task says, before it is printed anywhere.
 
+use crate::blocks::BlockKind;
 use crate::counts::Counts;
 use crate::manifest::{DatasetEntry, Manifest};
 use crate::metric::Metric;
@@ -17,6 +18,8 @@ pub struct TaskTable {
     pub cpu_model: String,
     /// Names of the detectors, in the order of the columns.
     pub detectors: Vec<String>,
+    /// What some of them do beside finding clusters, with the names of those that do.
+    pub rules: Vec<(String, Vec<String>)>,
     /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
     pub paper: Option<&'static PaperTable>,
     /// The rows, in order: data sets with the paper's rows beneath, then what they add up to.
@@ -189,6 +192,17 @@ impl Score {
 }
 
 impl TaskTable {
+    /// What its intervals were drawn from; `None` if it has none.
+    pub fn block_kind(&self) -> Option<BlockKind> {
+        let scores = self.rows.iter().flat_map(|it| match it {
+            TableRow::Measured(row) => row.scores.as_slice(),
+            TableRow::Paper(_) => &[],
+        });
+        let intervals = scores.flat_map(|it| [it.intervals.f_rate, it.intervals.recall]).flatten();
+        let kinds = intervals.map(|it| it.blocks.kind);
+        kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both })
+    }
+
     /// Name of the files it is written to, without the ending.
     pub fn file_stem(&self) -> String {
         format!("table_{}", self.task)
@@ -240,10 +254,25 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: &str) -> Result<Tas
         task: task.to_owned(),
         matching_criterion: manifest.matching_criterion.clone(),
         cpu_model: manifest.machine.cpu_model.clone(),
+        rules: rules(manifest, &detectors),
         detectors,
         paper,
         rows: in_order(datasets, overall, paper),
     })
+}
+
+/// The rules of `detectors` in the order in which these have them, each with those that do.
+fn rules(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)> {
+    let mut rules: Vec<(String, Vec<String>)> = Vec::new();
+    for entry in manifest.detectors.iter().filter(|it| detectors.contains(&it.name)) {
+        for rule in &entry.rules {
+            match rules.iter_mut().find(|(name, _)| name == rule) {
+                Some((_, names)) => names.push(entry.name.clone()),
+                None => rules.push((rule.clone(), vec![entry.name.clone()])),
+            }
+        }
+    }
+    rules
 }
 
 /// Puts the paper's rows beneath the last data set that they are to be compared with.

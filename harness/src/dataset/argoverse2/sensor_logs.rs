@@ -17,12 +17,14 @@ use detector::PointCloud;
 use nalgebra::{Isometry3, Vector3};
 
 use super::log_truth::LogTruth;
-use crate::annotation::{AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
+use crate::dataset::missing_scans::labels_of_missing;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::position_check::check_positions;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError};
 
@@ -131,7 +133,20 @@ impl Dataset for SensorLogs {
             annotation.point_indices = points;
         }
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area: LabeledArea::Everywhere })
+    }
+
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        let mut missing = Vec::new();
+        for sweeps in self.sweeps.chunk_by(|a, b| a.log == b.log) {
+            let times: BTreeSet<i64> = sweeps.iter().map(|it| it.time_ns).collect();
+            let truth = self.truth_of(&sweeps[0].log)?;
+            let unseen = truth.annotations.keys().filter(|it| !times.contains(it));
+            let name = sweeps[0].log.file_name().unwrap_or_default().to_string_lossy();
+            missing.extend(unseen.map(|time_ns| format!("{name}/{time_ns}")));
+        }
+        Ok(labels_of_missing(missing.into_iter()))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -177,6 +192,7 @@ fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<PointClou
         let intensity = intensity[point_idx] as f32 / 255.0;
         cloud.push([position_m.x as f32, position_m.y as f32, position_m.z as f32], intensity);
     }
+    check_positions(&cloud).map_err(damaged)?;
     Ok(cloud)
 }
 

@@ -6,7 +6,7 @@ use super::box_in_velodyne::box_in_velodyne;
 use super::calibration::KittiCalibration;
 use super::camera_field_of_view::{CameraFieldOfView, point_regions};
 use super::label::{ImageBox, KittiLabel, KittiObject, Truncation};
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::points_of_boxes::points_of_boxes;
 
@@ -46,15 +46,17 @@ pub fn label_scan(id: ScanId, cloud: PointCloud, truth: &KittiGroundTruth<'_>) -
         image_size_px: truth.image_size_px,
         dont_care: &dont_care,
     };
-    let mut point_regions = match truth.labeled_region {
-        LabeledRegion::Camera => point_regions(&cloud, &annotations, &view),
-        LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
+    let everything = || vec![PointRegion::Labeled; cloud.len()];
+    let (mut point_regions, labeled_area) = match truth.labeled_region {
+        LabeledRegion::Camera => (point_regions(&cloud, &annotations, &view), view.labeled_area()),
+        LabeledRegion::Everywhere => (everything(), LabeledArea::Everywhere),
+        LabeledRegion::PerPoint => (everything(), LabeledArea::AsPoints),
     };
     let ignored = objects.iter().zip(&annotations).filter(|(it, _)| it.truncation == Truncation::Ignored);
     for point_idx in ignored.flat_map(|(_, annotation)| &annotation.point_indices) {
         point_regions[*point_idx as usize] = PointRegion::Unscorable;
     }
-    LabeledScan { id, cloud, annotations, point_regions }
+    LabeledScan { id, cloud, annotations, point_regions, labeled_area }
 }
 
 fn objects_and_dont_care(labels: &[KittiLabel]) -> (Vec<&KittiObject>, Vec<ImageBox>) {

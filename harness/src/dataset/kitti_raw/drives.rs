@@ -19,11 +19,12 @@ use nalgebra::Isometry3;
 use super::drive_calibration::{CameraView, parse_camera_view, parse_transform};
 use super::inertial_poses::{InertialFix, parse_inertial_fix};
 use super::tracklet_file::parse_tracklets;
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
+use crate::dataset::missing_scans::labels_beside;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
 use crate::dataset::source::DatasetSource;
@@ -125,25 +126,33 @@ impl Dataset for KittiRaw {
         let cloud = read_velodyne_bin(&drive.folder.join(SCANS).join(format!("{:010}.bin", id.index)))?;
         let Some(labels) = &drive.labels else {
             let point_regions = vec![PointRegion::Outside; cloud.len()];
-            return Ok(LabeledScan { id, cloud, annotations: Vec::new(), point_regions });
+            let labeled_area = LabeledArea::AsPoints;
+            return Ok(LabeledScan { id, cloud, annotations: Vec::new(), point_regions, labeled_area });
         };
         let mut annotations = labels.annotations_by_scan.get(&id.index).cloned().unwrap_or_default();
         let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
         for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
             annotation.point_indices = points;
         }
-        let point_regions = match self.labeled_region {
-            LabeledRegion::Camera => {
-                let view = CameraFieldOfView {
-                    image_from_velodyne: &labels.view.image_from_velodyne,
-                    image_size_px: labels.view.image_size_px,
-                    dont_care: &[],
-                };
-                point_regions(&cloud, &annotations, &view)
-            }
-            LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
+        let view = CameraFieldOfView {
+            image_from_velodyne: &labels.view.image_from_velodyne,
+            image_size_px: labels.view.image_size_px,
+            dont_care: &[],
         };
-        Ok(LabeledScan { id, cloud, annotations, point_regions })
+        let (point_regions, labeled_area) = match self.labeled_region {
+            LabeledRegion::Camera => (point_regions(&cloud, &annotations, &view), view.labeled_area()),
+            LabeledRegion::Everywhere | LabeledRegion::PerPoint => {
+                (vec![PointRegion::Labeled; cloud.len()], LabeledArea::Everywhere)
+            }
+        };
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area })
+    }
+
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        let labels = self.drives.iter().filter_map(|(name, it)| Some((name, it.labels.as_ref()?)));
+        let labeled = labels
+            .flat_map(|(name, labels)| labels.annotations_by_scan.keys().map(move |number| (name, number)));
+        Ok(labels_beside(&self.scan_ids, labeled))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

@@ -7,7 +7,7 @@ use detector::PointCloud;
 
 use super::semantic_class::{SemanticClass, semantic_class};
 use super::upright_components::upright_components;
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::DatasetError;
 
 /// The scan `id` with one annotation for each instance, then one for each pole or sign; `path` is the file of `labels`.
@@ -62,7 +62,7 @@ pub fn label_scan(
         .into_iter()
         .map(|points| annotation(AnnotationClass::Pole, points, None));
     let annotations = of_instances.chain(of_uprights).collect();
-    Ok(LabeledScan { id, cloud, annotations, point_regions })
+    Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area: LabeledArea::Everywhere })
 }
 
 fn annotation(class: AnnotationClass, point_indices: Vec<u32>, track: Option<u32>) -> Annotation {

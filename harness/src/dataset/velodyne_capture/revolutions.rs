@@ -17,7 +17,7 @@ use super::calibration_file::parse_calibration_file;
 use super::capture_file::{Payload, is_capture, walk_payloads};
 use super::data_packet::{DATA_PORT, DataPacket, FULL_TURN, N_BLOCKS, N_PACKET_BYTES};
 use super::laser_table::{Laser, VelodyneModel, lasers_of};
-use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::source::{DamagePolicy, DatasetSource, StatedBy};
@@ -124,7 +124,8 @@ impl Dataset for VelodyneCapture {
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let cloud = self.read_cloud(&self.revolutions[scan_idx])?;
         let point_regions = vec![PointRegion::Outside; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations: Vec::new(), point_regions })
+        let (id, labeled_area) = (self.scan_ids[scan_idx].clone(), LabeledArea::AsPoints);
+        Ok(LabeledScan { id, cloud, annotations: Vec::new(), point_regions, labeled_area })
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
