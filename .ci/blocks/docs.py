@@ -3,6 +3,7 @@
 import argparse
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -151,4 +152,6 @@ def main() -> int:
 
 
 if __name__ == "__main__":
+    # What is piped into `head` ends without a word.
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.exit(main())

@@ -4,6 +4,7 @@ Every function here takes the results of a block's commands, then the arguments 
 """
 
 import csv
+import json
 import re
 import shlex
 import statistics
@@ -67,7 +68,30 @@ def origin_in_words(row: dict[str, str]) -> str:
     return f"{row['dataset']} (simulated)" if row["origin"] == "simulated" else row["dataset"]
 
 
+FEW_BLOCKS = "§"
+ABOUT_FEW_BLOCKS = f"{FEW_BLOCKS} of fewer than ten blocks of scans: too few for the interval to be relied on."
+
+
+def flagged(interval: str, row: dict[str, str]) -> str:
+    """An interval with its sign if it is of too few blocks for anything to rest on it."""
+    return interval + FEW_BLOCKS if row.get("few_blocks") == "true" else interval
+
+
+def noted(text: str) -> Shown:
+    """A table, and below it what the sign of its intervals means."""
+    return Shown(f"{text}\n\n{ABOUT_FEW_BLOCKS}" if FEW_BLOCKS in text else text)
+
+
 # Runs
+
+
+def detector_rules(results: list[Result]) -> Shown:
+    """Which detector has which rule, by the manifest of a run."""
+    manifest = json.loads((results[0].directory / "manifest.json").read_text())
+    rules_of = {it["name"]: it["rules"] for it in manifest["detectors"]}
+    rules = dict.fromkeys(rule for of_detector in rules_of.values() for rule in of_detector)
+    lines = [[rule, *["yes" if rule in it else "no" for it in rules_of.values()]] for rule in rules]
+    return Shown(table(["rule", *rules_of], lines))
 
 
 def printed_table(results: list[Result], task: str) -> Shown:
@@ -78,7 +102,7 @@ def printed_table(results: list[Result], task: str) -> Shown:
         raise ShowError(f"{results[0].command} printed no table of {task}")
     title, grid = paragraphs[found[0] : found[0] + 2]
     lines = [it.rstrip() for it in [title, "", *grid.splitlines()]]
-    return Shown("```text\n" + "\n".join(lines) + "\n```")
+    return noted("```text\n" + "\n".join(lines) + "\n```")
 
 
 def overall_rows(result: Result, task: str) -> list[dict[str, str]]:
@@ -93,11 +117,11 @@ def overall_rates(results: list[Result]) -> Shown:
     lines = []
     for task in ("objects", "vehicles"):
         for row in overall_rows(results[0], task):
-            within = f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}"
+            within = flagged(f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}", row)
             rates = [percent(row[it]) for it in ("precision", "recall")]
             fps = number(row["fps_mean"], 0 if float(row["fps_mean"] or 0) >= 10 else 1)
             lines.append([task, row["detector"], row["no"], percent(row["f_rate"]), within, *rates, fps])
-    return Shown(table(["task", "detector", "NO", "F-rate", "95 % interval", "precision", "recall", "fps"], lines, 2))
+    return noted(table(["task", "detector", "NO", "F-rate", "95 % interval", "precision", "recall", "fps"], lines, 2))
 
 
 def differences(result: Result) -> dict[tuple[str, str], dict[str, str]]:
@@ -116,7 +140,7 @@ def compared_detectors(results: list[Result]) -> Shown:
     for result in results[1:]:
         for (task, pair), it in differences(result).items():
             lines.append([pair, task, it["difference"], it["95 %"], it["least"]])
-    return Shown(table(["difference of F-rates", "task", "points", "95 % interval", "least to be seen"], lines, 2))
+    return noted(table(["difference of F-rates", "task", "points", "95 % interval", "least to be seen"], lines, 2))
 
 
 def compared_runs(results: list[Result], *names: str) -> Shown:
@@ -136,7 +160,7 @@ def compared_runs(results: list[Result], *names: str) -> Shown:
             texts = [gain(it) for it in cells]
             lines.append([part, task, *texts])
     detectors = list(dict.fromkeys(it[1] for it in subjects))
-    return Shown(table(["what it gives", "task", *detectors], lines, 2))
+    return noted(table(["what it gives", "task", *detectors], lines, 2))
 
 
 def gain(difference: dict[str, str] | None) -> str:
@@ -163,12 +187,12 @@ def models_compared(results: list[Result], *names: str) -> Shown:
         line = [name]
         for result in runs[n * n_each : (n + 1) * n_each]:
             row = overall_rows(result, "vehicles")[0]
-            within = f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}"
+            within = flagged(f"{percent(row['f_rate_low'])} to {percent(row['f_rate_high'])}", row)
             line.append(f"{percent(row['f_rate'])} ({within})")
             if n == 0:
                 heads.append(f"{scans_in_words(result)}, {row['no']} vehicles")
         lines.append(line)
-    return Shown(table(heads, lines))
+    return noted(table(heads, lines))
 
 
 def scans_in_words(result: Result) -> str:
@@ -477,6 +501,7 @@ def taken(command: list[Path], target: str, words: str) -> Shown:
 SHOWS = {
     "file": file,
     "printed-table": printed_table,
+    "detector-rules": detector_rules,
     "overall-rates": overall_rates,
     "compared-detectors": compared_detectors,
     "compared-runs": compared_runs,

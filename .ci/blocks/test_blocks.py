@@ -302,6 +302,21 @@ class Shown(unittest.TestCase):
         with self.assertRaises(shows.ShowError):
             shows.compared_runs([compared], "completion", "regrouping")
 
+    def test_intervals_of_few_blocks_are_flagged(self):
+        head = "source,dataset,detector,no,precision,recall,f_rate,f_rate_low,f_rate_high,fps_mean,few_blocks\n"
+        row = "measured,overall,{},9,0.5,0.5,0.5,0.4,0.6,12.3,{}\n"
+        few = {f"table_{it}.csv": head + row.format("grid", "true") for it in ("objects", "vehicles")}
+        text = shows.overall_rates([self.result(few)]).text
+        self.assertIn("| objects | grid | 9 | 50.0 | 40.0 to 60.0§ | 50.0 | 50.0 | 12 |", text)
+        self.assertIn("§ of fewer than ten blocks", text)
+        many = {name: it.replace("true", "false") for name, it in few.items()}
+        self.assertNotIn("§", shows.overall_rates([self.result(many)]).text)
+
+    def test_rules_are_those_of_the_manifest(self):
+        manifest = '{"detectors": [{"name": "grid", "rules": ["walls", "bounds"]}, {"name": "tree", "rules": ["bounds"]}]}'
+        text = shows.detector_rules([self.result({"manifest.json": manifest})]).text
+        self.assertEqual(text.splitlines()[2:], ["| walls | yes | no |", "| bounds | yes | yes |"])
+
     def test_alike_is_within_a_factor_either_way(self):
         head = "statistic,bin,bin_from_m,bin_to_m,left,ratio\n"
         rows = [("5-6 m", 5, 6, 1.4), ("6-7 m", 6, 7, 0.5), ("60-61 m", 60, 61, 9.0), ("7-8 m", 7, 8, "")]

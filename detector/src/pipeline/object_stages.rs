@@ -73,7 +73,9 @@ impl ObjectStages {
             if self.min_vehicle_points < self.min_points {
                 rules.push(Rule::SmallVehicles { min_points: self.min_vehicle_points });
             }
-            rules.push(Rule::SizeBounds);
+            if self.vehicle_bounds.enabled {
+                rules.push(Rule::SizeBounds);
+            }
             if self.regrouping.as_ref().is_some_and(Regrouping::is_enabled) {
                 rules.push(Rule::Regrouping);
             }

@@ -218,6 +218,18 @@ mod tests {
     }
 
     #[test]
+    fn bounds_that_are_switched_off_are_no_rule() {
+        let rules = |options: &[&str]| {
+            let options: Vec<_> = options.iter().map(|it| it.parse().unwrap()).collect();
+            let config = RunConfig::load(None).unwrap().overridden(&options, &["hierarchical"]).unwrap();
+            let listed = detectors_named(&["hierarchical".to_owned()]).unwrap()[0];
+            listed.build(&config.for_sensor(SENSOR).unwrap(), 1.73).rules()
+        };
+        assert!(rules(&[]).contains(&Rule::SizeBounds));
+        assert!(!rules(&["hierarchical.vehicle_bounds.enabled=false"]).contains(&Rule::SizeBounds));
+    }
+
+    #[test]
     fn the_kd_tree_with_the_same_walls_differs_by_its_foreground_alone() {
         let (scans, sensor_height_m) = scans();
         let load = |options: &[&str]| {
