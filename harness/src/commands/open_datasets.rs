@@ -10,13 +10,14 @@ use crate::annotation::ScanId;
 use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
-use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
+use crate::dataset::catalogue::read_catalogue;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::mcap::topics::TopicChoice;
-use crate::dataset::open::{OpenOptions, open_dataset};
 use crate::dataset::scan_selection::ScanSelection;
 use crate::dataset::source::DamagePolicy;
 use crate::dataset::{Dataset, DatasetError};
+use crate::simulator::catalogue::{Catalogue, built_in_catalogue};
+use crate::simulator::open::{OpenOptions, open_dataset};
 
 /// A data set and the scans that are asked for.
 pub struct OpenedDataset {

@@ -23,33 +23,23 @@ use super::nuscenes::keyframes::{
 use super::root_template::UnsetVariable;
 use super::scan_folder::folder::open_scan_folder;
 use super::semantic_kitti::sequence::open_semantic_kitti;
-use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::{DamagePolicy, DatasetSource, StatedBy};
 use super::velodyne_capture::revolutions::open_velodyne_capture;
 use super::{AnnotatedClasses, Dataset, DatasetError};
 use crate::annotation::AnnotationClass;
 
-/// The group of the built-in catalogue that is run when no data set is asked for.
-pub const DEFAULT_DATASETS: &str = "streets";
-
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Default)]
-pub struct OpenOptions {
+pub struct ReadOptions {
     /// The format of a data set at a path; the files tell otherwise.
     pub format: Option<DatasetFormat>,
-    /// The seed of a simulation.
-    pub seed: Option<u64>,
-    /// The number of scans of a simulation.
-    pub n_simulated_scans: Option<u32>,
-    /// The sensor of a simulation: an id, or the path of a description.
-    pub sensor: Option<String>,
     /// The topics of a recording; the catalogue's or the only ones are taken else.
     pub topics: TopicChoice,
     /// What becomes of damaged parts that others do not depend on.
     pub damage: DamagePolicy,
 }
 
-/// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path.
+/// Opens the data set on disk that the catalogue calls `id_or_path`, or else the one at that path.
 ///
 /// A folder that has the name of a catalogued data set is reached as `./name`. At a path the format is detected unless
 /// `format` says what to look for; what the files do not say (the classes and the height of the sensor) is taken to be
@@ -58,27 +48,11 @@ pub struct OpenOptions {
 /// # Errors
 ///
 /// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue.
-pub fn open_dataset(
+pub fn open_recorded<S>(
     id_or_path: &str,
-    options: &OpenOptions,
-    catalogue: &Catalogue,
+    options: &ReadOptions,
+    catalogue: &Catalogue<S>,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
-    if let Some(drive) = catalogue.simulated.get(id_or_path) {
-        if let Some(asked_for) = options.format {
-            return Err(DatasetError::FormatContradictsCatalogue {
-                id: id_or_path.to_owned(),
-                catalogued: "simulated".to_owned(),
-                asked_for: asked_for.to_string(),
-            });
-        }
-        let drive = StreetDrive {
-            seed: options.seed.unwrap_or(drive.seed),
-            n_scans: options.n_simulated_scans.unwrap_or(drive.n_scans),
-            sensor: options.sensor.clone().unwrap_or_else(|| drive.sensor.clone()),
-            ..drive.clone()
-        };
-        return open_simulated_street(id_or_path, &drive);
-    }
     match catalogue.recorded.get(id_or_path) {
         Some(entry) => open_catalogued(id_or_path, entry, options),
         None => open_path(id_or_path, options, catalogue),
@@ -88,7 +62,7 @@ pub fn open_dataset(
 fn open_catalogued(
     id: &str,
     entry: &CatalogueEntry,
-    options: &OpenOptions,
+    options: &ReadOptions,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let catalogued = entry.parts.format();
     if let Some(asked_for) = options.format
@@ -133,10 +107,10 @@ fn open_catalogued(
     }
 }
 
-fn open_path(
+fn open_path<S>(
     path: &str,
-    options: &OpenOptions,
-    catalogue: &Catalogue,
+    options: &ReadOptions,
+    catalogue: &Catalogue<S>,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let is_a_word = !path.contains(std::path::is_separator);
     if is_a_word && !Path::new(path).exists() {

@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use detector::OrientedBox;
 use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, points_inside};
 use harness::dataset::Dataset;
-use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::kitti::calibration::{KittiCalibration, parse_calibration};
-use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 use nalgebra::Vector4;
 
 /// The scans of `kitti_object` by their numbers, with the scans of `kitti_tracking` they are.

@@ -8,8 +8,8 @@ use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
 use harness::conversion::output_format::OutputFormat;
 use harness::dataset::Dataset;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 
 use super::{open, real_data};
 use crate::program::Workplace;

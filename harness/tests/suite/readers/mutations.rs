@@ -5,10 +5,10 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use harness::dataset::catalogue::{Catalogue, built_in_catalogue};
 use harness::dataset::mcap::recording::is_mcap;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::source::DamagePolicy;
+use harness::simulator::catalogue::{Catalogue, built_in_catalogue};
+use harness::simulator::open::{OpenOptions, open_dataset};
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
