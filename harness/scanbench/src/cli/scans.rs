@@ -1,0 +1,82 @@
+//! Which scans are taken, and how data sets are opened.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use scans::dataset::dataset_format::DatasetFormat;
+use scans::dataset::source::DamagePolicy;
+use simulator::sensor::EMBEDDED_SENSORS;
+
+/// Where data sets are looked up.
+#[derive(Debug, Clone, Args)]
+pub struct CatalogueArgs {
+    /// Catalogue to look ids up in, instead of the built-in one
+    #[arg(long, value_name = "FILE", env = "SCANBENCH_DATASETS")]
+    pub catalogue: Option<PathBuf>,
+}
+
+/// Which scans are taken.
+#[derive(Debug, Clone, Args)]
+pub struct DatasetArgs {
+    /// Ids of the catalogue, or paths of data sets
+    #[arg(value_name = "DATASET", default_value = simulator::catalogue::DEFAULT_DATASETS)]
+    pub datasets: Vec<String>,
+    /// Which scans, by place in each data set, from 0: `7`, `0..500` (without 500), `0..500:5` (every fifth), or several
+    /// of these by comma
+    #[arg(long, value_name = "RANGE")]
+    pub scans: Option<String>,
+    /// How they are opened.
+    #[command(flatten)]
+    pub source: SourceArgs,
+}
+
+/// How data sets are opened.
+#[derive(Debug, Clone, Args)]
+pub struct SourceArgs {
+    /// Format of data sets given as paths, instead of recognising it.
+    #[arg(long, value_name = "FORMAT", help = format_help())]
+    pub format: Option<String>,
+    /// Topic of the clouds in MCAP recordings [default: the only one]
+    #[arg(long, value_name = "TOPIC")]
+    pub topic: Option<String>,
+    /// Topic of the annotations in MCAP recordings [default: /annotations, or the only one]
+    #[arg(long, value_name = "TOPIC")]
+    pub annotation_topic: Option<String>,
+    /// Seed of simulated data sets, instead of the catalogue's
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Number of scans of simulated data sets, instead of the catalogue's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub simulated_scans: Option<u32>,
+    /// Sensor of simulated data sets.
+    #[arg(long, value_name = "SENSOR", help = sensor_help())]
+    pub sensor: Option<String>,
+    /// Where ids are looked up.
+    #[command(flatten)]
+    pub catalogue: CatalogueArgs,
+}
+
+fn format_help() -> String {
+    let names = DatasetFormat::names().join("`, `");
+    format!("Format of data sets given as paths, instead of recognising it: `{names}`")
+}
+
+/// What becomes of damaged scans.
+#[derive(Debug, Clone, Args)]
+pub struct DamageArgs {
+    /// Leave damaged scans out, name each, and go on
+    #[arg(long)]
+    pub skip_damaged: bool,
+}
+
+impl DamageArgs {
+    /// What that means for readers.
+    pub fn policy(&self) -> DamagePolicy {
+        if self.skip_damaged { DamagePolicy::Skip } else { DamagePolicy::Refuse }
+    }
+}
+
+pub(super) fn sensor_help() -> String {
+    let ids = EMBEDDED_SENSORS.map(|(id, _)| format!("`{id}`")).join(", ");
+    format!("Sensor of simulated data sets: {ids}, or a TOML file that describes one")
+}
