@@ -120,6 +120,7 @@ fn squared_distance_m2(a: &[f32; 3], b: &[f32; 3]) -> f32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use test_data::{needs_test_data, test_data};
 
     fn labels_of(positions_m: &[[f32; 3]], tolerance_m: f32) -> Vec<u32> {
         let mut labels = Vec::new();
@@ -243,37 +244,30 @@ mod tests {
         }
     }
 
-    /// Little-endian words of a file beside the project, which may not be copied into it; `None` where it is missing.
-    fn words_of(name: &str) -> Option<Vec<u32>> {
-        let path = format!("{}/../../shared/oracle/{name}", env!("CARGO_MANIFEST_DIR"));
-        match std::fs::read(&path) {
-            Ok(bytes) => Some(bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect()),
-            Err(error) => {
-                eprintln!("skipped: {path}: {error}");
-                None
-            }
-        }
+    /// Little-endian words of a file of PCL's run.
+    fn words_of(name: &str) -> Vec<u32> {
+        let bytes = std::fs::read(test_data!("oracle").join(name)).unwrap();
+        bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect()
     }
 
     /// Compares with the components that PCL found, component by component named after the smallest index.
     #[track_caller]
     fn check_against_pcl(scan: &str) {
-        let Some(words) = words_of(&format!("{scan}_fg.bin")) else { return };
+        let words = words_of(&format!("{scan}_fg.bin"));
         let points = words.chunks_exact(4);
         let positions_m: Vec<_> = points.map(|it| [it[0], it[1], it[2]].map(f32::from_bits)).collect();
         for (tolerance, tolerance_m) in [("0.3", 0.3), ("0.5", 0.5), ("0.7", 0.7)] {
-            if let Some(expected) = words_of(&format!("{scan}_labels_tol{tolerance}.u32")) {
-                assert!(labels_of(&positions_m, tolerance_m) == expected, "{scan} at {tolerance} m");
-            }
+            let expected = words_of(&format!("{scan}_labels_tol{tolerance}.u32"));
+            assert!(labels_of(&positions_m, tolerance_m) == expected, "{scan} at {tolerance} m");
         }
     }
 
-    #[test]
+    #[needs_test_data("oracle/obj_000001_fg.bin")]
     fn the_foreground_of_kitti_object_000001_falls_apart_as_in_pcl() {
         check_against_pcl("obj_000001");
     }
 
-    #[test]
+    #[needs_test_data("oracle/sk00_000000_fg.bin")]
     fn the_foreground_of_semantic_kitti_00_000000_falls_apart_as_in_pcl() {
         check_against_pcl("sk00_000000");
     }

@@ -10,7 +10,7 @@ use detector::pipeline::object_stages::ObjectStages;
 use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
 use detector::stage_product::{Shape, SurfaceClass};
-use detector::{Detector, PointCloud, StageProduct};
+use detector::{Detector, PointCloud, Rule, StageProduct};
 
 use crate::kd_tree_components::{KdTreeScratch, kd_tree_components};
 use crate::params::{ForegroundChoice, KdTreeParams};
@@ -23,6 +23,7 @@ use crate::params::{ForegroundChoice, KdTreeParams};
 /// Paper: HG section 5, the method it compares with; boxes as VM section 4.
 #[derive(Debug, Clone)]
 pub struct KdTreeDetector {
+    name: &'static str,
     params: KdTreeParams,
     short_objects: ForegroundStages,
     finite_points: Vec<u32>,
@@ -45,6 +46,7 @@ impl KdTreeDetector {
         shared.completion.enabled &= params.foreground != ForegroundChoice::All;
         let objects = ObjectStages::new(&shared, params.min_points);
         Self {
+            name: "kd-tree",
             params,
             short_objects: ForegroundStages::new(shared, sensor_height_m),
             finite_points: Vec::new(),
@@ -59,6 +61,13 @@ impl KdTreeDetector {
         }
     }
 
+    /// The detector `kd-tree-same-walls`: like for like with the hierarchical one, it looks for walls before it clusters,
+    /// whatever `params` say about the foreground.
+    pub fn with_same_walls(params: KdTreeParams, shared: HierarchicalParams, sensor_height_m: f32) -> Self {
+        let params = KdTreeParams { foreground: ForegroundChoice::Refined, ..params };
+        Self { name: "kd-tree-same-walls", ..Self::new(params, shared, sensor_height_m) }
+    }
+
     /// The same detector, which tells vehicles by `model` instead of by their size.
     pub fn with_vehicle_model(mut self, model: VehicleModel) -> Self {
         self.objects = self.objects.with_vehicle_model(model);
@@ -68,7 +77,7 @@ impl KdTreeDetector {
 
 impl Detector for KdTreeDetector {
     fn name(&self) -> &'static str {
-        "kd-tree"
+        self.name
     }
 
     fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
@@ -98,6 +107,14 @@ impl Detector for KdTreeDetector {
         ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products
+    }
+
+    fn rules(&self) -> Vec<Rule> {
+        let of_foreground = match self.params.foreground {
+            ForegroundChoice::Short | ForegroundChoice::Refined => self.short_objects.rules(),
+            ForegroundChoice::All => Vec::new(),
+        };
+        [of_foreground, self.objects.rules()].concat()
     }
 }
 

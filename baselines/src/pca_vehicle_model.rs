@@ -1,8 +1,11 @@
 //! From an object to how surely it is a vehicle, as the rival of the vehicle model decides it.
 
+use std::sync::LazyLock;
+
 use detector::OrientedBox;
 use detector::classify::nu_svm::NuSvm;
-use detector::classify::svm_model::{SvmModel, SvmModelError};
+use detector::classify::svm_model::SvmModel;
+use detector::classify::svm_model_error::SvmModelError;
 use detector::describe::trained_file::AtLine;
 
 use crate::pca_features::{N_PCA_FEATURES, PcaDescriber, PcaFeatures};
@@ -20,9 +23,14 @@ pub struct PcaVehicleModel {
 }
 
 impl PcaVehicleModel {
-    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again.
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it is
+    /// first asked for, and once.
     pub fn shipped() -> Self {
-        Self::from_toml(include_str!("params/pca_model.toml")).expect("the embedded file is tested")
+        static SHIPPED: LazyLock<PcaVehicleModel> = LazyLock::new(|| {
+            let text = include_str!("params/pca_model.toml");
+            PcaVehicleModel::from_toml(text).expect("the embedded file is tested")
+        });
+        SHIPPED.clone()
     }
 
     /// A model from the text of its file.

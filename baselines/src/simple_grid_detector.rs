@@ -14,7 +14,7 @@ use detector::segment::disjoint_sets::DisjointSets;
 use detector::segment::merge_graph::merge_graph;
 use detector::segment::object_points::ObjectPoint;
 use detector::stage_product::Shape;
-use detector::{Detector, PointCloud, StageProduct};
+use detector::{Detector, PointCloud, Rule, StageProduct};
 
 /// Objects as connected components of coarse cells.
 ///
@@ -90,6 +90,10 @@ impl Detector for SimpleGridDetector {
         ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products
+    }
+
+    fn rules(&self) -> Vec<Rule> {
+        [self.foreground.rules(), self.objects.rules()].concat()
     }
 }
 

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::detection::Detections;
 use crate::point_cloud::PointCloud;
+use crate::rule::Rule;
 use crate::stage_product::StageProduct;
 
 /// Finds objects in single scans.
@@ -22,6 +23,11 @@ pub trait Detector: Send {
     /// Meant for drawing: allocates, and is never called inside a stopwatch. `cloud` is the scan that was given to
     /// that call.
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
+
+    /// What it does beside finding clusters, in the order of the stages.
+    fn rules(&self) -> Vec<Rule> {
+        Vec::new()
+    }
 }
 
 /// Everything a detector says about one scan.

@@ -11,12 +11,14 @@ pub mod point_cloud;
 pub mod oriented_box;
 pub mod detection;
 pub mod stage_product;
+pub mod rule;
 pub mod detector;
 
 pub use detection::{DetectedClass, Detection, Detections};
 pub use detector::{Detector, DetectorOutput};
 pub use oriented_box::OrientedBox;
 pub use point_cloud::PointCloud;
+pub use rule::Rule;
 pub use stage_product::StageProduct;
 
 // How fast they run, and nothing else.

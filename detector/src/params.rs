@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use crate::classify::regrouping_params::RegroupingParams;
 use crate::classify::size_gate::SizeGateParams;
+use crate::describe::seen_size::VehicleBoundsParams;
 use crate::fit::completion::CompletionParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
 use crate::grid::density_weighting::DensityWeightingParams;
@@ -39,6 +40,8 @@ pub struct HierarchicalParams {
     pub cluster: ClusterParams,
     /// Which objects are vehicles.
     pub vehicle_size: SizeGateParams,
+    /// Which objects the vehicle model is asked about.
+    pub vehicle_bounds: VehicleBoundsParams,
     /// Cutting and joining objects by the vehicle model.
     pub regrouping: RegroupingParams,
     /// Points of objects that are no foreground.

@@ -20,7 +20,10 @@ mod fixed_decimals;
 
 // Files.
 pub mod archive;
+pub mod unfinished;
 pub mod whole_file;
+pub mod claimed_name;
+pub mod new_folders;
 pub mod csv_rows;
 pub mod run_report;
 pub mod manifest;
@@ -39,6 +42,8 @@ pub mod condition_row;
 pub mod precision_recall_row;
 pub mod operating_curve;
 pub mod training_row;
+mod run_target;
+mod folder_in_place;
 pub mod run_directory;
 
 // From rows to numbers.

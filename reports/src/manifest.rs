@@ -144,6 +144,9 @@ pub struct DetectorEntry {
     pub name: String,
     /// Every parameter with its value.
     pub parameters: serde_json::Value,
+    /// What it does beside finding clusters, which others may not.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rules: Vec<String>,
 }
 
 /// The state of the source that the program was built from.
@@ -222,6 +225,7 @@ mod tests {
             detectors: vec![DetectorEntry {
                 name: "kd-tree".to_owned(),
                 parameters: serde_json::json!({"tolerance_m": 0.5}),
+                rules: vec!["completion".to_owned()],
             }],
             git: Some(GitState { commit: "c0ffee".to_owned(), dirty: true }),
             rustc_version: "1.95.0".to_owned(),
@@ -290,7 +294,10 @@ mod tests {
               "name": "kd-tree",
               "parameters": {
                 "tolerance_m": 0.5
-              }
+              },
+              "rules": [
+                "completion"
+              ]
             }
           ],
           "git": {

@@ -27,12 +27,12 @@ pub struct Hue {
     pub on_light: Rgb,
 }
 
-/// Hues for detectors; the first three are not those of right and wrong in the viewer.
+/// Hues for detectors, none of which means right or wrong in the viewer.
 pub const DETECTOR_HUES: [Hue; 4] = [
     Hue { on_dark: SKY_BLUE, on_light: BLUE },
     Hue { on_dark: ORANGE, on_light: VERMILION },
     Hue { on_dark: REDDISH_PURPLE, on_light: [156, 74, 120] },
-    Hue { on_dark: BLUISH_GREEN, on_light: [0, 115, 90] },
+    Hue { on_dark: [214, 214, 222], on_light: [70, 72, 84] },
 ];
 
 /// The hue of the detector at `detector_idx` in the order of the run: the same in the viewer, in plots and on pages.
@@ -52,6 +52,35 @@ mod tests {
         };
         let (a, b) = (luminance(a), luminance(b));
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    /// What a person without one kind of cones sees, as linear light.
+    ///
+    /// Viénot, Brettel and Mollon 1999: Digital video colourmaps for checking the legibility of displays by dichromats.
+    fn seen_without(matrix: [[f64; 3]; 3], color: Rgb) -> [f64; 3] {
+        let linear = color.map(|it| (f64::from(it) / 255.0).powf(2.2));
+        matrix.map(|row| (0..3).map(|channel| row[channel] * linear[channel]).sum::<f64>().max(0.0))
+    }
+
+    #[test]
+    fn hues_of_detectors_differ_for_every_kind_of_colour_vision() {
+        const NORMAL: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        const PROTANOPE: [[f64; 3]; 3] =
+            [[0.112_38, 0.887_62, 0.0], [0.112_38, 0.887_62, 0.0], [0.004_01, -0.004_01, 1.0]];
+        const DEUTERANOPE: [[f64; 3]; 3] =
+            [[0.292_75, 0.707_25, 0.0], [0.292_75, 0.707_25, 0.0], [-0.022_34, 0.022_34, 1.0]];
+        for matrix in [NORMAL, PROTANOPE, DEUTERANOPE] {
+            for of_background in [|hue: &Hue| hue.on_dark, |hue: &Hue| hue.on_light] {
+                // As bright as screens show it.
+                let seen = DETECTOR_HUES.map(|it| seen_without(matrix, of_background(&it)).map(|it| it.powf(1.0 / 2.2)));
+                for (idx, a) in seen.iter().enumerate() {
+                    for b in &seen[..idx] {
+                        let difference = (0..3).map(|it| (a[it] - b[it]).powi(2)).sum::<f64>().sqrt();
+                        assert!(difference > 0.15, "{a:?} and {b:?}: {difference}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,18 +1,21 @@
 //! The folder that a run leaves behind, written whole or not at all.
 
-use std::fs::{File, Metadata};
-use std::io;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
 use crate::archive::ArchiveError;
+use crate::folder_in_place::{Moved, move_into_place};
+use crate::run_target::refused;
+pub use crate::run_target::{
+    ClaimedTarget, ExistingTarget, LATEST, LatestPointer, MANIFEST_JSON, RunDirectoryError,
+};
+use crate::unfinished::{Kind, Unfinished};
 use crate::whole_file::{WholeFile, folder_of, write_whole};
 
 /// The numbers of the run.
 pub const REPORT_JSON: &str = "report.json";
-/// How the run came about.
-pub const MANIFEST_JSON: &str = "manifest.json";
 /// One row for every scan, detector and task.
 pub const SCANS_CSV: &str = "scans.csv";
 /// One row for every matched pair, and for every annotation and detection that is in none.
@@ -29,26 +32,6 @@ pub const FIGURES: &str = "figures";
 pub const SWEEP_CSV: &str = "sweep.csv";
 /// Times of a sweep.
 pub const SWEEP_TIMES_CSV: &str = "times.csv";
-/// Points at the newest run beside it.
-pub const LATEST: &str = "latest";
-
-/// What to do when the target is there already. An empty folder is always taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ExistingTarget {
-    /// Leave it and fail.
-    Refuse,
-    /// Replace it, if it is the directory of an earlier run.
-    Replace,
-}
-
-/// What to do with the name `latest` beside the target.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LatestPointer {
-    /// Let it point at this run.
-    Update,
-    /// Leave it alone.
-    Leave,
-}
 
 /// A run directory in the making.
 ///
@@ -58,52 +41,8 @@ pub enum LatestPointer {
 pub struct RunDirectory {
     // Invariant: dropped, and so removed, before the folders around it: fields drop in the order of declaration.
     partial: TempDir,
-    _new_parents: NewParents,
-    target: PathBuf,
-    existing: ExistingTarget,
-    latest: LatestPointer,
-}
-
-/// Why a run directory cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum RunDirectoryError {
-    /// The path does not end in the name of a folder.
-    #[error("{target:?} does not end in the name of a run; give one, such as runs/first")]
-    NoName {
-        /// Where the run was to be written.
-        target: PathBuf,
-    },
-    /// There is something already.
-    #[error("{target:?} exists; choose another name, remove it, or ask for it to be replaced")]
-    Occupied {
-        /// Where the run was to be written.
-        target: PathBuf,
-    },
-    /// There is something already that is no run, and is not replaced.
-    #[error(
-        "{target:?} exists and is not the directory of a run (a folder with a {MANIFEST_JSON}), so it is not replaced"
-    )]
-    NotARun {
-        /// Where the run was to be written.
-        target: PathBuf,
-    },
-    /// The name `latest` is taken by something that does not point at a run.
-    #[error("{path:?} should point at the newest run, but is something else; rename it")]
-    LatestOccupied {
-        /// What has that name.
-        path: PathBuf,
-    },
-    /// The operating system refused.
-    #[error("cannot write {path:?}")]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        /// What it said.
-        source: io::Error,
-    },
-    /// A file cannot be written.
-    #[error(transparent)]
-    Archive(#[from] ArchiveError),
+    unfinished: Unfinished,
+    claimed: ClaimedTarget,
 }
 
 impl RunDirectory {
@@ -111,22 +50,23 @@ impl RunDirectory {
     ///
     /// # Errors
     ///
-    /// [`RunDirectoryError`] if nothing can be written there, or if `target` exists and may not be replaced: at once, and
-    /// not after a long run.
+    /// [`RunDirectoryError`] if nothing can be written there, or if `target` exists and may not be replaced, or somebody else is
+    /// writing it: at once, and not after a long run.
     pub fn create(
         target: &Path,
         existing: ExistingTarget,
         latest: LatestPointer,
     ) -> Result<Self, RunDirectoryError> {
-        let name = target.file_name().ok_or_else(|| RunDirectoryError::NoName { target: target.into() })?;
-        check_target(target, existing)?;
-        let parent = folder_of(target);
-        // A run that is itself called `latest` needs no pointer.
-        let latest = if name == LATEST { LatestPointer::Leave } else { latest };
-        if latest == LatestPointer::Update {
-            check_latest(&parent.join(LATEST))?;
-        }
-        let new_parents = NewParents::create(parent)?;
+        Self::begin(ClaimedTarget::claim(target, existing, latest)?)
+    }
+
+    /// Begins the run directory whose place has been taken.
+    ///
+    /// # Errors
+    ///
+    /// [`RunDirectoryError`] if nothing can be written there.
+    pub fn begin(claimed: ClaimedTarget) -> Result<Self, RunDirectoryError> {
+        let (parent, name) = (folder_of(claimed.target()), claimed.target().file_name().unwrap_or_default());
         let mut builder = tempfile::Builder::new();
         let prefix = format!(".{}.partial-", name.to_string_lossy());
         builder.prefix(&prefix);
@@ -136,13 +76,15 @@ impl RunDirectory {
             // As for any other folder: the umask decides who may look into it.
             builder.permissions(std::fs::Permissions::from_mode(0o777));
         }
-        let partial = builder.tempdir_in(parent).map_err(refused(parent))?;
-        Ok(Self { partial, _new_parents: new_parents, target: target.into(), existing, latest })
+        let (unfinished, partial) =
+            Unfinished::begin(Kind::Folder, || builder.tempdir_in(parent), |it| it.path().to_path_buf())
+                .map_err(refused(parent))?;
+        Ok(Self { partial, unfinished, claimed })
     }
 
     /// Where the run will be.
     pub fn target(&self) -> &Path {
-        &self.target
+        self.claimed.target()
     }
 
     /// Where all of it is written now.
@@ -181,108 +123,21 @@ impl RunDirectory {
     /// [`RunDirectoryError`] if the disk does not take it, or if somebody else made the target meanwhile; nothing is left
     /// behind then, and an earlier run stays as it was. If `latest` alone fails, the run is in its place.
     pub fn finish(mut self) -> Result<PathBuf, RunDirectoryError> {
-        let parent = folder_of(&self.target);
         sync_tree(self.partial.path())?;
-        check_target(&self.target, self.existing)?;
-        match move_into_place(self.partial.path(), &self.target)? {
-            Moved::ToANewName => self.partial.disable_cleanup(true),
-            // What is removed in the end is the earlier run, which now has the name of the hidden folder.
-            Moved::InExchange => {}
-        }
-        sync_folder(parent)?;
-        if self.latest == LatestPointer::Update {
-            point_latest_at(&self.target)?;
-        }
-        Ok(self.target.clone())
+        let target = self.claimed.target().to_path_buf();
+        // In one step for whoever ends the program: no run without the pointer that it is to have.
+        self.unfinished.undisturbed(|| {
+            self.claimed.check()?;
+            match move_into_place(self.partial.path(), &target)? {
+                Moved::ToANewName => self.partial.disable_cleanup(true),
+                // What is removed in the end is the earlier run, which now has the name of the hidden folder.
+                Moved::InExchange => {}
+            }
+            if self.claimed.latest() == LatestPointer::Update { point_latest_at(&target) } else { Ok(()) }
+        })?;
+        sync_folder(folder_of(&target))?;
+        Ok(target)
     }
-}
-
-/// Turns what the operating system said about `path` into our error.
-fn refused(path: &Path) -> impl FnOnce(io::Error) -> RunDirectoryError {
-    let path = path.to_path_buf();
-    move |source| RunDirectoryError::Io { path, source }
-}
-
-/// What is there, without following a link; `None` if nothing is.
-fn metadata(path: &Path) -> Result<Option<Metadata>, RunDirectoryError> {
-    match std::fs::symlink_metadata(path) {
-        Ok(metadata) => Ok(Some(metadata)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(refused(path)(error)),
-    }
-}
-
-fn is_empty_folder(path: &Path, metadata: &Metadata) -> Result<bool, RunDirectoryError> {
-    Ok(metadata.is_dir() && std::fs::read_dir(path).map_err(refused(path))?.next().is_none())
-}
-
-/// Fails if `target` exists and may not be replaced.
-fn check_target(target: &Path, existing: ExistingTarget) -> Result<(), RunDirectoryError> {
-    let Some(metadata) = metadata(target)? else { return Ok(()) };
-    if is_empty_folder(target, &metadata)? {
-        return Ok(());
-    }
-    match existing {
-        ExistingTarget::Refuse => Err(RunDirectoryError::Occupied { target: target.into() }),
-        // A slip of the keyboard must not cost a home directory.
-        ExistingTarget::Replace if metadata.is_dir() && target.join(MANIFEST_JSON).is_file() => Ok(()),
-        ExistingTarget::Replace => Err(RunDirectoryError::NotARun { target: target.into() }),
-    }
-}
-
-/// Fails if `latest` is something that was not put there by [`point_latest_at`].
-fn check_latest(latest: &Path) -> Result<(), RunDirectoryError> {
-    match metadata(latest)? {
-        Some(metadata) if cfg!(unix) && !metadata.is_symlink() || metadata.is_dir() => {
-            Err(RunDirectoryError::LatestOccupied { path: latest.into() })
-        }
-        _ => Ok(()),
-    }
-}
-
-/// How a folder came to its name.
-enum Moved {
-    /// Nobody had that name.
-    ToANewName,
-    /// The earlier run got the name of the new one's folder.
-    InExchange,
-}
-
-/// Gives the finished folder its name; an earlier run of that name goes only once the new one is in its place.
-fn move_into_place(partial: &Path, target: &Path) -> Result<Moved, RunDirectoryError> {
-    let rename = |from: &Path, to: &Path| -> Result<Moved, RunDirectoryError> {
-        std::fs::rename(from, to).map_err(refused(target)).map(|()| Moved::ToANewName)
-    };
-    let Some(metadata) = metadata(target)? else { return rename(partial, target) };
-    if is_empty_folder(target, &metadata)? {
-        // Where the system allows, in one step, so that no moment is without a folder of that name.
-        if std::fs::rename(partial, target).is_ok() {
-            return Ok(Moved::ToANewName);
-        }
-        std::fs::remove_dir(target).map_err(refused(target))?;
-        return rename(partial, target);
-    }
-    if exchange(partial, target).is_ok() {
-        return Ok(Moved::InExchange);
-    }
-    let parent = folder_of(target);
-    let aside = tempfile::Builder::new().prefix(".replaced-").tempdir_in(parent).map_err(refused(parent))?;
-    let old = aside.path().join("old");
-    rename(target, &old)?;
-    rename(partial, target).or_else(|error| rename(&old, target).and(Err(error)))
-}
-
-/// Lets two folders swap names in one step, so that whoever ends the program meanwhile leaves the one or the other.
-#[cfg(target_os = "linux")]
-fn exchange(one: &Path, other: &Path) -> io::Result<()> {
-    use rustix::fs::{CWD, RenameFlags, renameat_with};
-    Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
-}
-
-/// Not every system can.
-#[cfg(not(target_os = "linux"))]
-fn exchange(_one: &Path, _other: &Path) -> io::Result<()> {
-    Err(io::ErrorKind::Unsupported.into())
 }
 
 /// Brings all files below `folder` to the disk.
@@ -322,32 +177,8 @@ fn point_latest_at(target: &Path) -> Result<(), RunDirectoryError> {
         link.persist(&latest).map_err(|it| refused(&latest)(it.error))?;
     }
     #[cfg(not(unix))]
-    write_whole(&latest, name.to_string_lossy().as_bytes())?;
+    std::fs::write(&latest, name.to_string_lossy().as_bytes()).map_err(refused(&latest))?;
     Ok(())
-}
-
-/// The folders that were made for a run, innermost first. Dropping it removes those that are empty.
-#[derive(Debug)]
-struct NewParents(Vec<PathBuf>);
-
-impl NewParents {
-    /// Makes `folder` and all that is missing above it.
-    fn create(folder: &Path) -> Result<Self, RunDirectoryError> {
-        let missing =
-            folder.ancestors().filter(|it| !it.as_os_str().is_empty()).take_while(|it| !it.exists());
-        let new_parents = Self(missing.map(Path::to_path_buf).collect());
-        std::fs::create_dir_all(folder).map_err(refused(folder))?;
-        Ok(new_parents)
-    }
-}
-
-impl Drop for NewParents {
-    fn drop(&mut self) {
-        for folder in &self.0 {
-            // Fails, as it should, where a run or something else is in it.
-            let _ = std::fs::remove_dir(folder);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -470,10 +301,25 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("a");
         let late = begin(&target, ExistingTarget::Refuse).unwrap();
-        write_run(&target, ExistingTarget::Refuse, "theirs").unwrap();
+        std::fs::create_dir(&target).unwrap();
+        std::fs::write(target.join(REPORT_JSON), "theirs").unwrap();
         let error = late.finish().unwrap_err();
         assert!(matches!(error, RunDirectoryError::Occupied { .. }), "{error}");
-        assert_eq!((report_of(&target).as_str(), names_in(folder.path()).len()), ("theirs", 2));
+        assert_eq!((report_of(&target).as_str(), names_in(folder.path())), ("theirs", vec!["a".to_owned()]));
+    }
+
+    #[test]
+    fn two_do_not_write_to_one_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("a");
+        for existing in [ExistingTarget::Refuse, ExistingTarget::Replace] {
+            let first = begin(&target, existing).unwrap();
+            let error = begin(&target, existing).unwrap_err();
+            assert!(matches!(error, RunDirectoryError::InUse { .. }), "{error}");
+            first.write_file(MANIFEST_JSON, b"{}").unwrap();
+            first.finish().unwrap();
+        }
+        assert_eq!(names_in(folder.path()), ["a", LATEST]);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::archive::ArchiveError;
+use crate::unfinished::{Kind, Unfinished};
 
 /// A file that appears under its name once it is complete.
 ///
@@ -14,6 +15,7 @@ use crate::archive::ArchiveError;
 #[must_use = "a file that is not finished is thrown away"]
 pub struct WholeFile {
     writer: BufWriter<NamedTempFile>,
+    unfinished: Unfinished,
     path: PathBuf,
 }
 
@@ -32,10 +34,10 @@ impl WholeFile {
             // As for any other file: the umask decides who may read it.
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        let file = builder
-            .tempfile_in(folder_of(path))
+        let make = || builder.tempfile_in(folder_of(path));
+        let (unfinished, file) = Unfinished::begin(Kind::File, make, |it| it.path().to_path_buf())
             .map_err(|source| ArchiveError::Write { path: path.to_path_buf(), source })?;
-        Ok(Self { writer: BufWriter::new(file), path: path.to_path_buf() })
+        Ok(Self { writer: BufWriter::new(file), unfinished, path: path.to_path_buf() })
     }
 
     /// The name under which the file will appear.
@@ -49,11 +51,11 @@ impl WholeFile {
     ///
     /// [`ArchiveError::Write`] if the disk does not take it; what was there before is untouched then.
     pub fn finish(self) -> Result<(), ArchiveError> {
-        let Self { writer, path } = self;
+        let Self { writer, unfinished, path } = self;
         let persist = || -> io::Result<()> {
             let file = writer.into_inner().map_err(|error| without_path(error.into_error()))?;
             file.as_file().sync_all()?;
-            file.persist(&path).map_err(|it| it.error)?;
+            unfinished.undisturbed(|| file.persist(&path).map_err(|it| it.error))?;
             Ok(())
         };
         persist().map_err(|source| ArchiveError::Write { path: path.clone(), source })

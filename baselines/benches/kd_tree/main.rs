@@ -1,14 +1,14 @@
 //! The kd-tree on one thread: against PCL on the foreground of two real scans, against the hierarchical grid on whole
 //! scans as the paper measured, and on ever denser points, where its cost follows the pairs of neighbours.
 //!
-//! `cargo bench -p baselines --bench kd_tree`. The scans may not be copied into this project; where they are missing, their
-//! names are printed and they are left out.
+//! `cargo bench -p baselines --bench kd_tree`. The scans may not be copied into this project: `SCANBENCH_TEST_DATA` says where they
+//! are. Those that are missing are named, and left out.
 
 mod against_pcl;
 mod raw_scans;
 mod dense_points;
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Points nearer to each other than this are neighbours.
@@ -23,11 +23,10 @@ fn main() -> std::io::Result<()> {
 
 /// Positions from little-endian f32 x, y, z, intensity per point; `None` and a line in `out` where there is no such file.
 fn read_positions(path: &str, out: &mut impl std::io::Write) -> std::io::Result<Option<Vec<[f32; 3]>>> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared")).join(path);
-    let bytes = match std::fs::read(&path) {
+    let bytes = match std::fs::read(place_of(path)) {
         Ok(bytes) => bytes,
         Err(error) => {
-            writeln!(out, "skipped {}: {error}", path.display())?;
+            writeln!(out, "skipped: {path} in the folder that SCANBENCH_TEST_DATA names: {error}")?;
             return Ok(None);
         }
     };
@@ -36,6 +35,11 @@ fn read_positions(path: &str, out: &mut impl std::io::Write) -> std::io::Result<
     };
     let points = bytes.as_chunks::<16>().0.iter();
     Ok(Some(points.map(|point| [0, 4, 8].map(|at| coordinate(point, at))).collect()))
+}
+
+/// Where real data of this path are, if they are anywhere.
+fn place_of(path: &str) -> PathBuf {
+    PathBuf::from(std::env::var_os("SCANBENCH_TEST_DATA").unwrap_or_default()).join(path)
 }
 
 /// The median time of `work`.

@@ -4,6 +4,8 @@ pub mod size_gate;
 mod rbf_kernel;
 mod kernel_rows;
 pub mod nu_svc_solver;
+pub mod svm_model_error;
+mod support_lists;
 pub mod svm_model;
 pub mod svm_training;
 pub mod nu_svm;

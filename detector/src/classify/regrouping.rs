@@ -101,6 +101,11 @@ impl Regrouping {
         Self { params, to_cut: Vec::new(), places: CutPlaces::default(), parts_m: [Vec::new(), Vec::new()] }
     }
 
+    /// Whether anything is cut or joined at all.
+    pub fn is_enabled(&self) -> bool {
+        self.params.enabled
+    }
+
     /// Cuts and joins `fitted`, whose objects have their decisions. Parts stand where the whole stood, a joined object where
     /// the first of its parts stood.
     pub fn regroup<M: ObjectClassifier, S: Fn(&OrientedBox) -> Surroundings>(

@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use serde::Deserialize;
+
 use crate::oriented_box::OrientedBox;
 
 /// 99 of 100 clusters of vehicles on the simulated streets that models are trained on, parts of vehicles and trucks with
@@ -10,6 +12,21 @@ use crate::oriented_box::OrientedBox;
 const LENGTHS_M: RangeInclusive<f32> = 0.8..=13.0;
 const MOST_WIDTH_M: f32 = 4.4;
 const TOPS_M: RangeInclusive<f32> = 0.65..=3.1;
+
+/// Which objects a vehicle model is asked about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VehicleBoundsParams {
+    /// Whether objects of a size that no vehicle has are refused without asking the model.
+    pub enabled: bool,
+}
+
+impl VehicleBoundsParams {
+    /// Whether the model is asked about an object with this box above ground of elevation `ground_m`.
+    pub fn allow(self, bounding_box: &OrientedBox, ground_m: f32) -> bool {
+        !self.enabled || may_be_vehicle(bounding_box, ground_m)
+    }
+}
 
 /// Whether what is seen of a vehicle may have this box above ground of elevation `ground_m`. If not, no model is asked, nor
 /// trained on it.
@@ -33,5 +50,16 @@ mod tests {
         for other in [[0.5, 0.4, 1.7], [12.0, 6.0, 2.0], [20.0, 2.5, 3.0], [4.0, 2.0, 3.5], [2.0, 1.0, 0.4]] {
             assert!(!may_be(other), "{other:?}");
         }
+    }
+
+    #[test]
+    fn without_bounds_the_model_is_asked_about_a_house() {
+        let house = OrientedBox {
+            center_m: [9.0, 2.0, 1.3],
+            length_width_height_m: [20.0, 8.0, 6.0],
+            yaw_rad: 0.3,
+        };
+        assert!(!VehicleBoundsParams { enabled: true }.allow(&house, -1.7));
+        assert!(VehicleBoundsParams { enabled: false }.allow(&house, -1.7));
     }
 }

@@ -100,6 +100,11 @@ impl Completion {
         }
     }
 
+    /// Whether anything is found at all.
+    pub fn is_enabled(&self) -> bool {
+        self.params.enabled
+    }
+
     /// Finds what belongs to `objects`, boxes with the elevation of the ground below them and the points they have, in a
     /// scan that `grid` holds. A point in two boxes belongs to the first.
     ///

@@ -6,6 +6,7 @@ use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
+use crate::rule::Rule;
 use crate::segment::foreground::Foreground;
 use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::segment::hough_lines::Segment;
@@ -48,6 +49,11 @@ impl ForegroundStages {
         clock.lap("walls", stage_times);
         self.foreground.extract(cloud, &self.grid, &self.classes, &self.terrain);
         clock.lap("foreground", stage_times);
+    }
+
+    /// What the stages take out of the foreground.
+    pub fn rules(&self) -> Vec<Rule> {
+        if self.params.walls.enabled { vec![Rule::Walls] } else { Vec::new() }
     }
 
     /// The parameters.

@@ -11,6 +11,7 @@ use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::pipeline::object_stages::ObjectStages;
 use crate::pipeline::vehicle_model::VehicleModel;
 use crate::point_cloud::PointCloud;
+use crate::rule::Rule;
 use crate::segment::connected_components::connected_components;
 use crate::segment::dense_separation::DenseSeparation;
 use crate::segment::merge_graph::merge_graph;
@@ -108,6 +109,10 @@ impl Detector for HierarchicalDetector {
         ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products
+    }
+
+    fn rules(&self) -> Vec<Rule> {
+        [self.foreground.rules(), self.objects.rules()].concat()
     }
 }
 

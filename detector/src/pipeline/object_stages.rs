@@ -2,7 +2,7 @@
 
 use crate::classify::regrouping::{Judge, Regrouping};
 use crate::classify::size_gate::{SizeGateParams, size_gate};
-use crate::describe::seen_size::may_be_vehicle;
+use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::detection::Detection;
 use crate::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
@@ -14,6 +14,7 @@ use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::pipeline::vehicle_model::{N_FEATURES, VehicleModel, class_by_decision};
 use crate::point_cloud::PointCloud;
+use crate::rule::Rule;
 use crate::stage_product::{Shape, StageProduct};
 
 /// Classes, regrouping and completion of one scan after another.
@@ -21,6 +22,7 @@ use crate::stage_product::{Shape, StageProduct};
 pub struct ObjectStages {
     min_points: usize,
     min_vehicle_points: usize,
+    vehicle_bounds: VehicleBoundsParams,
     fitted: FittedObjects,
     model: Option<VehicleModel>,
     values: Vec<Option<[f32; N_FEATURES]>>,
@@ -37,6 +39,7 @@ impl ObjectStages {
         Self {
             min_points,
             min_vehicle_points: params.cluster.min_vehicle_points.min(min_points),
+            vehicle_bounds: params.vehicle_bounds,
             fitted: FittedObjects::default(),
             model: None,
             values: Vec::new(),
@@ -50,7 +53,7 @@ impl ObjectStages {
 
     /// The same stages, which tell vehicles by `model` instead.
     pub fn with_vehicle_model(self, model: VehicleModel) -> Self {
-        Self { model: Some(model), ..self }
+        Self { model: Some(model.within(self.vehicle_bounds)), ..self }
     }
 
     /// The same stages, which cut and join objects if there is a vehicle model.
@@ -61,6 +64,24 @@ impl ObjectStages {
     /// Fewest points of what may become a detection.
     pub fn min_points(&self) -> usize {
         if self.model.is_some() { self.min_vehicle_points } else { self.min_points }
+    }
+
+    /// What becomes of clusters beside their class.
+    pub fn rules(&self) -> Vec<Rule> {
+        let mut rules = Vec::new();
+        if self.model.is_some() {
+            if self.min_vehicle_points < self.min_points {
+                rules.push(Rule::SmallVehicles { min_points: self.min_vehicle_points });
+            }
+            rules.push(Rule::SizeBounds);
+            if self.regrouping.as_ref().is_some_and(Regrouping::is_enabled) {
+                rules.push(Rule::Regrouping);
+            }
+        }
+        if self.completion.is_enabled() {
+            rules.push(Rule::Completion);
+        }
+        rules
     }
 
     /// Forgets the objects of the scan before.
@@ -89,11 +110,11 @@ impl ObjectStages {
         clock: &mut StageClock,
         output: &mut DetectorOutput,
     ) {
-        let raster = &mut self.raster;
+        let (raster, bounds) = (&mut self.raster, self.vehicle_bounds);
         let surroundings = |raster: &ObjectRaster, bounding_box: &OrientedBox| {
             let ground_m = foreground.ground_below_m(bounding_box);
             // The model does not look at others.
-            if may_be_vehicle(bounding_box, ground_m) {
+            if bounds.allow(bounding_box, ground_m) {
                 raster.around(bounding_box, ground_m)
             } else {
                 Surroundings { ground_m, ..Surroundings::default() }

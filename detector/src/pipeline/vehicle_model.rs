@@ -1,11 +1,14 @@
 //! From an object to how surely it is a vehicle. Shared with baselines that classify as the paper does.
 
+use std::sync::LazyLock;
+
 use crate::classify::nu_svm::NuSvm;
 use crate::classify::object_classifier::{NO_VEHICLE, ObjectClassifier};
-use crate::classify::svm_model::{SvmModel, SvmModelError};
+use crate::classify::svm_model::SvmModel;
+use crate::classify::svm_model_error::SvmModelError;
 use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
-use crate::describe::seen_size::may_be_vehicle;
+use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::Surroundings;
 use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
@@ -23,6 +26,7 @@ pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
 pub struct VehicleModel {
     describer: VehicleDescriber,
     svm: NuSvm<N_FEATURES>,
+    bounds: VehicleBoundsParams,
 }
 
 /// Why there is no model.
@@ -37,13 +41,17 @@ pub enum VehicleModelError {
 }
 
 impl VehicleModel {
-    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again.
+    /// The model that comes with the program, trained on simulated streets. `.ci/train` makes it again. It is read when it is
+    /// first asked for, and once.
     pub fn shipped() -> Self {
-        let [prototypes, svm] = [
-            include_str!("../params/vehicle_model/prototypes.toml"),
-            include_str!("../params/vehicle_model/model.toml"),
-        ];
-        Self::from_toml(prototypes, svm).expect("the embedded files are tested")
+        static SHIPPED: LazyLock<VehicleModel> = LazyLock::new(|| {
+            let [prototypes, svm] = [
+                include_str!("../params/vehicle_model/prototypes.toml"),
+                include_str!("../params/vehicle_model/model.toml"),
+            ];
+            VehicleModel::from_toml(prototypes, svm).expect("the embedded files are tested")
+        });
+        SHIPPED.clone()
     }
 
     /// A model from the text of both of its files.
@@ -60,7 +68,13 @@ impl VehicleModel {
 
     /// A model from the prototypes and the classifier that was trained with them.
     pub fn new(library: PrototypeLibrary, svm: &SvmModel<N_FEATURES>) -> Self {
-        Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm) }
+        let bounds = VehicleBoundsParams { enabled: true };
+        Self { describer: VehicleDescriber::new(library), svm: NuSvm::new(svm), bounds }
+    }
+
+    /// The same model, which is asked about what `bounds` allow.
+    pub fn within(self, bounds: VehicleBoundsParams) -> Self {
+        Self { bounds, ..self }
     }
 
     /// What the classifier sees of an object with these points, in the sensor frame, and these surroundings. `None` without
@@ -71,7 +85,7 @@ impl VehicleModel {
         surroundings: &Surroundings,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
     ) -> Option<[f32; N_FEATURES]> {
-        if !may_be_vehicle(bounding_box, surroundings.ground_m) {
+        if !self.bounds.allow(bounding_box, surroundings.ground_m) {
             return None;
         }
         Some(self.describer.describe(bounding_box, surroundings, positions_m)?.values())

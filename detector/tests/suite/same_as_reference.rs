@@ -2,6 +2,7 @@
 
 use detector::PointCloud;
 use detector::params::HierarchicalParams;
+use test_data::{needs_test_data, test_data};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
 use crate::reference::twins::Twins;
@@ -18,17 +19,17 @@ fn on_drawn_streets() {
     assert_eq!(twins.check(&main_road(), "the main road after nothing"), 3);
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking", "data/kitti_object", "data/semantic_kitti")]
 fn on_real_scans() {
     let drives = [
-        "kitti_tracking/training/velodyne/0000",
-        "kitti_object/training/velodyne",
-        "semantic_kitti/sequences/00/velodyne",
+        test_data!("data/kitti_tracking/training/velodyne/0000"),
+        test_data!("data/kitti_object/training/velodyne"),
+        test_data!("data/semantic_kitti/sequences/00/velodyne"),
     ];
     let mut twins = Twins::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
     for drive in drives {
         // The scans of the object drive are those of the tracking drive, written once more.
-        let paths = velodyne_paths(drive, "on_real_scans");
+        let paths = velodyne_paths(&drive);
         for path in paths.iter().step_by(if paths.len() > 8 { 5 } else { 2 }) {
             let n_objects = twins.check(&read_velodyne_bin(path), &path.display().to_string());
             assert!(n_objects > 50, "{n_objects} objects in {}", path.display());

@@ -3,6 +3,7 @@
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
+use test_data::{needs_test_data, test_data};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
 use crate::trained_on_drawings::vehicle_model;
@@ -39,13 +40,9 @@ fn a_smaller_scan_allocates_nothing() {
     check(&main_road(), &PointCloud::default());
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking/training/velodyne/0000")]
 fn a_drive_seen_before_allocates_nothing() {
-    let test = "a_drive_seen_before_allocates_nothing";
-    let paths = velodyne_paths("kitti_tracking/training/velodyne/0000", test);
-    if paths.is_empty() {
-        return;
-    }
+    let paths = velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000"));
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
     let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)

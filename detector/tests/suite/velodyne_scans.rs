@@ -1,17 +1,12 @@
-//! Real scans, which may not be copied into this project.
+//! Real scans.
 
 use std::path::{Path, PathBuf};
 
 use detector::PointCloud;
 
-/// The paths of the scans in `folder` of the shared data, in order; none where the folder is missing, which is said
-/// together with the name of the test that skips it.
-pub fn velodyne_paths(folder: &str, test: &str) -> Vec<PathBuf> {
-    let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
-    let Ok(entries) = std::fs::read_dir(data.join(folder)) else {
-        eprintln!("skipped {test}: no {folder}");
-        return Vec::new();
-    };
+/// The paths of the scans in `folder`, in order.
+pub fn velodyne_paths(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("a folder of scans");
     let mut paths: Vec<_> = entries.map(|it| it.expect("an entry").path()).collect();
     paths.sort();
     paths

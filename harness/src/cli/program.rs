@@ -58,7 +58,7 @@ Exit codes:
   5    runs that cannot be compared
   100  regression
   101  no regression, but scans are judged otherwise
-  130  interrupted";
+  130  interrupted; 143 if by SIGTERM";
 
 /// The verbs.
 #[derive(Debug, Subcommand)]

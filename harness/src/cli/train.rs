@@ -35,9 +35,16 @@ pub struct TrainArgs {
     /// Most vehicles to train on
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
     pub vehicles: u32,
-    /// Most other objects to train on, for each vehicle; for hierarchical some parts and pairs of clusters come on top
+    /// Most other objects to train on, for each vehicle; parts and pairs of clusters come on top
     #[arg(long, value_name = "N", default_value_t = OTHERS_PER_VEHICLE, value_parser = others_per_vehicle)]
     pub others: f64,
+    /// Train with parts and pairs of clusters too, as regrouping makes them; hierarchical always does
+    #[arg(long)]
+    pub parts_and_pairs: bool,
+    /// Train with objects of any size, also those that no vehicle has; pca always does. A run takes such a model with
+    /// -P vehicle_bounds.enabled=false
+    #[arg(long)]
+    pub any_size: bool,
     /// Most side profiles of each kind of vehicle to compare with
     #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
     pub prototypes: u32,

@@ -4,7 +4,6 @@ use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
 use reports::csv_rows::CsvRowWriter;
-use reports::manifest::DetectorEntry;
 use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
 use reports::table::ablation_score::AblationRow;
 use reports::table::ablation_table::AblationTable;
@@ -17,7 +16,7 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::{compact_utc, machine};
 use crate::commands::run_directory::begin_run_directory;
-use crate::commands::run_manifest::{RunSettings, criterion_in_words, run_manifest};
+use crate::commands::run_manifest::{RunSettings, criterion_in_words, detector_entry, run_manifest};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::run::ablation::{AblationScores, TASK, Variant, variants};
 use crate::run::detector_list::{ListedDetector, detectors_named};
@@ -35,8 +34,7 @@ const ABLATION_MD: &str = "ablation.md";
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let listed = detectors_named(&[METHOD.to_owned()])?;
     let config = judging_config(&arguments.config, &arguments.matching, &listed)?;
@@ -52,7 +50,7 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
         data: &arguments.data,
         n_warmup: arguments.timing.warmup,
         config: &config,
-        detectors: variants.iter().map(|it| entry(it, &listed[0])).collect(),
+        detectors: variants.iter().map(|it| detector_entry(&it.name, &listed[0], &it.config)).collect(),
         datasets: &datasets,
         started,
     };
@@ -108,14 +106,6 @@ fn evaluate(
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(scores)
-}
-
-fn entry(variant: &Variant, method: &ListedDetector) -> DetectorEntry {
-    let parameters = serde_json::to_value(&variant.config.resolved[method.table]);
-    DetectorEntry {
-        name: variant.name.clone(),
-        parameters: parameters.expect("a configuration has text keys only"),
-    }
 }
 
 fn write_table(directory: &RunDirectory, table: &AblationTable) -> anyhow::Result<()> {

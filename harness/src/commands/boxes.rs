@@ -42,8 +42,7 @@ const NOTES: [&str; 2] = [
 ///
 /// If anything asked for is not there, no vehicle is matched, or the output cannot be written; nothing is left behind then.
 pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let detectors = detectors_named(&["hierarchical".to_owned()])?;
     let mut config = judging_config(&arguments.config, &arguments.matching, &detectors)?;

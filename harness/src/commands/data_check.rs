@@ -24,7 +24,7 @@ const N_AT_ONCE: usize = 16;
 ///
 /// The error of the first damaged scan, after everything has been printed and unless damage is to be skipped; if data sets cannot be opened.
 pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let mut first_damage = None;
     for (place, opened) in
         open_datasets_past_damage(&arguments.data, arguments.damage.policy())?.iter().enumerate()
@@ -34,7 +34,8 @@ pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
         }
         let is_interrupted = || interrupted.load(Ordering::Relaxed);
         let (scans, damage) = check(opened, is_interrupted)?;
-        print_result(CheckReport::of(opened.dataset.description(), &scans))?;
+        let stray_labels = opened.dataset.labels_without_scans()?;
+        print_result(CheckReport::of(opened.dataset.description(), &scans, stray_labels.as_deref()))?;
         first_damage = first_damage.or(damage);
     }
     match first_damage {

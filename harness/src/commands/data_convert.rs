@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use reports::new_folders::NewFolders;
+
 use crate::cli::ConvertArgs;
 use crate::commands::failure::Usage;
 use crate::commands::interruption::interruption_flag;
@@ -39,9 +41,10 @@ pub fn data_simulate(arguments: &ConvertArgs) -> anyhow::Result<()> {
 }
 
 fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Result<()> {
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let format = format_of(arguments, opened.len())?;
-    for (opened, path) in opened.iter().zip(paths_of(arguments, format, opened)?) {
+    let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
+    for (opened, path) in opened.iter().zip(paths_of(arguments, format, opened)) {
         let output = Output { path: &path, format, compression: arguments.compression };
         let n_scans = opened.scan_indices.len();
         let progress = progress_over_scans(n_scans, &opened.dataset.description().id);
@@ -75,21 +78,25 @@ fn format_of(arguments: &ConvertArgs, n_datasets: usize) -> Result<OutputFormat,
     }
 }
 
+/// Makes the folder that several data sets go to; it goes again if none does.
+///
+/// # Errors
+///
+/// [`ConversionError::Write`] if the operating system refuses.
+pub fn folder_of_several(folder: &Path) -> Result<NewFolders, ConversionError> {
+    NewFolders::create(folder)
+        .map_err(|source| ConversionError::Write { path: folder.to_path_buf(), source })
+}
+
 /// Where each data set goes.
-fn paths_of(
-    arguments: &ConvertArgs,
-    format: OutputFormat,
-    opened: &[OpenedDataset],
-) -> Result<Vec<PathBuf>, ConversionError> {
+fn paths_of(arguments: &ConvertArgs, format: OutputFormat, opened: &[OpenedDataset]) -> Vec<PathBuf> {
     let folder = &arguments.output;
     if let [_] = opened {
-        return Ok(vec![folder.clone()]);
+        return vec![folder.clone()];
     }
-    std::fs::create_dir_all(folder)
-        .map_err(|source| ConversionError::Write { path: folder.clone(), source })?;
     let ending = if format == OutputFormat::Mcap { ".mcap" } else { "" };
     let path = |it: &OpenedDataset| {
         Path::new(folder).join(format!("{}{ending}", folder_name(&it.dataset.description().id)))
     };
-    Ok(opened.iter().map(path).collect())
+    opened.iter().map(path).collect()
 }

@@ -7,11 +7,11 @@ use detector::{DetectedClass, DetectorOutput};
 
 use crate::cli::PrelabelArgs;
 use crate::commands::config::{detector_config, warn_of_unknown_sensor};
+use crate::commands::data_convert::folder_of_several;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
-use crate::conversion::ConversionError;
 use crate::conversion::convert::sheet_of;
 use crate::conversion::proposal_writer::{Proposal, ProposalWriter};
 use crate::conversion::whole_folder::folder_name;
@@ -26,24 +26,23 @@ use crate::run::side_by_side::RunError;
 /// If anything asked for is not there, data are damaged, or the output exists or cannot be written; of a data set nothing is left
 /// behind then.
 pub fn data_prelabel(arguments: &PrelabelArgs) -> anyhow::Result<()> {
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
     let config = detector_config(&arguments.config, &detectors)?;
     let opened = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
+    let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
     for it in &opened {
-        let path = path_of(&arguments.output, it, opened.len())?;
+        let path = path_of(&arguments.output, it, opened.len());
         prelabel(arguments, it, &path, (&detectors[0], &config), interrupted)?;
     }
     Ok(())
 }
 
-fn path_of(output: &Path, opened: &OpenedDataset, n_datasets: usize) -> Result<PathBuf, ConversionError> {
+fn path_of(output: &Path, opened: &OpenedDataset, n_datasets: usize) -> PathBuf {
     if n_datasets == 1 {
-        return Ok(output.to_path_buf());
+        return output.to_path_buf();
     }
-    std::fs::create_dir_all(output)
-        .map_err(|source| ConversionError::Write { path: output.to_path_buf(), source })?;
-    Ok(output.join(folder_name(&opened.dataset.description().id)))
+    output.join(folder_name(&opened.dataset.description().id))
 }
 
 fn prelabel(

@@ -33,8 +33,7 @@ const REALISM_CSV: &str = "realism.csv";
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn data_realism(arguments: &RealismArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let arguments_of_side = Sides { left: arguments.data.clone(), right: against(arguments) };
     let opened = Sides {

@@ -27,7 +27,7 @@ use crate::run::single_scan::{SingleScan, clusters_of_points, detect_repeatedly}
 ///
 /// If anything asked for is not there, the scan is damaged, or the output cannot be written; nothing is left behind then.
 pub fn detect(arguments: &DetectArgs) -> anyhow::Result<()> {
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let destinations = Destinations::new(arguments)?;
     let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
     let config = detector_config(&arguments.config, &detectors)?;

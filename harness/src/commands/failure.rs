@@ -11,6 +11,7 @@ use reports::gate::tolerances::TolerancesError;
 use reports::gate::verdict::Conclusion;
 use reports::run_directory::RunDirectoryError;
 
+use crate::commands::interruption::interruption_exit_code;
 use crate::commands::standard_streams::print_error;
 use crate::conversion::ConversionError;
 use crate::dataset::DatasetError;
@@ -41,7 +42,7 @@ pub enum Failure {
     Regression = 100,
     /// Not surely worse, but judged otherwise than the baseline.
     Drift = 101,
-    /// Ended by the user; what shells report for Ctrl-C.
+    /// Ended by the user; what shells report for Ctrl-C. After a request to terminate it is 143.
     Interrupted = 130,
 }
 
@@ -79,7 +80,10 @@ pub fn exit_code_of(work: impl FnOnce() -> anyhow::Result<()>) -> u8 {
         Ok(Ok(())) => 0,
         Ok(Err(error)) => {
             print_error(format_args!("error: {error:#}"));
-            Failure::of(&error) as u8
+            match Failure::of(&error) {
+                Failure::Interrupted => interruption_exit_code(),
+                failure => failure as u8,
+            }
         }
         // The panic has been reported where it happened.
         Err(_) => Failure::Internal as u8,
@@ -108,9 +112,11 @@ impl Failure {
         }
         match error.downcast_ref::<ConversionError>() {
             Some(ConversionError::Dataset(error)) => return of_dataset(error),
-            Some(ConversionError::Occupied { .. } | ConversionError::Unwritable { .. }) => {
-                return Self::Usage;
-            }
+            Some(
+                ConversionError::Occupied { .. }
+                | ConversionError::InUse { .. }
+                | ConversionError::Unwritable { .. },
+            ) => return Self::Usage,
             Some(_) | None => {}
         }
         if let Some(error) = error.downcast_ref::<SweepError>() {
@@ -179,6 +185,7 @@ impl Failure {
         match error {
             RunDirectoryError::NoName { .. }
             | RunDirectoryError::Occupied { .. }
+            | RunDirectoryError::InUse { .. }
             | RunDirectoryError::NotARun { .. }
             | RunDirectoryError::LatestOccupied { .. } => Self::Usage,
             RunDirectoryError::Io { source, .. } => Self::of_writing(source.kind()),

@@ -32,8 +32,7 @@ const DENSITY_CSV: &str = "density.csv";
 /// If anything asked for is not there, data are damaged or too few, or the output cannot be written; there is no file
 /// then, and no figures unless it is the disk that gave up on them.
 pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let path = arguments.output.as_path();
     for target in [Some(path), arguments.figures.as_deref()].into_iter().flatten() {
         anyhow::ensure!(

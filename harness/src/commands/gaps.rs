@@ -28,8 +28,7 @@ const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 ///
 /// If anything asked for is not there, or the output cannot be written; nothing is left behind then.
 pub fn gaps(arguments: &GapsArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let sensor = sensor_named(&arguments.sensor)?;
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
     let directory = asked.begin_directory(&arguments.output, "gaps")?;

@@ -1,10 +1,11 @@
 //! The verbs of the command line: from arguments to work done and a result printed.
 
 pub mod standard_streams;
+pub mod interruption;
 pub mod failure;
 pub mod progress;
-pub mod interruption;
 pub mod config;
+pub mod missing_positions;
 pub mod open_datasets;
 pub mod open_scan;
 pub mod provenance;

@@ -9,6 +9,7 @@ use reports::manifest::SkippedScan;
 use crate::annotation::ScanId;
 use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::missing_positions::PositionsCounted;
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
 use crate::dataset::dataset_format::DatasetFormat;
@@ -143,7 +144,7 @@ pub fn open_datasets_past_damage(
             SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
         });
         opened.push(OpenedDataset {
-            dataset,
+            dataset: Box::new(PositionsCounted::new(dataset)),
             scan_indices,
             skipped: RefCell::new(left_out.into_iter().collect()),
         });

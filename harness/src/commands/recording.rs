@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use reports::unfinished::{Kind, Unfinished};
 use tempfile::NamedTempFile;
 
 use crate::cli::{StreamArgs, TabName};
@@ -219,7 +220,7 @@ fn has_poses(opened: &OpenedDataset) -> bool {
 struct RecordingElsewhere {
     file: PathBuf,
     /// Where it is written until it is complete; `None` for devices and pipes, which are written at once.
-    unfinished: Option<NamedTempFile>,
+    unfinished: Option<(NamedTempFile, Unfinished)>,
 }
 
 impl RecordingElsewhere {
@@ -242,18 +243,20 @@ impl RecordingElsewhere {
             // As for any other file: the umask decides who may read it.
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        let unfinished = Some(builder.tempfile_in(folder).map_err(create_error)?);
-        Ok(Self { file, unfinished })
+        let make = || builder.tempfile_in(folder);
+        let (registered, made) =
+            Unfinished::begin(Kind::File, make, |it| it.path().to_path_buf()).map_err(create_error)?;
+        Ok(Self { file, unfinished: Some((made, registered)) })
     }
 
     /// Where to write.
     fn path(&self) -> &Path {
-        self.unfinished.as_ref().map_or(&self.file, NamedTempFile::path)
+        self.unfinished.as_ref().map_or(&self.file, |(made, _)| made.path())
     }
 
     fn finish(self) -> Result<(), StreamError> {
-        if let Some(unfinished) = self.unfinished {
-            let persisted = unfinished.persist(&self.file);
+        if let Some((made, registered)) = self.unfinished {
+            let persisted = registered.undisturbed(|| made.persist(&self.file));
             persisted.map_err(|it| StreamError::Create { path: self.file, source: it.error })?;
         }
         Ok(())

@@ -3,7 +3,7 @@
 use crate::cli::DatasetArgs;
 
 /// The command line of `verb` without what says where to write, so that the file is the same wherever it is written.
-/// `options` are those that only this verb has; those without a value are left out.
+/// `options` are those that only this verb has; those without a value are left out, and an empty value is that of a flag.
 pub fn reproducible_command(
     verb: &str,
     arguments: &DatasetArgs,
@@ -21,7 +21,8 @@ pub fn reproducible_command(
         ("--catalogue", catalogue.map(|it| it.display().to_string())),
     ];
     for (option, value) in of_data.iter().chain(options) {
-        words.extend(value.iter().flat_map(|value| [(*option).to_owned(), value.clone()]));
+        let with_value = value.iter().flat_map(|value| [(*option).to_owned(), value.clone()]);
+        words.extend(with_value.filter(|it| !it.is_empty()));
     }
     words.join(" ")
 }

@@ -23,8 +23,7 @@ const DETECTORS: [&str; 4] = ["hierarchical", "kd-tree", "pca", "simple-grid"];
 ///
 /// If anything asked for is not there, or the output cannot be written; nothing is left behind then.
 pub fn robustness(arguments: &RobustnessArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
     let directory = asked.begin_directory(&arguments.output, "robustness")?;
     let robustness = Robustness {

@@ -12,8 +12,8 @@ use reports::html::run_page::RunPage;
 use reports::manifest::Manifest;
 use reports::match_row::MatchRow;
 use reports::run_directory::{
-    LatestPointer, MANIFEST_JSON, MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV,
-    WORST_POINTS_JSON,
+    ClaimedTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON,
+    RunDirectory, RunDirectoryError, SCANS_CSV, WORST_POINTS_JSON,
 };
 use reports::run_report::RunReport;
 use reports::scan_row::ScanRow;
@@ -36,7 +36,7 @@ use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 #[cfg(feature = "rerun")]
 use crate::commands::recording::{RecordedScan, Recording, RecordingPlan, serve_until_interrupted};
-use crate::commands::run_directory::begin_run_directory;
+use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
 use crate::commands::standard_streams::{
@@ -69,18 +69,14 @@ struct Plan<'a> {
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let detectors = detectors_named(&arguments.detectors)?;
-    let plan = Plan {
-        arguments,
-        started,
-        config: judging_config(&arguments.config, &arguments.matching, &detectors)?,
-        detectors,
-        datasets: open_datasets_past_damage(&arguments.data, arguments.damage.policy())?,
-    };
-    let directory = begin_directory(&plan)?;
+    let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+    let named = claim_named(&arguments.output)?;
+    let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
+    let plan = Plan { arguments, started, config, detectors, datasets };
+    let directory = begin_directory(&plan, named)?;
     let mut archive = Archive::begin(&plan, &directory)?;
     let mut scores = Vec::new();
     for opened in &plan.datasets {
@@ -128,9 +124,12 @@ fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunRepor
     Ok(RunReport::with_overall(SCORING_VERSION, rows, overall)?)
 }
 
-fn begin_directory(plan: &Plan<'_>) -> anyhow::Result<RunDirectory> {
+fn begin_directory(
+    plan: &Plan<'_>,
+    named: Option<ClaimedTarget>,
+) -> Result<RunDirectory, RunDirectoryError> {
     let unnamed = format!("{}-{}", compact_utc(plan.started), ids_of(&plan.datasets));
-    begin_run_directory(&plan.arguments.output, &unnamed, LatestPointer::Update)
+    RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)
 }
 
 /// The files that grow scan by scan.

@@ -2,28 +2,53 @@
 
 use std::path::Path;
 
-use reports::run_directory::{ExistingTarget, LatestPointer, RunDirectory, RunDirectoryError};
+use reports::run_directory::{
+    ClaimedTarget, ExistingTarget, LatestPointer, RunDirectory, RunDirectoryError,
+};
 
 use crate::cli::OutputArgs;
 use crate::commands::failure::Usage;
 
-/// Begins the directory that `arguments` name, or else `unnamed` in `runs/`, of which `latest` may be told.
+/// Takes the directory that `arguments` name, if they do.
 ///
 /// # Errors
 ///
-/// [`Usage`] if the directory exists, with the remedy; [`RunDirectoryError`] if nothing can be written there.
+/// [`Usage`] if the directory exists, with the remedy; [`RunDirectoryError`] if somebody else is writing it, or nothing can be
+/// written there.
+pub fn claim_named(arguments: &OutputArgs) -> anyhow::Result<Option<ClaimedTarget>> {
+    let existing = if arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
+    let Some(target) = &arguments.output else { return Ok(None) };
+    match ClaimedTarget::claim(target, existing, LatestPointer::Leave) {
+        Err(error @ RunDirectoryError::Occupied { .. }) => {
+            Err(Usage(format!("{error} with --overwrite")).into())
+        }
+        claimed => Ok(Some(claimed?)),
+    }
+}
+
+/// The directory that was `named`, or else `unnamed` in `runs/`, of which `latest` may be told: with a number if there is one of
+/// that name, or somebody else is writing it.
+///
+/// # Errors
+///
+/// [`RunDirectoryError`] if nothing can be written there.
+pub fn claim_unnamed(
+    named: Option<ClaimedTarget>,
+    unnamed: &str,
+    latest: LatestPointer,
+) -> Result<ClaimedTarget, RunDirectoryError> {
+    named.map_or_else(|| ClaimedTarget::claim_unused(Path::new("runs"), unnamed, latest), Ok)
+}
+
+/// Begins the directory that `arguments` name, or else `unnamed`, as [`claim_unnamed`] has it.
+///
+/// # Errors
+///
+/// As [`claim_named`].
 pub fn begin_run_directory(
     arguments: &OutputArgs,
     unnamed: &str,
     latest: LatestPointer,
 ) -> anyhow::Result<RunDirectory> {
-    let existing = if arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
-    let created = match &arguments.output {
-        Some(target) => RunDirectory::create(target, existing, LatestPointer::Leave),
-        None => RunDirectory::create(&Path::new("runs").join(unnamed), existing, latest),
-    };
-    created.map_err(|error| match error {
-        RunDirectoryError::Occupied { .. } => Usage(format!("{error} with --overwrite")).into(),
-        error => error.into(),
-    })
+    Ok(RunDirectory::begin(claim_unnamed(claim_named(arguments)?, unnamed, latest)?)?)
 }

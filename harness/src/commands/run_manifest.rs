@@ -62,12 +62,19 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
 
 /// What a manifest says of `detectors` with the parameters of `config`.
 pub fn detector_entries(detectors: &[ListedDetector], config: &RunConfig) -> Vec<DetectorEntry> {
-    let resolved = json(&config.resolved);
-    let entry = |listed: &ListedDetector| DetectorEntry {
-        name: listed.name.to_owned(),
-        parameters: resolved[listed.table].clone(),
-    };
-    detectors.iter().map(entry).collect()
+    detectors.iter().map(|it| detector_entry(it.name, it, config)).collect()
+}
+
+/// What a manifest says of `listed` under the name `name`.
+pub fn detector_entry(name: &str, listed: &ListedDetector, config: &RunConfig) -> DetectorEntry {
+    let mut parameters = json(&config.resolved)[listed.table].take();
+    for (parameter, value) in listed.fixed {
+        parameters[*parameter] = (*value).into();
+    }
+    // Rules do not depend on the height.
+    let rules = listed.build(config, 0.0).rules();
+    let rules = rules.iter().map(ToString::to_string).collect();
+    DetectorEntry { name: name.to_owned(), parameters, rules }
 }
 
 fn json(resolved: &toml::Table) -> serde_json::Value {

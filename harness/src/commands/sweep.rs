@@ -11,11 +11,11 @@ use reports::table::sweep_score::SweepScores;
 use crate::cli::{ConfigArgs, SweepArgs};
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
-use crate::commands::interruption::interruption_flag;
+use crate::commands::interruption::{interruption_flag, set_last_words};
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::compact_utc;
-use crate::commands::run_directory::begin_run_directory;
+use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::sweep_files::write_sweep;
@@ -39,8 +39,6 @@ struct Sweep<'a> {
     plan: SweepPlan,
     datasets: Vec<OpenedDataset>,
     started: Timestamp,
-    /// The name of the directory if the command line gives none.
-    unnamed: String,
 }
 
 /// Runs detectors at every combination of parameter values on the same scans, writes tables and plots, and prints the best.
@@ -52,16 +50,23 @@ struct Sweep<'a> {
 ///
 /// If anything asked for is not there, data are damaged, what is there is of another sweep, or the output cannot be written.
 pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
-    let sweep = Sweep::new(arguments, started)?;
-    // Whether it can be written is asked now, and not after the work.
-    drop(sweep.begin_directory()?);
-    let (journal, done) = sweep.open_journal()?;
+    let plan = sweep_plan(arguments)?;
+    // Now, and not after the work: it may be that nothing can be written there.
+    let named = claim_named(&arguments.output)?;
+    let sweep = Sweep::new(arguments, plan, started)?;
+    let unnamed = format!("{}-sweep-{}", compact_utc(started), ids_of(&sweep.datasets));
+    let claimed = claim_unnamed(named, &unnamed, LatestPointer::Leave)?;
+    let (journal, done) = sweep.open_journal(claimed.target())?;
+    let how_to_go_on = how_to_go_on(claimed.target());
+    set_last_words(how_to_go_on.clone());
     let (counted, timed) = match sweep.run(&journal, done, interrupted) {
         Ok(results) => results,
         Err(error) => {
-            sweep.say_how_to_go_on(&error);
+            if matches!(error, SweepError::Interrupted { .. } | SweepError::InterruptedWhileTimed) {
+                print_diagnostic(how_to_go_on);
+            }
             return Err(error.into());
         }
     };
@@ -69,7 +74,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
     let results = SweepResults { plan: &sweep.plan, datasets: &swept, scans: &counted, times: &timed };
     let scores = results.summary();
     refuse_nothing(&scores)?;
-    let directory = sweep.begin_directory()?;
+    let directory = RunDirectory::begin(claimed)?;
     directory.write_file(MANIFEST_JSON, sweep.manifest().as_bytes())?;
     let printed = write_sweep(&directory, &scores)?;
     #[cfg(feature = "rerun")]
@@ -77,6 +82,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
         record_sweep(&directory, &results, &scores)?;
     }
     let finished = directory.finish()?;
+    set_last_words(String::new());
     journal.remove()?;
     let printed = print_result(printed);
     // Also where nobody takes the tables: the files are there.
@@ -85,12 +91,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(arguments: &'a SweepArgs, started: Timestamp) -> anyhow::Result<Self> {
-        let detectors = detectors_named(&arguments.detectors)?;
-        let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
-        let config = judging_config(&file, &arguments.matching, &detectors)?;
-        let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
-        let plan = SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?;
+    fn new(arguments: &'a SweepArgs, plan: SweepPlan, started: Timestamp) -> anyhow::Result<Self> {
         let policy = arguments.damage.policy();
         let mut datasets = open_datasets_past_damage(&arguments.data, policy)?;
         if policy == DamagePolicy::Skip {
@@ -100,26 +101,13 @@ impl<'a> Sweep<'a> {
         for opened in &datasets {
             warn_of_unknown_sensor(&plan.base, &opened.dataset.description().sensor);
         }
-        let unnamed = format!("{}-sweep-{}", compact_utc(started), ids_of(&datasets));
-        Ok(Self { arguments, plan, datasets, started, unnamed })
+        Ok(Self { arguments, plan, datasets, started })
     }
 
-    fn begin_directory(&self) -> anyhow::Result<RunDirectory> {
-        begin_run_directory(&self.arguments.output, &self.unnamed, LatestPointer::Leave)
-    }
-
-    fn target(&self) -> PathBuf {
-        self.arguments.output.output.clone().unwrap_or_else(|| Path::new("runs").join(&self.unnamed))
-    }
-
-    fn open_journal(&self) -> Result<(Journal, Vec<JournalEntry>), JournalError> {
-        let mut path = self.target().into_os_string();
+    fn open_journal(&self, target: &Path) -> Result<(Journal, Vec<JournalEntry>), JournalError> {
+        let mut path = target.as_os_str().to_owned();
         path.push(".unfinished");
         let path = PathBuf::from(path);
-        if let Some(folder) = path.parent() {
-            let refused = |source| JournalError::Io { path: folder.to_owned(), source };
-            std::fs::create_dir_all(folder).map_err(refused)?;
-        }
         let other =
             if self.arguments.output.overwrite { OtherJournal::Discard } else { OtherJournal::Refuse };
         let identity = sweep_identity(self.arguments, &self.plan, &self.datasets);
@@ -173,15 +161,6 @@ impl<'a> Sweep<'a> {
         self.arguments.jobs.map_or_else(n_cores, usize::from)
     }
 
-    fn say_how_to_go_on(&self, error: &SweepError) {
-        if matches!(error, SweepError::Interrupted { .. } | SweepError::InterruptedWhileTimed) {
-            print_diagnostic(format_args!(
-                "What is done is kept: the same command, with -o {}, goes on",
-                self.target().display()
-            ));
-        }
-    }
-
     fn manifest(&self) -> String {
         let manifest = run_manifest(RunSettings {
             data: &self.arguments.data,
@@ -204,6 +183,18 @@ impl<'a> Sweep<'a> {
         json.push('\n');
         json
     }
+}
+
+fn sweep_plan(arguments: &SweepArgs) -> anyhow::Result<SweepPlan> {
+    let detectors = detectors_named(&arguments.detectors)?;
+    let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
+    let config = judging_config(&file, &arguments.matching, &detectors)?;
+    let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
+    Ok(SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?)
+}
+
+fn how_to_go_on(target: &Path) -> String {
+    format!("What is done is kept: the same command, with -o {}, goes on", target.display())
 }
 
 /// That of a run, and what is swept.

@@ -7,6 +7,7 @@ use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::run_manifest::criterion_in_words;
 use crate::dataset::checksum::sha256;
 use crate::metrics::counts::SCORING_VERSION;
+use crate::run::config::VehicleModels;
 use crate::sweep::journal::SweepIdentity;
 use crate::sweep::sweep_plan::SweepPlan;
 use crate::sweep::timing_pass::DETECTIONS_PER_SCAN;
@@ -16,7 +17,7 @@ pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[Opene
     let points: Vec<&Vec<String>> = plan.points.iter().map(|it| &it.values).collect();
     let data_sets: Vec<Value> = datasets.iter().map(data_set).collect();
     // Beyond the names of their directories.
-    let vehicle_models = sha256(format!("{:?}", plan.base.vehicle_models));
+    let vehicle_models = plan.base.vehicle_models.as_ref().map(VehicleModels::identity);
     let identity = json!({
         "program": program(),
         "scoring_version": SCORING_VERSION,

@@ -10,7 +10,7 @@ use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use jiff::Timestamp;
-use reports::run_directory::LatestPointer;
+use reports::run_directory::{LatestPointer, RunDirectory};
 
 use crate::cli::{DatasetArgs, ModelName, SourceArgs, TrainArgs};
 use crate::commands::config::warn_of_unknown_sensor;
@@ -20,7 +20,7 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::reproducible_command::reproducible_command;
-use crate::commands::run_directory::begin_run_directory;
+use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
 use crate::commands::train_summary::summary;
@@ -48,13 +48,13 @@ const MOST_STEPS: usize = 500_000;
 /// If anything asked for is not there, data are damaged or too few, or the output cannot be written; nothing is left
 /// behind then.
 pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let started = Timestamp::now();
     let kind = match arguments.detector {
         ModelName::Hierarchical => ModelKind::Hierarchical,
         ModelName::Pca => ModelKind::Pca,
     };
+    let named = claim_named(&arguments.output)?;
     let trained = open_datasets(&arguments.data)?;
     let held_out_arguments = held_out_arguments(arguments);
     let held_out = match &held_out_arguments {
@@ -63,7 +63,7 @@ pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
     };
     let parted = parted(arguments, &trained, &held_out)?;
     let unnamed = format!("{}-train-{}", compact_utc(started), ids_of(&trained));
-    let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
+    let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     let mut candidates = Vec::new();
     for opened in [&trained, &held_out] {
         candidates.extend(collect_all(opened, arguments, kind, interrupted)?);
@@ -158,8 +158,9 @@ fn collect_all<'a>(
     } else {
         CandidateBoxes::Fitted(kind.object_box())
     };
-    // Only this model is asked about what regrouping might make of its own clusters.
-    let is_regrouped = kind == ModelKind::Hierarchical && clusters == kind.detector();
+    // Only this model is asked about what regrouping might make of its own clusters; another may learn from it.
+    let is_asked = kind == ModelKind::Hierarchical && clusters == kind.detector();
+    let is_regrouped = is_asked || arguments.parts_and_pairs;
     let regrouping = is_regrouped.then(|| config.hierarchical.regrouping.clone());
     let mut candidates = Vec::new();
     for OpenedDataset { dataset, scan_indices, .. } in opened {
@@ -199,6 +200,8 @@ fn provenance(
         ("--hold-out-every", unless(arguments.hold_out_every.into(), HOLD_OUT_EVERY.into())),
         ("--vehicles", Some(arguments.vehicles.to_string())),
         ("--others", Some(arguments.others.to_string())),
+        ("--parts-and-pairs", arguments.parts_and_pairs.then(String::new)),
+        ("--any-size", arguments.any_size.then(String::new)),
         ("--prototypes", unless(arguments.prototypes.into(), PROTOTYPES.into())),
         ("--gamma", Some(arguments.gamma.unwrap_or(kind.gamma()).to_string())),
         ("--nu", Some(arguments.nu.unwrap_or(kind.nu()).to_string())),
@@ -249,7 +252,8 @@ impl Training<'_> {
         library: Option<&PrototypeLibrary>,
     ) -> anyhow::Result<FilesAndText> {
         let numbers = (self.arguments.vehicles as usize, self.arguments.others);
-        let taught: Vec<&Candidate> = self.taught.iter().copied().filter(|it| S::is_looked_at(it)).collect();
+        let is_looked_at = |it: &Candidate| self.arguments.any_size || S::is_looked_at(it);
+        let taught: Vec<&Candidate> = self.taught.iter().copied().filter(|it| is_looked_at(it)).collect();
         let selected = select(&taught, numbers, self.arguments.choice_seed);
         let params = NuSvcParams {
             gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),
@@ -261,7 +265,7 @@ impl Training<'_> {
             .map_err(|error| nothing(&error))?;
         // Judged by what the detector finds.
         let found = self.judged.iter().copied().filter(|(_, it)| !it.is_regrouped);
-        let (looked_at, refused): (Vec<_>, Vec<_>) = found.partition(|(_, it)| S::is_looked_at(it));
+        let (looked_at, refused): (Vec<_>, Vec<_>) = found.partition(|(_, it)| is_looked_at(it));
         let judged: Vec<(&str, &Candidate, DescribedObject<D>)> = looked_at
             .into_iter()
             .filter_map(|(dataset, it)| Some((*dataset, it, DescribedObject::of(it, describer)?)))

@@ -35,8 +35,7 @@ pub fn record(
     if arguments.stream.no_rrd {
         return Ok(());
     }
-    // Before anything is written, so that Ctrl-C leaves nothing behind.
-    let interrupted = interruption_flag()?;
+    let interrupted = interruption_flag();
     let again = RunAgain::of(manifest)?;
     let scans = again.scans_of(mistakes)?;
     let file = arguments.run.join("worst.rrd");

@@ -37,6 +37,12 @@ pub enum ConversionError {
         /// The file or folder.
         path: PathBuf,
     },
+    /// Somebody else is writing it.
+    #[error("another program is writing {path:?}; choose another name, or wait for it")]
+    InUse {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The format cannot hold it.
     #[error("scan {scan} cannot be written as {format}: {problem}")]
     Unwritable {

@@ -14,6 +14,7 @@ pub mod mcap_writer;
 pub mod whole_folder;
 pub mod kitti_label_line;
 pub mod kitti_writer;
+pub mod instance_numbers;
 pub mod semantic_kitti_writer;
 pub mod proposal_format;
 pub mod proposal_writer;

@@ -1,19 +1,24 @@
 //! Scans as drives of SemanticKITTI: `.bin` and `.label` files, and the poses and times that are known.
 //!
 //! Every annotation becomes an instance; boxes are not written. Points of no annotation become *other ground*, points that are
-//! not judged *unlabelled*. Scans are numbered anew in each drive, as poses and times go by number.
+//! not judged *unlabelled*. Scans and instances are numbered anew in each drive, as poses and times go by number.
+//!
+//! Poles without a track get no number where the reader finds the same poles again by what hangs together, as in
+//! SemanticKITTI itself: a long drive has more of them than there are numbers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::Isometry3;
 
+use super::instance_numbers::InstanceNumbers;
 use super::kitti_writer::bin_bytes;
 use super::whole_folder::{WholeFolder, folder_name};
 use super::{ConversionError, ScanToWrite, ScanWriter};
-use crate::annotation::{LabeledScan, PointRegion};
+use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet};
 use crate::dataset::semantic_kitti::semantic_class::{BACKGROUND_NUMBER, UNLABELED_NUMBER, number_of};
+use crate::dataset::semantic_kitti::upright_components::upright_components;
 
 /// The poses are the sensor's own.
 const CALIBRATION: &str = "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n";
@@ -30,6 +35,7 @@ struct Drive {
     n_scans: usize,
     times_s: Vec<f64>,
     poses: Vec<Isometry3<f64>>,
+    instances: InstanceNumbers,
 }
 
 impl SemanticKittiWriter {
@@ -54,7 +60,7 @@ impl ScanWriter for SemanticKittiWriter {
         drive.poses.extend(to_write.world_from_sensor);
         let has_position: Vec<bool> =
             scan.cloud.positions_m().map(|it| it.iter().all(|value| value.is_finite())).collect();
-        let labels = labels_of(scan)?;
+        let labels = labels_of(scan, &mut drive.instances)?;
         let kept = labels.into_iter().zip(&has_position).filter(|(_, has_position)| **has_position);
         let labels: Vec<u8> = kept.flat_map(|(label, _)| label.to_le_bytes()).collect();
         let file = |kind: &str, extension: &str| format!("sequences/{name}/{kind}/{number:06}.{extension}");
@@ -82,27 +88,44 @@ impl ScanWriter for SemanticKittiWriter {
     }
 }
 
-fn labels_of(scan: &LabeledScan) -> Result<Vec<u32>, ConversionError> {
+fn labels_of(scan: &LabeledScan, instances: &mut InstanceNumbers) -> Result<Vec<u32>, ConversionError> {
     let label = |region: &PointRegion| match region {
         PointRegion::Labeled => BACKGROUND_NUMBER,
         PointRegion::Unscorable | PointRegion::Outside => UNLABELED_NUMBER,
     };
     let mut labels: Vec<u32> = scan.point_regions.iter().map(|region| u32::from(label(region))).collect();
-    for (instance, annotation) in (1_u32..).zip(&scan.annotations) {
-        // The track, where it fits: an object keeps its label throughout the drive.
-        let instance = annotation.track.map_or(instance, |track| track & 0xffff).max(1);
-        if instance > u32::from(u16::MAX) {
-            return Err(ConversionError::Unwritable {
+    let poles_are_found_again = are_found_again(scan);
+    for annotation in &scan.annotations {
+        let instance = if poles_are_found_again && is_lone_pole(annotation) {
+            0
+        } else {
+            instances.number(annotation).map_err(|error| ConversionError::Unwritable {
                 scan: scan.id.to_string(),
                 format: "semantic-kitti",
-                problem: format!("more than {} objects", u16::MAX),
-            });
-        }
+                problem: error.to_string(),
+            })?
+        };
         for point_idx in &annotation.point_indices {
-            labels[*point_idx as usize] = u32::from(number_of(annotation.class)) | instance << 16;
+            labels[*point_idx as usize] = u32::from(number_of(annotation.class)) | u32::from(instance) << 16;
         }
     }
     Ok(labels)
+}
+
+fn is_lone_pole(annotation: &Annotation) -> bool {
+    annotation.class == AnnotationClass::Pole && annotation.track.is_none()
+}
+
+/// Whether the poles without a track are what the reader makes of their points together.
+fn are_found_again(scan: &LabeledScan) -> bool {
+    let poles = || scan.annotations.iter().filter(|it| is_lone_pole(it)).map(|it| &it.point_indices);
+    let mut points: Vec<u32> = poles().flatten().copied().collect();
+    points.sort_unstable();
+    let mut found = upright_components(&scan.cloud, &points);
+    let mut expected: Vec<Vec<u32>> = poles().cloned().collect();
+    found.sort();
+    expected.sort();
+    found == expected
 }
 
 fn pose_line(pose: &Isometry3<f64>) -> String {

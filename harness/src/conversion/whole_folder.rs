@@ -1,7 +1,10 @@
 //! Folders that are written whole or not at all.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use reports::claimed_name::ClaimedName;
+use reports::unfinished::{Kind, Unfinished};
 use tempfile::TempDir;
 
 use super::ConversionError;
@@ -12,7 +15,9 @@ use super::ConversionError;
 #[must_use = "a folder that is not finished is thrown away"]
 pub struct WholeFolder {
     partial: TempDir,
+    unfinished: Unfinished,
     target: PathBuf,
+    _name: ClaimedName,
 }
 
 impl WholeFolder {
@@ -20,7 +25,7 @@ impl WholeFolder {
     ///
     /// # Errors
     ///
-    /// [`ConversionError`] if it does, or nothing can be written there.
+    /// [`ConversionError`] if it does, somebody else is writing it, or nothing can be written there.
     pub fn create(target: &Path) -> Result<Self, ConversionError> {
         if target.exists() {
             return Err(ConversionError::Occupied { path: target.to_path_buf() });
@@ -36,10 +41,13 @@ impl WholeFolder {
             use std::os::unix::fs::PermissionsExt as _;
             builder.permissions(std::fs::Permissions::from_mode(0o777));
         }
-        let partial = builder.tempdir_in(parent);
-        let partial =
-            partial.map_err(|source| ConversionError::Write { path: target.to_path_buf(), source })?;
-        Ok(Self { partial, target: target.to_path_buf() })
+        let refused = |source| ConversionError::Write { path: target.to_path_buf(), source };
+        let name = ClaimedName::claim(target).map_err(refused)?;
+        let name = name.ok_or_else(|| ConversionError::InUse { path: target.to_path_buf() })?;
+        let make = || builder.tempdir_in(parent);
+        let (unfinished, partial) =
+            Unfinished::begin(Kind::Folder, make, |it| it.path().to_path_buf()).map_err(refused)?;
+        Ok(Self { partial, unfinished, target: target.to_path_buf(), _name: name })
     }
 
     /// Writes the file `name`, with its folders.
@@ -49,8 +57,11 @@ impl WholeFolder {
     /// [`ConversionError::Write`].
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), ConversionError> {
         let path = self.partial.path().join(name);
-        let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
-        let written = folder.and_then(|()| std::fs::write(&path, content));
+        // Undisturbed, because folders that are removed would come back.
+        let written = self.unfinished.undisturbed(|| {
+            path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
+            std::fs::write(&path, content)
+        });
         written.map_err(|source| ConversionError::Write { path: self.target.join(name), source })
     }
 
@@ -60,11 +71,12 @@ impl WholeFolder {
     ///
     /// [`ConversionError`] if something of that name has appeared.
     pub fn finish(self) -> Result<(), ConversionError> {
-        let Self { partial, target } = self;
+        let Self { partial, unfinished, target, _name } = self;
         if target.exists() {
             return Err(ConversionError::Occupied { path: target });
         }
-        std::fs::rename(partial.path(), &target)
+        unfinished
+            .undisturbed(|| std::fs::rename(partial.path(), &target))
             .map_err(|source| ConversionError::Write { path: target, source })?;
         // It has moved: there is nothing left to remove.
         let _ = partial.keep();
@@ -72,16 +84,21 @@ impl WholeFolder {
     }
 }
 
-/// `name` as the name of a folder that leads nowhere else: whatever is neither letter, digit, `-`, `_` nor an inner dot becomes
-/// `_`.
+/// `name` as the name of a folder that leads nowhere else: what is neither ASCII letter, digit, `-`, `_` nor an inner dot is
+/// written as `%` and two hexadecimal digits a byte. Different names stay different.
 pub fn folder_name(name: &str) -> String {
-    let is_plain = |it: char| it.is_ascii_alphanumeric() || matches!(it, '-' | '_' | '.');
-    let plain: String = name.chars().map(|it| if is_plain(it) { it } else { '_' }).collect();
-    match plain.strip_prefix('.') {
-        Some(rest) => format!("_{rest}"),
-        None if plain.is_empty() => "_".to_owned(),
-        None => plain,
+    let mut written = String::with_capacity(name.len());
+    for (place, byte) in name.bytes().enumerate() {
+        match byte {
+            b'-' | b'_' | b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' => written.push(char::from(byte)),
+            b'.' if place > 0 => written.push('.'),
+            _ => {
+                let _ = write!(written, "%{byte:02X}");
+            }
+        }
     }
+    // A lone `%` stands for no other name.
+    if written.is_empty() { "%".to_owned() } else { written }
 }
 
 #[cfg(test)]
@@ -93,13 +110,26 @@ mod tests {
         for (name, expected) in [
             ("0000", "0000"),
             ("main-road-1.2", "main-road-1.2"),
-            ("../../etc", "_._.._etc"),
-            ("/etc", "_etc"),
-            ("..", "_."),
-            ("", "_"),
-            ("a\\b:c", "a_b_c"),
+            ("../../etc", "%2E.%2F..%2Fetc"),
+            ("/etc", "%2Fetc"),
+            ("..", "%2E."),
+            ("", "%"),
+            ("%", "%25"),
+            ("a/b", "a%2Fb"),
+            ("a_b", "a_b"),
+            ("a\\b:c", "a%5Cb%3Ac"),
+            ("ü", "%C3%BC"),
         ] {
             assert_eq!(folder_name(name), expected, "{name}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn different_names_stay_different(names in proptest::collection::btree_set("[ab/_.%\\PC]{0,4}", 2..20)) {
+            let folders: std::collections::BTreeSet<String> = names.iter().map(|it| folder_name(it)).collect();
+            proptest::prop_assert_eq!(folders.len(), names.len());
+            proptest::prop_assert!(folders.iter().all(|it| !it.contains(['/', '\\']) && !it.starts_with('.')));
         }
     }
 

@@ -43,7 +43,9 @@ pub struct CheckReport {
 
 impl CheckReport {
     /// What `scans` say about the data set, in the order of the data set.
-    pub fn of(description: &DatasetDescription, scans: &[CheckedScan]) -> Self {
+    ///
+    /// `stray_labels` is what [`Dataset::labels_without_scans`](crate::dataset::Dataset::labels_without_scans) says.
+    pub fn of(description: &DatasetDescription, scans: &[CheckedScan], stray_labels: Option<&str>) -> Self {
         let facts: Vec<&ScanFacts> = scans.iter().filter_map(|it| it.facts.as_ref().ok()).collect();
         let mut report =
             Self { lines: Vec::new(), warnings: Vec::new(), n_damaged: scans.len() - facts.len() };
@@ -52,6 +54,9 @@ impl CheckReport {
         report.count_points(&facts);
         report.check_ground(description, &facts);
         report.count_annotations(&facts);
+        if let Some(stray_labels) = stray_labels {
+            report.line("without scans", stray_labels.to_owned());
+        }
         report.check_times(scans);
         report.check_repetition(scans);
         report
@@ -286,7 +291,7 @@ mod tests {
     fn check(change: impl Fn(&mut CheckedScan), expected: Option<&str>) {
         let mut scans = scans();
         scans.iter_mut().for_each(change);
-        let report = CheckReport::of(&description(), &scans);
+        let report = CheckReport::of(&description(), &scans, None);
         let found: Vec<&str> = report.warnings.iter().map(String::as_str).collect();
         assert_eq!(found.len(), usize::from(expected.is_some()), "{found:?}");
         assert!(found.iter().zip(expected).all(|(found, expected)| found.contains(expected)), "{found:?}");
@@ -299,7 +304,8 @@ mod tests {
     #[test]
     fn sound_scans_give_no_warning() {
         check(|_| {}, None);
-        let report = CheckReport::of(&description(), &scans()).to_string();
+        let report = CheckReport::of(&description(), &scans(), Some("labels of 3 scans that are not there"))
+            .to_string();
         for line in [
             "scans               4 of 1 drive",
             "points              400, 100 to 100 a scan",

@@ -231,20 +231,6 @@ pub enum DatasetError {
         /// What is wrong with it, as the rest of a sentence about it.
         problem: String,
     },
-    /// A value that is NaN or infinite.
-    #[error("{path:?}, point {point_idx} (byte {byte_offset}): {column} is {value}")]
-    NotFinite {
-        /// The file.
-        path: PathBuf,
-        /// The point, counted from 0.
-        point_idx: usize,
-        /// Where the point begins, counted from 0.
-        byte_offset: usize,
-        /// Which of its values.
-        column: &'static str,
-        /// The value.
-        value: f32,
-    },
     /// Bytes that are no text.
     #[error("{path:?} is not text: invalid UTF-8 at byte {byte_offset}")]
     NotText {

@@ -13,11 +13,13 @@ pub mod error;
 // What several formats have in common.
 pub mod text_file;
 pub mod numbered_files;
+pub mod position_check;
 pub mod velodyne_bin;
 pub mod packed_points;
 pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
+pub mod missing_scans;
 pub mod checksum;
 pub mod class_name;
 mod written_classes;
@@ -40,6 +42,7 @@ pub mod scan_folder;
 pub mod detect_format;
 pub mod root_template;
 pub mod catalogue;
+pub mod names_check;
 pub mod open;
 pub mod scan_selection;
 
@@ -68,6 +71,15 @@ pub trait Dataset: Send + Sync {
     /// What was left out when it was opened, since it is damaged and that was to be skipped.
     fn left_out(&self) -> Option<&str> {
         None
+    }
+
+    /// How many labels of scans there are that are not there, in words; `None` if there are none. A part of a data set has some.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if the labels have to be read for it and are damaged.
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        Ok(None)
     }
 
     /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.

@@ -17,6 +17,7 @@ use super::kitti::tracking::open_kitti_tracking;
 use super::kitti_raw::drives::open_kitti_raw;
 use super::mcap::recording::open_recording;
 use super::mcap::topics::TopicChoice;
+use super::names_check::check_names;
 use super::nuscenes::keyframes::{
     NUSCENES_CLASSES, NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M, open_nuscenes,
 };
@@ -59,6 +60,16 @@ pub struct OpenOptions {
 ///
 /// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue.
 pub fn open_dataset(
+    id_or_path: &str,
+    options: &OpenOptions,
+    catalogue: &Catalogue,
+) -> Result<Box<dyn Dataset>, DatasetError> {
+    let dataset = open_unchecked(id_or_path, options, catalogue)?;
+    check_names(&*dataset)?;
+    Ok(dataset)
+}
+
+fn open_unchecked(
     id_or_path: &str,
     options: &OpenOptions,
     catalogue: &Catalogue,

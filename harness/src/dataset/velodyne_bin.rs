@@ -5,21 +5,20 @@ use std::path::Path;
 use detector::PointCloud;
 
 use super::DatasetError;
+use super::position_check::check_positions;
 
 /// Four values of four bytes.
 const N_BYTES_PER_POINT: usize = 16;
 
-/// The names of the values of a point, in order.
-const COLUMNS: [&str; 4] = ["x", "y", "z", "intensity"];
-
 /// Reads the scan at `path`.
 ///
-/// The file has no header, so that one that was cut between two points cannot be told from a shorter scan.
+/// The file has no header, so that one that was cut between two points cannot be told from a shorter scan. Points whose
+/// coordinates are NaN or infinite have no position.
 ///
 /// # Errors
 ///
 /// [`DatasetError::Io`]; [`DatasetError::NoPoints`] for an empty file; [`DatasetError::PartialPoint`] for a size that is not
-/// a multiple of 16 bytes; [`DatasetError::NotFinite`] for a value that is NaN or infinite.
+/// a multiple of 16 bytes; [`DatasetError::Damaged`] for a coordinate that no sensor sees.
 pub fn read_velodyne_bin(path: &Path) -> Result<PointCloud, DatasetError> {
     // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
     let bytes =
@@ -45,20 +44,11 @@ pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PointCloud, Datas
         });
     }
     let mut cloud = PointCloud::with_capacity(points.len());
-    for (point_idx, point) in points.iter().enumerate() {
-        let values = values_of(point);
-        if let Some(column_idx) = values.iter().position(|value| !value.is_finite()) {
-            return Err(DatasetError::NotFinite {
-                path: path.to_path_buf(),
-                point_idx,
-                byte_offset: point_idx * N_BYTES_PER_POINT,
-                column: COLUMNS[column_idx],
-                value: values[column_idx],
-            });
-        }
-        let [x_m, y_m, z_m, intensity] = values;
+    for point in points {
+        let [x_m, y_m, z_m, intensity] = values_of(point);
         cloud.push([x_m, y_m, z_m], intensity);
     }
+    check_positions(&cloud).map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
     Ok(cloud)
 }
 
@@ -70,6 +60,7 @@ fn values_of(point: &[u8; N_BYTES_PER_POINT]) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::position_check::n_without_position;
     use proptest::prelude::*;
 
     fn bytes_of(points: &[[f32; 4]]) -> Vec<u8> {
@@ -114,15 +105,21 @@ mod tests {
     }
 
     #[test]
-    fn nan_is_refused_with_its_position() {
-        let bytes = bytes_of(&[[1.0; 4], [1.0; 4], [1.0, f32::NAN, 1.0, 1.0]]);
-        check_refused(&bytes, r#""a.bin", point 2 (byte 32): y is NaN"#);
+    fn points_without_a_position_keep_their_places() {
+        let bytes =
+            bytes_of(&[[1.0; 4], [1.0, f32::NAN, 1.0, 1.0], [1.0, 1.0, f32::NEG_INFINITY, 1.0], [2.0; 4]]);
+        let cloud = parse_velodyne_bin(Path::new("a.bin"), &bytes).expect("sound");
+        assert_eq!((cloud.len(), n_without_position(&cloud)), (4, 2));
+        assert_eq!(cloud.position_m(3), [2.0; 3]);
     }
 
     #[test]
-    fn infinity_is_refused_with_its_position() {
-        let bytes = bytes_of(&[[1.0; 4], [1.0, 1.0, f32::NEG_INFINITY, 1.0]]);
-        check_refused(&bytes, r#""a.bin", point 1 (byte 16): z is -inf"#);
+    fn a_coordinate_that_no_sensor_sees_is_refused_with_its_point() {
+        let bytes = bytes_of(&[[1.0; 4], [1.0, -3e7, 1.0, 1.0]]);
+        check_refused(
+            &bytes,
+            r#""a.bin" has point 1 with y = -30000000 m, but no sensor sees farther than 10000 m"#,
+        );
     }
 
     proptest! {
@@ -130,7 +127,7 @@ mod tests {
         fn any_bytes_give_their_points_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
             if let Ok(cloud) = parse_velodyne_bin(Path::new("a.bin"), &bytes) {
                 prop_assert_eq!(cloud.len() * N_BYTES_PER_POINT, bytes.len());
-                prop_assert!(cloud.positions_m().flatten().all(f32::is_finite));
+                prop_assert!(cloud.positions_m().flatten().all(|it| !it.is_finite() || it.abs() <= 10_000.0));
             }
         }
     }

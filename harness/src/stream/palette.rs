@@ -78,3 +78,18 @@ pub fn score_color(score: f32) -> Rgb {
         (low + share * (high - low)).round() as u8
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::detector_list::DEFAULT_DETECTORS;
+
+    #[test]
+    fn no_detector_has_the_colour_of_right_or_wrong_nor_that_of_another() {
+        let colors: Vec<Rgb> = (0..DEFAULT_DETECTORS.len()).map(detector_color).collect();
+        for (idx, color) in colors.iter().enumerate() {
+            assert!(![MATCHED, MISSED, FALSE, IGNORED].contains(color), "{idx}");
+            assert!(!colors[..idx].contains(color), "{idx}");
+        }
+    }
+}

@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::process::Command;
 
+use test_data::{needs_test_data, test_data};
+
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Ended, Workplace, real_data};
+use crate::program::{Ended, Workplace};
 
 /// Runs the program with `arguments`, separated by spaces; they ask for help.
 #[track_caller]
@@ -414,10 +416,10 @@ fn a_recording_is_served_until_ctrl_c_and_everything_is_written_before() {
     assert_eq!(running.wait().expect("it ends").code(), Some(0));
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking", "data/kitti_object")]
 fn real_scans_are_run() {
     for name in ["kitti_tracking", "kitti_object"] {
-        let Some(root) = real_data(name, "real_scans_are_run") else { continue };
+        let root = test_data!(&format!("data/{name}"));
         let root = root.to_str().expect("a readable path");
         let workplace = Workplace::new();
         let ended =

@@ -1,7 +1,9 @@
 //! Learning the density of points over range.
 
+use test_data::{needs_test_data, test_data};
+
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Ended, Workplace, real_data};
+use crate::program::{Ended, Workplace};
 
 /// A workplace with the drive `street` of three drawn scans.
 fn drive() -> (Workplace, DrawnDataset) {
@@ -162,11 +164,9 @@ fn a_sensor_without_a_curve_is_warned_about_unless_one_is_given() {
     assert!(!ended.stderr.contains("warning"), "{ended:#?}");
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking")]
 fn the_density_of_real_scans_is_near_the_shipped_one() {
-    let Some(root) = real_data("kitti_tracking", "the_density_of_real_scans_is_near_the_shipped_one") else {
-        return;
-    };
+    let root = test_data!("data/kitti_tracking");
     let workplace = Workplace::new();
     let root = root.to_str().expect("a readable path");
     workplace.succeed(&["fit-density", root, "--scans", "0..4", "-o", "real.toml"]);

@@ -1,9 +1,8 @@
-//! The KITTI readers against real scans. The data may not be passed on, so that every test is skipped where they are
-//! missing.
+//! The KITTI readers against real scans.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use detector::OrientedBox;
 use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, points_inside};
@@ -12,20 +11,11 @@ use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::kitti::calibration::{KittiCalibration, parse_calibration};
 use harness::dataset::open::{OpenOptions, open_dataset};
 use nalgebra::Vector4;
+use test_data::{needs_test_data, test_data};
 
 /// The scans of `kitti_object` by their numbers, with the scans of `kitti_tracking` they are.
 const OBJECT_SCANS: [(u32, u32); 8] =
     [(310, 136), (685, 139), (2024, 145), (3015, 133), (4371, 127), (4558, 125), (5083, 130), (7414, 142)];
-
-/// The folder `name` of the real data, or `None` with a line that says what is skipped.
-fn real_data(name: &str, test: &str) -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(name);
-    let folder = folder.canonicalize().ok().filter(|it| it.is_dir());
-    if folder.is_none() {
-        eprintln!("skipped {test}: no {name}");
-    }
-    folder
-}
 
 fn open(folder: &Path) -> Box<dyn Dataset> {
     open_dataset(folder.to_str().unwrap(), &OpenOptions::default(), &built_in_catalogue().unwrap()).unwrap()
@@ -44,11 +34,9 @@ fn is_well_seen_vehicle(annotation: &Annotation) -> bool {
         && annotation.point_indices.len() >= 50
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking")]
 fn forty_scans_hold_the_published_number_of_objects() {
-    let Some(folder) = real_data("kitti_tracking", "forty_scans_hold_the_published_number_of_objects") else {
-        return;
-    };
+    let folder = test_data!("data/kitti_tracking");
     let dataset = open(&folder);
     assert_eq!(dataset.description().format, "kitti-tracking");
     assert_eq!(dataset.description().id, "kitti_tracking");
@@ -65,14 +53,9 @@ fn forty_scans_hold_the_published_number_of_objects() {
     assert_eq!(n_by_class, BTreeMap::from(expected));
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking", "data/kitti_object")]
 fn the_same_scans_in_both_layouts_are_the_same() {
-    let test = "the_same_scans_in_both_layouts_are_the_same";
-    let (Some(tracking), Some(object)) = (real_data("kitti_tracking", test), real_data("kitti_object", test))
-    else {
-        return;
-    };
-    let (tracking, object) = (open(&tracking), open(&object));
+    let [tracking, object] = [test_data!("data/kitti_tracking"), test_data!("data/kitti_object")].map(|it| open(&it));
     assert_eq!(object.description().format, "kitti-object");
     assert_eq!(object.scan_ids().len(), OBJECT_SCANS.len());
     for (scan_idx, (object_index, tracking_index)) in OBJECT_SCANS.into_iter().enumerate() {
@@ -101,10 +84,9 @@ fn box_deviation(a: &OrientedBox, b: &OrientedBox) -> f32 {
     lengths.map(|(a, b)| (a - b).abs()).fold(turn_rad.sin().abs().max(1.0 - turn_rad.cos()), f32::max)
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking")]
 fn a_box_moved_or_turned_either_way_holds_fewer_points_of_vehicles() {
-    let test = "a_box_moved_or_turned_either_way_holds_fewer_points_of_vehicles";
-    let Some(folder) = real_data("kitti_tracking", test) else { return };
+    let folder = test_data!("data/kitti_tracking");
     let changes: [fn(OrientedBox) -> OrientedBox; 8] = [
         |it| moved(it, 0.2, 0.0),
         |it| moved(it, -0.2, 0.0),
@@ -151,11 +133,9 @@ fn above_the_road(bounding_box: OrientedBox) -> OrientedBox {
     }
 }
 
-#[test]
+#[needs_test_data("data/kitti_object")]
 fn boxes_project_onto_the_image_boxes_of_the_labels() {
-    let Some(folder) = real_data("kitti_object", "boxes_project_onto_the_image_boxes_of_the_labels") else {
-        return;
-    };
+    let folder = test_data!("data/kitti_object");
     let mut n_checked = 0;
     for scan in scans(open(&folder).as_ref()) {
         let file = |kind: &str| folder.join(format!("training/{kind}/{:06}.txt", scan.id.index));
@@ -203,9 +183,9 @@ fn corners_m(bounding_box: &OrientedBox) -> [[f64; 3]; 8] {
     })
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking")]
 fn labeled_is_what_the_camera_sees() {
-    let Some(folder) = real_data("kitti_tracking", "labeled_is_what_the_camera_sees") else { return };
+    let folder = test_data!("data/kitti_tracking");
     let (mut n_whole, mut n_whole_outside) = (0, 0);
     for scan in scans(open(&folder).as_ref()) {
         assert_eq!(scan.point_regions.len(), scan.cloud.len());

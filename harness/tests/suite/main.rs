@@ -16,6 +16,9 @@ mod experiments;
 mod kitti_real_scans;
 mod layers;
 mod run_directory;
+#[cfg(target_os = "linux")]
+mod signals;
+mod start_up;
 mod realism;
 mod readers;
 mod simulated_reference;

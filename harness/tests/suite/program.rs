@@ -120,13 +120,3 @@ impl From<Output> for Ended {
         }
     }
 }
-
-/// The data set `name` of real scans, which may not be passed on, or `None` with a line that says what is skipped.
-pub fn real_data(name: &str, test: &str) -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(name);
-    let folder = folder.canonicalize().ok().filter(|it| it.is_dir());
-    if folder.is_none() {
-        eprintln!("skipped {test}: no {name}");
-    }
-    folder
-}

@@ -1,8 +1,10 @@
 //! Comparing the scans of two data sets.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use test_data::{needs_test_data, test_data};
+
 use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Ended, Workplace, real_data};
+use crate::program::{Ended, Workplace};
 
 const STATISTICS: [&str; 8] = [
     "returns_per_scan",
@@ -196,11 +198,9 @@ fn an_earlier_comparison_is_overwritten_when_asked_for() {
     assert_eq!(workplace.top_names(), ["a", "b", "out"]);
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking")]
 fn real_scans_are_compared_with_simulated_ones() {
-    let Some(root) = real_data("kitti_tracking", "real_scans_are_compared_with_simulated_ones") else {
-        return;
-    };
+    let root = test_data!("data/kitti_tracking");
     let root = root.to_str().expect("a readable path");
     let workplace = Workplace::new();
     workplace.succeed(&[

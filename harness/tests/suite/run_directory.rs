@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::drawn_dataset::DrawnDataset;
-use crate::program::{Workplace, real_data};
 use serde_json::Value;
+use test_data::{needs_test_data, test_data};
+
+use crate::drawn_dataset::DrawnDataset;
+use crate::program::{Ended, Workplace};
 
 /// A workplace with a drive of `n_scans` scans.
 fn drive(n_scans: u32) -> Workplace {
@@ -83,6 +85,24 @@ fn a_run_without_a_name_is_found_as_the_latest() {
     let named = ended.stderr.trim().strip_prefix("Run directory: ").expect("its name").to_owned();
     assert!(named.starts_with("runs/") && named.ends_with("Z-street"), "{named}");
     assert_eq!(workplace.read("runs/latest/report.json"), workplace.read(&format!("{named}/report.json")));
+}
+
+#[test]
+fn runs_that_begin_in_the_same_second_have_names_of_their_own() {
+    let workplace = drive(1);
+    let children: Vec<_> = (0..4).map(|_| workplace.start(&["run", "street", "-d", "pca", "--no-rrd"])).collect();
+    for child in children {
+        let ended = Ended::from(child.wait_with_output().expect("it ends"));
+        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+        let named = ended.stderr.trim().strip_prefix("Run directory: ").expect("its name").to_owned();
+        assert!(workplace.path(&named).join("report.json").is_file(), "{named}");
+    }
+    let in_runs = std::fs::read_dir(workplace.path("runs")).expect("runs");
+    let mut names: Vec<_> = in_runs.map(|it| it.expect("an entry").file_name()).collect();
+    names.sort();
+    assert!(names.len() == 5 && names.contains(&"latest".into()), "{names:?}");
+    let latest = std::fs::read_link(workplace.path("runs/latest")).expect("a link");
+    assert!(names.contains(&latest.into_os_string()), "{names:?}");
 }
 
 #[test]
@@ -256,9 +276,9 @@ fn a_device_is_written_to_and_not_replaced() {
     assert!(!std::path::Path::new("/dev/null").is_file());
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking")]
 fn real_scans_give_the_same_numbers_twice() {
-    let Some(root) = real_data("kitti_tracking", "real_scans_give_the_same_numbers_twice") else { return };
+    let root = test_data!("data/kitti_tracking");
     let root = root.to_str().expect("a readable path");
     let workplace = Workplace::new();
     for (run, jobs) in [("first", "1"), ("second", "3")] {
@@ -276,7 +296,6 @@ mod interrupted {
     use std::time::{Duration, Instant};
 
     use super::*;
-    use crate::program::Ended;
 
     /// Starts a run over thousands of scans, and returns once some of them are written.
     fn started(workplace: &Workplace) -> Child {
@@ -305,12 +324,12 @@ mod interrupted {
     }
 
     #[track_caller]
-    fn check_interrupted_by(signal: &str) {
+    fn check_interrupted_by(signal: &str, exit_code: i32) {
         let workplace = Workplace::new();
         let child = started(&workplace);
         send(&child, signal);
         let ended = Ended::from(child.wait_with_output().expect("it ends"));
-        assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(130), ""), "{ended:#?}");
+        assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(exit_code), ""), "{ended:#?}");
         assert!(
             ended.stderr.starts_with("error: interrupted after ") && ended.stderr.contains(" of 4000 scans")
         );
@@ -318,13 +337,33 @@ mod interrupted {
     }
 
     #[test]
+    fn a_directory_that_is_being_written_is_refused_at_once() {
+        let workplace = Workplace::new();
+        let child = started(&workplace);
+        for more in [&[][..], &["--overwrite"]] {
+            let asked = Instant::now();
+            let ended = workplace.run(&[&["run", "street", "-d", "pca", "-o", "out"], more].concat());
+            assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+            assert_eq!(
+                ended.stderr,
+                "error: another program is writing \"out\"; choose another name, or wait for it\n"
+            );
+            assert!(asked.elapsed() < Duration::from_secs(1), "{:?}", asked.elapsed());
+        }
+        send(&child, "-INT");
+        let ended = Ended::from(child.wait_with_output().expect("it ends"));
+        assert_eq!(ended.exit_code, Some(130), "{ended:#?}");
+        assert_eq!(workplace.top_names(), ["street"]);
+    }
+
+    #[test]
     fn ctrl_c_leaves_nothing() {
-        check_interrupted_by("-INT");
+        check_interrupted_by("-INT", 130);
     }
 
     #[test]
     fn a_request_to_end_leaves_nothing() {
-        check_interrupted_by("-TERM");
+        check_interrupted_by("-TERM", 143);
     }
 
     #[test]
@@ -335,7 +374,7 @@ mod interrupted {
         let ended = Ended::from(child.wait_with_output().expect("it ends"));
         assert_eq!(ended.exit_code, None);
         let names = workplace.top_names();
-        assert!(names.iter().all(|name| name == "street" || name.starts_with(".out.partial-")), "{names:?}");
+        assert!(names.iter().all(|name| name == "street" || name.starts_with(".out.")), "{names:?}");
         workplace.succeed(&["run", "street", "-d", "pca", "--scans", "0", "-o", "out"]);
         assert!(workplace.path("out/report.json").is_file());
     }

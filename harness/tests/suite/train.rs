@@ -151,6 +151,29 @@ fn pca_has_a_model_of_its_own() {
 }
 
 #[test]
+fn more_kinds_of_objects_may_be_trained_with() {
+    let workplace = Workplace::new();
+    let trained = |options: &[&str], name: &str| {
+        let ended = workplace.succeed(&[&TRAIN_PCA[..], options, &["-o", name]].concat());
+        let model: toml::Table = workplace.read(&format!("{name}/model.toml")).parse().expect("it is TOML");
+        (ended.stdout, model["made"]["command"].as_str().expect("text").to_owned())
+    };
+    let (plain, plain_command) = trained(&[], "plain");
+    let (more, more_command) = trained(&["--parts-and-pairs"], "more");
+    assert_ne!(plain, more);
+    let expected = plain_command.replace("--others 1.5", "--others 1.5 --parts-and-pairs");
+    assert_eq!(more_command, expected);
+    // Of objects that no vehicle has the size of, the other model is not asked, unless it is to be.
+    let by_shape = |options: &[&str], name: &str| {
+        workplace.succeed(&[&TRAIN[..8], options, &["-o", name]].concat()).stdout
+    };
+    let bounded = by_shape(&[], "bounded");
+    assert!(bounded.contains("no vehicle has their size"), "{bounded}");
+    let unbounded = by_shape(&["--any-size"], "unbounded");
+    assert!(!unbounded.contains("no vehicle has their size"), "{unbounded}");
+}
+
+#[test]
 fn other_data_may_be_judged_by_and_other_clusters_described() {
     let workplace = Workplace::new();
     let held_out = [

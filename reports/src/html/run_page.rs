@@ -1,5 +1,6 @@
 //! The page of a run.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use maud::html;
@@ -71,8 +72,12 @@ impl RunPage {
     /// [`ArchiveError::Write`] if they cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ArchiveError> {
         let folder = directory.join(FIGURES);
-        std::fs::create_dir_all(&folder)
-            .map_err(|source| ArchiveError::Write { path: folder.clone(), source })?;
+        match std::fs::create_dir(&folder) {
+            Err(source) if source.kind() != ErrorKind::AlreadyExists => {
+                return Err(ArchiveError::Write { path: folder, source });
+            }
+            _ => {}
+        }
         for figure in &self.figures {
             write_whole(&folder.join(&figure.file_name), figure.svg.as_bytes())?;
         }

@@ -77,7 +77,7 @@ impl SampleRun<'_> {
         let named = |id: &&str| crate::manifest::DatasetEntry { id: (*id).to_owned(), ..entry.clone() };
         manifest.datasets = self.datasets.iter().map(named).collect();
         let detector =
-            |name: &&str| DetectorEntry { name: (*name).to_owned(), parameters: serde_json::Value::Null };
+            |name: &&str| DetectorEntry { name: (*name).to_owned(), parameters: serde_json::Value::Null, rules: Vec::new() };
         manifest.detectors = self.detectors.iter().map(detector).collect();
         manifest.argv = ["scanbench", "run", "it's <here>"].map(str::to_owned).to_vec();
         manifest

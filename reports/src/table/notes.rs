@@ -58,8 +58,24 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
             )
         }));
     }
+    notes.sentences.extend(rules(table));
     notes.explain_marks();
     notes
+}
+
+/// What is whose beside the clusters; `None` where nobody has anything.
+fn rules(table: &TaskTable) -> Option<String> {
+    let whose = |names: &[String]| match names {
+        [only] => format!("{only} alone"),
+        names if names.len() == table.detectors.len() => "all".to_owned(),
+        names => names.join(", "),
+    };
+    let rules: Vec<String> =
+        table.rules.iter().map(|(rule, names)| format!("{rule}: {}", whose(names))).collect();
+    let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
+    let without: Vec<&str> = table.detectors.iter().filter(|it| !has_any(it)).map(String::as_str).collect();
+    let without = if without.is_empty() { String::new() } else { format!("; none: {}", without.join(", ")) };
+    (!rules.is_empty()).then(|| format!("Rules beside the clustering: {}{without}.", rules.join("; ")))
 }
 
 fn marks(grid: &Grid) -> impl Iterator<Item = Mark> + '_ {
@@ -135,5 +151,31 @@ impl Notes {
             Mark::Undefined(Undefined::NotTimed) => "undefined: no scan was timed.",
         };
         format!("{} {sentence}", self.sign_of(mark))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::sample::{manifest, report};
+    use crate::table::task_table::task_tables;
+
+    #[test]
+    fn what_is_whose_stands_beneath_the_table() {
+        let mut manifest = manifest();
+        manifest.detectors[0].rules = ["walls removed", "regrouping", "completion"].map(str::to_owned).to_vec();
+        manifest.detectors[1].rules = vec!["completion".to_owned()];
+        let sentence = |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
+        let tables = task_tables(&report(), &manifest).unwrap();
+        let expected = "Rules beside the clustering: walls removed: hierarchical alone; regrouping: hierarchical alone; \
+                        completion: hierarchical, kd-tree; none: pca.";
+        assert_eq!(sentence(&tables[0]).as_deref(), Some(expected));
+        manifest.detectors[2].rules = vec!["completion".to_owned()];
+        manifest.detectors[0].rules.truncate(0);
+        manifest.detectors[0].rules.push("completion".to_owned());
+        let tables = task_tables(&report(), &manifest).unwrap();
+        assert_eq!(sentence(&tables[0]).as_deref(), Some("Rules beside the clustering: completion: all."));
+        manifest.detectors.iter_mut().for_each(|it| it.rules.clear());
+        assert_eq!(sentence(&task_tables(&report(), &manifest).unwrap()[0]), None);
     }
 }

@@ -26,7 +26,11 @@ pub(crate) fn manifest() -> Manifest {
         ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
         datasets: DATASETS.map(dataset).to_vec(),
         detectors: detectors
-            .map(|name| DetectorEntry { name: name.to_owned(), parameters: serde_json::Value::Null })
+            .map(|name| DetectorEntry {
+                name: name.to_owned(),
+                parameters: serde_json::Value::Null,
+                rules: Vec::new(),
+            })
             .to_vec(),
         git: None,
         rustc_version: "1.95.0".to_owned(),

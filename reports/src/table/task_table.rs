@@ -17,6 +17,8 @@ pub struct TaskTable {
     pub cpu_model: String,
     /// Names of the detectors, in the order of the columns.
     pub detectors: Vec<String>,
+    /// What some of them do beside finding clusters, with the names of those that do.
+    pub rules: Vec<(String, Vec<String>)>,
     /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
     pub paper: Option<&'static PaperTable>,
     /// The rows, in order: data sets with the paper's rows beneath, then what they add up to.
@@ -240,10 +242,25 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: &str) -> Result<Tas
         task: task.to_owned(),
         matching_criterion: manifest.matching_criterion.clone(),
         cpu_model: manifest.machine.cpu_model.clone(),
+        rules: rules(manifest, &detectors),
         detectors,
         paper,
         rows: in_order(datasets, overall, paper),
     })
+}
+
+/// The rules of `detectors` in the order in which these have them, each with those that do.
+fn rules(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)> {
+    let mut rules: Vec<(String, Vec<String>)> = Vec::new();
+    for entry in manifest.detectors.iter().filter(|it| detectors.contains(&it.name)) {
+        for rule in &entry.rules {
+            match rules.iter_mut().find(|(name, _)| name == rule) {
+                Some((_, names)) => names.push(entry.name.clone()),
+                None => rules.push((rule.clone(), vec![entry.name.clone()])),
+            }
+        }
+    }
+    rules
 }
 
 /// Puts the paper's rows beneath the last data set that they are to be compared with.

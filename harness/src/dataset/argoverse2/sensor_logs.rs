@@ -21,8 +21,10 @@ use crate::annotation::{AnnotationClass, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
+use crate::dataset::missing_scans::labels_of_missing;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::position_check::check_positions;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError};
 
@@ -134,6 +136,18 @@ impl Dataset for SensorLogs {
         Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
     }
 
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        let mut missing = Vec::new();
+        for sweeps in self.sweeps.chunk_by(|a, b| a.log == b.log) {
+            let times: BTreeSet<i64> = sweeps.iter().map(|it| it.time_ns).collect();
+            let truth = self.truth_of(&sweeps[0].log)?;
+            let unseen = truth.annotations.keys().filter(|it| !times.contains(it));
+            let name = sweeps[0].log.file_name().unwrap_or_default().to_string_lossy();
+            missing.extend(unseen.map(|time_ns| format!("{name}/{time_ns}")));
+        }
+        Ok(labels_of_missing(missing.into_iter()))
+    }
+
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
         u64::try_from(self.sweeps[scan_idx].time_ns).ok()
     }
@@ -177,6 +191,7 @@ fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<PointClou
         let intensity = intensity[point_idx] as f32 / 255.0;
         cloud.push([position_m.x as f32, position_m.y as f32, position_m.z as f32], intensity);
     }
+    check_positions(&cloud).map_err(damaged)?;
     Ok(cloud)
 }
 

@@ -18,6 +18,7 @@ use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::missing_scans::labels_beside;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -93,6 +94,14 @@ impl Dataset for KittiTracking {
 
     fn scan_ids(&self) -> &[ScanId] {
         &self.scan_ids
+    }
+
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        let labels = self.sequences.iter().map(|(name, it)| (name, it.labels_by_scan.keys()));
+        Ok(labels_beside(
+            &self.scan_ids,
+            labels.flat_map(|(name, numbers)| numbers.map(move |it| (name, it))),
+        ))
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {

@@ -24,6 +24,7 @@ use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
+use crate::dataset::missing_scans::labels_beside;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
 use crate::dataset::source::DatasetSource;
@@ -144,6 +145,13 @@ impl Dataset for KittiRaw {
             LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
         };
         Ok(LabeledScan { id, cloud, annotations, point_regions })
+    }
+
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        let labels = self.drives.iter().filter_map(|(name, it)| Some((name, it.labels.as_ref()?)));
+        let labeled = labels
+            .flat_map(|(name, labels)| labels.annotations_by_scan.keys().map(move |number| (name, number)));
+        Ok(labels_beside(&self.scan_ids, labeled))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

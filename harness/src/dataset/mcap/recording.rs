@@ -21,8 +21,10 @@ use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::missing_scans::labels_of_missing;
 use crate::dataset::packed_points::PackedPoints;
 use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::position_check::check_positions;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::{Dataset, DatasetDescription, DatasetError};
 
@@ -122,7 +124,7 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
     }
     let chosen = choose_channels(&path, &index, choice)?;
     let checksum = checksum_of(&path, &index)?;
-    let own_ids = index.metadata.get(own_metadata::SCAN_IDS).and_then(|ids| serde_json::from_str(ids).ok());
+    let own_ids = index.metadata.remove(own_metadata::SCAN_IDS);
     let chunks = std::mem::take(&mut index.chunks);
     let mut channel = |chosen: ChosenChannel| Channel {
         kind: chosen.kind,
@@ -131,7 +133,8 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
     };
     let clouds = channel(chosen.cloud);
     let mut recording = Recording {
-        scan_ids: scan_ids(&path, clouds.places.len(), own_ids),
+        scan_ids: scan_ids(&path, clouds.places.len(), own_ids.as_deref(), index.cut_off.as_deref())
+            .map_err(damaged)?,
         description: source.describe(DatasetFormat::Mcap, checksum),
         annotations: chosen.annotations.map(&mut channel),
         transforms: chosen.transforms.into_iter().map(&mut channel).collect(),
@@ -162,16 +165,29 @@ fn checksum_of(path: &Path, index: &RecordingIndex) -> Result<String, DatasetErr
     Ok(checksum.finish())
 }
 
-fn scan_ids(path: &Path, n_scans: usize, own: Option<Vec<(String, u32)>>) -> Vec<ScanId> {
-    match own {
-        Some(own) if own.len() == n_scans => {
-            own.into_iter().map(|(sequence, index)| ScanId { sequence, index }).collect()
-        }
-        _ => {
-            let stem = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
-            (0..n_scans as u32).map(|index| ScanId { sequence: stem.clone(), index }).collect()
-        }
+/// The ids of the `n_scans` scans: those in the recording's own metadata, else numbers in a drive called after the file. Errors are
+/// the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// If the metadata cannot be read, or names another number of scans although nothing is `cut_off`.
+fn scan_ids(
+    path: &Path,
+    n_scans: usize,
+    own: Option<&str>,
+    cut_off: Option<&str>,
+) -> Result<Vec<ScanId>, String> {
+    let Some(own) = own else {
+        let stem = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+        return Ok((0..n_scans as u32).map(|index| ScanId { sequence: stem.clone(), index }).collect());
+    };
+    let own: Vec<(String, u32)> = serde_json::from_str(own)
+        .map_err(|error| format!("has names of scans in its metadata that cannot be read: {error}"))?;
+    let is_complete = own.len() == n_scans || (cut_off.is_some() && own.len() > n_scans);
+    if !is_complete {
+        return Err(format!("names {} scans in its metadata and holds {n_scans}", own.len()));
     }
+    Ok(own.into_iter().take(n_scans).map(|(sequence, index)| ScanId { sequence, index }).collect())
 }
 
 impl Dataset for Recording {
@@ -205,6 +221,17 @@ impl Dataset for Recording {
 
     fn left_out(&self) -> Option<&str> {
         self.cut_off.as_deref()
+    }
+
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        let Some(channel) = &self.annotations else { return Ok(None) };
+        let has_cloud = |it: &&MessagePlace| {
+            let begin_ns = it.log_time_ns.saturating_sub(MAX_ANNOTATION_DELAY_NS);
+            let end_ns = it.log_time_ns.saturating_add(MAX_ANNOTATION_OFFSET_NS);
+            !window(&self.clouds.places, begin_ns, end_ns).is_empty()
+        };
+        let missing = channel.places.iter().filter(|it| !has_cloud(it));
+        Ok(labels_of_missing(missing.map(|it| format!("the annotations logged at {} ns", it.log_time_ns))))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -365,6 +392,7 @@ fn recorded_cloud(
     frame_from_points: &Isometry3<f64>,
 ) -> Result<RecordedCloud, String> {
     let mut cloud = packed.cloud()?;
+    check_positions(&cloud)?;
     // The axes become those of the frame, the origin stays with the sensor.
     if frame_from_points.rotation.angle() > 0.0 {
         let turned = |[x, y, z]: [f32; 3]| {

@@ -164,13 +164,17 @@ fn n_messages(index: &RecordingIndex, channel: &ChosenChannel) -> usize {
 
 fn listed(index: &RecordingIndex, channels: &[ChosenChannel]) -> Vec<String> {
     let describe = |it: &ChosenChannel| {
-        format!("{} ({}, {} messages)", it.info.topic, it.info.schema, n_messages(index, it))
+        let (topic, schema) = (it.info.topic.escape_debug(), it.info.schema.escape_debug());
+        format!("{topic} ({schema}, {} messages)", n_messages(index, it))
     };
     channels.iter().map(describe).collect()
 }
 
 fn all_topics(index: &RecordingIndex) -> Vec<String> {
-    let describe = |it: &ChannelInfo| format!("{} ({} as {})", it.topic, it.schema, it.encoding);
+    let describe = |it: &ChannelInfo| {
+        let [topic, schema, encoding] = [&it.topic, &it.schema, &it.encoding].map(|it| it.escape_debug());
+        format!("{topic} ({schema} as {encoding})")
+    };
     index.channels.values().map(describe).collect()
 }
 

@@ -16,6 +16,7 @@ use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, S
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::position_check::check_positions;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError};
 
@@ -57,9 +58,6 @@ const TABLES: [&str; 11] = [
 
 /// Five values of four bytes.
 const N_BYTES_PER_POINT: usize = 20;
-
-/// The names of the values of a point that are looked at, in order.
-const COLUMNS: [&str; 4] = ["x", "y", "z", "intensity"];
 
 /// An open data set: annotations are in memory, scans are read one at a time.
 #[derive(Debug)]
@@ -188,21 +186,13 @@ fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PointCloud, DatasetError> {
         return Err(DatasetError::NoPoints { path: path.to_path_buf() });
     }
     let mut cloud = PointCloud::with_capacity(points.len());
-    for (point_idx, point) in points.iter().enumerate() {
+    for point in points {
         let (values, _) = point.as_chunks::<4>();
         let values: [f32; 4] = std::array::from_fn(|column| f32::from_le_bytes(values[column]));
-        if let Some(column_idx) = values.iter().position(|value| !value.is_finite()) {
-            return Err(DatasetError::NotFinite {
-                path: path.to_path_buf(),
-                point_idx,
-                byte_offset: point_idx * N_BYTES_PER_POINT,
-                column: COLUMNS[column_idx],
-                value: values[column_idx],
-            });
-        }
         let [right_m, forward_m, up_m, intensity] = values;
         // A byte, brought to the range that other sensors have.
         cloud.push([forward_m, -right_m, up_m], intensity / 255.0);
     }
+    check_positions(&cloud).map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
     Ok(cloud)
 }

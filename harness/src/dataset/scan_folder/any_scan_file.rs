@@ -8,6 +8,7 @@ use super::pcd::parse_pcd;
 use super::ply::parse_ply;
 use super::scan_file::{ScanPoints, scan_extension};
 use crate::dataset::DatasetError;
+use crate::dataset::position_check::check_positions;
 use crate::dataset::velodyne_bin::parse_velodyne_bin;
 
 /// Reads the scan at `path`.
@@ -25,11 +26,13 @@ pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {
         Some("npy") => parse_npy(&bytes),
         Some("las" | "laz") => {
             let points = parse_las(&bytes).map_err(damaged(path))?;
+            check_positions(&points.cloud).map_err(damaged(path))?;
             return if points.cloud.is_empty() { Err(no_points(path)) } else { Ok(points) };
         }
         _ => return Ok(at_origin(parse_velodyne_bin(path, &bytes)?)),
     };
     let cloud = cloud.map_err(damaged(path))?;
+    check_positions(&cloud).map_err(damaged(path))?;
     if cloud.is_empty() { Err(no_points(path)) } else { Ok(at_origin(cloud)) }
 }
 

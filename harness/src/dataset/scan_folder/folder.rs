@@ -7,6 +7,8 @@
 //!
 //! The folder of labels may be called `labels`, `label` or `label_2`; [`label_file`](super::label_file) says what may be in it.
 
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -17,6 +19,7 @@ use super::scan_file::scan_extension;
 use crate::annotation::{LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::missing_scans::labels_of_missing;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
 use crate::dataset::source::DatasetSource;
@@ -122,6 +125,22 @@ impl Dataset for ScanFolder {
         let point_regions = vec![region; points.cloud.len()];
         let id = self.scan_ids[scan_idx].clone();
         Ok(LabeledScan { id, cloud: points.cloud, annotations, point_regions })
+    }
+
+    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
+        let Some(labels) = &self.labels else { return Ok(None) };
+        let io_error = |source| DatasetError::Io { path: labels.clone(), source };
+        let stems: BTreeSet<&OsStr> = self.scans.iter().filter_map(|it| it.file_stem()).collect();
+        let mut missing = BTreeSet::new();
+        for entry in std::fs::read_dir(labels).map_err(io_error)? {
+            let path = entry.map_err(io_error)?.path();
+            let is_label =
+                path.extension().is_some_and(|it| it == "json" || it == "txt") && !is_hidden(&path);
+            if is_label && path.file_stem().is_some_and(|it| !stems.contains(it)) {
+                missing.insert(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+            }
+        }
+        Ok(labels_of_missing(missing.into_iter()))
     }
 
     /// Where the origin was moved to, of scans on a map.

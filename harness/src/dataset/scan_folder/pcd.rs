@@ -123,6 +123,10 @@ fn fields_of(
             (kind, size) => return Err(format!("has a field {name:?} of type {kind} and size {size}")),
         };
         let count = counts.get(field_idx).copied().unwrap_or(1);
+        // Points of no bytes: any number of them would be there.
+        if count == 0 {
+            return Err(format!("has a field {name:?} of 0 numbers"));
+        }
         fields.push((PackedField { name: (*name).to_owned(), offset, number }, count));
         let n_bytes = number.n_bytes().checked_mul(count);
         offset = n_bytes.and_then(|n_bytes| offset.checked_add(n_bytes)).ok_or("has a point without end")?;
@@ -319,6 +323,11 @@ mod tests {
             format!("{}DATA binary\n", HEADER.replace("SIZE 4 8", "SIZE 4")).as_bytes(),
             "5 fields, 4 sizes",
         );
+        let empty = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\nPOINTS 18446744073709551615\n";
+        for encoding in ["ascii", "binary", "binary_compressed"] {
+            let file = [empty.as_bytes(), format!("DATA {encoding}\n").as_bytes(), &[0; 8]].concat();
+            check_refused(&file, "a field \"x\" of 0 numbers");
+        }
         let without_x = format!("{}DATA binary\n", HEADER.replace("y x", "y w"));
         check_refused(&[without_x.as_bytes(), &rows()].concat(), "without x");
     }

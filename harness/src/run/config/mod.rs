@@ -11,3 +11,4 @@ pub mod run_config;
 
 pub use error::ConfigError;
 pub use run_config::RunConfig;
+pub use vehicle_model_table::VehicleModels;

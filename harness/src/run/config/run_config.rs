@@ -32,13 +32,16 @@ pub struct RunConfig {
     pub resolved: Table,
 }
 
+/// The table that says what tells vehicles.
+const VEHICLE_MODEL: &str = "vehicle_model";
+
 /// All parameters there are, with the values they have unless overridden.
 fn shipped() -> Table {
     let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
     let mut all = parse(PARAMS_TOML);
     all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
     all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::paper_table()));
-    all.insert("vehicle_model".to_owned(), Value::Table(parse(VEHICLE_MODEL_TOML)));
+    all.insert(VEHICLE_MODEL.to_owned(), Value::Table(parse(VEHICLE_MODEL_TOML)));
     all
 }
 
@@ -109,7 +112,7 @@ impl RunConfig {
         let options = OverrideOptions::resolve(options, &self.resolved, own)?;
         let mut resolved = self.resolved.clone();
         options.apply(&mut resolved)?;
-        Self::from_resolved(resolved).map_err(|problem| options.value_error(problem))
+        self.changed_to(resolved).map_err(|problem| options.value_error(problem))
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -135,10 +138,22 @@ impl RunConfig {
         {
             weighting.remove("curve");
         }
-        Self::from_resolved(resolved).map_err(|problem| file.value_error(problem))
+        let vehicle_models = vehicle_models_of(&resolved).map_err(|problem| file.value_error(problem))?;
+        Self::from_resolved(resolved, vehicle_models).map_err(|problem| file.value_error(problem))
     }
 
-    fn from_resolved(resolved: Table) -> Result<Self, ValueProblem> {
+    /// The parameters `resolved`, with the models that are here already if they are the same.
+    fn changed_to(&self, resolved: Table) -> Result<Self, ValueProblem> {
+        let are_here = resolved.get(VEHICLE_MODEL) == self.resolved.get(VEHICLE_MODEL);
+        let vehicle_models =
+            if are_here { self.vehicle_models.clone() } else { vehicle_models_of(&resolved)? };
+        Self::from_resolved(resolved, vehicle_models)
+    }
+
+    fn from_resolved(
+        resolved: Table,
+        vehicle_models: Option<VehicleModels>,
+    ) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         // A curve that is not given is the sensor's; until that is known, the paper's stands in.
         let of_paper = HierarchicalParams::paper_table();
@@ -148,7 +163,7 @@ impl RunConfig {
             with_density_curve(table("hierarchical"), &of_paper)
         };
         let (hierarchical, matching) = (hierarchical.to_string(), table("matching").to_string());
-        let of_others = ["matching", "hierarchical", "vehicle_model"];
+        let of_others = ["matching", "hierarchical", VEHICLE_MODEL];
         let of_baselines = resolved.iter().filter(|(name, _)| !of_others.contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
         let baselines = baselines.to_string();
@@ -159,10 +174,14 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
             matching: matching_from(&matching)
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
-            vehicle_models: vehicle_models_from(&table("vehicle_model").to_string())?,
+            vehicle_models,
             resolved,
         })
     }
+}
+
+fn vehicle_models_of(all: &Table) -> Result<Option<VehicleModels>, ValueProblem> {
+    vehicle_models_from(&all[VEHICLE_MODEL].as_table().cloned().unwrap_or_default().to_string())
 }
 
 fn gives_density_curve(all: &Table) -> bool {

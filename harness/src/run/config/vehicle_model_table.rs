@@ -1,6 +1,7 @@
 //! What tells vehicles, as a table of the configuration.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use baselines::pca_vehicle_model::PcaVehicleModel;
 use detector::params::ParamsError;
@@ -8,6 +9,7 @@ use detector::pipeline::vehicle_model::{VehicleModel, VehicleModelError};
 use serde::Deserialize;
 
 use super::value_problem::ValueProblem;
+use crate::dataset::checksum::sha256;
 
 /// The models that come with the program, unless something else is said.
 pub(super) const VEHICLE_MODEL_TOML: &str = r#"
@@ -27,16 +29,63 @@ struct VehicleModelTable {
     pca_directory: String,
 }
 
-/// What tells vehicles.
+/// What tells vehicles. The models that come with the program are read when a detector first asks for one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModels {
-    /// Of the clusters of grids and kd-tree.
-    pub by_shape: VehicleModel,
-    /// Of those of the detector pca.
-    pub pca: PcaVehicleModel,
+    by_shape: ModelSource<VehicleModel>,
+    pca: ModelSource<PcaVehicleModel>,
 }
 
-/// The models of a complete TOML document, read from their directories if these have names; `None` if they are switched off.
+/// Where a model is from.
+#[derive(Debug, Clone, PartialEq)]
+enum ModelSource<M> {
+    Shipped,
+    /// Read from files with this checksum.
+    Trained {
+        model: Arc<M>,
+        checksum: String,
+    },
+}
+
+impl VehicleModels {
+    /// The model of the clusters of grids and kd-tree.
+    pub fn by_shape(&self) -> VehicleModel {
+        self.by_shape.model(VehicleModel::shipped)
+    }
+
+    /// That of the clusters of the detector pca.
+    pub fn pca(&self) -> PcaVehicleModel {
+        self.pca.model(PcaVehicleModel::shipped)
+    }
+
+    /// What tells these models from others of the same program: a checksum for each, of the first and of pca's.
+    pub fn identity(&self) -> [&str; 2] {
+        [self.by_shape.identity(), self.pca.identity()]
+    }
+}
+
+impl<M: Clone> ModelSource<M> {
+    fn model(&self, shipped: fn() -> M) -> M {
+        match self {
+            Self::Shipped => shipped(),
+            Self::Trained { model, .. } => M::clone(model),
+        }
+    }
+
+    fn identity(&self) -> &str {
+        match self {
+            Self::Shipped => "shipped",
+            Self::Trained { checksum, .. } => checksum,
+        }
+    }
+
+    fn trained(model: M, files: &[&str]) -> Self {
+        Self::Trained { model: Arc::new(model), checksum: sha256(files.concat()) }
+    }
+}
+
+/// The models of a complete TOML document; `None` if they are switched off. Those of directories with names are read at once,
+/// because what is wrong with them is wrong with the configuration.
 pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, ValueProblem> {
     let table: VehicleModelTable = toml::from_str(text)
         .map_err(|error| ValueProblem::new(&ParamsError::Syntax(error), Some("vehicle_model"), text))?;
@@ -44,15 +93,12 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
         return Ok(None);
     }
     let by_shape = match table.directory.as_str() {
-        "" => VehicleModel::shipped(),
+        "" => ModelSource::Shipped,
         directory => by_shape_from(&ModelDirectory { parameter: "directory", directory })?,
     };
     let pca = match table.pca_directory.as_str() {
-        "" => PcaVehicleModel::shipped(),
-        directory => {
-            let files = ModelDirectory { parameter: "pca_directory", directory };
-            PcaVehicleModel::from_toml(&files.read(MODEL)?).map_err(|error| files.problem(MODEL, &error))?
-        }
+        "" => ModelSource::Shipped,
+        directory => pca_from(&ModelDirectory { parameter: "pca_directory", directory })?,
     };
     Ok(Some(VehicleModels { by_shape, pca }))
 }
@@ -60,12 +106,19 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
 const PROTOTYPES: &str = "prototypes.toml";
 const MODEL: &str = "model.toml";
 
-fn by_shape_from(files: &ModelDirectory<'_>) -> Result<VehicleModel, ValueProblem> {
-    let model = VehicleModel::from_toml(&files.read(PROTOTYPES)?, &files.read(MODEL)?);
-    model.map_err(|error| match error {
+fn by_shape_from(files: &ModelDirectory<'_>) -> Result<ModelSource<VehicleModel>, ValueProblem> {
+    let [prototypes, svm] = [files.read(PROTOTYPES)?, files.read(MODEL)?];
+    let model = VehicleModel::from_toml(&prototypes, &svm).map_err(|error| match error {
         VehicleModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
         VehicleModelError::Svm(error) => files.problem(MODEL, &error),
-    })
+    })?;
+    Ok(ModelSource::trained(model, &[&prototypes, &svm]))
+}
+
+fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
+    let svm = files.read(MODEL)?;
+    let model = PcaVehicleModel::from_toml(&svm).map_err(|error| files.problem(MODEL, &error))?;
+    Ok(ModelSource::trained(model, &[&svm]))
 }
 
 /// A directory with what training wrote, and the parameter that names it.

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use harness::annotation::AnnotationClass;
+use test_data::{needs_test_data, test_data};
 
-use super::{check_damaged, open, real_data};
+use super::{check_damaged, open};
 use crate::program::Workplace;
 
 /// A log of drawn points, written by `pyarrow` as `.ci/formats/make_feather_samples.py` says.
@@ -38,11 +39,9 @@ fn sweeps_are_read_in_the_frame_of_the_sensor() {
     }
 }
 
-#[test]
+#[needs_test_data("data/argoverse2")]
 fn boxes_hold_as_many_points_as_the_makers_counted() {
-    let Some(folder) = real_data("argoverse2", "boxes_hold_as_many_points_as_the_makers_counted") else {
-        return;
-    };
+    let folder = test_data!("data/argoverse2");
     let scan = open(&folder).read_scan(0).unwrap();
     assert_eq!(scan.cloud.len(), 100_660);
     // num_interior_pts of the 47 rows of this sweep adds up to this; points are rounded to sixteen bits there and here.

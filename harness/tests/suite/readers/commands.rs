@@ -1,6 +1,10 @@
 //! `scanbench data convert` and `scanbench data simulate`, and runs on what they leave.
 
-use crate::program::{Workplace, real_data};
+use std::path::Path;
+
+use test_data::{needs_test_data, test_data};
+
+use crate::program::Workplace;
 
 /// Counts and rates of every detector: what is printed before the times.
 fn counts(stdout: &str) -> Vec<Vec<String>> {
@@ -15,8 +19,7 @@ fn counts(stdout: &str) -> Vec<Vec<String>> {
 }
 
 #[track_caller]
-fn check_same_counts(name: &str, test: &str) {
-    let Some(folder) = real_data(name, test) else { return };
+fn check_same_counts(folder: &Path) {
     let folder = folder.to_str().unwrap();
     let workplace = Workplace::new();
     workplace.succeed(&["data", "convert", folder, "-o", "made.mcap", "--scans", "0..3"]);
@@ -29,24 +32,24 @@ fn check_same_counts(name: &str, test: &str) {
     assert_eq!(counts(&recording.stdout), expected);
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking")]
 fn a_recording_of_kitti_tracking_scores_the_same() {
-    check_same_counts("kitti_tracking", "a_recording_of_kitti_tracking_scores_the_same");
+    check_same_counts(&test_data!("data/kitti_tracking"));
 }
 
-#[test]
+#[needs_test_data("data/semantic_kitti")]
 fn a_recording_of_semantic_kitti_scores_the_same() {
-    check_same_counts("semantic_kitti", "a_recording_of_semantic_kitti_scores_the_same");
+    check_same_counts(&test_data!("data/semantic_kitti"));
 }
 
-#[test]
+#[needs_test_data("data/kitti_object")]
 fn a_recording_of_kitti_object_scores_the_same() {
-    check_same_counts("kitti_object", "a_recording_of_kitti_object_scores_the_same");
+    check_same_counts(&test_data!("data/kitti_object"));
 }
 
-#[test]
+#[needs_test_data("data/argoverse2")]
 fn a_recording_of_argoverse2_scores_the_same() {
-    check_same_counts("argoverse2", "a_recording_of_argoverse2_scores_the_same");
+    check_same_counts(&test_data!("data/argoverse2"));
 }
 
 #[test]
@@ -85,16 +88,14 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
     assert_eq!(workplace.read("there.mcap"), "already");
 }
 
-#[test]
+#[needs_test_data("data/kitti_tracking", "data/kitti_object", "data/semantic_kitti")]
 fn sound_data_are_checked_without_a_warning() {
-    let test = "sound_data_are_checked_without_a_warning";
     let workplace = Workplace::new();
-    for (name, expected) in [
-        ("kitti_tracking", "40 of 1 drive"),
-        ("kitti_object", "8 of 1 drive"),
-        ("semantic_kitti", "103.7 ms; 0 gaps"),
+    for (folder, expected) in [
+        (test_data!("data/kitti_tracking"), "40 of 1 drive"),
+        (test_data!("data/kitti_object"), "8 of 1 drive"),
+        (test_data!("data/semantic_kitti"), "103.7 ms; 0 gaps"),
     ] {
-        let Some(folder) = real_data(name, test) else { continue };
         let ended = workplace.succeed(&["data", "check", folder.to_str().unwrap()]);
         assert!(ended.stdout.contains(expected), "{}", ended.stdout);
         assert!(!ended.stdout.contains("WARNING"), "{}", ended.stdout);

@@ -1,17 +1,19 @@
 //! What is written and read again is what it was.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use harness::annotation::{Annotation, LabeledScan};
+use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
 use harness::conversion::ConversionError;
 use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
 use harness::conversion::output_format::OutputFormat;
-use harness::dataset::Dataset;
 use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::dataset::{Dataset, DatasetDescription, DatasetError};
+use test_data::{needs_test_data, test_data};
 
-use super::{open, real_data};
+use super::open;
 use crate::program::Workplace;
 
 /// Three scans of a simulated street.
@@ -83,25 +85,23 @@ fn converted(dataset: &dyn Dataset, workplace: &Workplace, format: OutputFormat)
 }
 
 #[track_caller]
-fn check_recording_is_the_same(name: &str, test: &str) {
-    let Some(folder) = real_data(name, test) else { return };
+fn check_recording_is_the_same(folder: &Path) {
     let workplace = Workplace::new();
-    let dataset = open(&folder);
+    let dataset = open(folder);
     let recording = open(&converted(&*dataset, &workplace, OutputFormat::Mcap));
     assert_eq!(recording.description().annotated, dataset.description().annotated);
     check_same(&scans(&*recording), &scans(&*dataset));
 }
 
-#[test]
+#[needs_test_data("data/kitti_object")]
 fn a_recording_of_kitti_object_is_the_same() {
-    check_recording_is_the_same("kitti_object", "a_recording_of_kitti_object_is_the_same");
+    check_recording_is_the_same(&test_data!("data/kitti_object"));
 }
 
-#[test]
+#[needs_test_data("data/semantic_kitti")]
 fn a_recording_of_semantic_kitti_is_the_same() {
-    let test = "a_recording_of_semantic_kitti_is_the_same";
-    check_recording_is_the_same("semantic_kitti", test);
-    let Some(folder) = real_data("semantic_kitti", test) else { return };
+    let folder = test_data!("data/semantic_kitti");
+    check_recording_is_the_same(&folder);
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let recording = open(&converted(&*dataset, &workplace, OutputFormat::Mcap));
@@ -139,11 +139,9 @@ fn kitti_layouts_keep_points_and_boxes() {
     }
 }
 
-#[test]
+#[needs_test_data("data/kitti_object")]
 fn what_is_not_labelled_in_kitti_stays_so_in_kitti() {
-    let Some(folder) = real_data("kitti_object", "what_is_not_labelled_in_kitti_stays_so_in_kitti") else {
-        return;
-    };
+    let folder = test_data!("data/kitti_object");
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let written = open(&converted(&*dataset, &workplace, OutputFormat::KittiObject));
@@ -171,5 +169,78 @@ fn semantic_kitti_keeps_which_point_is_of_which_object() {
             points
         };
         assert_eq!(points(found), points(expected));
+    }
+}
+
+/// Class and points of every annotation, and a number that tells its object from the others of its drive.
+fn objects(scans: &[LabeledScan]) -> Vec<Vec<(AnnotationClass, Vec<u32>, Option<usize>)>> {
+    let mut first_seen = BTreeMap::new();
+    let of_scan = |scan: &LabeledScan| {
+        let mut annotations: Vec<&Annotation> = scan.annotations.iter().collect();
+        annotations.sort_by_key(|it| &it.point_indices);
+        let object = |it: &&Annotation| {
+            let n_seen = first_seen.len();
+            let object = it.track.map(|track| *first_seen.entry((it.class, track)).or_insert(n_seen));
+            (it.class, it.point_indices.clone(), object)
+        };
+        annotations.iter().map(object).collect()
+    };
+    scans.iter().map(of_scan).collect()
+}
+
+#[needs_test_data("data/semantic_kitti")]
+fn semantic_kitti_in_semantic_kitti_is_the_same() {
+    let folder = test_data!("data/semantic_kitti");
+    let workplace = Workplace::new();
+    let dataset = open(&folder);
+    let written = open(&converted(&*dataset, &workplace, OutputFormat::SemanticKitti));
+    let (found, expected) = (scans(&*written), scans(&*dataset));
+    let cars = |scans: &[LabeledScan]| {
+        let annotations = scans.iter().flat_map(|it| &it.annotations);
+        annotations.filter(|it| it.class == AnnotationClass::Car).count()
+    };
+    assert_eq!((cars(&found), cars(&expected)), (39, 39));
+    assert_eq!(objects(&found), objects(&expected));
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_eq!((&found.cloud, &found.point_regions), (&expected.cloud, &expected.point_regions));
+    }
+}
+
+/// A drive of one scan of two points, of which the first is a car.
+struct TwoDrives(DatasetDescription, [ScanId; 2]);
+
+impl Dataset for TwoDrives {
+    fn description(&self) -> &DatasetDescription {
+        &self.0
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.1
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let cloud = [[5.0 + scan_idx as f32, 0.0, 0.0], [9.0, 0.0, 0.0]].into_iter().collect();
+        let mut scan = street().read_scan(0)?;
+        let car = scan.annotations.swap_remove(0);
+        let car = Annotation { point_indices: vec![0], track: Some(70_000 + scan_idx as u32), ..car };
+        let id = self.1[scan_idx].clone();
+        Ok(LabeledScan { id, cloud, annotations: vec![car], point_regions: vec![PointRegion::Labeled; 2] })
+    }
+}
+
+#[test]
+fn drives_whose_names_are_alike_stay_apart() {
+    let ids = ["a/b", "a_b"].map(|name| ScanId { sequence: name.to_owned(), index: 0 });
+    let drives = TwoDrives(street().description().clone(), ids);
+    for format in [OutputFormat::SemanticKitti, OutputFormat::KittiTracking] {
+        let workplace = Workplace::new();
+        let written = open(&converted(&drives, &workplace, format));
+        let names: Vec<&str> = written.scan_ids().iter().map(|it| it.sequence.as_str()).collect();
+        assert_eq!(names, ["a%2Fb", "a_b"]);
+        for scan_idx in 0..2 {
+            let scan = written.read_scan(scan_idx).unwrap();
+            assert_eq!(scan.cloud.position_m(0), [5.0 + scan_idx as f32, 0.0, 0.0]);
+            assert_eq!(scan.annotations.len(), 1);
+        }
     }
 }

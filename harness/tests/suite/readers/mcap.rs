@@ -12,6 +12,7 @@ use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::mcap::topics::TopicChoice;
 use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::source::DamagePolicy;
+use mcap::records::Metadata;
 use mcap::{Channel, Compression, Message, Schema, WriteOptions};
 
 use super::{check_damaged, open, try_open};
@@ -134,6 +135,16 @@ const TRANSFORMS: &str = "tf2_msgs/msg/TFMessage";
 type Logged = (&'static str, &'static str, &'static str, u64, Vec<u8>);
 
 fn write(workplace: &Workplace, options: WriteOptions, messages: &[Logged]) -> PathBuf {
+    write_named(workplace, options, messages, None)
+}
+
+/// As [`write`], with names of the scans as scanbench writes them.
+fn write_named(
+    workplace: &Workplace,
+    options: WriteOptions,
+    messages: &[Logged],
+    scan_ids: Option<&str>,
+) -> PathBuf {
     let path = workplace.path("drive.mcap");
     let mut writer = options.create(std::fs::File::create(&path).unwrap()).unwrap();
     for (sequence, (topic, schema, encoding, log_time, data)) in (0..).zip(messages) {
@@ -153,6 +164,10 @@ fn write(workplace: &Workplace, options: WriteOptions, messages: &[Logged]) -> P
         let channel = Arc::new(Channel { id: channel_id(topic), ..channel });
         let (log_time, data) = (*log_time, Cow::Borrowed(&data[..]));
         writer.write(&Message { channel, sequence, log_time, publish_time: log_time, data }).unwrap();
+    }
+    if let Some(scan_ids) = scan_ids {
+        let metadata = BTreeMap::from([("scan_ids".to_owned(), scan_ids.to_owned())]);
+        writer.write_metadata(&Metadata { name: "scanbench".to_owned(), metadata }).unwrap();
     }
     writer.finish().unwrap();
     path
@@ -356,4 +371,44 @@ fn a_file_that_is_no_recording_is_refused() {
     workplace.write("drive.mcap", "no recording");
     let error = try_open(&workplace.path("drive.mcap")).err().expect("no recording");
     assert!(error.to_string().contains("holds no data set in a known format"), "{error}");
+}
+
+#[test]
+fn every_scan_has_a_name_of_its_own_that_can_be_printed() {
+    let clouds = [cloud_at(SECOND), cloud_at(2 * SECOND)];
+    let check = |scan_ids: &str, parts: &[&str]| {
+        let workplace = Workplace::new();
+        let path = write_named(&workplace, WriteOptions::new(), &clouds, Some(scan_ids));
+        check_damaged(&path, &[&["drive.mcap"], parts].concat());
+    };
+    check(r#"[["a", 3], ["a", 3]]"#, &["has two scans of the name a/000003"]);
+    check(r#"[["a", 3]]"#, &["names 1 scans in its metadata and holds 2"]);
+    check(r#"[["a", 3], ["b"]]"#, &["has names of scans in its metadata that cannot be read"]);
+    check(r#"[["a", 3], ["b\u001b[31m", 3]]"#, &["a drive with control characters", r#""b\u{1b}[31m""#]);
+    let workplace = Workplace::new();
+    let path = write_named(&workplace, WriteOptions::new(), &clouds, Some(r#"[["a", 3], ["b", 3]]"#));
+    let names: Vec<String> = open(&path).scan_ids().iter().map(ToString::to_string).collect();
+    assert_eq!(names, ["a/000003", "b/000003"]);
+}
+
+#[test]
+fn a_topic_cannot_write_on_the_terminal() {
+    let workplace = Workplace::new();
+    let messages = [("/a\u{1b}[2J", "unknown", "cdr", SECOND, vec![0; 8])];
+    let error = try_open(&write(&workplace, WriteOptions::new(), &messages)).err().expect("no clouds");
+    let message = error.to_string();
+    assert!(message.contains(r"/a\u{1b}[2J") && !message.contains('\u{1b}'), "{message:?}");
+}
+
+#[test]
+fn annotations_of_clouds_that_are_not_there_are_said() {
+    let workplace = Workplace::new();
+    let boxes = |time_ns: u64| {
+        ("/annotations", DETECTIONS, "cdr", time_ns, detections(time_ns, "lidar", [5.0, 1.0, -1.0], 0.0))
+    };
+    let messages = [cloud_at(SECOND), boxes(SECOND), boxes(9 * SECOND)];
+    let dataset = open(&write(&workplace, WriteOptions::new(), &messages));
+    let stray = dataset.labels_without_scans().unwrap().expect("one");
+    assert!(stray.contains("labels of 1 scan that is not there"), "{stray}");
+    assert!(stray.contains("logged at 9000000000 ns"), "{stray}");
 }

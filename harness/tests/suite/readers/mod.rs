@@ -23,8 +23,6 @@ mod semantic_kitti;
 mod velodyne_capture;
 mod whole_or_not;
 
-pub use crate::program::real_data;
-
 fn try_open(path: &Path) -> Result<Box<dyn Dataset>, DatasetError> {
     open_dataset(path.to_str().unwrap(), &OpenOptions::default(), &built_in_catalogue().unwrap())
 }

@@ -44,7 +44,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut ChaCha8Rng) {
         }
         let at = random.random_range(0..bytes.len());
         let end = (at + random.random_range(1..9)).min(bytes.len());
-        match random.random_range(0..8) {
+        match random.random_range(0..9) {
             0 => bytes[at] ^= 1 << random.random_range(0..8),
             1 => bytes[at] = random.next_u32() as u8,
             2 => bytes[at..end].fill(0xff),
@@ -55,6 +55,14 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut ChaCha8Rng) {
                 let copied = bytes[at..end].to_vec();
                 let to = random.random_range(0..=bytes.len());
                 bytes.splice(to..to, copied);
+            }
+            // A number in text that becomes nothing, or large.
+            7 => {
+                let is_digit = |byte: &u8| byte.is_ascii_digit();
+                let Some(begin) = bytes[at..].iter().position(is_digit).map(|it| at + it) else { continue };
+                let n_digits = bytes[begin..].iter().take_while(|it| is_digit(it)).count();
+                let claim = ["0", "99999999999", "18446744073709551615"][random.random_range(0..3)];
+                bytes.splice(begin..begin + n_digits, claim.bytes());
             }
             // A length or number that claims to be large.
             _ => {
@@ -156,6 +164,10 @@ fn argoverse2() {
 fn scan_folders() {
     let workplace = super::scan_folder::drawn();
     check(&workplace.path("drive"), 30);
+    let workplace = Workplace::new();
+    std::fs::create_dir(workplace.path("drive")).unwrap();
+    std::fs::write(workplace.path("drive/a.pcd"), super::scan_folder::compressed_pcd()).unwrap();
+    check(&workplace.path("drive"), 31);
 }
 
 #[test]

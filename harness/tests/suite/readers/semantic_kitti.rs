@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use harness::annotation::{AnnotationClass, PointRegion};
+use test_data::{needs_test_data, test_data};
 
 use super::{check_damaged, open};
-use crate::program::{Workplace, real_data};
+use crate::program::Workplace;
 
 /// Points of the instances of scan 0, counted from the file by another program: label, instance, points.
 const INSTANCES_OF_SCAN_0: [(u32, u32, usize); 14] = [
@@ -25,10 +26,9 @@ const INSTANCES_OF_SCAN_0: [(u32, u32, usize); 14] = [
     (255, 1, 88),
 ];
 
-#[test]
+#[needs_test_data("data/semantic_kitti")]
 fn instances_are_objects_and_poles_what_hangs_together() {
-    let test = "instances_are_objects_and_poles_what_hangs_together";
-    let Some(folder) = real_data("semantic_kitti", test) else { return };
+    let folder = test_data!("data/semantic_kitti");
     let dataset = open(&folder);
     assert_eq!((dataset.description().format.as_str(), dataset.scan_ids().len()), ("semantic-kitti", 3));
     let scan = dataset.read_scan(0).unwrap();
@@ -48,9 +48,9 @@ fn instances_are_objects_and_poles_what_hangs_together() {
     assert_eq!(n_unscorable, 2184 + 4 + 370 + 1471 + 27_123 + 1192 + 1227);
 }
 
-#[test]
+#[needs_test_data("data/semantic_kitti")]
 fn the_sensor_moves_as_the_poses_say() {
-    let Some(folder) = real_data("semantic_kitti", "the_sensor_moves_as_the_poses_say") else { return };
+    let folder = test_data!("data/semantic_kitti");
     let dataset = open(&folder);
     let position = |scan_idx: usize| dataset.world_from_sensor(scan_idx).unwrap().unwrap().translation.vector;
     // The second pose of the file is 0.86 m ahead of the first: along x for a sensor.

@@ -83,6 +83,37 @@ fn killed_at_any_moment_a_writer_leaves_nothing_or_all() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn asked_to_end_at_any_moment_a_writer_leaves_nothing_at_all_or_all() {
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    for (arguments, name) in writers() {
+        let workplace = Workplace::new();
+        let arguments = [&arguments[..], &SMALL].concat();
+        let started = std::time::Instant::now();
+        workplace.succeed(&arguments);
+        let whole_ms = started.elapsed().as_millis() as u64;
+        for attempt in 0..6 {
+            remove(&workplace.path(name));
+            let mut command = workplace.command(&arguments);
+            let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+            std::thread::sleep(Duration::from_millis(random.random_range(0..=whole_ms)));
+            let signal = if attempt % 2 == 0 { "-TERM" } else { "-INT" };
+            let id = child.id().to_string();
+            for _ in 0..=attempt % 3 {
+                // It may have ended.
+                let _ = std::process::Command::new("kill").args([signal, &id]).stderr(Stdio::null()).status();
+            }
+            // Without a code before it listens, when nothing is written yet.
+            let is_done = child.wait().unwrap().code() == Some(0);
+            let is_whole = check_nothing_or_whole(&workplace.path(name));
+            assert!(is_whole || !is_done, "{name}");
+            let expected: &[&str] = if is_whole { &[name] } else { &[] };
+            assert_eq!(workplace.top_names(), expected, "{name} after {signal}");
+        }
+    }
+}
+
 fn remove(path: &Path) {
     if path.is_dir() {
         std::fs::remove_dir_all(path).unwrap();

@@ -1,0 +1,184 @@
+//! What is on the disk and not finished, for whoever has to end the program in the middle.
+//!
+//! Making, naming and removing such things go one at a time through one lock, so that whoever holds it sees all of them, each
+//! either unfinished or finished. Nothing that takes long belongs under it.
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
+
+/// Everything unfinished, in the order in which it was begun.
+static UNFINISHED: Mutex<Vec<Entry>> = Mutex::new(Vec::new());
+static N_BEGUN: AtomicU64 = AtomicU64::new(0);
+
+/// Removing waits this long for somebody who is about to make or to name something: for ever only where a disk hangs.
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
+/// How often a folder is emptied again, because somebody has made a file in it meanwhile.
+const MOST_ATTEMPTS: usize = 100;
+
+#[derive(Debug)]
+struct Entry {
+    number: u64,
+    path: PathBuf,
+    kind: Kind,
+}
+
+/// What is to be removed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A file.
+    File,
+    /// A folder with all that is in it.
+    Folder,
+    /// A folder if nothing is in it.
+    EmptyFolder,
+}
+
+/// Something unfinished, for as long as this lives.
+#[derive(Debug)]
+#[must_use = "what is not registered is not removed"]
+pub struct Unfinished {
+    number: u64,
+}
+
+impl Unfinished {
+    /// Makes something unfinished, which `path_of` finds, in one step with registering it.
+    ///
+    /// # Errors
+    ///
+    /// What `make` returns.
+    pub fn begin<T>(
+        kind: Kind,
+        make: impl FnOnce() -> io::Result<T>,
+        path_of: impl FnOnce(&T) -> PathBuf,
+    ) -> io::Result<(Self, T)> {
+        let mut entries = lock();
+        let made = make()?;
+        // A program may change its folder.
+        let path = std::path::absolute(path_of(&made))?;
+        let number = N_BEGUN.fetch_add(1, Ordering::Relaxed);
+        entries.push(Entry { number, path, kind });
+        Ok((Self { number }, made))
+    }
+
+    /// Does `step`, such as writing to it or giving it its name, and nothing is removed meanwhile.
+    pub fn undisturbed<T>(&self, step: impl FnOnce() -> T) -> T {
+        let _entries = lock();
+        step()
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        lock().retain(|it| it.number != self.number);
+    }
+}
+
+fn lock() -> MutexGuard<'static, Vec<Entry>> {
+    // A panic while it was held leaves a list that is complete all the same.
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes everything unfinished, the latest first. From then on nothing can be begun or finished: whoever tries waits for the
+/// end of the program.
+pub fn remove_for_good() {
+    let Some(mut entries) = lock_before(Instant::now() + LONGEST_WAIT) else { return };
+    while let Some(entry) = entries.pop() {
+        entry.remove();
+    }
+    std::mem::forget(entries);
+}
+
+/// Leaves everything as it is for good: [`remove_for_good`], if somebody calls it from now on, does nothing.
+pub fn keep_for_good() {
+    std::mem::forget(lock());
+}
+
+fn lock_before(deadline: Instant) -> Option<MutexGuard<'static, Vec<Entry>>> {
+    loop {
+        match UNFINISHED.try_lock() {
+            Ok(entries) => return Some(entries),
+            Err(TryLockError::Poisoned(entries)) => return Some(entries.into_inner()),
+            Err(TryLockError::WouldBlock) if Instant::now() > deadline => return None,
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
+        }
+    }
+}
+
+impl Entry {
+    /// Nobody is left to be told what fails.
+    fn remove(&self) {
+        match self.kind {
+            Kind::File => {
+                let _ = std::fs::remove_file(&self.path);
+            }
+            Kind::EmptyFolder => {
+                let _ = std::fs::remove_dir(&self.path);
+            }
+            // Other threads still write to it.
+            Kind::Folder => {
+                for _ in 0..MOST_ATTEMPTS {
+                    match std::fs::remove_dir_all(&self.path) {
+                        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                            std::thread::sleep(Duration::from_millis(1));
+                        }
+                        _ => break,
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// Whether something at `path` would be removed.
+    fn is_registered(path: &Path) -> bool {
+        lock().iter().any(|it| it.path == path)
+    }
+
+    #[test]
+    fn what_is_dropped_is_not_registered() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        let make = || std::fs::write(&path, "");
+        let (unfinished, ()) = Unfinished::begin(Kind::File, make, |()| path.clone()).unwrap();
+        assert!(is_registered(&path));
+        assert_eq!(unfinished.undisturbed(|| 7), 7);
+        drop(unfinished);
+        assert!(!is_registered(&path));
+    }
+
+    #[test]
+    fn what_cannot_be_made_is_not_registered() {
+        let path = Path::new("/nowhere");
+        let made = Unfinished::begin(Kind::File, || Err::<(), _>(io::ErrorKind::NotFound.into()), |()| path.to_path_buf());
+        assert!(made.is_err() && !is_registered(path));
+    }
+
+    #[test]
+    fn a_folder_goes_although_somebody_writes_to_it() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("partial");
+        std::fs::create_dir(&folder).unwrap();
+        let entry = Entry { number: 0, path: folder.clone(), kind: Kind::Folder };
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                // Ends when the folder is gone.
+                for number in 0.. {
+                    if std::fs::write(folder.join(number.to_string()), "").is_err() {
+                        break;
+                    }
+                }
+            });
+            entry.remove();
+        });
+        assert!(!folder.exists());
+    }
+}
