@@ -47,7 +47,7 @@ struct Entry {
 /// The detections of one scan, in one reusable buffer.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Detections {
-    // Invariant: the ranges of `entries` partition `point_indices`; a point belongs to at most one detection.
+    // Invariant: the ranges of `entries` partition `point_indices`. A point may belong to several detections.
     entries: Vec<Entry>,
     point_indices: Vec<u32>,
 }

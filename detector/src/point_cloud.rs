@@ -5,7 +5,7 @@
 /// Columns rather than rows, because the grid reads x, y and z in one pass and nothing else.
 ///
 /// Coordinates may be NaN or infinite (a sensor that marks missing returns); every detector treats such
-/// points as absent. Readers of file formats that cannot hold them refuse them at the border.
+/// points as absent. Readers of files leave them out and count them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointCloud {
     // Invariant: the four columns have the same length.

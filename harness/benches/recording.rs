@@ -4,6 +4,7 @@
 //! repository. Without it a simulated street is used. Detectors are the default ones of `run`.
 #![expect(clippy::print_stdout, reason = "a benchmark prints")]
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -98,6 +99,7 @@ fn record(
         scan_indices,
         matching: MatchingParams { criterion, eligibility: EligibilityParams::STANDARD },
         n_warmup: 1,
+        n_repeats: NonZeroUsize::MIN,
         n_jobs: 1,
         interrupted: &AtomicBool::new(false),
     };

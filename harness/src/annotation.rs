@@ -3,6 +3,7 @@
 //! It lives here and not beside the detectors, so that no detector can look at it.
 
 use detector::{OrientedBox, PointCloud};
+use nalgebra::Matrix3x4;
 
 /// One scan with its ground truth.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +16,10 @@ pub struct LabeledScan {
     pub annotations: Vec<Annotation>,
     /// For every point, whether the labels say anything about it.
     pub point_regions: Vec<PointRegion>,
+    /// Where the labels say something about places without a point.
+    pub labeled_area: LabeledArea,
+    /// Places, among the points of the file, of those that are not in `cloud` since they have no position; ascending.
+    pub points_left_out: Vec<u32>,
 }
 
 /// Names a scan within its data set.
@@ -57,6 +62,30 @@ impl Annotation {
             None => self.class.name().to_owned(),
         }
     }
+
+    /// Where it stands, in metres: the centre of its box; without one the centroid of its points in `cloud`. `None` if it
+    /// has neither.
+    ///
+    /// This one place is used wherever an annotation has to be somewhere: ranges, slices, the criterion *centre*, pages.
+    pub fn center_m(&self, cloud: &PointCloud) -> Option<[f32; 3]> {
+        if let Some(bounding_box) = &self.bounding_box {
+            return Some(bounding_box.center_m);
+        }
+        let mut n_points = 0_u32;
+        let mut sum_m = [0.0_f64; 3];
+        let positions_m = self.point_indices.iter().map(|it| cloud.position_m(*it as usize));
+        for position_m in positions_m.filter(|it| it.iter().all(|value| value.is_finite())) {
+            n_points += 1;
+            sum_m = [0, 1, 2].map(|axis| sum_m[axis] + f64::from(position_m[axis]));
+        }
+        // Rounded as a box would hold it, so that an echoed annotation lies exactly where it was.
+        (n_points > 0).then(|| sum_m.map(|it| (it / f64::from(n_points)) as f32))
+    }
+}
+
+/// Distance of a place from the sensor on the ground plan, in metres.
+pub fn range_m(place_m: [f32; 3]) -> f64 {
+    f64::from(place_m[0]).hypot(f64::from(place_m[1]))
 }
 
 /// How much of an object is hidden by others.
@@ -90,6 +119,28 @@ pub enum PointRegion {
     Unscorable,
     /// Outside of what was labelled, such as behind the camera on KITTI.
     Outside,
+}
+
+/// The part of the ground plan in which objects were labelled, as a data set tells it. Said of places, not of points: heights
+/// do not matter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LabeledArea {
+    /// All round the sensor.
+    Everywhere,
+    /// What a camera sees: a place belongs to it if any height above or below it projects into the image.
+    CameraImage {
+        /// From homogeneous sensor coordinates in metres to homogeneous pixels.
+        image_from_sensor: Matrix3x4<f64>,
+        /// Width and height of the image in pixels.
+        image_size_px: [u32; 2],
+    },
+    /// What lies no farther than this to either side of forward, in degrees.
+    Ahead {
+        /// 0 to 180.
+        to_either_side_deg: f32,
+    },
+    /// Only said point by point, by [`LabeledScan::point_regions`]: a place is as what the sensor saw in its direction.
+    AsPoints,
 }
 
 /// What an annotated object is.
@@ -179,4 +230,34 @@ pub fn points_inside(cloud: &PointCloud, bounding_box: &OrientedBox) -> Vec<u32>
     let inside =
         cloud.positions_m().zip(0_u32..).filter(|(position_m, _)| bounding_box.contains(*position_m));
     inside.map(|(_, point_idx)| point_idx).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_annotation_without_a_box_stands_at_the_centroid_of_its_points() {
+        let cloud = PointCloud::from_iter([
+            [1.0, 0.0, 0.0],
+            [3.0, 2.0, 1.0],
+            [f32::NAN, 0.0, 0.0],
+            [90.0, 90.0, 90.0],
+        ]);
+        let unboxed = Annotation {
+            class: AnnotationClass::Car,
+            bounding_box: None,
+            point_indices: vec![0, 1, 2],
+            track: None,
+            occlusion: None,
+            truncation: None,
+        };
+        assert_eq!(unboxed.center_m(&cloud), Some([2.0, 1.0, 0.5]));
+        let nowhere = Annotation { point_indices: vec![2], ..unboxed.clone() };
+        assert_eq!(nowhere.center_m(&cloud), None);
+        let bounding_box =
+            OrientedBox { center_m: [3.0, 4.0, 9.0], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+        let boxed = Annotation { bounding_box: Some(bounding_box), ..unboxed };
+        assert_eq!(boxed.center_m(&cloud).map(range_m), Some(5.0));
+    }
 }

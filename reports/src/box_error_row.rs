@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::blocks::BlockCount;
 use crate::box_errors::BoxErrorLine;
 use crate::csv_rows::CsvRow;
 use crate::fixed_decimals::Fixed;
@@ -100,6 +101,9 @@ pub struct BoxErrorRow {
     median: Option<Fixed<4>>,
     low: Option<Fixed<4>>,
     high: Option<Fixed<4>>,
+    n_blocks: Option<u64>,
+    blocks: Option<String>,
+    few_blocks: Option<bool>,
 }
 
 impl CsvRow for BoxErrorRow {
@@ -116,25 +120,35 @@ impl CsvRow for BoxErrorRow {
         "median",
         "low",
         "high",
+        "n_blocks",
+        "blocks",
+        "few_blocks",
     ];
 }
 
 impl BoxErrorRow {
     /// The rows of `line`, one for each fit.
     pub fn of(line: &BoxErrorLine) -> impl Iterator<Item = Self> + '_ {
-        line.fits.iter().map(|(fit, median)| Self {
-            data: line.data.clone(),
-            simulated: line.is_simulated,
-            by: line.by.clone(),
-            slice: line.slice.clone(),
-            error: line.error.name().to_owned(),
-            unit: line.error.unit().to_owned(),
-            fit: fit.clone(),
-            n_pairs: line.n_pairs,
-            n_tracks: line.n_tracks,
-            median: median.map(|it| Fixed(it.median)),
-            low: median.map(|it| Fixed(it.within[0])),
-            high: median.map(|it| Fixed(it.within[1])),
+        line.fits.iter().map(|(fit, median)| {
+            let interval = median.and_then(|it| it.within);
+            let blocks = interval.map(|it| it.blocks);
+            Self {
+                data: line.data.clone(),
+                simulated: line.is_simulated,
+                by: line.by.clone(),
+                slice: line.slice.clone(),
+                error: line.error.name().to_owned(),
+                unit: line.error.unit().to_owned(),
+                fit: fit.clone(),
+                n_pairs: line.n_pairs,
+                n_tracks: line.n_tracks,
+                median: median.map(|it| Fixed(it.median)),
+                low: interval.map(|it| Fixed(it.ends[0])),
+                high: interval.map(|it| Fixed(it.ends[1])),
+                n_blocks: blocks.map(|it| it.n_blocks),
+                blocks: blocks.map(|it| it.kind.name().to_owned()),
+                few_blocks: blocks.map(BlockCount::are_too_few),
+            }
         })
     }
 }
@@ -151,13 +165,13 @@ mod tests {
         let rows: Vec<BoxErrorRow> = lines.iter().step_by(3).flat_map(BoxErrorRow::of).collect();
         let text = String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap();
         insta::assert_snapshot!(text, @r"
-        data,simulated,by,slice,error,unit,fit,n_pairs,n_tracks,median,low,high
-        street,true,range,0–15 m,centre,m,hull box,40,10,0.5000,0.4500,0.6000
-        street,true,range,0–15 m,centre,m,PCA box,40,10,1.0000,0.9000,1.2000
-        street,true,range,0–15 m,yaw,deg,hull box,40,10,0.5000,0.4500,0.6000
-        street,true,range,0–15 m,yaw,deg,PCA box,40,10,1.0000,0.9000,1.2000
-        street,true,range,50–80 m,width,m,hull box,0,0,,,
-        street,true,range,50–80 m,width,m,PCA box,0,0,,,
+        data,simulated,by,slice,error,unit,fit,n_pairs,n_tracks,median,low,high,n_blocks,blocks,few_blocks
+        street,true,range,0–15 m,centre,m,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
+        street,true,range,0–15 m,centre,m,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false
+        street,true,range,0–15 m,yaw,deg,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
+        street,true,range,0–15 m,yaw,deg,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false
+        street,true,range,50–80 m,width,m,hull box,0,0,,,,,,
+        street,true,range,50–80 m,width,m,PCA box,0,0,,,,,,
         ");
     }
 }

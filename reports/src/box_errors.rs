@@ -1,12 +1,14 @@
 //! How far fitted boxes are from annotated ones, by slice of the matched vehicles.
 
+use crate::blocks::Interval;
+
 /// A median with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MedianWithin {
     /// The median.
     pub median: f64,
-    /// The interval.
-    pub within: [f64; 2],
+    /// The interval; `None` of a single drive or object.
+    pub within: Option<Interval>,
 }
 
 /// One error over one slice of the pairs, for each way to fit a box to the same points.
@@ -76,12 +78,14 @@ pub(crate) fn by_data(lines: &[BoxErrorLine]) -> impl Iterator<Item = &[BoxError
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::blocks::{BlockCount, BlockKind};
 
     /// All four errors of a slice, the second fit twice as far off.
     pub(crate) fn lines(data: &str, by: &str, slice: &str, n_pairs: u64) -> Vec<BoxErrorLine> {
         let fit = |name: &str, median: f64| {
-            let within = MedianWithin { median, within: [0.9 * median, 1.2 * median] };
-            (name.to_owned(), (n_pairs > 0).then_some(within))
+            let blocks = BlockCount::of_dataset(n_pairs / 4, BlockKind::Tracks);
+            let within = Some(Interval { ends: [0.9 * median, 1.2 * median], blocks });
+            (name.to_owned(), (n_pairs > 0).then_some(MedianWithin { median, within }))
         };
         BoxError::ALL
             .map(|error| BoxErrorLine {

@@ -50,7 +50,9 @@ fn locked(path: &Path) -> io::Result<File> {
         let file = File::options().write(true).create(true).truncate(false).open(path)?;
         match file.try_lock() {
             // Not every file system knows locks.
-            Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => return Err(error),
+            Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {
+                return Err(error);
+            }
             Err(TryLockError::WouldBlock) => return Err(io::ErrorKind::WouldBlock.into()),
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }

@@ -1,23 +1,26 @@
 //! From what was gathered of a run to its numbers, and how sure they are.
 
 use crate::average_precision::{RankedDetection, average_precision, operating_points};
-use crate::bootstrap::{Distribution, Resamples};
+use crate::blocks::BlockCount;
+use crate::bootstrap::Distribution;
 use crate::metric::{Metric, RecallPositions};
 use crate::precision_recall_row::PrecisionRecallRow;
 use crate::run_report::{MetricRow, OVERALL, Subject};
 use crate::slice::Slice;
 use crate::sums::{FalseObjects, RATIOS, Sums, Term};
-use crate::tally::Tally;
+use crate::tally::{Draw, Tally};
 
 /// Sums of one subject, as they are and as they would be had other scans been drawn.
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// Number of scans.
     pub n_scans: u64,
-    /// Number of blocks that were drawn from.
-    pub n_blocks: usize,
+    /// The blocks that were drawn from.
+    pub blocks: BlockCount,
     /// Whether all false objects are known.
     pub false_objects: FalseObjects,
+    /// What the sums are of.
+    pub slice: Slice,
     /// The sums themselves.
     pub total: Sums,
     /// Those of each resample.
@@ -39,7 +42,7 @@ pub struct Question<'a> {
 
 impl Tally {
     /// The sums that are asked for; `None` if nothing was seen of the kind.
-    pub fn sample(&self, question: &Question<'_>, draws: &[Resamples]) -> Option<Sample> {
+    pub fn sample(&self, question: &Question<'_>, draws: &[Draw]) -> Option<Sample> {
         let mut all: Option<Sample> = None;
         for (dataset_idx, draw) in draws.iter().enumerate() {
             if question.dataset != OVERALL && question.dataset != self.datasets()[dataset_idx] {
@@ -54,19 +57,20 @@ impl Tally {
         all
     }
 
-    fn sample_of(&self, dataset_idx: usize, question: &Question<'_>, draw: &Resamples) -> Option<Sample> {
+    fn sample_of(&self, dataset_idx: usize, question: &Question<'_>, draw: &Draw) -> Option<Sample> {
         let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
-        let placed = self.sums_of_blocks(dataset_idx, gathered, question.slice);
+        let placed = gathered.sums_of_blocks(question.slice, &draw.blocks);
         let mut total = Sums::default();
         for (_, sums) in &placed {
             total.add_times(sums, 1.0);
         }
         Some(Sample {
             n_scans: gathered.n_scans,
-            n_blocks: draw.n_blocks(),
+            blocks: draw.blocks.count(),
             false_objects: gathered.false_objects,
+            slice: question.slice.clone(),
             total,
-            resampled: draw.sums(&placed),
+            resampled: draw.resamples.sums(&placed),
         })
     }
 
@@ -81,7 +85,7 @@ impl Tally {
         if self.datasets().len() < 2 { Vec::new() } else { self.rows_about(OVERALL, &self.draw()) }
     }
 
-    fn rows_about(&self, dataset: &str, draws: &[Resamples]) -> Vec<MetricRow> {
+    fn rows_about(&self, dataset: &str, draws: &[Draw]) -> Vec<MetricRow> {
         let mut rows = Vec::new();
         for task in self.tasks() {
             for detector in self.detectors() {
@@ -120,8 +124,7 @@ impl Tally {
                     let Some(gathered) = self.gathered(dataset_idx, task, detector) else { continue };
                     let is_known = gathered.false_objects == FalseObjects::Known;
                     let Some(ranked) = gathered.ranked.as_ref().filter(|_| is_known) else { continue };
-                    let of_blocks = self.sums_of_blocks(dataset_idx, gathered, &Slice::All);
-                    let no = of_blocks.iter().map(|(_, sums)| sums.of(Term::Annotations)).sum::<f64>() as u64;
+                    let no = gathered.total(Term::Annotations) as u64;
                     let points = operating_points(ranked);
                     rows.extend(
                         points.iter().map(|it| PrecisionRecallRow::new(dataset, task, detector, no, it)),
@@ -132,16 +135,20 @@ impl Tally {
         rows
     }
 
-    /// The detections that count, with their scores; `None` if there are none or one of them has no score.
+    /// The detections that count, with their scores: none if nothing was found. `None` if one of them has no score, the task
+    /// does not rank them, or nothing was seen of the kind.
     pub fn ranked(&self, question: &Question<'_>) -> Option<Vec<RankedDetection>> {
-        let mut all = Vec::new();
+        let mut all = None;
         for (dataset_idx, dataset) in self.datasets().iter().enumerate() {
-            if question.dataset == OVERALL || question.dataset == dataset {
-                let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
-                all.extend(gathered.ranked.as_ref()?);
+            if question.dataset != OVERALL && question.dataset != dataset {
+                continue;
+            }
+            // As for every other number, a data set of which no scan was evaluated says nothing.
+            if let Some(gathered) = self.gathered(dataset_idx, question.task, question.detector) {
+                all.get_or_insert_with(Vec::new).extend(gathered.ranked.as_ref()?);
             }
         }
-        (!all.is_empty()).then_some(all)
+        all
     }
 }
 
@@ -170,7 +177,7 @@ impl Sample {
     /// Both together; false objects are known only where they are in both.
     fn with(mut self, other: &Self) -> Self {
         self.n_scans += other.n_scans;
-        self.n_blocks += other.n_blocks;
+        self.blocks = self.blocks.with(other.blocks);
         self.total.add_times(&other.total, 1.0);
         for (sum, it) in self.resampled.iter_mut().zip(&other.resampled) {
             sum.add_times(it, 1.0);
@@ -181,9 +188,9 @@ impl Sample {
         self
     }
 
-    /// The value of `metric`.
+    /// The value of `metric`; `None` if it is undefined, or not measured of the slice.
     pub fn value(&self, metric: &Metric) -> Option<f64> {
-        self.total.value(metric, self.false_objects)
+        self.total.value(metric, self.false_objects).filter(|_| self.slice.measures(metric))
     }
 
     /// The value of `metric` in each resample.
@@ -195,6 +202,9 @@ impl Sample {
         let metrics: Vec<Metric> = match question.slice {
             Slice::All => {
                 let mut all: Vec<Metric> = OF_ALL.into_iter().chain(RATIOS).collect();
+                if self.total.of(Term::TimedScans) > 0.0 {
+                    all.extend([Metric::ReferenceTime, Metric::TimeRatio]);
+                }
                 all.sort();
                 all.dedup();
                 all
@@ -210,11 +220,15 @@ impl Sample {
     fn row(&self, question: &Question<'_>, metric: &Metric) -> MetricRow {
         let value = self.value(metric);
         let row = |n| MetricRow::new(question.subject(), metric.clone(), value, n);
-        if !RATIOS.contains(metric) {
-            return row(self.n_scans);
-        }
-        let n = self.total.ratio(metric, self.false_objects).map_or(0.0, |[_, denominator]| denominator);
-        let distribution = Distribution::new(self.resampled_values(metric), self.n_blocks);
+        let n = match metric {
+            Metric::TimeRatio => self.total.of(Term::TimedScans),
+            Metric::ReferenceTime => return row(self.total.of(Term::TimedScans) as u64),
+            ratio if RATIOS.contains(ratio) => {
+                self.total.ratio(ratio, self.false_objects).map_or(0.0, |[_, denominator]| denominator)
+            }
+            _ => return row(self.n_scans),
+        };
+        let distribution = Distribution::new(self.resampled_values(metric), self.blocks);
         row(n as u64).within(distribution.filter(|_| value.is_some()).map(|it| it.interval()))
     }
 }
@@ -222,11 +236,12 @@ impl Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocks::BlockKind;
     use crate::counts::Counts;
-    use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+    use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
     use crate::match_row::MatchRow;
     use crate::metric::BoxDimension;
-    use crate::run_report::SLICE_ALL;
+    use crate::run_report::{Interval, SLICE_ALL};
     use crate::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
 
     fn boxed(x_m: f32, length_m: f32, yaw_deg: f32) -> BoxFacts {
@@ -236,7 +251,16 @@ mod tests {
 
     fn annotation(class: &str, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
         let (class, occlusion) = (class.to_owned(), Some("none".to_owned()));
-        AnnotationFacts { id: 0, track: None, class, occlusion, n_points, bounding_box: Some(bounding_box) }
+        AnnotationFacts {
+            id: 0,
+            track: None,
+            class,
+            occlusion,
+            n_points,
+            n_points_outside: 0,
+            bounding_box: Some(bounding_box),
+            centroid_m: None,
+        }
     }
 
     fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {
@@ -254,6 +278,8 @@ mod tests {
         let numbers = ScanNumbers {
             n_points: 1000,
             latency_ms: Some(1.0),
+            least_latency_ms: Some(0.8),
+            reference_ms: Some(0.2),
             counts: Counts::new(no, tp, fo).unwrap(),
             n_ignored_annotations: 1,
             n_ignored_detections: 2,
@@ -269,7 +295,8 @@ mod tests {
             n_dropped_too_small: 0,
             n_dropped_too_large: 0,
         };
-        ScanRow { dataset, sequence, scan, detector, task, outcome: ScanOutcome::Evaluated(numbers) }
+        let (time_s, outcome) = (f64::from(scan) / 10.0, ScanOutcome::Evaluated(numbers));
+        ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }
     }
 
     /// Four annotations and three detections: a car found by a box half a metre off, 1 m too short and turned by 190°; a car
@@ -348,6 +375,8 @@ mod tests {
                 (Metric::BoxError(BoxDimension::Length), 0.5),
                 (Metric::BoxError(BoxDimension::Width), 0.0),
                 (Metric::BoxError(BoxDimension::Yaw), 15.0),
+                (Metric::ReferenceTime, 0.2),
+                (Metric::TimeRatio, 4.0),
                 // Right, false, right of four annotations: precision 1 up to 25 %, 2/3 up to 50 %, then none.
                 (Metric::AveragePrecision(RecallPositions::Points101), (26.0 + 25.0 * 2.0 / 3.0) / 101.0),
                 (Metric::AveragePrecision(RecallPositions::R40), (10.0 + 10.0 * 2.0 / 3.0) / 40.0),
@@ -369,6 +398,125 @@ mod tests {
     }
 
     #[test]
+    fn what_the_labelled_region_cuts_has_a_slice_and_counts_as_any_other() {
+        let mut tally = Tally::default();
+        tally.add_scan(&scan_row(3, 3, 1, Some(0)));
+        let cut = |n_points_outside| AnnotationFacts {
+            n_points_outside,
+            ..annotation("car", 100, boxed(10.0, 4.0, 0.0))
+        };
+        let reason = "split".to_owned();
+        let detection = detection(Some(0.9), 100, boxed(10.0, 4.0, 0.0));
+        for outcome in [
+            MatchOutcome::Matched { annotation: cut(50), detection, cost: 0.1 },
+            MatchOutcome::Missed { annotation: cut(100), reason: reason.clone() },
+            MatchOutcome::Missed { annotation: cut(49), reason },
+        ] {
+            tally.add_match(&match_row(3, outcome));
+        }
+        check(&tally, "truncated", &[(Metric::No, 2.0), (Metric::Tp, 1.0), (Metric::Recall, 0.5)]);
+        check(&tally, "class/car", &[(Metric::No, 3.0)]);
+        check(&tally, "range/0-15", &[(Metric::No, 3.0)]);
+        let of_truncated = |it: &MetricRow| it.subject.slice == "truncated" && it.metric == Metric::Precision;
+        assert!(!tally.metric_rows().iter().any(of_truncated));
+    }
+
+    #[test]
+    fn what_is_tall_is_counted_apart_and_in_nothing_else() {
+        let plain = scene();
+        let mut with_tall = scene();
+        let tree = || annotation("tree", 300, boxed(10.0, 4.0, 0.0));
+        let found = FoundBy { detection: detection(Some(0.95), 250, boxed(10.5, 3.0, 0.0)), cost: 0.1 };
+        for found_by in [Some(found), None, None] {
+            with_tall.add_match(&match_row(3, MatchOutcome::Tall { annotation: tree(), found_by }));
+        }
+        check(&with_tall, "tall", &[(Metric::No, 3.0), (Metric::Tp, 1.0), (Metric::Recall, 1.0 / 3.0)]);
+        let mut rows = with_tall.metric_rows();
+        rows.retain(|it| it.subject.slice != "tall");
+        assert_eq!(rows, plain.metric_rows());
+    }
+
+    /// Annotations without a box are in the range of their centroid, so that the ranges add up.
+    #[test]
+    fn ranges_add_up_without_boxes() {
+        let mut tally = Tally::default();
+        tally.add_scan(&scan_row(3, 4, 2, Some(1)));
+        let unboxed = |x_m| AnnotationFacts {
+            bounding_box: None,
+            centroid_m: Some([x_m, 3.0, 0.0]),
+            ..annotation("car", 100, boxed(0.0, 4.0, 0.0))
+        };
+        let found = |x_m| MatchOutcome::Matched {
+            annotation: unboxed(x_m),
+            detection: detection(Some(0.9), 100, boxed(x_m, 4.0, 0.0)),
+            cost: 0.1,
+        };
+        let missed = |x_m| MatchOutcome::Missed { annotation: unboxed(x_m), reason: "split".to_owned() };
+        let detection = detection(Some(0.9), 100, boxed(20.0, 4.0, 0.0));
+        let false_one = MatchOutcome::False { detection, reason: "fragment".to_owned() };
+        for outcome in [found(10.0), found(40.0), missed(10.0), missed(70.0), false_one] {
+            tally.add_match(&match_row(3, outcome));
+        }
+        let rows = tally.metric_rows();
+        for metric in [Metric::No, Metric::Tp, Metric::Fo] {
+            let sum = |is_asked: &dyn Fn(&str) -> bool| -> f64 {
+                let asked = rows.iter().filter(|it| it.metric == metric && is_asked(&it.subject.slice));
+                asked.filter_map(MetricRow::value).sum()
+            };
+            assert_eq!(sum(&|it| it.starts_with("range/")), sum(&|it| it == SLICE_ALL), "{}", metric.id());
+        }
+        check(&tally, "range/30-50", &[(Metric::No, 1.0), (Metric::Recall, 1.0), (Metric::FRate, 1.0)]);
+        check(&tally, "range/50-80", &[(Metric::No, 1.0), (Metric::Recall, 0.0)]);
+    }
+
+    #[test]
+    fn a_detector_that_found_nothing_has_an_average_precision_of_zero() {
+        let missed = || MatchOutcome::Missed {
+            annotation: annotation("car", 100, boxed(10.0, 4.0, 0.0)),
+            reason: "nothing there".to_owned(),
+        };
+        let average_precision = |scan: ScanRow, outcomes: Vec<MatchOutcome>| -> Vec<Option<f64>> {
+            let mut tally = Tally::default();
+            let task = scan.task.clone();
+            tally.add_scan(&scan);
+            for outcome in outcomes {
+                tally.add_match(&MatchRow { task: task.clone(), ..match_row(3, outcome) });
+            }
+            let rows = tally.metric_rows().into_iter();
+            rows.filter(|it| matches!(it.metric, Metric::AveragePrecision(_))).map(|it| it.value()).collect()
+        };
+        assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![missed()]), [Some(0.0); 2]);
+        assert_eq!(average_precision(scan_row(3, 1, 0, Some(0)), vec![]), [Some(0.0); 2]);
+        // Nothing to find, false ones unknown, and a task without a ranking.
+        assert_eq!(average_precision(scan_row(3, 0, 0, Some(0)), vec![]), [None; 2]);
+        assert_eq!(average_precision(scan_row(3, 1, 0, None), vec![missed()]), []);
+        let objects = ScanRow { task: "objects".to_owned(), ..scan_row(3, 1, 0, Some(0)) };
+        assert_eq!(average_precision(objects, vec![missed()]), []);
+    }
+
+    #[test]
+    fn average_precision_does_not_depend_on_the_order_of_equal_scores() {
+        let outcome = |is_match: bool| {
+            let detection = detection(Some(0.5), 70, boxed(20.0, 1.0, 0.0));
+            let annotation = annotation("car", 100, boxed(20.0, 4.0, 0.0));
+            if is_match {
+                MatchOutcome::Matched { annotation, detection, cost: 0.25 }
+            } else {
+                MatchOutcome::False { detection, reason: "fragment".to_owned() }
+            }
+        };
+        let rows = |order: [bool; 4]| {
+            let mut tally = Tally::default();
+            tally.add_scan(&scan_row(3, 4, 2, Some(2)));
+            for is_match in order {
+                tally.add_match(&match_row(3, outcome(is_match)));
+            }
+            (tally.metric_rows(), tally.precision_recall_rows())
+        };
+        assert_eq!(rows([true, true, false, false]), rows([false, true, false, true]));
+    }
+
+    #[test]
     fn precision_over_recall_begins_with_the_highest_score() {
         let rows = crate::csv_rows::to_csv_bytes(&scene().precision_recall_rows()).unwrap();
         insta::assert_snapshot!(String::from_utf8(rows).unwrap(), @r"
@@ -387,21 +535,56 @@ mod tests {
         assert!(!tally.metric_rows().iter().any(|it| matches!(it.metric, Metric::AveragePrecision(_))));
     }
 
+    /// The interval of the F-rate of scans of drives, each with its drive and time.
+    fn f_rate_interval(scans: &[(&str, f64)]) -> Option<Interval> {
+        let mut tally = Tally::default();
+        for (scan, (drive, time_s)) in (0_u32..).zip(scans) {
+            let row = scan_row(scan, 4, 1 + u64::from(scan % 2), Some(1));
+            tally.add_scan(&ScanRow { sequence: (*drive).to_owned(), time_s: *time_s, ..row });
+        }
+        let row = tally.metric_rows().into_iter().find(|it| it.metric == Metric::FRate);
+        row.unwrap().interval()
+    }
+
     #[test]
     fn scans_of_a_second_are_one_block_and_one_block_has_no_interval() {
-        let f_rate = |scans: &[u32]| {
-            let mut tally = Tally::default();
-            for scan in scans {
-                tally.add_scan(&scan_row(*scan, 4, 1 + u64::from(scan % 2), Some(1)));
-            }
-            let row = tally.metric_rows().into_iter().find(|it| it.metric == Metric::FRate);
-            row.unwrap().interval()
-        };
-        assert_eq!(f_rate(&[0, 3, 9]), None);
-        assert_eq!(f_rate(&[0, 3, 9, 10, 35]).map(|it| it.n_blocks), Some(3));
+        assert_eq!(f_rate_interval(&[("a", 0.0), ("a", 0.3), ("a", 0.9)]), None);
+        let scans = [("a", 0.0), ("a", 0.3), ("a", 0.9), ("a", 1.0), ("a", 3.5)];
+        let interval = f_rate_interval(&scans).unwrap();
+        assert_eq!((interval.blocks.n_blocks, interval.blocks.kind), (3, BlockKind::Seconds));
         // The two blocks reach 2 / 6 and 4 / 7: what is drawn lies between.
-        let [low, high] = f_rate(&[0, 11]).unwrap().ends;
-        assert_eq!([low, high], [2.0 / 6.0, 4.0 / 7.0]);
+        assert_eq!(f_rate_interval(&[("a", 0.0), ("a", 1.1)]).unwrap().ends, [2.0 / 6.0, 4.0 / 7.0]);
+    }
+
+    #[test]
+    fn ten_drives_are_ten_blocks_however_many_scans_they_have() {
+        let drives: Vec<String> = (0..10).map(|it| format!("{it}")).collect();
+        let scans: Vec<(&str, f64)> =
+            drives.iter().flat_map(|drive| [0.0, 5.0, 10.0].map(|it| (drive.as_str(), it))).collect();
+        let blocks = f_rate_interval(&scans).unwrap().blocks;
+        assert_eq!((blocks.n_blocks, blocks.kind, blocks.are_too_few()), (10, BlockKind::Drives, false));
+        // Nine of them are drawn by the second.
+        let blocks = f_rate_interval(&scans[..27]).unwrap().blocks;
+        assert_eq!((blocks.n_blocks, blocks.kind, blocks.are_too_few()), (27, BlockKind::Seconds, false));
+    }
+
+    #[test]
+    fn matches_belong_to_the_block_of_their_scan() {
+        // Scan 3 of the scene is at 0.3 s by its number, and at 20.3 s by its time stamp.
+        let mut tally = Tally::default();
+        for (scan, time_s) in [(3, 20.3), (4, 0.4)] {
+            tally.add_scan(&ScanRow { time_s, ..scan_row(scan, 1, 0, Some(0)) });
+            let annotation = annotation("car", 30, boxed(10.0, 4.0, 0.0));
+            let reason = "split".to_owned();
+            tally.add_match(&match_row(scan, MatchOutcome::Missed { annotation, reason }));
+        }
+        let rows = tally.metric_rows();
+        let of_cars = rows.iter().find(|it| it.subject.slice == "class/car" && it.metric == Metric::Recall);
+        assert_eq!(of_cars.unwrap().interval().unwrap().blocks.n_blocks, 2);
+        // One of a scan that is not there counts nowhere.
+        let annotation = annotation("bus", 30, boxed(10.0, 4.0, 0.0));
+        tally.add_match(&match_row(5, MatchOutcome::Missed { annotation, reason: "split".to_owned() }));
+        assert!(!tally.metric_rows().iter().any(|it| it.subject.slice == "class/bus"));
     }
 
     #[test]

@@ -7,6 +7,7 @@
 pub mod palette;
 
 // Numbers.
+pub mod blocks;
 pub mod counts;
 pub mod metric;
 pub mod curve_pair;

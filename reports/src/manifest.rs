@@ -27,6 +27,9 @@ pub struct Manifest {
     pub seeds: BTreeMap<String, u64>,
     /// Detections of the first scan, for each detector, that were thrown away before anything was timed.
     pub n_warmup_detections: u32,
+    /// How often each detector looked at each scan.
+    #[serde(default = "once")]
+    pub n_repeats: u32,
     /// By what a detection was matched with an annotation, in words, such as `points, Jaccard at least 0.5`.
     pub matching_criterion: String,
     /// Which annotations do not count.
@@ -76,6 +79,12 @@ pub struct DatasetEntry {
     /// Those of them that were left out because they are damaged.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub skipped_scans: Vec<SkippedScan>,
+    /// Points without a position in the scans that were read; they are left out.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub n_points_left_out: u64,
+    /// What the user said names of classes in the labels stand for.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub classes: BTreeMap<String, String>,
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
@@ -86,6 +95,11 @@ pub struct DatasetEntry {
     pub licence: Option<String>,
     /// What a simulation was asked for besides its seed; `None` for what was recorded.
     pub simulation: Option<Simulation>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 /// A scan that was left out because it is damaged.
@@ -110,6 +124,9 @@ pub struct Simulation {
     pub n_drive_scans: u32,
     /// Turns of the sensor from one scan to the next.
     pub turns_per_scan: u32,
+    /// Scans of a street, after which the drive went on in that of the next seed; `None` for as many as it has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scans_per_drive: Option<u32>,
     /// The sensor: its id, or the file that describes it.
     pub sensor: String,
     /// `instant` or `rolling`.
@@ -171,6 +188,10 @@ pub struct Machine {
     pub os: String,
 }
 
+fn once() -> u32 {
+    1
+}
+
 impl Manifest {
     /// The content of `manifest.json`.
     pub fn to_json(&self) -> String {
@@ -205,6 +226,7 @@ mod tests {
             config: serde_json::json!({"run": {"n_jobs": 1}}),
             seeds: BTreeMap::from([("simulator".to_owned(), u64::MAX)]),
             n_warmup_detections: 2,
+            n_repeats: 3,
             matching_criterion: "points, Jaccard at least 0.5".to_owned(),
             ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
             datasets: vec![DatasetEntry {
@@ -216,6 +238,8 @@ mod tests {
                 checksum: None,
                 n_scans: 40,
                 skipped_scans: Vec::new(),
+                n_points_left_out: 0,
+                classes: BTreeMap::new(),
                 selection: Some("0..80:2".to_owned()),
                 sensor_height_m: 1.73,
                 sensor: "hdl-64e-s2".to_owned(),
@@ -264,6 +288,7 @@ mod tests {
             "simulator": 18446744073709551615
           },
           "n_warmup_detections": 2,
+          "n_repeats": 3,
           "matching_criterion": "points, Jaccard at least 0.5",
           "ignored": {
             "min_points": 20,

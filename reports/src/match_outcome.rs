@@ -26,6 +26,13 @@ pub enum MatchOutcome {
         /// Why.
         reason: String,
     },
+    /// The annotation is too tall for the task: neither found nor missed, and counted apart.
+    Tall {
+        /// What does not count.
+        annotation: AnnotationFacts,
+        /// What found it all the same, of the detections that found nothing that counts. It is neither right nor false.
+        found_by: Option<FoundBy>,
+    },
     /// The detection is false.
     False {
         /// What is false.
@@ -47,6 +54,15 @@ pub enum MatchOutcome {
     },
 }
 
+/// A detection that found something, and at what cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundBy {
+    /// The detection.
+    pub detection: DetectionFacts,
+    /// Lower is better; the unit is the criterion's.
+    pub cost: f64,
+}
+
 /// What is known about an annotation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnnotationFacts {
@@ -60,8 +76,29 @@ pub struct AnnotationFacts {
     pub occlusion: Option<String>,
     /// Number of its points.
     pub n_points: u64,
+    /// How many of these lie outside the labelled region.
+    pub n_points_outside: u64,
     /// Its box, where boxes are labelled.
     pub bounding_box: Option<BoxFacts>,
+    /// Centroid of its points in metres, where it has no box.
+    pub centroid_m: Option<[f32; 3]>,
+}
+
+impl AnnotationFacts {
+    /// Where it stands, in metres: the centre of its box or the centroid of its points; `None` if it has neither.
+    pub fn center_m(&self) -> Option<[f32; 3]> {
+        self.bounding_box.map(|it| it.center_m).or(self.centroid_m)
+    }
+
+    /// Whether at least half of its points lie outside the labelled region.
+    pub fn is_truncated(&self) -> bool {
+        self.n_points > 0 && 2 * self.n_points_outside >= self.n_points
+    }
+}
+
+/// Distance of a place from the sensor on the ground plan, in metres.
+pub fn range_m(place_m: [f32; 3]) -> f64 {
+    f64::from(place_m[0]).hypot(f64::from(place_m[1]))
 }
 
 /// What is known about a detection.

@@ -1,13 +1,15 @@
 //! `matches.csv`: one row for every matched pair, and for every annotation and detection that is in none.
 //!
 //! With boxes, classes, scores and numbers of points, so that anyone can score again without this program.
-//! What a task does not ask for, such as pedestrians among vehicles, has no row.
+//! What a task does not ask for, such as pedestrians among vehicles, has no row. An annotation without a box has the centroid of
+//! its points for a centre, and neither size nor heading. An annotation that is ignored because it is tall makes a pair with the
+//! detection that found it all the same: both are ignored.
 
 use serde::{Deserialize, Serialize};
 
 use crate::csv_rows::CsvRow;
 use crate::fixed_decimals::Fixed;
-use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
 
 /// What became of an annotation, a detection or a pair of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,6 +48,7 @@ impl CsvRow for MatchRow {
         "annotation_class",
         "annotation_occlusion",
         "annotation_n_points",
+        "annotation_n_points_outside",
         "annotation_center_x_m",
         "annotation_center_y_m",
         "annotation_center_z_m",
@@ -84,6 +87,7 @@ struct MatchRecord {
     annotation_class: Option<String>,
     annotation_occlusion: Option<String>,
     annotation_n_points: Option<u64>,
+    annotation_n_points_outside: Option<u64>,
     annotation_center_x_m: Option<Fixed<4>>,
     annotation_center_y_m: Option<Fixed<4>>,
     annotation_center_z_m: Option<Fixed<4>>,
@@ -121,6 +125,9 @@ enum Outcome {
     Ignored,
     Unknowable,
 }
+
+/// Why an annotation is ignored that makes an outcome of its own.
+const TALL: &str = "tall";
 
 /// The columns of an outcome, before they are spread.
 struct Parts {
@@ -168,6 +175,17 @@ impl From<MatchOutcome> for Parts {
             MatchOutcome::IgnoredAnnotation { annotation, reason } => {
                 Self::of_annotation(Outcome::Ignored, annotation, reason)
             }
+            MatchOutcome::Tall { annotation, found_by: None } => {
+                Self::of_annotation(Outcome::Ignored, annotation, TALL.to_owned())
+            }
+            MatchOutcome::Tall { annotation, found_by: Some(FoundBy { detection, cost }) } => Self {
+                kind: Kind::Pair,
+                outcome: Outcome::Ignored,
+                reason: Some(TALL.to_owned()),
+                cost: Some(cost),
+                annotation: Some(annotation),
+                detection: Some(detection),
+            },
             MatchOutcome::False { detection, reason } => {
                 Self::of_detection(Outcome::False, detection, Some(reason))
             }
@@ -186,11 +204,19 @@ impl TryFrom<Parts> for MatchOutcome {
 
     fn try_from(parts: Parts) -> Result<Self, &'static str> {
         let Parts { kind, outcome, reason, cost, annotation, detection } = parts;
+        let is_tall = reason.as_deref() == Some(TALL);
         let reason = reason.ok_or("a missed, false or ignored object gives no reason");
         match (kind, outcome, annotation, detection) {
             (Kind::Pair, Outcome::Matched, Some(annotation), Some(detection)) => {
                 let cost = cost.ok_or("a matched pair has no cost")?;
                 Ok(Self::Matched { annotation, detection, cost })
+            }
+            (Kind::Pair, Outcome::Ignored, Some(annotation), Some(detection)) if is_tall => {
+                let cost = cost.ok_or("a tall annotation was found at no cost")?;
+                Ok(Self::Tall { annotation, found_by: Some(FoundBy { detection, cost }) })
+            }
+            (Kind::Annotation, Outcome::Ignored, Some(annotation), None) if is_tall => {
+                Ok(Self::Tall { annotation, found_by: None })
             }
             (Kind::Annotation, Outcome::Missed, Some(annotation), None) => {
                 Ok(Self::Missed { annotation, reason: reason? })
@@ -212,24 +238,36 @@ impl TryFrom<Parts> for MatchOutcome {
     }
 }
 
-/// Centre x, y, z, length, width, height and yaw as they are written; all absent without a box.
-fn box_columns(bounding_box: Option<BoxFacts>) -> [Option<Fixed<4>>; 7] {
-    let Some(BoxFacts { center_m: [x, y, z], length_width_height_m: [length, width, height], yaw_rad }) =
-        bounding_box
-    else {
-        return [None; 7];
-    };
+/// Centre x, y, z, length, width, height and yaw as they are written.
+type PlaceColumns = [Option<Fixed<4>>; 7];
+
+fn box_columns(bounding_box: BoxFacts) -> PlaceColumns {
+    let BoxFacts { center_m: [x, y, z], length_width_height_m: [length, width, height], yaw_rad } =
+        bounding_box;
     [x, y, z, length, width, height, yaw_rad].map(|it| Some(Fixed(f64::from(it))))
 }
 
-/// The inverse of [`box_columns`].
-fn box_from_columns(columns: [Option<Fixed<4>>; 7]) -> Result<Option<BoxFacts>, &'static str> {
+/// Of its box or, without one, of its points, whose centroid has neither size nor heading.
+fn columns_of_annotation(annotation: &AnnotationFacts) -> PlaceColumns {
+    match (annotation.bounding_box, annotation.centroid_m) {
+        (Some(bounding_box), _) => box_columns(bounding_box),
+        (None, Some(centroid_m)) => {
+            let [x, y, z] = centroid_m.map(|it| Some(Fixed(f64::from(it))));
+            [x, y, z, None, None, None, None]
+        }
+        (None, None) => [None; 7],
+    }
+}
+
+/// The inverse of [`columns_of_annotation`]: a box, or a centroid, or neither.
+fn place_from_columns(columns: PlaceColumns) -> Result<(Option<BoxFacts>, Option<[f32; 3]>), &'static str> {
     match columns.map(|it| it.map(|Fixed(value)| value as f32)) {
         [Some(x), Some(y), Some(z), Some(length), Some(width), Some(height), Some(yaw_rad)] => {
             let (center_m, length_width_height_m) = ([x, y, z], [length, width, height]);
-            Ok(Some(BoxFacts { center_m, length_width_height_m, yaw_rad }))
+            Ok((Some(BoxFacts { center_m, length_width_height_m, yaw_rad }), None))
         }
-        [None, None, None, None, None, None, None] => Ok(None),
+        [Some(x), Some(y), Some(z), None, None, None, None] => Ok((None, Some([x, y, z]))),
+        [None, None, None, None, None, None, None] => Ok((None, None)),
         _ => Err("a box misses a number"),
     }
 }
@@ -237,8 +275,8 @@ fn box_from_columns(columns: [Option<Fixed<4>>; 7]) -> Result<Option<BoxFacts>, 
 impl From<MatchRow> for MatchRecord {
     fn from(row: MatchRow) -> Self {
         let Parts { kind, outcome, reason, cost, annotation, detection } = row.outcome.into();
-        let annotation_box = box_columns(annotation.as_ref().and_then(|it| it.bounding_box));
-        let detection_box = box_columns(detection.as_ref().map(|it| it.bounding_box));
+        let annotation_box = annotation.as_ref().map_or([None; 7], columns_of_annotation);
+        let detection_box = detection.as_ref().map_or([None; 7], |it| box_columns(it.bounding_box));
         let (annotation_ref, detection_ref) = (annotation.as_ref(), detection.as_ref());
         Self {
             dataset: row.dataset,
@@ -254,6 +292,7 @@ impl From<MatchRow> for MatchRecord {
             annotation_id: annotation_ref.map(|it| it.id),
             annotation_track: annotation_ref.and_then(|it| it.track),
             annotation_n_points: annotation_ref.map(|it| it.n_points),
+            annotation_n_points_outside: annotation_ref.map(|it| it.n_points_outside),
             annotation_occlusion: annotation_ref.and_then(|it| it.occlusion.clone()),
             annotation_class: annotation.map(|it| it.class),
             annotation_center_x_m: annotation_box[0],
@@ -279,7 +318,7 @@ impl From<MatchRow> for MatchRecord {
 }
 
 fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'static str> {
-    let bounding_box = box_from_columns([
+    let (bounding_box, centroid_m) = place_from_columns([
         record.annotation_center_x_m,
         record.annotation_center_y_m,
         record.annotation_center_z_m,
@@ -295,12 +334,16 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
         class: record.annotation_class.clone().ok_or("an annotation has no class")?,
         occlusion: record.annotation_occlusion.clone(),
         n_points: record.annotation_n_points.ok_or("an annotation has no number of points")?,
+        n_points_outside: record
+            .annotation_n_points_outside
+            .ok_or("an annotation does not say how many of its points are outside")?,
         bounding_box,
+        centroid_m,
     }))
 }
 
 fn detection_of(record: &MatchRecord) -> Result<Option<DetectionFacts>, &'static str> {
-    let bounding_box = box_from_columns([
+    let (bounding_box, _) = place_from_columns([
         record.detection_center_x_m,
         record.detection_center_y_m,
         record.detection_center_z_m,
@@ -357,11 +400,13 @@ mod tests {
             class: "car".to_owned(),
             occlusion: Some("partly".to_owned()),
             n_points: 240,
+            n_points_outside: 130,
             bounding_box: Some(BoxFacts {
                 center_m: [10.25, -3.5, -0.875],
                 length_width_height_m: [4.5, 1.75, 1.5],
                 yaw_rad: -1.5,
             }),
+            centroid_m: None,
         }
     }
 
@@ -375,7 +420,11 @@ mod tests {
     }
 
     fn rows() -> Vec<MatchRow> {
-        let unboxed = AnnotationFacts { track: None, occlusion: None, bounding_box: None, ..car() };
+        let centroid_m = Some([10.5, -3.25, 0.125]);
+        let unboxed =
+            AnnotationFacts { track: None, occlusion: None, bounding_box: None, centroid_m, ..car() };
+        let nowhere =
+            AnnotationFacts { n_points: 0, n_points_outside: 0, centroid_m: None, ..unboxed.clone() };
         let unscored = DetectionFacts {
             score: None,
             bounding_box: BoxFacts { center_m: [1.0, 2.0, 3.0], ..blob().bounding_box },
@@ -387,6 +436,12 @@ mod tests {
             MatchOutcome::Matched { annotation: car(), detection: found, cost: 0.125 },
             MatchOutcome::Missed { annotation: unboxed, reason: reason("nothing there") },
             MatchOutcome::IgnoredAnnotation { annotation: car(), reason: reason("too few points") },
+            MatchOutcome::IgnoredAnnotation { annotation: nowhere, reason: reason("too few points") },
+            MatchOutcome::Tall { annotation: car(), found_by: None },
+            MatchOutcome::Tall {
+                annotation: car(),
+                found_by: Some(FoundBy { detection: unscored.clone(), cost: 0.25 }),
+            },
             MatchOutcome::False { detection: unscored.clone(), reason: reason("fragment") },
             MatchOutcome::IgnoredDetection {
                 detection: unscored.clone(),
@@ -415,13 +470,16 @@ mod tests {
         let path = folder.path().join("matches.csv");
         write(&rows(), &path).unwrap();
         insta::assert_snapshot!(std::fs::read_to_string(&path).unwrap(), @r#"
-        dataset,sequence,scan,detector,task,criterion,kind,outcome,reason,cost,annotation_id,annotation_track,annotation_class,annotation_occlusion,annotation_n_points,annotation_center_x_m,annotation_center_y_m,annotation_center_z_m,annotation_length_m,annotation_width_m,annotation_height_m,annotation_yaw_rad,detection_id,detection_class,detection_score,detection_n_points,detection_center_x_m,detection_center_y_m,detection_center_z_m,detection_length_m,detection_width_m,detection_height_m,detection_yaw_rad
-        main_road,0000,7,pca,objects,points,pair,matched,,0.125000,3,12,car,partly,240,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,0.750000,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
-        main_road,0000,7,pca,objects,points,annotation,missed,nothing there,,3,,car,,240,,,,,,,,,,,,,,,,,,
-        main_road,0000,7,pca,objects,points,annotation,ignored,too few points,,3,12,car,partly,240,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,,,,,,,,,,,
-        main_road,0000,7,pca,objects,points,detection,false,fragment,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
-        main_road,0000,7,pca,objects,points,detection,ignored,on ignored points,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
-        main_road,0000,7,pca,objects,points,detection,unknowable,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
+        dataset,sequence,scan,detector,task,criterion,kind,outcome,reason,cost,annotation_id,annotation_track,annotation_class,annotation_occlusion,annotation_n_points,annotation_n_points_outside,annotation_center_x_m,annotation_center_y_m,annotation_center_z_m,annotation_length_m,annotation_width_m,annotation_height_m,annotation_yaw_rad,detection_id,detection_class,detection_score,detection_n_points,detection_center_x_m,detection_center_y_m,detection_center_z_m,detection_length_m,detection_width_m,detection_height_m,detection_yaw_rad
+        main_road,0000,7,pca,objects,points,pair,matched,,0.125000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,0.750000,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
+        main_road,0000,7,pca,objects,points,annotation,missed,nothing there,,3,,car,,240,130,10.5000,-3.2500,0.1250,,,,,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,annotation,ignored,too few points,,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,annotation,ignored,too few points,,3,,car,,0,0,,,,,,,,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,annotation,ignored,tall,,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,,,,,,,,,,,
+        main_road,0000,7,pca,objects,points,pair,ignored,tall,0.250000,3,12,car,partly,240,130,10.2500,-3.5000,-0.8750,4.5000,1.7500,1.5000,-1.5000,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
+        main_road,0000,7,pca,objects,points,detection,false,fragment,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
+        main_road,0000,7,pca,objects,points,detection,ignored,on ignored points,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
+        main_road,0000,7,pca,objects,points,detection,unknowable,,,,,,,,,,,,,,,,0,object,,201,1.0000,2.0000,3.0000,4.0000,1.5000,1.2500,0.1250
         "#);
         assert_eq!(read_rows::<MatchRow>(&path).unwrap(), rows());
     }
@@ -465,11 +523,14 @@ mod tests {
         check_refused("annotation,missed", "detection,missed", "line: 3");
         check_refused("annotation,missed", "detection,missed", "contradict each other");
         check_refused("pair,matched,,0.125000", "pair,matched,,", "a matched pair has no cost");
+        check_refused("pair,ignored,tall,0.250000", "pair,ignored,tall,", "found at no cost");
+        check_refused("pair,ignored,tall,", "pair,ignored,high,", "contradict each other");
     }
 
     #[test]
     fn a_box_with_a_gap_is_refused() {
         check_refused("10.2500,-3.5000", "10.2500,", "a box misses a number");
+        check_refused("10.5000,-3.2500,", "10.5000,,", "a box misses a number");
     }
 
     #[test]

@@ -47,6 +47,11 @@ pub enum Metric {
     FpsP50,
     /// Time of detection of a scan.
     Latency(LatencyStatistic),
+    /// Time of the reference that detectors are timed in turns with: a plain write of a grid. Geometric mean over scans of the
+    /// shortest of all repetitions.
+    ReferenceTime,
+    /// Time of detection over that of the reference, of the shortest of all repetitions: geometric mean over scans.
+    TimeRatio,
     /// Median time of the stage of this name.
     StageP50(String),
 }
@@ -103,9 +108,12 @@ pub enum Direction {
 
 const STAGE_PREFIX: &str = "stage_p50_ms/";
 
+/// The name of what detectors are timed in turns with: a plain write of a grid, the least that any grid method has to do.
+pub const SPEED_REFERENCE: &str = "grid-write";
+
 impl Metric {
     /// The metrics without a name in their id, in the order of a report.
-    const UNNAMED: [Self; 30] = [
+    const UNNAMED: [Self; 32] = [
         Self::No,
         Self::Tp,
         Self::Mo,
@@ -136,6 +144,8 @@ impl Metric {
         Self::Latency(LatencyStatistic::P95),
         Self::Latency(LatencyStatistic::P99),
         Self::Latency(LatencyStatistic::Max),
+        Self::ReferenceTime,
+        Self::TimeRatio,
     ];
 
     /// The name used in files.
@@ -171,6 +181,8 @@ impl Metric {
             Self::Latency(LatencyStatistic::P95) => "latency_p95_ms",
             Self::Latency(LatencyStatistic::P99) => "latency_p99_ms",
             Self::Latency(LatencyStatistic::Max) => "latency_max_ms",
+            Self::ReferenceTime => "reference_ms",
+            Self::TimeRatio => "time_over_reference",
             Self::StageP50(stage) => return format!("{STAGE_PREFIX}{stage}"),
         };
         id.to_owned()
@@ -208,16 +220,19 @@ impl Metric {
             Self::BoxError(BoxDimension::Center | BoxDimension::Length | BoxDimension::Width) => "m",
             Self::BoxError(BoxDimension::Yaw) => "deg",
             Self::FpsMean | Self::FpsP50 => "scans/s",
-            Self::Latency(_) | Self::StageP50(_) => "ms",
+            Self::Latency(_) | Self::StageP50(_) | Self::ReferenceTime => "ms",
+            Self::TimeRatio => "times",
         }
     }
 
     /// Which way is better.
     pub fn direction(&self) -> Direction {
         match self {
-            Self::No | Self::IgnoredAnnotations | Self::IgnoredDetections | Self::UnknowableDetections => {
-                Direction::Neither
-            }
+            Self::No
+            | Self::IgnoredAnnotations
+            | Self::IgnoredDetections
+            | Self::UnknowableDetections
+            | Self::ReferenceTime => Direction::Neither,
             Self::Tp
             | Self::Precision
             | Self::Recall
@@ -235,13 +250,30 @@ impl Metric {
             | Self::UnderSegmentationEntropyPerObject
             | Self::BoxError(_)
             | Self::Latency(_)
+            | Self::TimeRatio
             | Self::StageP50(_) => Direction::LowerIsBetter,
         }
     }
 
     /// Whether it is a time or made of one, and so another in every run.
     pub fn is_time(&self) -> bool {
-        matches!(self, Self::FpsMean | Self::FpsP50 | Self::Latency(_) | Self::StageP50(_))
+        matches!(
+            self,
+            Self::FpsMean
+                | Self::FpsP50
+                | Self::Latency(_)
+                | Self::ReferenceTime
+                | Self::TimeRatio
+                | Self::StageP50(_)
+        )
+    }
+
+    /// The metrics that a gate can hold to a tolerance.
+    pub(crate) fn gated() -> impl Iterator<Item = Self> {
+        let is_gated = |it: &Self| {
+            !it.is_time() && it.direction() != Direction::Neither && !matches!(it, Self::AveragePrecision(_))
+        };
+        Self::UNNAMED.into_iter().filter(is_gated)
     }
 
     /// What is to be said of a value made of `n`; `None` if nothing is.

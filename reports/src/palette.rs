@@ -72,7 +72,8 @@ mod tests {
         for matrix in [NORMAL, PROTANOPE, DEUTERANOPE] {
             for of_background in [|hue: &Hue| hue.on_dark, |hue: &Hue| hue.on_light] {
                 // As bright as screens show it.
-                let seen = DETECTOR_HUES.map(|it| seen_without(matrix, of_background(&it)).map(|it| it.powf(1.0 / 2.2)));
+                let seen = DETECTOR_HUES
+                    .map(|it| seen_without(matrix, of_background(&it)).map(|it| it.powf(1.0 / 2.2)));
                 for (idx, a) in seen.iter().enumerate() {
                     for b in &seen[..idx] {
                         let difference = (0..3).map(|it| (a[it] - b[it]).powi(2)).sum::<f64>().sqrt();

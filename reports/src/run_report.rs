@@ -7,6 +7,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::archive::{ArchiveError, SCHEMA, read_json};
+use crate::blocks::{BlockCount, BlockKind};
+
+pub use crate::blocks::Interval;
 use crate::metric::Metric;
 
 /// The slice of everything.
@@ -54,15 +57,6 @@ pub struct MetricRow {
     interval: Option<Interval>,
 }
 
-/// How sure a number is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
-    /// Lower and upper end of the 95 % interval.
-    pub ends: [f64; 2],
-    /// Number of independent blocks of scans that it was estimated from.
-    pub n_blocks: u64,
-}
-
 /// Why numbers make no report.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RunReportError {
@@ -106,6 +100,9 @@ pub enum MetricRowError {
         /// The unit of the row.
         found: String,
     },
+    /// A row names blocks of scans of a kind that there is not.
+    #[error("unknown blocks of scans {0:?}")]
+    UnknownBlocks(String),
     /// A row states another direction than that of its metric.
     #[error("higher_is_better of {metric} is {expected:?}, not {found:?}")]
     Direction {
@@ -270,7 +267,11 @@ struct RowRecord {
     interval_95: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     n_blocks: Option<u64>,
-    // For people; it follows from metric and n.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    degrees_of_freedom: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    blocks: Option<String>,
+    // For people; it follows from the metric, n and the blocks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     caveat: Option<String>,
 }
@@ -289,8 +290,10 @@ impl From<MetricRow> for RowRecord {
             higher_is_better: row.metric.direction().higher_is_better(),
             n: row.n,
             interval_95: row.interval.map(|it| it.ends),
-            n_blocks: row.interval.map(|it| it.n_blocks),
-            caveat: row.metric.caveat(row.n).map(str::to_owned),
+            n_blocks: row.interval.map(|it| it.blocks.n_blocks),
+            degrees_of_freedom: row.interval.map(|it| it.blocks.degrees_of_freedom),
+            blocks: row.interval.map(|it| it.blocks.kind.name().to_owned()),
+            caveat: row.metric.caveat(row.n).map(str::to_owned).or_else(|| row.interval?.caveat()),
         }
     }
 }
@@ -310,8 +313,13 @@ impl TryFrom<RowRecord> for MetricRow {
             let found = record.higher_is_better;
             return Err(MetricRowError::Direction { metric: record.metric, expected, found });
         }
-        let interval = record.interval_95.zip(record.n_blocks);
-        let interval = interval.map(|(ends, n_blocks)| Interval { ends, n_blocks });
+        let kind = record.blocks.map(|it| BlockKind::from_name(&it).ok_or(MetricRowError::UnknownBlocks(it)));
+        let blocks = record.n_blocks.zip(record.degrees_of_freedom).zip(kind.transpose()?);
+        let interval =
+            record.interval_95.zip(blocks).map(|(ends, ((n_blocks, degrees_of_freedom), kind))| Interval {
+                ends,
+                blocks: BlockCount { n_blocks, degrees_of_freedom, kind },
+            });
         let RowRecord { dataset, task, detector, slice, value, n, .. } = record;
         Ok(Self::new(Subject { dataset, task, detector, slice }, metric, value, n).within(interval))
     }
@@ -370,17 +378,25 @@ mod tests {
 
     #[test]
     fn intervals_and_overall_numbers_read_back_as_they_were() {
-        let interval = Interval { ends: [0.1 + 0.2, 0.5], n_blocks: 7 };
+        let interval =
+            Interval { ends: [0.1 + 0.2, 0.5], blocks: BlockCount::of_dataset(7, BlockKind::Seconds) };
         let sure = row(Metric::Recall, Some(0.4), 9).within(Some(interval));
         let mut overall = row(Metric::Latency(LatencyStatistic::P95), Some(4.0), 58);
         OVERALL.clone_into(&mut overall.subject.dataset);
         let report = RunReport::with_overall(1, vec![sure], vec![overall.clone()]).unwrap();
         let json = report.to_json();
-        assert!(json.contains(r#""interval_95":[0.30000000000000004,0.5],"n_blocks":7"#), "{json}");
+        let sureness = r#""interval_95":[0.30000000000000004,0.5],"n_blocks":7,"degrees_of_freedom":6,"blocks":"seconds""#;
+        assert!(json.contains(sureness), "{json}");
+        assert!(json.contains(r#""caveat":"interval of only 7 blocks of scans""#), "{json}");
+        let of_other_blocks = json.replace("\"seconds\"", "\"minutes\"");
+        let error = read_back(&of_other_blocks).unwrap_err();
+        assert!(
+            matches!(&error, ArchiveError::Json { source, .. } if source.to_string().contains("minutes"))
+        );
         assert!(json.contains(r#""caveat":"p95 of fewer than 59 scans""#), "{json}");
         assert_eq!(read_back(&json).unwrap(), report);
         assert_eq!(report.row(&overall.subject, &overall.metric), Some(&overall));
-        let endless = Interval { ends: [f64::NAN, 0.5], n_blocks: 7 };
+        let endless = Interval { ends: [f64::NAN, 0.5], ..interval };
         assert_eq!(row(Metric::Recall, Some(0.4), 9).within(Some(endless)).interval(), None);
     }
 

@@ -16,6 +16,8 @@ pub struct ScanRow {
     pub sequence: String,
     /// Number of the scan within the drive.
     pub scan: u32,
+    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds.
+    pub time_s: f64,
     /// Name of the detector.
     pub detector: String,
     /// Name of the task.
@@ -43,6 +45,11 @@ pub struct ScanNumbers {
     pub n_points: u64,
     /// Time of detection in milliseconds; `None` where it does not count, as while warming up.
     pub latency_ms: Option<f64>,
+    /// The shortest of all repetitions of that detection in milliseconds; `None` where `latency_ms` is.
+    pub least_latency_ms: Option<f64>,
+    /// Time of the reference that was measured in turns with it, in milliseconds: the shortest of all repetitions. `None`
+    /// where it was not measured.
+    pub reference_ms: Option<f64>,
     /// Annotations found and missed, and false detections.
     pub counts: Counts,
     /// Annotations that are neither found nor missed.
@@ -82,12 +89,15 @@ impl CsvRow for ScanRow {
         "dataset",
         "sequence",
         "scan",
+        "time_s",
         "detector",
         "task",
         "status",
         "reason",
         "n_points",
         "latency_ms",
+        "least_latency_ms",
+        "reference_ms",
         "no",
         "tp",
         "mo",
@@ -111,12 +121,15 @@ struct ScanRecord {
     dataset: String,
     sequence: String,
     scan: u32,
+    time_s: Fixed<3>,
     detector: String,
     task: String,
     status: Status,
     reason: Option<String>,
     n_points: Option<u64>,
     latency_ms: Option<Fixed<3>>,
+    least_latency_ms: Option<Fixed<3>>,
+    reference_ms: Option<Fixed<4>>,
     no: Option<u64>,
     tp: Option<u64>,
     mo: Option<u64>,
@@ -154,12 +167,15 @@ impl From<ScanRow> for ScanRecord {
             dataset: row.dataset,
             sequence: row.sequence,
             scan: row.scan,
+            time_s: Fixed(row.time_s),
             detector: row.detector,
             task: row.task,
             status,
             reason,
             n_points: numbers.map(|it| it.n_points),
             latency_ms: numbers.and_then(|it| it.latency_ms).map(Fixed),
+            least_latency_ms: numbers.and_then(|it| it.least_latency_ms).map(Fixed),
+            reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed),
             no: counts.map(Counts::no),
             tp: counts.map(Counts::tp),
             mo: counts.map(Counts::mo),
@@ -190,8 +206,11 @@ impl TryFrom<ScanRecord> for ScanRow {
                 ScanOutcome::Skipped { reason }
             }
         };
-        let ScanRecord { dataset, sequence, scan, detector, task, .. } = record;
-        Ok(Self { dataset, sequence, scan, detector, task, outcome })
+        let ScanRecord { dataset, sequence, scan, time_s: Fixed(time_s), detector, task, .. } = record;
+        if !time_s.is_finite() {
+            return Err("time_s is no time");
+        }
+        Ok(Self { dataset, sequence, scan, time_s, detector, task, outcome })
     }
 }
 
@@ -207,6 +226,8 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
     Ok(ScanNumbers {
         n_points: present(record.n_points)?,
         latency_ms: record.latency_ms.map(|Fixed(latency_ms)| latency_ms),
+        least_latency_ms: record.least_latency_ms.map(|Fixed(latency_ms)| latency_ms),
+        reference_ms: record.reference_ms.map(|Fixed(reference_ms)| reference_ms),
         counts,
         n_ignored_annotations: present(record.ignored_annotations)?,
         n_ignored_detections: present(record.ignored_detections)?,
@@ -234,13 +255,15 @@ mod tests {
     fn row(scan: u32, outcome: ScanOutcome) -> ScanRow {
         let [dataset, sequence, detector, task] =
             ["kitti, tracking", "0000", "kd-tree", "objects"].map(str::to_owned);
-        ScanRow { dataset, sequence, scan, detector, task, outcome }
+        ScanRow { dataset, sequence, scan, time_s: f64::from(scan) / 10.0, detector, task, outcome }
     }
 
     fn numbers(latency_ms: Option<f64>, n_false: Option<u64>) -> ScanOutcome {
         ScanOutcome::Evaluated(ScanNumbers {
             n_points: 120_000,
             latency_ms,
+            least_latency_ms: latency_ms,
+            reference_ms: latency_ms.map(|_| 0.25),
             counts: Counts::new(7, 5, n_false).unwrap(),
             n_ignored_annotations: 3,
             n_ignored_detections: 2,
@@ -290,10 +313,10 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let (text, read) = written_and_read(&rows(), "", "");
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,detector,task,status,reason,n_points,latency_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
-        "kitti, tracking",0000,0,kd-tree,objects,evaluated,,120000,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,1,kd-tree,objects,evaluated,,120000,8.250,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,2,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,
+        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,latency_ms,least_latency_ms,reference_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
+        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,8.250,8.250,0.2500,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,
         "#);
         assert_eq!(read.unwrap(), rows());
     }
@@ -329,7 +352,13 @@ mod tests {
 
     #[test]
     fn other_columns_are_refused() {
-        check_refused("latency_ms", "latency_us", "has the columns");
+        check_refused("n_points", "n_echoes", "has the columns");
+    }
+
+    #[test]
+    fn a_scan_without_a_time_is_refused() {
+        check_refused("0000,1,0.100,", "0000,1,,", "line: 3");
+        check_refused("0000,1,0.100,", "0000,1,NaN,", "time_s is no time");
     }
 
     #[test]

@@ -1,5 +1,6 @@
-//! Parts of the objects that are looked at alone: by class, range, number of points, occlusion.
+//! Parts of the objects that are looked at alone: by class, range, number of points, occlusion, and what a limit cuts.
 
+use crate::metric::Metric;
 use crate::run_report::SLICE_ALL;
 
 /// A part of the objects.
@@ -17,6 +18,11 @@ pub enum Slice {
     Points(usize),
     /// Annotations of which other things hide this much. False detections belong to none.
     Occlusion(String),
+    /// Annotations at least half of whose points lie outside the labelled region, such as what the border of a camera image
+    /// cuts. Counted by points, not by what labels say of their image. False detections belong to none.
+    Truncated,
+    /// Annotations that are too tall for the task and so count nowhere else, with those of them that were found all the same.
+    Tall,
 }
 
 /// Names and upper ends, exclusive, of the bins of range.
@@ -35,6 +41,8 @@ impl Slice {
             Self::Range(bin) => format!("range/{}", RANGES_M[*bin].0),
             Self::Points(bin) => format!("points/{}", POINTS[*bin].0),
             Self::Occlusion(occlusion) => format!("occlusion/{occlusion}"),
+            Self::Truncated => "truncated".to_owned(),
+            Self::Tall => "tall".to_owned(),
         }
     }
 
@@ -47,6 +55,16 @@ impl Slice {
     pub fn of_points(n_points: u64) -> Self {
         let bin = POINTS.iter().position(|&(_, end)| n_points < end);
         Self::Points(bin.unwrap_or(POINTS.len() - 1))
+    }
+
+    /// Whether `metric` is measured of it. What is torn apart or run together, and boxes, are of everything alone.
+    pub fn measures(&self, metric: &Metric) -> bool {
+        match metric {
+            _ if *self == Self::All => true,
+            Metric::No | Metric::Tp | Metric::Mo | Metric::Recall => true,
+            Metric::Fo | Metric::Precision | Metric::FRate => self.has_false_detections(),
+            _ => false,
+        }
     }
 
     /// Whether it can be told of a false detection if it belongs here, so that precision and F-rate mean something.

@@ -126,8 +126,30 @@ impl Standing {
         let defined: Vec<&Place> = self.places.iter().filter(|it| it.value.is_some()).collect();
         match (&defined[..], &self.lead) {
             ([], _) => format!("{about}{metric} is undefined."),
-            ([only], _) => format!("{about}{} has {} {}.", only.detector, indefinite(metric), only.text()),
-            ([first, second, ..], Some(lead)) if lead.is_clear() => format!(
+            ([only], _) => format!(
+                "{about}{} has {} {}{}.",
+                only.detector,
+                indefinite(metric),
+                only.text(),
+                only.interval.filter(|it| it.blocks.are_too_few()).map_or_else(String::new, |it| format!(
+                    "; {} too few for the interval to be relied on",
+                    blocks_are(it.blocks.n_blocks)
+                )),
+            ),
+            ([first, second, ..], lead) if lead.as_ref().is_none_or(PairedDifference::is_of_few_blocks) => {
+                format!(
+                    "{about}{} has {} {}, {} of {}; {} too few to tell who leads.",
+                    first.detector,
+                    indefinite(metric),
+                    first.text(),
+                    second.detector,
+                    second.text(),
+                    lead.as_ref()
+                        .and_then(|it| it.interval)
+                        .map_or_else(|| "these scans are".to_owned(), |it| blocks_are(it.blocks.n_blocks)),
+                )
+            }
+            ([first, second, ..], Some(lead)) if lead.is_surely_larger() => format!(
                 "{about}{} leads with {} {}, {} points above {}{}.",
                 first.detector,
                 indefinite(metric),
@@ -162,20 +184,21 @@ fn points(difference: f64) -> String {
     fixed_decimals(100.0 * difference, 1).replace('-', "−")
 }
 
+fn blocks_are(n_blocks: u64) -> String {
+    if n_blocks == 1 { "1 block of scans is".to_owned() } else { format!("{n_blocks} blocks of scans are") }
+}
+
 impl PairedDifference {
-    /// Whether its interval lies above zero.
-    fn is_clear(&self) -> bool {
-        self.interval.is_some_and(|it| it.ends[0] > 0.0)
+    /// Whether nothing can rest on it.
+    fn is_of_few_blocks(&self) -> bool {
+        self.interval.is_none_or(|it| it.blocks.are_too_few())
     }
 
     fn interval_text(&self) -> String {
-        self.interval.map_or_else(
-            || " (too few scans for an interval)".to_owned(),
-            |it| {
-                let [low, high] = it.ends.map(points);
-                format!(" (95 % interval {low} to {high})")
-            },
-        )
+        self.interval.map_or_else(String::new, |it| {
+            let [low, high] = it.ends.map(points);
+            format!(" (95 % interval {low} to {high})")
+        })
     }
 }
 
@@ -225,9 +248,14 @@ pub fn standing_to_terminal(standings: &[Standing], speeds: &Speeds, width: usiz
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocks::{BlockCount, BlockKind};
+
+    fn drives(n: u64) -> BlockCount {
+        BlockCount::of_dataset(n, BlockKind::Drives)
+    }
 
     fn place(detector: &str, value: Option<f64>) -> Place {
-        let interval = value.map(|it| Interval { ends: [it - 0.02, it + 0.01], n_blocks: 6 });
+        let interval = value.map(|it| Interval { ends: [it - 0.02, it + 0.01], blocks: drives(12) });
         Place { detector: detector.to_owned(), value, interval }
     }
 
@@ -238,7 +266,7 @@ mod tests {
             metric: Metric::FRate,
             before: 0.0,
             after,
-            interval: Some(Interval { ends: [low, high], n_blocks: 6 }),
+            interval: Some(Interval { ends: [low, high], blocks: drives(12) }),
             least_effect: None,
         });
         let (task, origin, metric) = ("objects".to_owned(), Origin::Simulated, Metric::FRate);
@@ -260,6 +288,30 @@ mod tests {
             standing(&[Some(0.7), Some(0.69)], Some([0.01, -0.005, 0.02])).sentence(),
             "Task objects (simulated): grid and tree cannot be told apart: F-rate 70.0 % (68.0 to 71.0) and 69.0 % \
              (67.0 to 70.0), a difference of 1.0 points (95 % interval −0.5 to 2.0)."
+        );
+    }
+
+    #[test]
+    fn of_few_blocks_nobody_leads() {
+        let mut few = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
+        few.lead.as_mut().unwrap().interval.as_mut().unwrap().blocks = drives(9);
+        assert_eq!(
+            few.sentence(),
+            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0), tree of 60.0 % (58.0 to 61.0); 9 blocks \
+             of scans are too few to tell who leads."
+        );
+        few.lead.as_mut().unwrap().interval = None;
+        assert!(
+            few.sentence().ends_with("; these scans are too few to tell who leads."),
+            "{}",
+            few.sentence()
+        );
+        let mut alone = standing(&[Some(0.7)], None);
+        alone.places[0].interval.as_mut().unwrap().blocks = drives(4);
+        assert!(
+            alone.sentence().ends_with("; 4 blocks of scans are too few for the interval to be relied on."),
+            "{}",
+            alone.sentence()
         );
     }
 

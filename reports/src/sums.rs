@@ -39,13 +39,15 @@ pub enum Term {
     WidthError,
     /// Angles between their headings, in degrees.
     YawError,
-    /// Scans whose time counts.
+    /// Scans whose time counts and was measured beside that of the reference.
     TimedScans,
-    /// Logarithms of the times of these in milliseconds.
-    LogLatency,
+    /// Logarithms of the times of these over those of the reference.
+    LogTimeRatio,
+    /// Logarithms of the times of the reference in milliseconds.
+    LogReference,
 }
 
-const N_TERMS: usize = 19;
+const N_TERMS: usize = 20;
 
 /// A sum for each [`Term`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -118,10 +120,16 @@ impl Sums {
         }
     }
 
-    /// The logarithm of the geometric mean of the times of scans in milliseconds; `None` if none was timed.
-    pub fn mean_log_latency(&self) -> Option<f64> {
+    /// The geometric mean over scans of the time of detection over that of the reference; `None` if none was timed beside it.
+    pub fn time_ratio(&self) -> Option<f64> {
         let n = self.of(Term::TimedScans);
-        (n > 0.0).then(|| self.of(Term::LogLatency) / n)
+        (n > 0.0).then(|| (self.of(Term::LogTimeRatio) / n).exp())
+    }
+
+    /// The geometric mean over scans of the time of the reference in milliseconds; `None` if it was not timed.
+    pub fn reference_ms(&self) -> Option<f64> {
+        let n = self.of(Term::TimedScans);
+        (n > 0.0).then(|| (self.of(Term::LogReference) / n).exp())
     }
 
     /// The value of `metric`, a ratio or a sum; `None` if it is neither, cannot be known, or its denominator is zero.
@@ -139,6 +147,8 @@ impl Sums {
             (Metric::UnknowableDetections, _) => self.of(Term::Unknowable),
             (Metric::OverSegmentationEntropy, _) => self.of(Term::OverEntropy),
             (Metric::UnderSegmentationEntropy, _) => self.of(Term::UnderEntropy),
+            (Metric::TimeRatio, _) => return self.time_ratio(),
+            (Metric::ReferenceTime, _) => return self.reference_ms(),
             _ => return None,
         })
     }
@@ -189,7 +199,7 @@ mod tests {
     #[test]
     fn every_ratio_has_two_sums() {
         assert!(RATIOS.iter().all(|it| Sums::default().ratio(it, FalseObjects::Known).is_some()));
-        assert_eq!(Term::LogLatency as usize + 1, N_TERMS);
+        assert_eq!(Term::LogReference as usize + 1, N_TERMS);
     }
 
     #[test]

@@ -4,8 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::average_precision::RankedDetection;
-use crate::bootstrap::{Resamples, SCANS_PER_BLOCK};
-use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+use crate::blocks::{BlockCount, Blocks, DriveSecond};
+use crate::bootstrap::Resamples;
+use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome, range_m};
 use crate::match_row::MatchRow;
 use crate::scan_row::{ScanOutcome, ScanRow};
 use crate::slice::Slice;
@@ -21,16 +22,23 @@ pub struct Tally {
     datasets: Vec<String>,
     tasks: Vec<String>,
     detectors: Vec<String>,
-    // The blocks of each of `datasets`.
-    blocks: Vec<BTreeSet<Block>>,
+    // Of each of `datasets`, the scans of each drive with the seconds they were taken in.
+    scans: Vec<BTreeMap<String, BTreeMap<u32, DriveSecond>>>,
     of_key: BTreeMap<Key, Gathered>,
 }
 
-/// Scans of one drive that are drawn together.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-struct Block {
-    sequence: String,
-    number: u32,
+/// The blocks of a data set, and how often each is drawn.
+#[derive(Debug, Clone)]
+pub struct Draw {
+    pub(crate) blocks: Blocks,
+    pub(crate) resamples: Resamples,
+}
+
+impl Draw {
+    /// The blocks that are drawn.
+    pub fn blocks(&self) -> BlockCount {
+        self.blocks.count()
+    }
 }
 
 /// Places of data set, task and detector.
@@ -46,8 +54,9 @@ struct Key {
 pub(crate) struct Gathered {
     pub(crate) n_scans: u64,
     pub(crate) false_objects: FalseObjects,
-    slices: BTreeMap<Slice, BTreeMap<Block, Sums>>,
-    /// The detections that count, or nothing once one of them came without a score.
+    // Whether whole drives or seconds are drawn shows when all scans are known; seconds serve for both.
+    slices: BTreeMap<Slice, BTreeMap<DriveSecond, Sums>>,
+    /// The detections that count, where they are ranked; nothing once one of them came without a score.
     pub(crate) ranked: Option<Vec<RankedDetection>>,
 }
 
@@ -55,10 +64,11 @@ impl Tally {
     /// Adds what one detector made of one scan in one task.
     pub fn add_scan(&mut self, row: &ScanRow) {
         let key = self.key(&row.dataset, &row.task, &row.detector);
-        let block = block_of(&row.sequence, row.scan);
-        self.blocks[key.dataset].insert(block.clone());
+        let block = DriveSecond::of(&row.sequence, row.time_s);
+        let drives = &mut self.scans[key.dataset];
+        drives.entry(row.sequence.clone()).or_default().insert(row.scan, block.clone());
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
-        let gathered = self.of_key.entry(key).or_default();
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(&row.task));
         gathered.n_scans += 1;
         if numbers.counts.fo().is_none() {
             gathered.false_objects = FalseObjects::Unknown;
@@ -81,20 +91,21 @@ impl Tally {
         ] {
             sums.add(term, value);
         }
-        if let Some(latency_ms) = numbers.latency_ms.filter(|it| *it > 0.0) {
+        let times_ms = numbers.least_latency_ms.zip(numbers.reference_ms);
+        if let Some((least_ms, reference_ms)) = times_ms.filter(|it| it.0 > 0.0 && it.1 > 0.0) {
             sums.add(Term::TimedScans, 1.0);
-            sums.add(Term::LogLatency, latency_ms.ln());
+            sums.add(Term::LogTimeRatio, (least_ms / reference_ms).ln());
+            sums.add(Term::LogReference, reference_ms.ln());
         }
     }
 
-    /// Adds what became of an annotation, a detection or a pair of them. Its scan is to be added too.
+    /// Adds what became of an annotation, a detection or a pair of them, whose scan was added before. What is of another scan
+    /// is left out.
     pub fn add_match(&mut self, row: &MatchRow) {
         let key = self.key(&row.dataset, &row.task, &row.detector);
-        let block = block_of(&row.sequence, row.scan);
-        let gathered = self.of_key.entry(key).or_default();
-        if row.task != RANKED_TASK {
-            gathered.ranked = None;
-        }
+        let block = self.scans[key.dataset].get(&row.sequence).and_then(|scans| scans.get(&row.scan));
+        let Some(block) = block.cloned() else { return };
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(&row.task));
         match &row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => {
                 gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
@@ -111,6 +122,12 @@ impl Tally {
                 gathered.add_to_slices(&slices_of_detection(detection), &block, Term::False);
                 gathered.rank(detection, false);
             }
+            MatchOutcome::Tall { found_by, .. } => {
+                gathered.add_to_slices(&[Slice::Tall], &block, Term::Annotations);
+                if found_by.is_some() {
+                    gathered.add_to_slices(&[Slice::Tall], &block, Term::Matched);
+                }
+            }
             MatchOutcome::IgnoredAnnotation { .. }
             | MatchOutcome::IgnoredDetection { .. }
             | MatchOutcome::Unknowable { .. } => {}
@@ -119,7 +136,7 @@ impl Tally {
 
     fn key(&mut self, dataset: &str, task: &str, detector: &str) -> Key {
         let dataset = place_of(&mut self.datasets, dataset);
-        self.blocks.resize(self.datasets.len(), BTreeSet::new());
+        self.scans.resize(self.datasets.len(), BTreeMap::new());
         Key {
             dataset,
             task: place_of(&mut self.tasks, task),
@@ -143,9 +160,13 @@ impl Tally {
     }
 
     /// The draws for each data set, in order.
-    pub fn draw(&self) -> Vec<Resamples> {
-        let blocks = self.datasets.iter().zip(&self.blocks);
-        blocks.map(|(dataset, blocks)| Resamples::draw(dataset, blocks.len())).collect()
+    pub fn draw(&self) -> Vec<Draw> {
+        let scans = self.datasets.iter().zip(&self.scans);
+        let draw = |(dataset, drives): (&String, &BTreeMap<String, BTreeMap<u32, DriveSecond>>)| {
+            let blocks = Blocks::of(drives.values().flat_map(BTreeMap::values).cloned());
+            Draw { resamples: Resamples::draw(dataset, blocks.count()), blocks }
+        };
+        scans.map(draw).collect()
     }
 
     /// All slices that detector `detector` has an object in, in the task `task`.
@@ -160,37 +181,35 @@ impl Tally {
         let detector = self.detectors.iter().position(|it| it == detector)?;
         self.of_key.get(&Key { dataset: dataset_idx, task, detector })
     }
-
-    /// The sums of `slice`, with the places of their blocks among those of the data set; blocks without any are left out.
-    pub(crate) fn sums_of_blocks(
-        &self,
-        dataset_idx: usize,
-        gathered: &Gathered,
-        slice: &Slice,
-    ) -> Vec<(usize, Sums)> {
-        let of_blocks = gathered.slices.get(slice);
-        let blocks = self.blocks[dataset_idx].iter().enumerate();
-        blocks.filter_map(|(place, block)| Some((place, *of_blocks?.get(block)?))).collect()
-    }
-}
-
-impl Default for Gathered {
-    fn default() -> Self {
-        Self {
-            n_scans: 0,
-            false_objects: FalseObjects::Known,
-            slices: BTreeMap::new(),
-            ranked: Some(Vec::new()),
-        }
-    }
 }
 
 impl Gathered {
-    fn sums(&mut self, slice: Slice, block: &Block) -> &mut Sums {
+    fn of_task(task: &str) -> Self {
+        let ranked = (task == RANKED_TASK).then(Vec::new);
+        Self { n_scans: 0, false_objects: FalseObjects::Known, slices: BTreeMap::new(), ranked }
+    }
+
+    /// The sums of `slice`, with the places of their blocks; blocks without any are left out.
+    pub(crate) fn sums_of_blocks(&self, slice: &Slice, blocks: &Blocks) -> Vec<(usize, Sums)> {
+        let mut of_blocks: BTreeMap<usize, Sums> = BTreeMap::new();
+        for (second, sums) in self.slices.get(slice).into_iter().flatten() {
+            if let Some(place) = blocks.place_of(second) {
+                of_blocks.entry(place).or_default().add_times(sums, 1.0);
+            }
+        }
+        of_blocks.into_iter().collect()
+    }
+
+    /// The sum of `term` over everything.
+    pub(crate) fn total(&self, term: Term) -> f64 {
+        self.slices.get(&Slice::All).into_iter().flatten().map(|(_, sums)| sums.of(term)).sum()
+    }
+
+    fn sums(&mut self, slice: Slice, block: &DriveSecond) -> &mut Sums {
         self.slices.entry(slice).or_default().entry(block.clone()).or_default()
     }
 
-    fn add_to_slices(&mut self, slices: &[Slice], block: &Block, term: Term) {
+    fn add_to_slices(&mut self, slices: &[Slice], block: &DriveSecond, term: Term) {
         for slice in slices {
             self.sums(slice.clone(), block).add(term, 1.0);
         }
@@ -212,26 +231,18 @@ fn place_of(names: &mut Vec<String>, name: &str) -> usize {
     })
 }
 
-fn block_of(sequence: &str, scan: u32) -> Block {
-    Block { sequence: sequence.to_owned(), number: scan / SCANS_PER_BLOCK }
-}
-
 fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::Class(annotation.class.clone()), Slice::of_points(annotation.n_points)];
-    slices.extend(annotation.bounding_box.and_then(|it| Slice::of_range(range_m(&it))));
+    slices.extend(annotation.center_m().and_then(|it| Slice::of_range(range_m(it))));
     slices.extend(annotation.occlusion.clone().map(Slice::Occlusion));
+    slices.extend(annotation.is_truncated().then_some(Slice::Truncated));
     slices
 }
 
 fn slices_of_detection(detection: &DetectionFacts) -> Vec<Slice> {
     let mut slices = vec![Slice::of_points(detection.n_points)];
-    slices.extend(Slice::of_range(range_m(&detection.bounding_box)));
+    slices.extend(Slice::of_range(range_m(detection.bounding_box.center_m)));
     slices
-}
-
-fn range_m(bounding_box: &BoxFacts) -> f64 {
-    let [x_m, y_m, _] = bounding_box.center_m.map(f64::from);
-    x_m.hypot(y_m)
 }
 
 fn add_box_errors(sums: &mut Sums, labelled: &BoxFacts, found: &BoxFacts) {

@@ -158,7 +158,11 @@ mod tests {
     #[test]
     fn what_cannot_be_made_is_not_registered() {
         let path = Path::new("/nowhere");
-        let made = Unfinished::begin(Kind::File, || Err::<(), _>(io::ErrorKind::NotFound.into()), |()| path.to_path_buf());
+        let made = Unfinished::begin(
+            Kind::File,
+            || Err::<(), _>(io::ErrorKind::NotFound.into()),
+            |()| path.to_path_buf(),
+        );
         assert!(made.is_err() && !is_registered(path));
     }
 

@@ -40,7 +40,7 @@ pub struct ListedMistake<'a> {
     pub reason: &'a str,
     /// Number of its points.
     pub n_points: u64,
-    /// Middle of its box on the ground plan, where it has one.
+    /// Where it is on the ground plan, in metres: the middle of its box or of its points.
     pub place_m: Option<[f32; 2]>,
 }
 
@@ -67,7 +67,7 @@ fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
             class: &annotation.class,
             reason,
             n_points: annotation.n_points,
-            place_m: annotation.bounding_box.map(|it| place_m(it.center_m)),
+            place_m: annotation.center_m().map(place_m),
         }),
         MatchOutcome::False { detection, reason } => Some(ListedMistake {
             row,
@@ -142,7 +142,9 @@ mod tests {
             class: class.to_owned(),
             occlusion: None,
             n_points,
+            n_points_outside: 0,
             bounding_box: None,
+            centroid_m: Some([6.0, -8.0, 0.0]),
         };
         MatchOutcome::Missed { annotation, reason: "nothing there".to_owned() }
     }
@@ -184,7 +186,7 @@ mod tests {
         insta::assert_snapshot!(worst_to_terminal(&worst(&rows, &ANY, 10)), @r"
               data set, drive, scan          class     points   range m       x m       y m  why
            1  street drive 3         false   vehicle       90       5.0       3.0       4.0  wrong class
-           2  street drive 3         missed  car           30         –         –         –  nothing there
+           2  street drive 3         missed  car           30      10.0       6.0      -8.0  nothing there
         ");
     }
 }

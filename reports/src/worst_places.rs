@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::bootstrap::SCANS_PER_BLOCK;
-use crate::match_outcome::{BoxFacts, MatchOutcome};
+use crate::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::match_row::MatchRow;
 use crate::worst::Mistake;
 
+/// Scans whose numbers begin alike when divided by this are taken for scans of one second.
+const SCANS_PER_SECOND: u32 = 10;
 /// Mistakes of a kind that are kept for each detector and task.
 pub const MOST_OF_A_KIND: usize = 4;
 /// Half the side of the smallest window around an object, in metres, and of the widest.
@@ -58,7 +59,7 @@ pub struct WorstPlace<T> {
     pub reason: String,
     /// Number of its points.
     pub n_points: u64,
-    /// Where it is.
+    /// Where it is; without extent, at the centroid of its points, where no box is labelled.
     pub bounding_box: BoxFacts,
     /// What is shown of it.
     pub window: PlanWindow,
@@ -104,7 +105,7 @@ impl<T> WorstPlaces<T> {
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
         let (kind, class, reason, n_points, bounding_box, id, track) = match &row.outcome {
             MatchOutcome::Missed { annotation: it, reason } => {
-                (Mistake::Missed, &it.class, reason, it.n_points, it.bounding_box, it.id, it.track)
+                (Mistake::Missed, &it.class, reason, it.n_points, subject_of(it), it.id, it.track)
             }
             MatchOutcome::False { detection: it, reason } => {
                 (Mistake::False, &it.class, reason, it.n_points, Some(it.bounding_box), it.id, None)
@@ -158,15 +159,21 @@ impl<T> WorstPlace<T> {
         is_same_drive
             && match (self.track, track) {
                 (Some(ours), Some(theirs)) => ours == theirs,
-                _ => self.object.scan / SCANS_PER_BLOCK == row.scan / SCANS_PER_BLOCK,
+                _ => self.object.scan / SCANS_PER_SECOND == row.scan / SCANS_PER_SECOND,
             }
     }
+}
+
+/// Its box, or one without extent where it stands.
+fn subject_of(annotation: &AnnotationFacts) -> Option<BoxFacts> {
+    let without_extent = |center_m| BoxFacts { center_m, length_width_height_m: [0.0; 3], yaw_rad: 0.0 };
+    annotation.bounding_box.or_else(|| annotation.center_m().map(without_extent))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::match_outcome::{AnnotationFacts, DetectionFacts};
+    use crate::match_outcome::DetectionFacts;
 
     fn row(scan: u32, outcome: MatchOutcome) -> MatchRow {
         let [dataset, sequence, detector, task, criterion] =
@@ -179,7 +186,16 @@ mod tests {
 
     fn missed(track: Option<u32>, n_points: u64, bounding_box: Option<BoxFacts>) -> MatchOutcome {
         let (class, occlusion) = ("car".to_owned(), None);
-        let annotation = AnnotationFacts { id: 0, track, class, occlusion, n_points, bounding_box };
+        let annotation = AnnotationFacts {
+            id: 0,
+            track,
+            class,
+            occlusion,
+            n_points,
+            n_points_outside: 0,
+            bounding_box,
+            centroid_m: None,
+        };
         MatchOutcome::Missed { annotation, reason: "nothing there".to_owned() }
     }
 
@@ -224,6 +240,17 @@ mod tests {
     #[test]
     fn what_has_no_place_is_not_shown() {
         assert_eq!(kept(&[row(0, missed(None, 5, None))], Mistake::Missed), []);
+    }
+
+    #[test]
+    fn without_a_box_it_is_where_its_points_are() {
+        let MatchOutcome::Missed { annotation, reason } = missed(None, 5, None) else { unreachable!() };
+        let annotation = AnnotationFacts { centroid_m: Some([9.0, -2.0, 0.5]), ..annotation };
+        let mut places = WorstPlaces::default();
+        places.add(&row(0, MatchOutcome::Missed { annotation, reason }), |window| *window);
+        let (_, [place]) = places.lists().next().unwrap() else { panic!("one place") };
+        assert_eq!(place.kept, PlanWindow { center_m: [9.0, -2.0], half_m: 5.0 });
+        assert_eq!(place.bounding_box.length_width_height_m, [0.0; 3]);
     }
 
     #[test]

@@ -21,7 +21,8 @@ pub fn needs_test_data(paths: TokenStream, test: TokenStream) -> TokenStream {
         let reason = missing(folder.as_deref(), &paths)?.filter(|_| !is_required);
         let ignored = reason.map(|it| format!("#[ignore = {it:?}]")).unwrap_or_default();
         // Naming the variables lets cargo compile again when they change.
-        let watched = format!("const _: [Option<&str>; 2] = [option_env!({FOLDER:?}), option_env!({REQUIRED:?})];");
+        let watched =
+            format!("const _: [Option<&str>; 2] = [option_env!({FOLDER:?}), option_env!({REQUIRED:?})];");
         parsed(&format!("{watched} #[test] {ignored}"))
     });
     match expanded {

@@ -156,11 +156,7 @@ fn row<const D: usize>(
 }
 
 /// A finite number; texts for errors are made if there is one.
-fn number(
-    text: &str,
-    list: impl Fn() -> String,
-    name: impl Fn() -> String,
-) -> Result<f32, SvmModelError> {
+fn number(text: &str, list: impl Fn() -> String, name: impl Fn() -> String) -> Result<f32, SvmModelError> {
     let text = text.trim();
     let Ok(value) = text.parse::<f32>() else {
         return Err(SvmModelError::NoNumber { list: list(), text: beginning(text) });

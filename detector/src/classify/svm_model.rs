@@ -152,8 +152,9 @@ impl<const D: usize> SvmModel<D> {
         within(&["svm", "rho"], self.rho.into(), FINITE, FINITE_NUMBERS)?;
         let positive = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
         for (value_idx, deviation) in self.deviations.into_iter().enumerate() {
-            within(DEVIATIONS, deviation.into(), positive.clone(), "the positive numbers")
-                .map_err(|it| it.of_element(value_idx, format!("deviation of {}", self.features[value_idx])))?;
+            within(DEVIATIONS, deviation.into(), positive.clone(), "the positive numbers").map_err(|it| {
+                it.of_element(value_idx, format!("deviation of {}", self.features[value_idx]))
+            })?;
         }
         for (value_idx, mean) in self.means.into_iter().enumerate() {
             within(MEANS, mean.into(), FINITE, FINITE_NUMBERS)
@@ -264,7 +265,8 @@ mod tests {
             });
             times.min().unwrap()
         };
-        let describer = text.lines().find_map(|it| it.strip_prefix("describer = ")).unwrap().trim_matches('"');
+        let describer =
+            text.lines().find_map(|it| it.strip_prefix("describer = ")).unwrap().trim_matches('"');
         let ours = least(9, &|| {
             SvmModel::from_toml(text, VehicleFeatures::NAMES, describer).unwrap();
         });
@@ -313,8 +315,16 @@ mod tests {
         check_refused("nu = 0.0377", "nu = 0.0", "nu = 0 is outside");
         check_refused("2.0],", "two],", "\"two\" in support_vectors[1] is no number");
         check_refused("[1.5, ", "[1.5 ", "\"1.5 -0.5\" in coefficients is no number");
-        check_refused("    [-1.0, 2.0],", "    -1.0, 2.0,", "expected [a support vector], or ], found \"-1.0, 2.0\"");
-        check_refused("support_vectors = [", "support = [", "expected support_vectors = [, found \"support = [\"");
+        check_refused(
+            "    [-1.0, 2.0],",
+            "    -1.0, 2.0,",
+            "expected [a support vector], or ], found \"-1.0, 2.0\"",
+        );
+        check_refused(
+            "support_vectors = [",
+            "support = [",
+            "expected support_vectors = [, found \"support = [\"",
+        );
         let text = model().to_toml() + "more = 1\n";
         let error = SvmModel::from_toml(&text, model().features, &model().describer).unwrap_err();
         assert_eq!(error.to_string(), "line 24: expected the end, found \"more = 1\"");

@@ -54,11 +54,8 @@ mod tests {
 
     #[test]
     fn without_bounds_the_model_is_asked_about_a_house() {
-        let house = OrientedBox {
-            center_m: [9.0, 2.0, 1.3],
-            length_width_height_m: [20.0, 8.0, 6.0],
-            yaw_rad: 0.3,
-        };
+        let house =
+            OrientedBox { center_m: [9.0, 2.0, 1.3], length_width_height_m: [20.0, 8.0, 6.0], yaw_rad: 0.3 };
         assert!(!VehicleBoundsParams { enabled: true }.allow(&house, -1.7));
         assert!(VehicleBoundsParams { enabled: false }.allow(&house, -1.7));
     }

@@ -27,7 +27,7 @@ pub struct FitDensityArgs {
 const FIT_DENSITY_EXAMPLES: &str = "\
 Examples:
   scanbench fit-density ~/data/kitti_tracking -o density.toml --figures figures
-  scanbench fit-density streets --seed 1000 --sensor my-sensor.toml
+  scanbench fit-density training-streets --seed 1000 --simulated-scans 40 --sensor my-sensor.toml
   scanbench run ~/data/kitti_tracking --config density.toml
 
 Without such a file, a run takes the curve that comes with the program for the

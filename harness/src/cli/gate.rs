@@ -36,8 +36,11 @@ Examples:
   scanbench gate runs/latest --baseline runs/before --tolerances mine.toml -o verdict
 
 Ends with 100 if a number is surely worse than tolerated, 101 if nothing is but a
-detector is judged otherwise on a scan, and 5 if the two runs cannot be compared.
-On GitHub, the verdict goes into the summary of the job as well.";
+detector is judged otherwise on a scan, 5 if the two runs cannot be compared or a
+number is missing in one, and 2 if the tolerances name what there is not. Of fewer
+than ten blocks of scans nothing is sure, and only 101 can come of them. Times are
+compared on the same processor alone: give both runs --repeats 5. On GitHub, the
+verdict goes into the summary of the job as well.";
 
 /// The verbs of `scanbench baseline`.
 #[derive(Debug, Subcommand)]
@@ -56,6 +59,10 @@ pub struct AcceptArgs {
     /// Why the scores are what they are now
     #[arg(long, value_name = "TEXT")]
     pub why: String,
+    /// Accept a run that cannot be compared with the one accepted before, as after a change of the scans or of the rules of
+    /// judging
+    #[arg(long)]
+    pub new_baseline: bool,
     /// Where it is kept.
     #[command(flatten)]
     pub baseline: BaselineArgs,
@@ -65,4 +72,6 @@ const ACCEPT_EXAMPLES: &str = "\
 Example:
   scanbench baseline accept runs/latest --why 'fences are no longer walls'
 
-Leaves in the baseline run/, without what is ignored, and a line in SCORES.md.";
+Leaves in the baseline run/, without what is ignored, and a line in SCORES.md. Ends with 2
+if the program was built from changes that are not committed, and with 5 if the run cannot
+be compared with the one accepted before, unless --new-baseline says that this is meant.";

@@ -46,7 +46,7 @@ pub use program::{Cli, Command};
 pub use report::ReportArgs;
 pub use robustness::RobustnessArgs;
 pub use run::RunArgs;
-pub use scans::{CatalogueArgs, DamageArgs, DatasetArgs, SourceArgs};
+pub use scans::{CatalogueArgs, ClassOption, DamageArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 #[cfg(feature = "rerun")]
 pub use stream::{StreamArgs, TabName};

@@ -1,5 +1,7 @@
 //! Arguments of `scanbench run`.
 
+use std::num::NonZeroUsize;
+
 use clap::Args;
 
 use super::detectors::detectors_help;
@@ -40,10 +42,20 @@ pub struct RunArgs {
     /// What runs beside what.
     #[command(flatten)]
     pub timing: TimingArgs,
+    /// How often each detector looks at each scan, in turns with the others and with the reference that `gate` measures times
+    /// by; the shortest of all counts there, the first everywhere else
+    #[arg(long, value_name = "N", default_value = "1", value_parser = repeats)]
+    pub repeats: NonZeroUsize,
     /// What is streamed to Rerun.
     #[cfg(feature = "rerun")]
     #[command(flatten)]
     pub stream: StreamArgs,
+}
+
+/// Number of repetitions.
+fn repeats(text: &str) -> Result<NonZeroUsize, String> {
+    let number = text.parse().ok().filter(|it: &NonZeroUsize| it.get() <= 1000);
+    number.ok_or_else(|| "not a number from 1 to 1000".to_owned())
 }
 
 #[cfg(feature = "rerun")]
@@ -54,6 +66,7 @@ Examples:
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
   scanbench run street-narrow --mcap
+  scanbench run --repeats 5                     times for a gate
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
@@ -70,6 +83,7 @@ Examples:
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
   scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
   scanbench run street-narrow --mcap
+  scanbench run --repeats 5                     times for a gate
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
 manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,

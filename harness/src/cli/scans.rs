@@ -1,9 +1,13 @@
 //! Which scans are taken, and how data sets are opened.
 
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
 
+use crate::annotation::AnnotationClass;
+use crate::dataset::class_table::class_of_word;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::source::DamagePolicy;
 use crate::simulator::sensor::EMBEDDED_SENSORS;
@@ -43,6 +47,9 @@ pub struct SourceArgs {
     /// Topic of the annotations in MCAP recordings [default: /annotations, or the only one]
     #[arg(long, value_name = "TOPIC")]
     pub annotation_topic: Option<String>,
+    /// What a name of a class in labels stands for, such as `forklift=misc`; may be repeated. Case does not matter
+    #[arg(long = "class", value_name = "NAME=CLASS")]
+    pub classes: Vec<ClassOption>,
     /// Seed of simulated data sets, instead of the catalogue's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -55,6 +62,31 @@ pub struct SourceArgs {
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,
+}
+
+/// A name of a class and what it stands for, as `--class` has it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClassOption {
+    /// The name in the labels; empty for labels that say none.
+    pub name: String,
+    /// The class.
+    pub class: AnnotationClass,
+}
+
+impl FromStr for ClassOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        // Names of classes of ours have no `=` in them.
+        let (name, class) = text.rsplit_once('=').ok_or("write NAME=CLASS, such as forklift=misc")?;
+        Ok(Self { name: name.to_owned(), class: class_of_word(class)? })
+    }
+}
+
+impl fmt::Display for ClassOption {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}={}", self.name, self.class.name())
+    }
 }
 
 fn format_help() -> String {
@@ -80,4 +112,23 @@ impl DamageArgs {
 pub(super) fn sensor_help() -> String {
     let ids = EMBEDDED_SENSORS.map(|(id, _)| format!("`{id}`")).join(", ");
     format!("Sensor of simulated data sets: {ids}, or a TOML file that describes one")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_mapped_to_a_class() {
+        let option: ClassOption = "a=b=Truck".parse().unwrap();
+        assert_eq!((option.name.as_str(), option.class), ("a=b", AnnotationClass::Truck));
+        assert_eq!("=misc".parse::<ClassOption>().unwrap().name, "");
+        assert!("forklift".parse::<ClassOption>().unwrap_err().contains("NAME=CLASS"));
+        assert!(
+            "forklift=mics"
+                .parse::<ClassOption>()
+                .unwrap_err()
+                .starts_with("\"mics\" is no class; there are car")
+        );
+    }
 }

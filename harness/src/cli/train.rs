@@ -84,10 +84,10 @@ fn clusters_help() -> String {
 
 const TRAIN_EXAMPLES: &str = "\
 Examples:
-  scanbench train streets --seed 2000 --simulated-scans 300 --scans 0..300:6 -o model
+  scanbench train training-streets --scans 0..300:6 -o model
   scanbench train ~/data/kitti_tracking -o model
-  scanbench train streets --seed 3000 --nu 0.3 --gamma 0.1078
-  scanbench train streets --held-out ~/data/kitti_tracking -d pca -o model-pca
+  scanbench train training-streets --seed 3000 --scans 0..300:6 --nu 0.3 --gamma 0.1078
+  scanbench train training-streets --scans 0..300:6 --held-out ~/data/kitti_tracking -d pca -o model-pca
 
 Objects are what the detector finds: those that match an annotated
 car, van, truck or bus, and those without points of any, with regions cut out

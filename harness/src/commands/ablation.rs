@@ -1,5 +1,6 @@
 //! `scanbench ablation`.
 
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
@@ -39,7 +40,7 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
     let listed = detectors_named(&[METHOD.to_owned()])?;
     let config = judging_config(&arguments.config, &arguments.matching, &listed)?;
     let variants = variants(&config)?;
-    let datasets = open_datasets(&arguments.data)?;
+    let datasets = open_datasets(&arguments.data, &config.classes)?;
     let unnamed = format!("{}-ablation-{}", compact_utc(started), ids_of(&datasets));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let mut evaluated = Vec::new();
@@ -49,6 +50,7 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
     let settings = RunSettings {
         data: &arguments.data,
         n_warmup: arguments.timing.warmup,
+        n_repeats: NonZeroUsize::MIN,
         config: &config,
         detectors: variants.iter().map(|it| detector_entry(&it.name, &listed[0], &it.config)).collect(),
         datasets: &datasets,
@@ -91,6 +93,7 @@ fn evaluate(
         scan_indices: &opened.scan_indices,
         matching: variants[0].config.matching,
         n_warmup: arguments.timing.warmup.into(),
+        n_repeats: NonZeroUsize::MIN,
         n_jobs: arguments.timing.n_jobs(),
         interrupted,
     };
@@ -101,6 +104,7 @@ fn evaluate(
         Ok(())
     })?;
     progress.finish_and_clear();
+    opened.warn_of_points_left_out();
     if scores.n_annotations() == 0 {
         let reason = format!("no scan of {:?} has an annotation that counts", description.id);
         return Err(NothingEvaluated { reason }.into());

@@ -1,5 +1,6 @@
 //! `scanbench boxes`.
 
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
@@ -29,7 +30,7 @@ use crate::run::detector_list::{ListedDetector, detectors_named};
 
 /// What has to be said of the numbers.
 const NOTES: [&str; 2] = [
-    "Medians of absolute errors with their 95 % intervals (bootstrap of tracks, 10,000 resamples). pairs: clusters of the \
+    "Medians of absolute errors with their 95 % intervals. pairs: clusters of the \
      hierarchical detector that match an annotated car, van, truck or bus; both boxes are fitted to the same points of \
      these. centre: distance on the ground plan; yaw: modulo 180 degrees, so at most 90.",
     "Annotated boxes hold the whole vehicle, also what the sensor does not see of it; a box around what is seen is shorter \
@@ -48,7 +49,7 @@ pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
     let mut config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
     // What clusters are taken for does not matter.
     config.vehicle_models = None;
-    let opened = open_datasets(&arguments.data)?;
+    let opened = open_datasets(&arguments.data, &config.classes)?;
     let unnamed = format!("{}-boxes-{}", compact_utc(started), ids_of(&opened));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let groups = collect_all(&opened, &detectors[0], &config, interrupted)?;
@@ -60,6 +61,7 @@ pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
     let manifest = run_manifest(RunSettings {
         data: &arguments.data,
         n_warmup: 0,
+        n_repeats: NonZeroUsize::MIN,
         config: &config,
         detectors: detector_entries(&detectors, &config),
         datasets: &opened,
@@ -103,7 +105,8 @@ fn collect_all<'a>(
     interrupted: &AtomicBool,
 ) -> anyhow::Result<Vec<Group<'a>>> {
     let mut groups: Vec<Group<'a>> = Vec::new();
-    for OpenedDataset { dataset, scan_indices, .. } in opened {
+    for it in opened {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
         warn_of_unknown_sensor(config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
@@ -111,6 +114,7 @@ fn collect_all<'a>(
         let found =
             box_pairs(&**dataset, scan_indices, (listed, &of_sensor), interrupted, || progress.inc(1))?;
         progress.finish_and_clear();
+        it.warn_of_points_left_out();
         let found = found.into_iter().map(|it| (description.id.as_str(), it));
         let is_simulated = description.is_simulated();
         match groups.iter_mut().find(|it| is_simulated && it.is_simulated) {

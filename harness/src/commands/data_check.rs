@@ -12,6 +12,7 @@ use crate::commands::standard_streams::print_result;
 use crate::data_check::check_report::{CheckReport, CheckedScan};
 use crate::data_check::scan_facts::ScanFacts;
 use crate::dataset::DatasetError;
+use crate::dataset::class_table::ClassTable;
 use crate::dataset::source::DamagePolicy;
 use crate::run::side_by_side::RunError;
 
@@ -27,15 +28,25 @@ pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
     let interrupted = interruption_flag();
     let mut first_damage = None;
     for (place, opened) in
-        open_datasets_past_damage(&arguments.data, arguments.damage.policy())?.iter().enumerate()
+        open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &ClassTable::default())?
+            .iter()
+            .enumerate()
     {
         if place > 0 {
             print_result("")?;
         }
         let is_interrupted = || interrupted.load(Ordering::Relaxed);
         let (scans, damage) = check(opened, is_interrupted)?;
-        let stray_labels = opened.dataset.labels_without_scans()?;
-        print_result(CheckReport::of(opened.dataset.description(), &scans, stray_labels.as_deref()))?;
+        let mut report = CheckReport::of(opened.dataset.description(), &scans);
+        // Of a part of the scans only this part is looked at.
+        let is_whole = damage.is_none() && opened.scan_indices.len() == opened.dataset.scan_ids().len();
+        if is_whole {
+            match opened.dataset.oddities() {
+                Ok(oddities) => report.add_oddities(oddities),
+                Err(error) => first_damage = first_damage.or(Some(error)),
+            }
+        }
+        print_result(report)?;
         first_damage = first_damage.or(damage);
     }
     match first_damage {

@@ -14,6 +14,7 @@ use crate::commands::standard_streams::print_result;
 use crate::conversion::convert::{Output, convert};
 use crate::conversion::output_format::OutputFormat;
 use crate::conversion::{ConversionError, whole_folder::folder_name};
+use crate::dataset::class_table::ClassTable;
 use crate::run::side_by_side::RunError;
 
 /// Writes the data sets in another format.
@@ -22,7 +23,10 @@ use crate::run::side_by_side::RunError;
 ///
 /// If anything asked for is not there, data are damaged, or the output exists or cannot be written; nothing is left behind then.
 pub fn data_convert(arguments: &ConvertArgs) -> anyhow::Result<()> {
-    convert_all(arguments, &open_datasets_past_damage(&arguments.data, arguments.damage.policy())?)
+    convert_all(
+        arguments,
+        &open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &ClassTable::default())?,
+    )
 }
 
 /// Writes simulated data sets.
@@ -31,7 +35,7 @@ pub fn data_convert(arguments: &ConvertArgs) -> anyhow::Result<()> {
 ///
 /// [`Usage`] if a data set is not simulated; else as [`data_convert`].
 pub fn data_simulate(arguments: &ConvertArgs) -> anyhow::Result<()> {
-    let opened = open_datasets(&arguments.data)?;
+    let opened = open_datasets(&arguments.data, &ClassTable::default())?;
     if let Some(recorded) = opened.iter().map(|it| it.dataset.description()).find(|it| it.root.is_some()) {
         let problem =
             format!("{:?} is on disk already; `data convert` writes it in another format", recorded.id);
@@ -60,6 +64,7 @@ fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Res
             Ok(())
         })?;
         progress.finish_and_clear();
+        opened.warn_of_points_left_out();
         let simulated = if opened.dataset.description().is_simulated() { ", simulated" } else { "" };
         let n_written = n_scans - opened.skipped.borrow().iter().filter(|it| it.scan.contains('/')).count();
         print_result(format_args!("{}  {n_written} scans  {format}{simulated}", path.display()))?;
@@ -84,8 +89,7 @@ fn format_of(arguments: &ConvertArgs, n_datasets: usize) -> Result<OutputFormat,
 ///
 /// [`ConversionError::Write`] if the operating system refuses.
 pub fn folder_of_several(folder: &Path) -> Result<NewFolders, ConversionError> {
-    NewFolders::create(folder)
-        .map_err(|source| ConversionError::Write { path: folder.to_path_buf(), source })
+    NewFolders::create(folder).map_err(|source| ConversionError::Write { path: folder.to_path_buf(), source })
 }
 
 /// Where each data set goes.

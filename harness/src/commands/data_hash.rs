@@ -9,6 +9,7 @@ use crate::commands::failure::Usage;
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::standard_streams::print_result;
 use crate::dataset::catalogue::{Catalogue, parse_catalogue};
+use crate::dataset::class_table::whatever_classes;
 use crate::dataset::open::{OpenOptions, open_dataset};
 use crate::dataset::text_file::read_text_file;
 
@@ -43,7 +44,11 @@ fn checksum_of(name: &str, catalogue: &mut Catalogue) -> anyhow::Result<String> 
     if let Some(entry) = catalogue.recorded.get_mut(name) {
         entry.checksum = None;
     }
-    let dataset = open_dataset(name, &OpenOptions::default(), catalogue)?;
+    let dataset = open_dataset(
+        name,
+        &OpenOptions { classes: whatever_classes(), ..OpenOptions::default() },
+        catalogue,
+    )?;
     let checksum = dataset.description().checksum.clone();
     checksum.ok_or_else(|| Usage(format!("{name:?} has no checksum")).into())
 }

@@ -3,6 +3,7 @@
 use crate::cli::CatalogueArgs;
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::standard_streams::print_result;
+use crate::dataset::class_table::whatever_classes;
 use crate::dataset::open::{OpenOptions, open_dataset};
 
 /// Prints every data set of the catalogue, and for each whether it is there and how many scans it has.
@@ -18,7 +19,11 @@ pub fn data_list(arguments: &CatalogueArgs) -> anyhow::Result<()> {
         print_result(format_args!("{group:<width$}  all of {}", members.join(", ")))?;
     }
     for id in catalogue.ids() {
-        match open_dataset(id, &OpenOptions::default(), &catalogue) {
+        match open_dataset(
+            id,
+            &OpenOptions { classes: whatever_classes(), ..OpenOptions::default() },
+            &catalogue,
+        ) {
             Ok(dataset) => {
                 let description = dataset.description();
                 let n_scans = dataset.scan_ids().len();

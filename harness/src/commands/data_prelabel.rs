@@ -29,7 +29,7 @@ pub fn data_prelabel(arguments: &PrelabelArgs) -> anyhow::Result<()> {
     let interrupted = interruption_flag();
     let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
     let config = detector_config(&arguments.config, &detectors)?;
-    let opened = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
+    let opened = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
     let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
     for it in &opened {
         let path = path_of(&arguments.output, it, opened.len());
@@ -90,6 +90,7 @@ fn prelabel(
     }
     writer.finish()?;
     progress.finish_and_clear();
+    opened.warn_of_points_left_out();
     let simulated = if description.is_simulated() { ", simulated" } else { "" };
     let (path, tool) = (path.display(), arguments.to);
     print_result(format_args!("{path}  {n_done} scans  {n_proposals} proposals  {tool}{simulated}"))

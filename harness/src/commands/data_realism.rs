@@ -21,6 +21,7 @@ use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{dataset_entry, seeds};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::dataset::class_table::ClassTable;
 use crate::realism::comparison::compare;
 use crate::realism::survey::{SurveyedScan, survey};
 
@@ -37,8 +38,8 @@ pub fn data_realism(arguments: &RealismArgs) -> anyhow::Result<()> {
     let started = Timestamp::now();
     let arguments_of_side = Sides { left: arguments.data.clone(), right: against(arguments) };
     let opened = Sides {
-        left: open_datasets(&arguments_of_side.left)?,
-        right: open_datasets(&arguments_of_side.right)?,
+        left: open_datasets(&arguments_of_side.left, &ClassTable::default())?,
+        right: open_datasets(&arguments_of_side.right, &ClassTable::default())?,
     };
     let directory = begin_directory(arguments, &opened, started)?;
     let scans = Sides {
@@ -67,6 +68,7 @@ fn against(arguments: &RealismArgs) -> DatasetArgs {
             format: arguments.against_format.clone(),
             topic: None,
             annotation_topic: None,
+            classes: arguments.data.source.classes.clone(),
             seed: None,
             simulated_scans: None,
             sensor: None,
@@ -87,10 +89,12 @@ fn begin_directory(
 
 fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> anyhow::Result<Vec<SurveyedScan>> {
     let mut scans = Vec::new();
-    for OpenedDataset { dataset, scan_indices, .. } in side {
+    for it in side {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
         let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
         scans.extend(survey(&**dataset, scan_indices, interrupted, || progress.inc(1))?);
         progress.finish_and_clear();
+        it.warn_of_points_left_out();
     }
     Ok(scans)
 }

@@ -17,6 +17,7 @@ use crate::commands::open_scan::{OpenedScan, open_scan};
 use crate::commands::result_file::{Destination, write_results};
 use crate::commands::run_rows::detection_facts;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::dataset::positioned_points::values_of_file;
 use crate::metrics::latency::Latencies;
 use crate::run::detector_list::detectors_named;
 use crate::run::single_scan::{SingleScan, clusters_of_points, detect_repeatedly};
@@ -32,7 +33,8 @@ pub fn detect(arguments: &DetectArgs) -> anyhow::Result<()> {
     let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
     let config = detector_config(&arguments.config, &detectors)?;
     destinations.check()?;
-    let mut scan = open_scan(&arguments.input, arguments.scan.as_deref(), &arguments.source)?;
+    let mut scan =
+        open_scan(&arguments.input, arguments.scan.as_deref(), &arguments.source, &config.classes)?;
     scan.sensor_height_m = arguments.sensor_height.unwrap_or(scan.sensor_height_m);
     warn_of_unknown_sensor(&config, &scan.sensor);
     let config = config.for_sensor(&scan.sensor).unwrap_or(config);
@@ -86,7 +88,10 @@ impl Destinations {
         let mut contents = Vec::new();
         let detections = &result.output.detections;
         if let Some(destination) = &self.clusters {
+            // One for every point of the file; those without a position are of no cluster.
             let clusters = clusters_of_points(detections, scan.cloud.len());
+            let clusters: Vec<Option<u32>> =
+                values_of_file(&clusters, &scan.points_left_out).into_iter().map(Option::flatten).collect();
             let is_binary =
                 matches!(destination, Destination::File(path) if path.extension() == Some("u32".as_ref()));
             let content = if is_binary {
@@ -108,8 +113,12 @@ fn summary(scan: &OpenedScan, detector: &str, result: &SingleScan) -> String {
     let detections = &result.output.detections;
     let n_in_clusters: usize = detections.iter().map(|it| it.point_indices.len()).sum();
     let n_vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle).count();
+    let left_out = match scan.points_left_out.len() {
+        0 => String::new(),
+        n => format!(" and {n} without a position, which are left out"),
+    };
     let mut text = format!(
-        "{}: {} points, sensor {} m above the road\n\
+        "{}: {} points{left_out}, sensor {} m above the road\n\
          {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} of them vehicles; {} more dropped for \
          their size\n\n",
         scan.name,

@@ -8,7 +8,7 @@ use reports::archive::ArchiveError;
 use reports::gate::accept::AcceptError;
 use reports::gate::comparability::NotComparable;
 use reports::gate::tolerances::TolerancesError;
-use reports::gate::verdict::Conclusion;
+use reports::gate::verdict::{Conclusion, JudgeError};
 use reports::run_directory::RunDirectoryError;
 
 use crate::commands::interruption::interruption_exit_code;
@@ -115,7 +115,8 @@ impl Failure {
             Some(
                 ConversionError::Occupied { .. }
                 | ConversionError::InUse { .. }
-                | ConversionError::Unwritable { .. },
+                | ConversionError::Unwritable { .. }
+                | ConversionError::TooManyObjects { .. },
             ) => return Self::Usage,
             Some(_) | None => {}
         }
@@ -159,6 +160,12 @@ impl Failure {
         if error.is::<NotComparable>() {
             return Some(Self::NotComparable);
         }
+        if let Some(error) = error.downcast_ref::<JudgeError>() {
+            return Some(match error {
+                JudgeError::NotComparable(_) => Self::NotComparable,
+                JudgeError::Rules(_) => Self::Usage,
+            });
+        }
         if error.is::<DamagedRun>() {
             return Some(Self::Data);
         }
@@ -169,6 +176,8 @@ impl Failure {
             AcceptError::Directory(error) => Self::of_run_directory(error),
             AcceptError::Archive(error) => Self::of_archive(error),
             AcceptError::History { .. } => Self::Data,
+            AcceptError::Dirty { .. } => Self::Usage,
+            AcceptError::NoSuccessor { .. } => Self::NotComparable,
         })
     }
 

@@ -20,6 +20,7 @@ use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::dataset::class_table::ClassTable;
 use crate::density_survey::{count_rings, density_curves};
 
 /// One row for every ring of both figures.
@@ -40,15 +41,17 @@ pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
             Usage(format!("{} exists; choose another name or replace it with --overwrite", target.display()))
         );
     }
-    let opened = open_datasets(&arguments.data)?;
+    let opened = open_datasets(&arguments.data, &ClassTable::default())?;
     let origin = origin(&opened, &arguments.data)?;
     // Now, so that a folder that is not there is not found out after all scans are read.
     let mut file = WholeFile::create(path)?;
     let mut scans = Vec::new();
-    for OpenedDataset { dataset, scan_indices, .. } in &opened {
+    for it in &opened {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
         let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
         scans.extend(count_rings(&**dataset, scan_indices, interrupted, || progress.inc(1))?);
         progress.finish_and_clear();
+        it.warn_of_points_left_out();
     }
     let curve =
         DensityCurve::fit(&scans, origin).map_err(|error| NothingEvaluated { reason: error.to_string() })?;

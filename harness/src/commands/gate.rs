@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use jiff::Timestamp;
-use reports::gate::accept::{TOLERANCES_TOML, accept, run_of_baseline};
+use reports::gate::accept::{Acceptance, Succession, TOLERANCES_TOML, accept, run_of_baseline};
 use reports::gate::benchmark_formats::{to_bencher_metric_format, to_custom_smaller_is_better};
 use reports::gate::junit::to_junit;
 use reports::gate::summary::{to_markdown, to_terminal};
@@ -81,7 +81,8 @@ fn append(path: &Path, text: &str) -> anyhow::Result<()> {
 ///
 /// # Errors
 ///
-/// If no reason is given, or something cannot be read or written.
+/// If no reason is given, the run cannot be made again or is no successor of the one accepted before, or something cannot be read
+/// or written.
 pub fn baseline_accept(arguments: &AcceptArgs) -> anyhow::Result<()> {
     anyhow::ensure!(
         !arguments.why.trim().is_empty(),
@@ -89,7 +90,12 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> anyhow::Result<()> {
     );
     let run = open_run(&arguments.run)?;
     let directory = &arguments.baseline.baseline;
-    let line = accept(&run, directory, &utc_day(Timestamp::now()), &arguments.why)?;
+    let acceptance = Acceptance {
+        date: &utc_day(Timestamp::now()),
+        why: &arguments.why,
+        succession: if arguments.new_baseline { Succession::Anew } else { Succession::Comparable },
+    };
+    let line = accept(&run, directory, acceptance)?;
     print_bytes(format!("{line}\n").as_bytes())?;
     print_diagnostic(format_args!("Baseline: {}", directory.display()));
     Ok(())

@@ -5,7 +5,7 @@ pub mod interruption;
 pub mod failure;
 pub mod progress;
 pub mod config;
-pub mod missing_positions;
+pub mod counted_dataset;
 pub mod open_datasets;
 pub mod open_scan;
 pub mod provenance;

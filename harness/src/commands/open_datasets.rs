@@ -8,10 +8,11 @@ use reports::manifest::SkippedScan;
 
 use crate::annotation::ScanId;
 use crate::cli::{DatasetArgs, SourceArgs};
+use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
 use crate::commands::failure::{NothingEvaluated, Usage};
-use crate::commands::missing_positions::PositionsCounted;
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
+use crate::dataset::class_table::{ClassRules, ClassTable};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::mcap::topics::TopicChoice;
 use crate::dataset::open::{OpenOptions, open_dataset};
@@ -27,6 +28,10 @@ pub struct OpenedDataset {
     pub scan_indices: Vec<usize>,
     /// What was left out because it is damaged: when it was opened, and later.
     pub skipped: RefCell<Vec<SkippedScan>>,
+    /// Points without a position in the scans that have been read.
+    pub points_left_out: PointsLeftOut,
+    /// What the user said names of classes in its labels stand for.
+    pub classes: ClassTable,
 }
 
 impl OpenedDataset {
@@ -41,13 +46,24 @@ impl OpenedDataset {
         id: &ScanId,
         error: DatasetError,
     ) -> Result<(), DatasetError> {
-        if policy == DamagePolicy::Refuse {
+        if policy == DamagePolicy::Refuse || error.is_usage_error() {
             return Err(error);
         }
         let reason = format!("{:#}", anyhow::Error::from(error));
         print_diagnostic(format_args!("warning: scan {id} is left out: {reason}"));
         self.skipped.borrow_mut().push(SkippedScan { scan: id.to_string(), reason });
         Ok(())
+    }
+
+    /// Says how many points without a position the scans had that have been read, if any had.
+    pub fn warn_of_points_left_out(&self) {
+        if let Some((n_points, n_scans, first)) = self.points_left_out.sum() {
+            print_diagnostic(format_args!(
+                "warning: {n_points} points without a position are left out of {n_scans} of the scans of {:?}, the first is {}",
+                self.dataset.description().id,
+                self.dataset.scan_ids()[first]
+            ));
+        }
     }
 
     /// Reads all scans and goes on without those that cannot be read, each with a warning.
@@ -89,13 +105,14 @@ pub fn open_catalogue(path: Option<&Path>) -> anyhow::Result<Catalogue> {
     })
 }
 
-/// Opens all data sets before anything is run, so that a misspelled last one costs nothing.
+/// Opens all data sets before anything is run, so that a misspelled last one costs nothing. `of_config` is what the configuration says about names of
+/// classes.
 ///
 /// # Errors
 ///
 /// If one of them does not exist, is damaged, or has no scan that is asked for.
-pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDataset>> {
-    open_datasets_past_damage(arguments, DamagePolicy::Refuse)
+pub fn open_datasets(arguments: &DatasetArgs, of_config: &ClassTable) -> anyhow::Result<Vec<OpenedDataset>> {
+    open_datasets_past_damage(arguments, DamagePolicy::Refuse, of_config)
 }
 
 /// As [`open_datasets`], but what is damaged is treated by this policy.
@@ -106,9 +123,10 @@ pub fn open_datasets(arguments: &DatasetArgs) -> anyhow::Result<Vec<OpenedDatase
 pub fn open_datasets_past_damage(
     arguments: &DatasetArgs,
     damage: DamagePolicy,
+    of_config: &ClassTable,
 ) -> anyhow::Result<Vec<OpenedDataset>> {
     let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
-    let options = OpenOptions { damage, ..open_options(&arguments.source)? };
+    let options = OpenOptions { damage, ..open_options(&arguments.source, of_config)? };
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
     let mut opened: Vec<OpenedDataset> = Vec::new();
     for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
@@ -143,10 +161,13 @@ pub fn open_datasets_past_damage(
             ));
             SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
         });
+        let (dataset, points_left_out) = CountedDataset::new(dataset);
         opened.push(OpenedDataset {
-            dataset: Box::new(PositionsCounted::new(dataset)),
+            dataset: Box::new(dataset),
             scan_indices,
             skipped: RefCell::new(left_out.into_iter().collect()),
+            points_left_out,
+            classes: options.classes_of(name, &catalogue).table,
         });
     }
     // What was simulated and written to disk is what it is.
@@ -156,13 +177,16 @@ pub fn open_datasets_past_damage(
     Ok(opened)
 }
 
-/// How data sets are to be opened.
+/// How data sets are to be opened; `source` has the last word over `of_config` about names of classes.
 ///
 /// # Errors
 ///
 /// If there is no such format.
-pub fn open_options(source: &SourceArgs) -> anyhow::Result<OpenOptions> {
+pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> anyhow::Result<OpenOptions> {
+    let mut own = ClassTable::default();
+    source.classes.iter().for_each(|it| own.insert(&it.name, it.class));
     Ok(OpenOptions {
+        classes: ClassRules { table: own.or(of_config), ..ClassRules::default() },
         format: source.format.as_deref().map(DatasetFormat::from_str).transpose()?,
         seed: source.seed,
         n_simulated_scans: source.simulated_scans,

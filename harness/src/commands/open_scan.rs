@@ -9,6 +9,7 @@ use crate::cli::SourceArgs;
 use crate::commands::failure::Usage;
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation};
 use crate::dataset::catalogue::KITTI_SENSOR;
+use crate::dataset::class_table::ClassTable;
 use crate::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use crate::dataset::mcap::recording::is_mcap;
 use crate::dataset::open::open_dataset;
@@ -22,19 +23,26 @@ pub struct OpenedScan {
     pub name: String,
     /// Its points.
     pub cloud: PointCloud,
+    /// Places in the file of the points that are not in `cloud` since they have no position, ascending.
+    pub points_left_out: Vec<u32>,
     /// Height of the sensor above the road, in metres, as far as the files say.
     pub sensor_height_m: f32,
     /// The sensor: its id, or the file that describes it.
     pub sensor: String,
 }
 
-/// Opens the scan in the file `input`, or scan `id` of the data set `input`.
+/// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says about names of classes.
 ///
 /// # Errors
 ///
 /// [`Usage`] if it is not said which scan, or there is none so called;
 /// [`DatasetError`](crate::dataset::DatasetError) if anything is missing or damaged.
-pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Result<OpenedScan> {
+pub fn open_scan(
+    input: &str,
+    id: Option<&str>,
+    source: &SourceArgs,
+    of_config: &ClassTable,
+) -> anyhow::Result<OpenedScan> {
     let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
     let path = Path::new(input);
     if let Some(members) = catalogue.groups.get(input) {
@@ -55,7 +63,7 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
             ))
         );
     }
-    let dataset = open_dataset(input, &open_options(source)?, &catalogue)?;
+    let dataset = open_dataset(input, &open_options(source, of_config)?, &catalogue)?;
     let description = dataset.description();
     if !description.is_simulated() {
         refuse_simulation(source)?;
@@ -66,6 +74,7 @@ pub fn open_scan(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::
     Ok(OpenedScan {
         name: format!("{}{simulated}, scan {}", description.id, scan.id),
         cloud: scan.cloud,
+        points_left_out: scan.points_left_out,
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),
     })
@@ -77,9 +86,11 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Resu
         return Err(Usage(format!("{option} is for data sets, and {input:?} is a scan")).into());
     }
     refuse_simulation(source)?;
+    let (cloud, points_left_out) = read_scan_file(Path::new(input))?.points.into_parts();
     Ok(OpenedScan {
         name: input.to_owned(),
-        cloud: read_scan_file(Path::new(input))?.cloud,
+        cloud,
+        points_left_out,
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
         sensor: KITTI_SENSOR.to_owned(),
     })

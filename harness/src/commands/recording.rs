@@ -154,7 +154,7 @@ impl Recording {
                 output: &result.output,
                 products: &products,
                 tasks: &tasks,
-                latency: result.latency,
+                latency: result.times.first,
             };
             self.stream.log_detector(scan, &view)?;
         }

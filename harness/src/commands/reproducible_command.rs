@@ -20,6 +20,9 @@ pub fn reproducible_command(
         ("--sensor", arguments.source.sensor.clone()),
         ("--catalogue", catalogue.map(|it| it.display().to_string())),
     ];
+    for class in &arguments.source.classes {
+        words.extend(["--class".to_owned(), class.to_string()]);
+    }
     for (option, value) in of_data.iter().chain(options) {
         let with_value = value.iter().flat_map(|value| [(*option).to_owned(), value.clone()]);
         words.extend(with_value.filter(|it| !it.is_empty()));

@@ -44,6 +44,7 @@ use crate::commands::standard_streams::{
 };
 use crate::conversion::whole_folder::folder_name;
 use crate::dataset::DatasetDescription;
+use crate::dataset::scan_times::scan_times_s;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
 use crate::results_recording::recording::{DetectorResult, ResultsRecording};
@@ -73,13 +74,15 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let started = Timestamp::now();
     let detectors = detectors_named(&arguments.detectors)?;
     let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+    let policy = arguments.damage.policy();
     let named = claim_named(&arguments.output)?;
-    let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
+    let datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
     let plan = Plan { arguments, started, config, detectors, datasets };
     let directory = begin_directory(&plan, named)?;
     let mut archive = Archive::begin(&plan, &directory)?;
     let mut scores = Vec::new();
     for opened in &plan.datasets {
+        archive.times_s = scan_times_s(&*opened.dataset);
         archive.mcap = begin_mcap(&plan, opened, &directory)?;
         scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
         archive.mcap.take().map_or(Ok(()), ResultsRecording::finish)?;
@@ -91,6 +94,7 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let manifest = run_manifest(RunSettings {
         data: &arguments.data,
         n_warmup: arguments.timing.warmup,
+        n_repeats: arguments.repeats,
         config,
         detectors: detector_entries(detectors, config),
         datasets,
@@ -124,10 +128,7 @@ fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunRepor
     Ok(RunReport::with_overall(SCORING_VERSION, rows, overall)?)
 }
 
-fn begin_directory(
-    plan: &Plan<'_>,
-    named: Option<ClaimedTarget>,
-) -> Result<RunDirectory, RunDirectoryError> {
+fn begin_directory(plan: &Plan<'_>, named: Option<ClaimedTarget>) -> Result<RunDirectory, RunDirectoryError> {
     let unnamed = format!("{}-{}", compact_utc(plan.started), ids_of(&plan.datasets));
     RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)
 }
@@ -139,7 +140,8 @@ struct Archive<'a> {
     criterion: Criterion,
     tally: Tally,
     worst: WorstPlaces<PlanCells>,
-    // Of the data set at hand.
+    // Of the data set at hand, as is what follows.
+    times_s: Vec<f64>,
     mcap: Option<ResultsRecording<'a>>,
     #[cfg(feature = "rerun")]
     recording: Option<Recording>,
@@ -161,6 +163,7 @@ impl Archive<'_> {
             criterion: plan.config.matching.criterion,
             tally: Tally::default(),
             worst: WorstPlaces::default(),
+            times_s: Vec::new(),
             mcap: None,
             #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
@@ -175,12 +178,13 @@ impl Archive<'_> {
         progress: &ProgressBar,
     ) -> anyhow::Result<()> {
         let dataset = opened.dataset.description();
+        let time_s = self.times_s[opened.scan_indices[results.run_idx]];
         if let Some(mcap) = &mut self.mcap {
             mcap.add_scan(results.run_idx, results.scan)?;
         }
         for result in results.results {
             for assignment in &result.assignments {
-                let row = scan_row(dataset, results.scan, result, assignment);
+                let row = scan_row(dataset, (results.scan, time_s), result, assignment);
                 let criterion = self.criterion.name();
                 let matches = match_rows(dataset, criterion, results.scan, result, assignment);
                 self.tally.add_scan(&row);
@@ -267,7 +271,8 @@ fn scan_line(dataset: &DatasetDescription, results: &ScanResults<'_>) -> String 
     for result in results.results {
         let ms = |time: std::time::Duration| 1e3 * time.as_secs_f64();
         let n_detections = result.output.detections.len();
-        let _ = write!(line, "; {} {:.2} ms, {n_detections} detections", result.detector, ms(result.latency));
+        let _ =
+            write!(line, "; {} {:.2} ms, {n_detections} detections", result.detector, ms(result.times.first));
         if let Some(longest) = result.output.stage_times.iter().max_by_key(|it| it.duration) {
             let _ = write!(line, " ({} {:.2} ms)", longest.stage, ms(longest.duration));
         }
@@ -318,6 +323,7 @@ fn evaluate(
         scan_indices: &opened.scan_indices,
         matching: config.matching,
         n_warmup: arguments.timing.warmup.into(),
+        n_repeats: arguments.repeats,
         n_jobs: arguments.timing.n_jobs(),
         interrupted,
     };
@@ -329,6 +335,7 @@ fn evaluate(
         archive.add(opened, &results, &scores, &progress)
     })?;
     progress.finish_and_clear();
+    opened.warn_of_points_left_out();
     if scores.n_annotations() == 0 {
         let reason = format!(
             "none of the {} scans of {:?} has an annotation that counts",

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use reports::run_directory::{
-    ClaimedTarget, ExistingTarget, LatestPointer, RunDirectory, RunDirectoryError,
-};
+use reports::run_directory::{ClaimedTarget, ExistingTarget, LatestPointer, RunDirectory, RunDirectoryError};
 
 use crate::cli::OutputArgs;
 use crate::commands::failure::Usage;

@@ -1,6 +1,7 @@
 //! What `manifest.json` says of a run.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 
 use jiff::Timestamp;
 use reports::archive::SCHEMA;
@@ -24,6 +25,8 @@ pub struct RunSettings<'a> {
     pub data: &'a DatasetArgs,
     /// Detections that were thrown away before any was timed.
     pub n_warmup: u16,
+    /// How often each detector looked at each scan.
+    pub n_repeats: NonZeroUsize,
     /// The parameters.
     pub config: &'a RunConfig,
     /// What took part, in the order of the tables.
@@ -45,6 +48,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         argv: command_line(),
         seeds: seeds(settings.datasets),
         n_warmup_detections: settings.n_warmup.into(),
+        n_repeats: settings.n_repeats.get() as u32,
         matching_criterion: criterion_in_words(matching.criterion),
         ignored: IgnoreRule {
             min_points: matching.eligibility.min_points as u32,
@@ -114,6 +118,8 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,
         skipped_scans: opened.skipped.borrow().clone(),
+        classes: opened.classes.written(),
+        n_points_left_out: opened.points_left_out.sum().map_or(0, |(n_points, ..)| n_points as u64),
         selection: arguments.scans.clone(),
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),
@@ -128,6 +134,7 @@ fn simulation(drive: &StreetDrive) -> Simulation {
         street: drive.street.name().to_owned(),
         n_drive_scans: drive.n_scans,
         turns_per_scan: drive.turns_per_scan,
+        scans_per_drive: drive.scans_per_drive,
         sensor: drive.sensor.clone(),
         shutter: drive.shutter.name().to_owned(),
         rain_mm_per_h: drive.rain_mm_per_h,

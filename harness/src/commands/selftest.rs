@@ -9,6 +9,7 @@ use crate::commands::failure::NothingEvaluated;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
+use crate::dataset::class_table::ClassTable;
 use crate::dataset::source::DamagePolicy;
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::criterion::Criterion;
@@ -34,7 +35,7 @@ pub struct SelftestFailed {
 pub fn selftest(arguments: &SelftestArgs) -> anyhow::Result<()> {
     let (mut n_failed, mut n_checked) = (0, 0);
     let policy = arguments.damage.policy();
-    for opened in open_datasets_past_damage(&arguments.data, policy)? {
+    for opened in open_datasets_past_damage(&arguments.data, policy, &ClassTable::default())? {
         for checked in check_dataset(&opened, policy)? {
             n_checked += 1;
             n_failed += usize::from(!checked.is_perfect());
@@ -132,6 +133,7 @@ fn check_dataset(opened: &OpenedDataset, policy: DamagePolicy) -> anyhow::Result
         }
     }
     progress.finish_and_clear();
+    opened.warn_of_points_left_out();
     if checks.iter().all(|check| check.counts.n_annotations == 0) {
         let reason = format!("{:?} has no annotation that counts", description.id);
         return Err(NothingEvaluated { reason }.into());
@@ -158,8 +160,8 @@ fn echo<'a>(scan: &'a LabeledScan) -> Detections {
 
 /// A box without extent where the points of `annotation` are on average, as the matching takes its centre to be.
 fn box_of_points(scan: &LabeledScan, annotation: &Annotation) -> OrientedBox {
-    let [x_m, y_m] = crate::matching::criterion::center_m(scan, annotation).unwrap_or_default();
-    OrientedBox { center_m: [x_m as f32, y_m as f32, 0.0], length_width_height_m: [0.0; 3], yaw_rad: 0.0 }
+    let center_m = annotation.center_m(&scan.cloud).unwrap_or_default();
+    OrientedBox { center_m, length_width_height_m: [0.0; 3], yaw_rad: 0.0 }
 }
 
 #[cfg(test)]

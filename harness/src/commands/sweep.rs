@@ -1,5 +1,6 @@
 //! `scanbench sweep`.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -70,6 +71,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
             return Err(error.into());
         }
     };
+    sweep.datasets.iter().for_each(OpenedDataset::warn_of_points_left_out);
     let swept = sweep.swept_datasets();
     let results = SweepResults { plan: &sweep.plan, datasets: &swept, scans: &counted, times: &timed };
     let scores = results.summary();
@@ -93,7 +95,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
 impl<'a> Sweep<'a> {
     fn new(arguments: &'a SweepArgs, plan: SweepPlan, started: Timestamp) -> anyhow::Result<Self> {
         let policy = arguments.damage.policy();
-        let mut datasets = open_datasets_past_damage(&arguments.data, policy)?;
+        let mut datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
         if policy == DamagePolicy::Skip {
             // Threads take scans in any order, so that it has to be known before which there are.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
@@ -162,14 +164,17 @@ impl<'a> Sweep<'a> {
     }
 
     fn manifest(&self) -> String {
-        let manifest = run_manifest(RunSettings {
+        let mut manifest = run_manifest(RunSettings {
             data: &self.arguments.data,
             n_warmup: 1,
+            n_repeats: NonZeroUsize::MIN,
             config: &self.plan.base,
             detectors: detector_entries(&self.plan.detectors, &self.plan.base),
             datasets: &self.datasets,
             started: self.started,
         });
+        // Which scans have been read depends on where the sweep was taken up.
+        manifest.datasets.iter_mut().for_each(|it| it.n_points_left_out = 0);
         let values = |it: &SweptValues| serde_json::json!({ "name": it.name, "values": it.values });
         let sweep = serde_json::json!({
             "swept": self.plan.swept.iter().map(values).collect::<Vec<_>>(),

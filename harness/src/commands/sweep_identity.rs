@@ -43,6 +43,7 @@ fn data_set(opened: &OpenedDataset) -> Value {
         "sensor": description.sensor,
         "sensor_height_m": description.sensor_height_m,
         "scans": opened.scan_indices,
+        "classes": opened.classes.written(),
     })
 }
 

@@ -12,7 +12,7 @@ use crate::commands::recording::task_views;
 use crate::dataset::DatasetDescription;
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::mistake::Evidence;
-use crate::run::side_by_side::DetectorScan;
+use crate::run::side_by_side::{DetectionTimes, DetectorScan};
 use crate::stream::{
     DetectorView, FirstTab, Opening, RecordingAxis, ScanView, Stream, StreamOptions, ViewerChoice,
 };
@@ -98,7 +98,8 @@ fn look_again(
     let latency = started.elapsed();
     let judge = |&task| assign(scan, &output.detections, task, &dataset.annotated, matching);
     let assignments = Task::ALL.iter().map(judge).collect();
-    let result = DetectorScan { detector: detector.name(), output, latency, assignments };
+    let times = DetectionTimes { first: latency, least: latency, reference: None };
+    let result = DetectorScan { detector: detector.name(), output, times, assignments };
     let products = detector.stage_products(&scan.cloud);
     let evidence = Evidence::gather(scan, &result.output.detections, &products, matching.criterion);
     let view = DetectorView {

@@ -25,6 +25,7 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
 use crate::commands::train_summary::summary;
 use crate::dataset::Dataset;
+use crate::dataset::class_table::ClassTable;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::detectors_named;
 use crate::training::candidates::{Candidate, CandidateBoxes, CandidateSource, collect_candidates};
@@ -55,10 +56,10 @@ pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
         ModelName::Pca => ModelKind::Pca,
     };
     let named = claim_named(&arguments.output)?;
-    let trained = open_datasets(&arguments.data)?;
+    let trained = open_datasets(&arguments.data, &ClassTable::default())?;
     let held_out_arguments = held_out_arguments(arguments);
     let held_out = match &held_out_arguments {
-        Some(arguments) => open_datasets(arguments)?,
+        Some(arguments) => open_datasets(arguments, &ClassTable::default())?,
         None => Vec::new(),
     };
     let parted = parted(arguments, &trained, &held_out)?;
@@ -109,6 +110,7 @@ fn held_out_arguments(arguments: &TrainArgs) -> Option<DatasetArgs> {
         source: SourceArgs {
             topic: None,
             annotation_topic: None,
+            classes: arguments.data.source.classes.clone(),
             format: arguments.held_out_format.clone(),
             seed: None,
             simulated_scans: None,
@@ -163,7 +165,8 @@ fn collect_all<'a>(
     let is_regrouped = is_asked || arguments.parts_and_pairs;
     let regrouping = is_regrouped.then(|| config.hierarchical.regrouping.clone());
     let mut candidates = Vec::new();
-    for OpenedDataset { dataset, scan_indices, .. } in opened {
+    for it in opened {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
         warn_of_unknown_sensor(&config, &description.sensor);
         let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
@@ -180,6 +183,7 @@ fn collect_all<'a>(
         let found = collect_candidates(&**dataset, scan_indices, &source, interrupted, || progress.inc(1))?;
         candidates.extend(found.into_iter().map(|it| (description.id.as_str(), it)));
         progress.finish_and_clear();
+        it.warn_of_points_left_out();
     }
     Ok(candidates)
 }

@@ -1,6 +1,7 @@
 //! The recording of the scans with the worst mistakes.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use clap::Parser as _;
@@ -110,7 +111,8 @@ impl RunAgain {
             serde_json::to_value(&config.resolved)? == manifest.config,
             Usage("the parameters are not those of the run: a file or this program has changed".to_owned())
         );
-        let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy())?;
+        let datasets =
+            open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
         for opened in &datasets {
             let id = &opened.dataset.description().id;
             let found = dataset_entry(opened, &arguments.data);
@@ -182,6 +184,7 @@ impl RunAgain {
                 scan_indices: &[scan_idx],
                 matching: config.matching,
                 n_warmup: n_warmup.into(),
+                n_repeats: NonZeroUsize::MIN,
                 n_jobs: 1,
                 interrupted,
             };

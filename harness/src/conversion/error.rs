@@ -43,6 +43,20 @@ pub enum ConversionError {
         /// The folder.
         path: PathBuf,
     },
+    /// A drive with more objects than the format has numbers for.
+    #[error(
+        "drive {drive:?} has at least {n_objects} objects, {format} has numbers for {max}; those without a track count anew in each scan; take fewer scans by --scans"
+    )]
+    TooManyObjects {
+        /// The drive.
+        drive: String,
+        /// Its objects, as far as they were counted.
+        n_objects: u32,
+        /// The format.
+        format: &'static str,
+        /// The most that it has numbers for.
+        max: u32,
+    },
     /// The format cannot hold it.
     #[error("scan {scan} cannot be written as {format}: {problem}")]
     Unwritable {

@@ -1,39 +1,44 @@
-//! Numbers of instances within a drive, for formats that tell objects apart by a number of 16 bits.
+//! Numbers for the objects of a drive, where a format has no more than 16 bits for them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::annotation::{Annotation, AnnotationClass};
+use crate::annotation::AnnotationClass;
 
-/// The numbers given so far in one drive, from 1: one for each object, the same in all scans that show it.
-///
-/// Two objects never share a number. An object is told by its class and its track; one without a track is another object in
-/// each scan.
-#[derive(Debug, Default)]
+/// The most that a drive can have.
+pub const MAX_INSTANCES: u32 = u16::MAX as u32;
+
+/// Numbers from 1 for the objects of one drive, in the order in which they are met.
+#[derive(Debug, Clone, Default)]
 pub struct InstanceNumbers {
-    of_object: BTreeMap<(AnnotationClass, u32), u16>,
+    of_track: BTreeMap<(AnnotationClass, u32), u16>,
     n_given: u32,
+    in_scan: BTreeSet<u16>,
 }
 
-/// There are more objects in a drive than numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("its drive has more than {} objects", u16::MAX)]
-pub struct OutOfNumbers;
-
 impl InstanceNumbers {
-    /// The number of `annotation`.
+    /// Begins the next scan of the drive.
+    pub fn begin_scan(&mut self) {
+        self.in_scan.clear();
+    }
+
+    /// The number of an object of the scan: that of its class and track in earlier scans, else one that no other object has. An object without a
+    /// track is another one in each scan, and so is the second of one track in a scan.
     ///
     /// # Errors
     ///
-    /// [`OutOfNumbers`] if it is a new object after 65,535 others.
-    pub fn number(&mut self, annotation: &Annotation) -> Result<u16, OutOfNumbers> {
-        let object = annotation.track.map(|track| (annotation.class, track));
-        if let Some(number) = object.and_then(|object| self.of_object.get(&object)) {
-            return Ok(*number);
+    /// How many objects there are by now, if that is more than [`MAX_INSTANCES`].
+    pub fn number_of(&mut self, class: AnnotationClass, track: Option<u32>) -> Result<u16, u32> {
+        let known = track.and_then(|track| self.of_track.get(&(class, track)).copied());
+        if let Some(number) = known
+            && self.in_scan.insert(number)
+        {
+            return Ok(number);
         }
-        let number = u16::try_from(self.n_given + 1).map_err(|_| OutOfNumbers)?;
-        self.n_given += 1;
-        if let Some(object) = object {
-            self.of_object.insert(object, number);
+        self.n_given = self.n_given.saturating_add(1);
+        let number = u16::try_from(self.n_given).map_err(|_| self.n_given)?;
+        self.in_scan.insert(number);
+        if let (Some(track), None) = (track, known) {
+            self.of_track.insert((class, track), number);
         }
         Ok(number)
     }
@@ -42,34 +47,48 @@ impl InstanceNumbers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
-    fn annotation(class: AnnotationClass, track: Option<u32>) -> Annotation {
-        let point_indices = Vec::new();
-        Annotation { class, bounding_box: None, point_indices, track, occlusion: None, truncation: None }
+    #[test]
+    fn a_track_keeps_its_number_and_nothing_else_gets_it() {
+        let mut numbers = InstanceNumbers::default();
+        let (car, van) = (AnnotationClass::Car, AnnotationClass::Van);
+        numbers.begin_scan();
+        let first = [(car, Some(7)), (van, Some(7)), (car, None), (car, Some(7)), (car, Some(7 | 1 << 16))];
+        assert_eq!(first.map(|(class, track)| numbers.number_of(class, track).unwrap()), [1, 2, 3, 4, 5]);
+        numbers.begin_scan();
+        let second = [(car, None), (car, Some(7 | 1 << 16)), (van, Some(7)), (car, Some(7))];
+        assert_eq!(second.map(|(class, track)| numbers.number_of(class, track).unwrap()), [6, 5, 2, 1]);
     }
 
     #[test]
-    fn an_object_keeps_its_number_and_shares_it_with_none() {
-        use AnnotationClass::{Car, Pedestrian, Pole};
+    fn more_than_16_bits_hold_are_refused_with_their_number() {
         let mut numbers = InstanceNumbers::default();
-        let mut number = |class, track| numbers.number(&annotation(class, track)).unwrap();
-        // Tracks of SemanticKITTI differ in their upper half alone.
-        assert_eq!(number(Car, Some(10 | 1 << 16)), 1);
-        assert_eq!(number(Car, Some(10 | 2 << 16)), 2);
-        assert_eq!(number(Pedestrian, Some(10 | 1 << 16)), 3);
-        assert_eq!(number(Pole, None), 4);
-        assert_eq!(number(Pole, None), 5);
-        assert_eq!(number(Car, Some(10 | 2 << 16)), 2);
-    }
-
-    #[test]
-    fn after_the_last_number_there_is_none() {
-        let mut numbers = InstanceNumbers::default();
-        for track in 0..u32::from(u16::MAX) {
-            numbers.number(&annotation(AnnotationClass::Car, Some(track))).unwrap();
+        for expected in 1..=u16::MAX {
+            assert_eq!(numbers.number_of(AnnotationClass::Car, None), Ok(expected));
         }
-        assert_eq!(numbers.number(&annotation(AnnotationClass::Car, Some(7))), Ok(8));
-        assert_eq!(numbers.number(&annotation(AnnotationClass::Car, None)), Err(OutOfNumbers));
-        assert_eq!(OutOfNumbers.to_string(), "its drive has more than 65535 objects");
+        assert_eq!(numbers.number_of(AnnotationClass::Car, None), Err(65_536));
+    }
+
+    proptest! {
+        #[test]
+        fn two_objects_never_share_a_number(
+            scans in prop::collection::vec(
+                prop::collection::vec((0_usize..3, prop::option::of(0_u32..4)), 0..8), 0..6),
+        ) {
+            let mut numbers = InstanceNumbers::default();
+            let mut owner: BTreeMap<u16, (AnnotationClass, Option<u32>)> = BTreeMap::new();
+            for scan in scans {
+                numbers.begin_scan();
+                let mut in_scan = BTreeSet::new();
+                for (class, track) in scan {
+                    let class = AnnotationClass::ALL[class];
+                    let number = numbers.number_of(class, track).unwrap();
+                    prop_assert!(in_scan.insert(number), "twice in one scan");
+                    let owned_by = *owner.entry(number).or_insert((class, track));
+                    prop_assert_eq!(owned_by, (class, track));
+                }
+            }
+        }
     }
 }

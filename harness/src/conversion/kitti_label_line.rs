@@ -58,10 +58,10 @@ fn class_word(class: AnnotationClass) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::AnnotatedClasses;
+    use crate::dataset::class_table::{ClassReader, ClassRules};
     use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
     use crate::dataset::kitti::calibration::parse_calibration;
-    use crate::dataset::kitti::label::{KittiLabel, parse_object_labels};
+    use crate::dataset::kitti::label::{KITTI_VOCABULARY, KittiLabel, parse_object_labels};
     use proptest::prelude::*;
     use std::path::Path;
 
@@ -77,7 +77,9 @@ mod tests {
     }
 
     fn read_back(line: &str) -> (AnnotationClass, Option<Occlusion>, OrientedBox) {
-        let labels = parse_object_labels(Path::new("l.txt"), line, &AnnotatedClasses::EveryObject).unwrap();
+        let rules = ClassRules::default();
+        let mut classes = ClassReader::new(&rules, KITTI_VOCABULARY);
+        let labels = parse_object_labels(Path::new("l.txt"), line, &mut classes).unwrap();
         let [KittiLabel::Object(object)] = &labels[..] else { panic!("{labels:?}") };
         let calibration = parse_calibration(Path::new("c.txt"), CALIBRATION).unwrap();
         let bounding_box = box_in_velodyne(&object.camera_box, &calibration.velodyne_from_camera);

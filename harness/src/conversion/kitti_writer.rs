@@ -1,7 +1,6 @@
 //! Scans in the layouts of KITTI's tracking and object benchmarks.
 //!
-//! Points without a position are left out, as `.bin` files cannot hold them. Objects without a box get the one around their
-//! points. Where not all is labelled, a file beside every scan says so point by point (see [`point_region_file`]).
+//! Objects without a box get the one around their points. Where not all is labelled, a file beside every scan says so point by point (see [`point_region_file`]).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -84,15 +83,10 @@ impl ScanWriter for KittiWriter {
             KittiLayout::Tracking => format!("{drive}/{number:06}"),
             KittiLayout::Object => format!("{number:06}"),
         };
-        let has_position: Vec<bool> =
-            scan.cloud.positions_m().map(|it| it.iter().all(|value| value.is_finite())).collect();
-        self.folder
-            .write(&format!("training/velodyne/{name}.bin"), &bin_bytes(&scan.cloud, &has_position))?;
+        self.folder.write(&format!("training/velodyne/{name}.bin"), &bin_bytes(&scan.cloud))?;
         if scan.point_regions.iter().any(|it| *it != PointRegion::Labeled) {
-            let kept =
-                scan.point_regions.iter().zip(&has_position).filter(|(_, has_position)| **has_position);
-            let regions: Vec<PointRegion> = kept.map(|(region, _)| *region).collect();
-            self.folder.write(&format!("training/{}", point_region_file(&name)), &region_bytes(&regions))?;
+            let regions = region_bytes(&scan.point_regions);
+            self.folder.write(&format!("training/{}", point_region_file(&name)), &regions)?;
         }
         let labels = labels_of(scan, self.layout, number);
         match self.layout {
@@ -115,16 +109,11 @@ impl ScanWriter for KittiWriter {
     }
 }
 
-/// The points that have a position, as a `.bin` file. A reflection that is no number becomes 0.
-pub fn bin_bytes(cloud: &PointCloud, has_position: &[bool]) -> Vec<u8> {
+/// The points as a `.bin` file.
+pub fn bin_bytes(cloud: &PointCloud) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(cloud.len() * 16);
-    for (([x, y, z], &intensity), has_position) in
-        cloud.positions_m().zip(cloud.intensity()).zip(has_position)
-    {
-        if *has_position {
-            let intensity = if intensity.is_finite() { intensity } else { 0.0 };
-            bytes.extend([x, y, z, intensity].into_iter().flat_map(f32::to_le_bytes));
-        }
+    for ([x, y, z], &intensity) in cloud.positions_m().zip(cloud.intensity()) {
+        bytes.extend([x, y, z, intensity].into_iter().flat_map(f32::to_le_bytes));
     }
     bytes
 }

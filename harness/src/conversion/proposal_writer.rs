@@ -53,14 +53,12 @@ impl ProposalWriter {
         Ok(Self { format, folder: WholeFolder::create(path)?, sheet, n_written: 0 })
     }
 
-    /// Appends a scan with its proposals. Points without a position are left out.
+    /// Appends a scan with its proposals.
     ///
     /// # Errors
     ///
     /// [`ConversionError`] if the disk does not take it.
     pub fn write(&mut self, scan: &LabeledScan, proposals: &[Proposal]) -> Result<(), ConversionError> {
-        let has_position: Vec<bool> =
-            scan.cloud.positions_m().map(|it| it.iter().all(|value| value.is_finite())).collect();
         let name = match self.format {
             ProposalFormat::Kitti => format!("{:06}", self.n_written),
             _ => format!("{}-{:06}", folder_name(&scan.id.sequence), scan.id.index),
@@ -69,13 +67,13 @@ impl ProposalWriter {
         let folder = &self.folder;
         match self.format {
             ProposalFormat::Kitti => {
-                folder.write(&format!("velodyne/{name}.bin"), &bin_bytes(&scan.cloud, &has_position))?;
+                folder.write(&format!("velodyne/{name}.bin"), &bin_bytes(&scan.cloud))?;
                 folder.write(&format!("label_2/{name}.txt"), kitti_labels(proposals).as_bytes())?;
                 folder.write(&format!("calib/{name}.txt"), CALIBRATION.as_bytes())
             }
             ProposalFormat::Labelcloud => {
                 let filename = format!("{name}.bin");
-                folder.write(&format!("pointclouds/{filename}"), &bin_bytes(&scan.cloud, &has_position))?;
+                folder.write(&format!("pointclouds/{filename}"), &bin_bytes(&scan.cloud))?;
                 let objects = proposals.iter().map(|it| LabelCloudObject::new(&listed(it, None), it.score));
                 let file = LabelCloudFile {
                     folder: "pointclouds".to_owned(),
@@ -86,7 +84,7 @@ impl ProposalWriter {
                 folder.write(&format!("labels/{name}.json"), &json_bytes(&file))
             }
             ProposalFormat::Sustechpoints => {
-                folder.write(&format!("lidar/{name}.pcd"), &pcd_bytes(&scan.cloud, &has_position))?;
+                folder.write(&format!("lidar/{name}.pcd"), &pcd_bytes(&scan.cloud))?;
                 let objects = (1..).zip(proposals);
                 let objects: Vec<SustechObject> = objects
                     .map(|(track, it)| SustechObject::new(&listed(it, Some(track)), it.score))
@@ -149,9 +147,9 @@ fn json_bytes(value: &impl Serialize) -> Vec<u8> {
     bytes
 }
 
-/// The points that have a position, as a binary PCD file.
-fn pcd_bytes(cloud: &PointCloud, has_position: &[bool]) -> Vec<u8> {
-    let points = bin_bytes(cloud, has_position);
+/// The points as a binary PCD file.
+fn pcd_bytes(cloud: &PointCloud) -> Vec<u8> {
+    let points = bin_bytes(cloud);
     let n_points = points.len() / 16;
     let header = format!(
         "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH {n_points}\n\

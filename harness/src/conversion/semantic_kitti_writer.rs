@@ -1,17 +1,15 @@
 //! Scans as drives of SemanticKITTI: `.bin` and `.label` files, and the poses and times that are known.
 //!
-//! Every annotation becomes an instance; boxes are not written. Points of no annotation become *other ground*, points that are
-//! not judged *unlabelled*. Scans and instances are numbered anew in each drive, as poses and times go by number.
-//!
-//! Poles without a track get no number where the reader finds the same poles again by what hangs together, as in
-//! SemanticKITTI itself: a long drive has more of them than there are numbers.
+//! Every annotation becomes an instance, numbered anew in each drive by its class and track; boxes are not written. Poles without a track that hang
+//! together as a reader of the format expects keep instance 0, as in the real labels. Points of no annotation become *other ground*, points that
+//! are not judged *unlabelled*. Scans are numbered anew in each drive, as poses and times go by number.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::Isometry3;
 
-use super::instance_numbers::InstanceNumbers;
+use super::instance_numbers::{InstanceNumbers, MAX_INSTANCES};
 use super::kitti_writer::bin_bytes;
 use super::whole_folder::{WholeFolder, folder_name};
 use super::{ConversionError, ScanToWrite, ScanWriter};
@@ -19,6 +17,9 @@ use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet};
 use crate::dataset::semantic_kitti::semantic_class::{BACKGROUND_NUMBER, UNLABELED_NUMBER, number_of};
 use crate::dataset::semantic_kitti::upright_components::upright_components;
+
+/// What errors call the format.
+const FORMAT: &str = "semantic-kitti";
 
 /// The poses are the sensor's own.
 const CALIBRATION: &str = "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n";
@@ -33,9 +34,9 @@ pub struct SemanticKittiWriter {
 #[derive(Default)]
 struct Drive {
     n_scans: usize,
+    instances: InstanceNumbers,
     times_s: Vec<f64>,
     poses: Vec<Isometry3<f64>>,
-    instances: InstanceNumbers,
 }
 
 impl SemanticKittiWriter {
@@ -58,13 +59,10 @@ impl ScanWriter for SemanticKittiWriter {
         drive.n_scans += 1;
         drive.times_s.push(to_write.time_ns as f64 / 1e9);
         drive.poses.extend(to_write.world_from_sensor);
-        let has_position: Vec<bool> =
-            scan.cloud.positions_m().map(|it| it.iter().all(|value| value.is_finite())).collect();
         let labels = labels_of(scan, &mut drive.instances)?;
-        let kept = labels.into_iter().zip(&has_position).filter(|(_, has_position)| **has_position);
-        let labels: Vec<u8> = kept.flat_map(|(label, _)| label.to_le_bytes()).collect();
+        let labels: Vec<u8> = labels.into_iter().flat_map(u32::to_le_bytes).collect();
         let file = |kind: &str, extension: &str| format!("sequences/{name}/{kind}/{number:06}.{extension}");
-        self.folder.write(&file("velodyne", "bin"), &bin_bytes(&scan.cloud, &has_position))?;
+        self.folder.write(&file("velodyne", "bin"), &bin_bytes(&scan.cloud))?;
         self.folder.write(&file("labels", "label"), &labels)
     }
 
@@ -94,38 +92,49 @@ fn labels_of(scan: &LabeledScan, instances: &mut InstanceNumbers) -> Result<Vec<
         PointRegion::Unscorable | PointRegion::Outside => UNLABELED_NUMBER,
     };
     let mut labels: Vec<u32> = scan.point_regions.iter().map(|region| u32::from(label(region))).collect();
-    let poles_are_found_again = are_found_again(scan);
+    let keeps_zero = poles_hang_together(scan);
+    instances.begin_scan();
     for annotation in &scan.annotations {
-        let instance = if poles_are_found_again && is_lone_pole(annotation) {
+        let points = scorable_points(scan, annotation);
+        if points.is_empty() {
+            continue;
+        }
+        let instance = if keeps_zero && is_pole_without_track(annotation) {
             0
         } else {
-            instances.number(annotation).map_err(|error| ConversionError::Unwritable {
-                scan: scan.id.to_string(),
-                format: "semantic-kitti",
-                problem: error.to_string(),
+            instances.number_of(annotation.class, annotation.track).map_err(|n_objects| {
+                let drive = scan.id.sequence.clone();
+                ConversionError::TooManyObjects { drive, n_objects, format: FORMAT, max: MAX_INSTANCES }
             })?
         };
-        for point_idx in &annotation.point_indices {
-            labels[*point_idx as usize] = u32::from(number_of(annotation.class)) | u32::from(instance) << 16;
+        for point_idx in points {
+            labels[point_idx as usize] = u32::from(number_of(annotation.class)) | u32::from(instance) << 16;
         }
     }
     Ok(labels)
 }
 
-fn is_lone_pole(annotation: &Annotation) -> bool {
+/// The points of an annotation but for those that are not to be judged, which stay unlabelled.
+fn scorable_points(scan: &LabeledScan, annotation: &Annotation) -> Vec<u32> {
+    let is_scorable = |it: &u32| scan.point_regions[*it as usize] != PointRegion::Unscorable;
+    annotation.point_indices.iter().copied().filter(is_scorable).collect()
+}
+
+fn is_pole_without_track(annotation: &Annotation) -> bool {
     annotation.class == AnnotationClass::Pole && annotation.track.is_none()
 }
 
-/// Whether the poles without a track are what the reader makes of their points together.
-fn are_found_again(scan: &LabeledScan) -> bool {
-    let poles = || scan.annotations.iter().filter(|it| is_lone_pole(it)).map(|it| &it.point_indices);
-    let mut points: Vec<u32> = poles().flatten().copied().collect();
+/// Whether the poles without a track are those that a reader finds among their points.
+fn poles_hang_together(scan: &LabeledScan) -> bool {
+    let poles = scan.annotations.iter().filter(|it| is_pole_without_track(it));
+    let mut poles: Vec<Vec<u32>> = poles.map(|it| scorable_points(scan, it)).collect();
+    poles.retain(|points| !points.is_empty());
+    poles.sort_unstable();
+    let mut points = poles.concat();
     points.sort_unstable();
     let mut found = upright_components(&scan.cloud, &points);
-    let mut expected: Vec<Vec<u32>> = poles().cloned().collect();
-    found.sort();
-    expected.sort();
-    found == expected
+    found.sort_unstable();
+    found == poles
 }
 
 fn pose_line(pose: &Isometry3<f64>) -> String {

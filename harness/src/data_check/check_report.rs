@@ -5,6 +5,7 @@ use std::fmt;
 
 use super::scan_facts::{RANGES_M, ScanFacts, ring_areas_m2};
 use crate::annotation::ScanId;
+use crate::dataset::shown_name::shown;
 use crate::dataset::{AnnotatedClasses, DatasetDescription};
 
 /// Boxes nearer than this should hold points, in metres.
@@ -43,9 +44,7 @@ pub struct CheckReport {
 
 impl CheckReport {
     /// What `scans` say about the data set, in the order of the data set.
-    ///
-    /// `stray_labels` is what [`Dataset::labels_without_scans`](crate::dataset::Dataset::labels_without_scans) says.
-    pub fn of(description: &DatasetDescription, scans: &[CheckedScan], stray_labels: Option<&str>) -> Self {
+    pub fn of(description: &DatasetDescription, scans: &[CheckedScan]) -> Self {
         let facts: Vec<&ScanFacts> = scans.iter().filter_map(|it| it.facts.as_ref().ok()).collect();
         let mut report =
             Self { lines: Vec::new(), warnings: Vec::new(), n_damaged: scans.len() - facts.len() };
@@ -54,12 +53,14 @@ impl CheckReport {
         report.count_points(&facts);
         report.check_ground(description, &facts);
         report.count_annotations(&facts);
-        if let Some(stray_labels) = stray_labels {
-            report.line("without scans", stray_labels.to_owned());
-        }
         report.check_times(scans);
         report.check_repetition(scans);
         report
+    }
+
+    /// Adds what may be wrong with labels and names as a whole, see [`Dataset::oddities`](crate::dataset::Dataset::oddities).
+    pub fn add_oddities(&mut self, oddities: impl IntoIterator<Item = String>) {
+        self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
     }
 
     fn line(&mut self, name: &'static str, value: String) {
@@ -70,7 +71,7 @@ impl CheckReport {
         let simulated = if description.is_simulated() { ", simulated" } else { "" };
         self.line("data set", format!("{} ({}{simulated})", description.id, description.format));
         if let Some(root) = &description.root {
-            self.line("path", root.display().to_string());
+            self.line("path", shown(&root.display().to_string()).into_owned());
         }
         self.line(
             "sensor",
@@ -291,7 +292,7 @@ mod tests {
     fn check(change: impl Fn(&mut CheckedScan), expected: Option<&str>) {
         let mut scans = scans();
         scans.iter_mut().for_each(change);
-        let report = CheckReport::of(&description(), &scans, None);
+        let report = CheckReport::of(&description(), &scans);
         let found: Vec<&str> = report.warnings.iter().map(String::as_str).collect();
         assert_eq!(found.len(), usize::from(expected.is_some()), "{found:?}");
         assert!(found.iter().zip(expected).all(|(found, expected)| found.contains(expected)), "{found:?}");
@@ -304,8 +305,7 @@ mod tests {
     #[test]
     fn sound_scans_give_no_warning() {
         check(|_| {}, None);
-        let report = CheckReport::of(&description(), &scans(), Some("labels of 3 scans that are not there"))
-            .to_string();
+        let report = CheckReport::of(&description(), &scans()).to_string();
         for line in [
             "scans               4 of 1 drive",
             "points              400, 100 to 100 a scan",

@@ -22,7 +22,7 @@ const MIN_SQUARE_POINTS: usize = 5;
 pub struct ScanFacts {
     /// Points, with and without a position.
     pub n_points: usize,
-    /// Points whose position is not finite.
+    /// Points of the file without a position, which are left out.
     pub n_without_position: usize,
     /// Points at exactly the position of another one.
     pub n_duplicates: usize,
@@ -61,15 +61,13 @@ impl ScanFacts {
         let mut hasher = DefaultHasher::new();
         let bits = |position_m: [f32; 3]| position_m.map(f32::to_bits);
         cloud.positions_m().for_each(|it| bits(it).hash(&mut hasher));
-        let n_without_position = cloud.positions_m().filter(|it| !is_finite(it)).count();
-        let mut finite: Vec<[u32; 3]> = cloud.positions_m().filter(is_finite).map(bits).collect();
-        finite.sort_unstable();
-        let n_finite = finite.len();
-        finite.dedup();
+        let mut distinct: Vec<[u32; 3]> = cloud.positions_m().map(bits).collect();
+        distinct.sort_unstable();
+        distinct.dedup();
         Self {
-            n_points: cloud.len(),
-            n_without_position,
-            n_duplicates: n_finite - finite.len(),
+            n_points: cloud.len() + scan.points_left_out.len(),
+            n_without_position: scan.points_left_out.len(),
+            n_duplicates: cloud.len() - distinct.len(),
             n_by_range: n_by_range(cloud),
             ground_z_m: ground_z_m(cloud),
             n_labeled: scan.point_regions.iter().filter(|it| **it == PointRegion::Labeled).count(),
@@ -79,15 +77,10 @@ impl ScanFacts {
     }
 }
 
-fn is_finite(position_m: &[f32; 3]) -> bool {
-    position_m.iter().all(|it| it.is_finite())
-}
-
 fn n_by_range(cloud: &PointCloud) -> [usize; RANGES_M.len() - 1] {
     let mut n_by_range = [0; RANGES_M.len() - 1];
     for (x_m, y_m) in cloud.x_m().iter().zip(cloud.y_m()) {
         let range_m = x_m.hypot(*y_m);
-        // NaN is in no ring.
         let ring = RANGES_M.windows(2).position(|ends| range_m >= ends[0] && range_m < ends[1]);
         if let Some(ring) = ring {
             n_by_range[ring] += 1;
@@ -104,7 +97,7 @@ pub fn ring_areas_m2() -> [f32; RANGES_M.len() - 1] {
 /// The median, over squares near the sensor, of the lowest points but one in twenty.
 fn ground_z_m(cloud: &PointCloud) -> Option<f32> {
     let mut by_square: std::collections::BTreeMap<[i32; 2], Vec<f32>> = std::collections::BTreeMap::new();
-    for position_m in cloud.positions_m().filter(is_finite) {
+    for position_m in cloud.positions_m() {
         let [x_m, y_m, z_m] = position_m;
         let range_m = x_m.hypot(y_m);
         if (GROUND_RANGE_M[0]..GROUND_RANGE_M[1]).contains(&range_m) {
@@ -127,13 +120,20 @@ fn ground_z_m(cloud: &PointCloud) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::ScanId;
+    use crate::annotation::{LabeledArea, ScanId};
+    use crate::dataset::positioned_points::PositionedPoints;
 
     fn facts(positions_m: &[[f32; 3]]) -> ScanFacts {
-        let cloud: PointCloud = positions_m.iter().copied().collect();
+        let mut points = PositionedPoints::default();
+        for position_m in positions_m {
+            points.push(position_m.map(f64::from), 0.0).unwrap();
+        }
+        let (cloud, points_left_out) = points.into_parts();
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let id = ScanId { sequence: "0".to_owned(), index: 0 };
-        ScanFacts::of(&LabeledScan { id, cloud, annotations: Vec::new(), point_regions })
+        let labeled_area = LabeledArea::Everywhere;
+        let annotations = Vec::new();
+        ScanFacts::of(&LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
 
     #[test]

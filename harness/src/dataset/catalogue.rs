@@ -6,9 +6,11 @@ use std::path::{Component, Path};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::class_table::{ClassTable, class_of_word};
 use super::dataset_format::DatasetFormat;
 use super::mcap::topics::TopicChoice;
 use super::root_template::RootTemplate;
+use super::shown_name::is_printable;
 use super::simulated_street::StreetDrive;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
@@ -65,6 +67,8 @@ pub struct CatalogueEntry {
     pub url: String,
     /// The checksum its files must have, as [`checksum`](super::checksum) describes it.
     pub checksum: Option<String>,
+    /// What names of classes in its labels stand for.
+    pub classes: ClassTable,
 }
 
 /// Which part of a data set is meant, in terms of its format.
@@ -206,7 +210,10 @@ fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String
 }
 
 fn check_drive(drive: &StreetDrive) -> Result<(), String> {
-    let &StreetDrive { n_scans, turns_per_scan, .. } = drive;
+    let &StreetDrive { n_scans, turns_per_scan, scans_per_drive, .. } = drive;
+    if scans_per_drive == Some(0) {
+        return Err("0 scans per drive is no drive".to_owned());
+    }
     if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
         return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
     }
@@ -259,6 +266,8 @@ struct WrittenEntry {
     licence: String,
     url: String,
     checksum: Option<Spanned<String>>,
+    #[serde(default)]
+    classes: BTreeMap<String, Spanned<String>>,
 }
 
 fn kitti_sensor() -> String {
@@ -296,6 +305,16 @@ fn entry_from_written(
         let problem = format!("checksum {:?} is not 64 lower-case hexadecimal digits", checksum.get_ref());
         return Err(source.error(checksum.span().start, problem));
     }
+    let texts = [("sensor", &written.sensor), ("licence", &written.licence), ("url", &written.url)];
+    if let Some((field, text)) = texts.into_iter().find(|(_, it)| !it.chars().all(is_printable)) {
+        let problem = format!("{field} {text:?} holds a control character");
+        return Err(source.error(written.root.span().start, problem));
+    }
+    let mut classes = ClassTable::default();
+    for (name, word) in &written.classes {
+        let class = class_of_word(word.get_ref()).map_err(|it| source.error(word.span().start, it))?;
+        classes.insert(name, class);
+    }
     Ok(CatalogueEntry {
         parts: parts(&written, source)?,
         root,
@@ -305,6 +324,7 @@ fn entry_from_written(
         licence: written.licence,
         url: written.url,
         checksum: written.checksum.map(Spanned::into_inner),
+        classes,
     })
 }
 
@@ -401,6 +421,7 @@ url = "https://example.org"
             licence: "mine".to_owned(),
             url: "https://example.org".to_owned(),
             checksum: None,
+            classes: ClassTable::default(),
         };
         assert_eq!(catalogue.recorded, BTreeMap::from([("my-drive".to_owned(), expected)]));
     }
@@ -443,6 +464,20 @@ url = "https://example.org"
         check_refused("\"0003\"", "\"\"", 5, "\"\" is not the name of a folder");
         check_refused("my-drive", "\"../drive\"", 2, "\"../drive\" is no id");
         check_refused("licence = \"mine\"", "licence = \"mine", 8, "");
+    }
+
+    #[test]
+    fn names_of_classes_are_mapped() {
+        let text =
+            format!("{ENTRY}[recorded.my-drive.classes]\nforklift = \"misc\"\n\"Big Lorry\" = \"Truck\"\n");
+        let classes = &parse_catalogue("my.toml", &text).unwrap().recorded["my-drive"].classes;
+        assert_eq!(classes.get("Forklift"), Some(AnnotationClass::Misc));
+        assert_eq!(classes.get("big_lorry"), Some(AnnotationClass::Truck));
+        let error = parse_catalogue("my.toml", &text.replace("\"misc\"", "\"mics\"")).expect_err("no class");
+        assert!(
+            error.to_string().starts_with("my.toml, line 11: \"mics\" is no class; there are car, "),
+            "{error}"
+        );
     }
 
     #[test]

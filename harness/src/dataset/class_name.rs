@@ -2,17 +2,15 @@
 
 use crate::annotation::AnnotationClass;
 
-/// The class that `name` stands for, in whatever spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word.
-///
-/// A name that stands for nothing known is [`AnnotationClass::Misc`]: labelled, and neither right nor wrong among vehicles.
-pub fn class_named(name: &str) -> AnnotationClass {
+/// The class that `name` stands for, in whatever spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word; `None` if it stands for
+/// nothing known.
+pub fn class_named(name: &str) -> Option<AnnotationClass> {
     use AnnotationClass as Class;
-    let name: String =
-        name.chars().map(|it| if it.is_alphanumeric() { it.to_ascii_lowercase() } else { '-' }).collect();
+    let name = plain_name(name);
     if let Some(class) = Class::ALL.into_iter().find(|class| class.name() == name) {
-        return class;
+        return Some(class);
     }
-    match name.as_str() {
+    Some(match name.as_str() {
         "vehicle-car" | "regular-vehicle" | "automobile" | "suv" | "vehicle-emergency-police" | "vehicle" => {
             Class::Car
         }
@@ -31,6 +29,7 @@ pub fn class_named(name: &str) -> AnnotationClass {
         | "person"
         | "human" => Class::Pedestrian,
         "person-sitting"
+        | "sittingperson"
         | "human-pedestrian-personal-mobility"
         | "human-pedestrian-stroller"
         | "human-pedestrian-wheelchair"
@@ -41,6 +40,7 @@ pub fn class_named(name: &str) -> AnnotationClass {
         | "motorcycle"
         | "motorbike"
         | "bike"
+        | "parkedcycle"
         | "wheeled-device"
         | "vehicle-bicycle"
         | "vehicle-motorcycle"
@@ -57,8 +57,16 @@ pub fn class_named(name: &str) -> AnnotationClass {
         | "mobile-pedestrian-sign"
         | "mobile-pedestrian-crossing-sign"
         | "streetfurniture" => Class::StreetFurniture,
-        _ => Class::Misc,
-    }
+        // Labelled by the makers of data sets, and nothing of ours.
+        "animal" | "dog" | "vehicle-construction" => Class::Misc,
+        _ => return None,
+    })
+}
+
+/// `name` without what spellings differ in: lower case, and one `-` for whatever stands between letters and digits.
+pub fn plain_name(name: &str) -> String {
+    let words = name.split(|it: char| !it.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.map(str::to_lowercase).collect::<Vec<_>>().join("-")
 }
 
 #[cfg(test)]
@@ -68,19 +76,98 @@ mod tests {
     #[test]
     fn classes_are_known_in_many_spellings() {
         for (name, expected) in [
-            ("sitting_person", AnnotationClass::SittingPerson),
-            ("Car", AnnotationClass::Car),
-            ("REGULAR_VEHICLE", AnnotationClass::Car),
-            ("vehicle.bus.rigid", AnnotationClass::Bus),
-            ("human.pedestrian.adult", AnnotationClass::Pedestrian),
-            ("WHEELED_RIDER", AnnotationClass::Cyclist),
-            ("Dog", AnnotationClass::Misc),
-            ("", AnnotationClass::Misc),
+            ("sitting_person", Some(AnnotationClass::SittingPerson)),
+            ("Person (sitting)", Some(AnnotationClass::SittingPerson)),
+            ("Car", Some(AnnotationClass::Car)),
+            ("PEDESTRIAN", Some(AnnotationClass::Pedestrian)),
+            ("REGULAR_VEHICLE", Some(AnnotationClass::Car)),
+            ("vehicle.bus.rigid", Some(AnnotationClass::Bus)),
+            ("human.pedestrian.adult", Some(AnnotationClass::Pedestrian)),
+            ("WHEELED_RIDER", Some(AnnotationClass::Cyclist)),
+            ("forklift", None),
+            ("", None),
         ] {
             assert_eq!(class_named(name), expected, "{name}");
         }
         for class in AnnotationClass::ALL {
-            assert_eq!(class_named(class.name()), class);
+            assert_eq!(class_named(class.name()), Some(class));
+        }
+    }
+
+    /// The names that the makers of the data sets publish.
+    #[test]
+    fn every_official_class_is_known() {
+        const NUSCENES: [&str; 23] = [
+            "animal",
+            "human.pedestrian.adult",
+            "human.pedestrian.child",
+            "human.pedestrian.construction_worker",
+            "human.pedestrian.personal_mobility",
+            "human.pedestrian.police_officer",
+            "human.pedestrian.stroller",
+            "human.pedestrian.wheelchair",
+            "movable_object.barrier",
+            "movable_object.debris",
+            "movable_object.pushable_pullable",
+            "movable_object.trafficcone",
+            "static_object.bicycle_rack",
+            "vehicle.bicycle",
+            "vehicle.bus.bendy",
+            "vehicle.bus.rigid",
+            "vehicle.car",
+            "vehicle.construction",
+            "vehicle.emergency.ambulance",
+            "vehicle.emergency.police",
+            "vehicle.motorcycle",
+            "vehicle.trailer",
+            "vehicle.truck",
+        ];
+        const ARGOVERSE_2: [&str; 31] = [
+            "ANIMAL",
+            "ARTICULATED_BUS",
+            "BICYCLE",
+            "BICYCLIST",
+            "BOLLARD",
+            "BOX_TRUCK",
+            "BUS",
+            "CONSTRUCTION_BARREL",
+            "CONSTRUCTION_CONE",
+            "DOG",
+            "LARGE_VEHICLE",
+            "MESSAGE_BOARD_TRAILER",
+            "MOBILE_PEDESTRIAN_CROSSING_SIGN",
+            "MOBILE_PEDESTRIAN_SIGN",
+            "MOTORCYCLE",
+            "MOTORCYCLIST",
+            "OFFICIAL_SIGNALER",
+            "PEDESTRIAN",
+            "RAILED_VEHICLE",
+            "REGULAR_VEHICLE",
+            "SCHOOL_BUS",
+            "SIGN",
+            "STOP_SIGN",
+            "STROLLER",
+            "TRAFFIC_LIGHT_TRAILER",
+            "TRUCK",
+            "TRUCK_CAB",
+            "VEHICULAR_TRAILER",
+            "WHEELCHAIR",
+            "WHEELED_DEVICE",
+            "WHEELED_RIDER",
+        ];
+        const KITTI: [&str; 9] = [
+            "Car",
+            "Van",
+            "Truck",
+            "Pedestrian",
+            "Person_sitting",
+            "Person (sitting)",
+            "Cyclist",
+            "Tram",
+            "Misc",
+        ];
+        for name in NUSCENES.iter().chain(&ARGOVERSE_2).chain(&KITTI) {
+            assert!(class_named(name).is_some(), "{name}");
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::shown_name::is_printable;
 use super::simulated_street::StreetDrive;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
@@ -70,6 +71,11 @@ impl DataSheet {
     /// If it is none.
     pub fn from_json(text: &str) -> Result<Self, String> {
         let sheet: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let simulated = sheet.simulation.as_ref().map(|it| &it.sensor);
+        let texts = [Some(&sheet.sensor), sheet.licence.as_ref(), sheet.made_from.as_ref(), simulated];
+        if let Some(text) = texts.into_iter().flatten().find(|it| !it.chars().all(is_printable)) {
+            return Err(format!("{text:?} holds a control character"));
+        }
         let height_m = sheet.sensor_height_m;
         if height_m > 0.0 && height_m.is_finite() {
             Ok(sheet)
@@ -119,6 +125,7 @@ mod tests {
             ("1.8", "-1.8", "a sensor is above the road"),
             ("1.8", "\"high\"", "invalid type"),
             ("\"sensor\"", "\"sensors\"", "unknown field `sensors`"),
+            ("vlp-16", "vlp\\u001b[31m", "\"vlp\\u{1b}[31m\" holds a control character"),
             ("parked-cycle", "unicycle", "unknown variant `unicycle`"),
         ] {
             std::fs::write(folder.path().join(DATA_SHEET), sheet().to_json().replace(from, to)).unwrap();

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::shown_name::shown;
 use crate::simulator::sensor::SensorModelError;
 
 /// Why labelled scans cannot be read.
@@ -58,7 +59,7 @@ pub enum DatasetError {
         formats: Vec<String>,
     },
     /// Several data sets lie at the path.
-    #[error("{path:?} holds several data sets, name one: {}", found.join(", "))]
+    #[error("{path:?} holds several data sets, name one: {}", shown(&found.join(", ")))]
     SeveralDatasets {
         /// The path.
         path: PathBuf,
@@ -84,7 +85,7 @@ pub enum DatasetError {
         problem: String,
     },
     /// The catalogue of data sets has a mistake.
-    #[error("{catalogue}, line {line}: {problem}")]
+    #[error("{}, line {line}: {}", shown(catalogue), shown(problem))]
     Catalogue {
         /// Its file, or what it is called if it is built in.
         catalogue: String,
@@ -144,6 +145,26 @@ pub enum DatasetError {
     MissingSelected {
         /// The scan or the folder of the sequence.
         path: PathBuf,
+    },
+    /// Several scans or drives that cannot be told apart.
+    #[error("several {kind} are called {name:?}: {}", paths.iter().map(|it| format!("{it:?}")).collect::<Vec<_>>().join(", "))]
+    SameName {
+        /// What they are.
+        kind: &'static str,
+        /// What they are called.
+        name: String,
+        /// Where they are.
+        paths: Vec<PathBuf>,
+    },
+    /// A name that cannot be shown.
+    #[error("{path:?}: the {kind} {name:?} has a control character in its name; rename it")]
+    UnprintableName {
+        /// The data set.
+        path: PathBuf,
+        /// What is called so.
+        kind: &'static str,
+        /// The name.
+        name: String,
     },
     /// The data set cannot be scored.
     #[error("{scans:?} has no labels ({labels:?} does not exist): a test split cannot be scored")]
@@ -213,18 +234,18 @@ pub enum DatasetError {
         /// Points of the scan.
         n_points: usize,
     },
-    /// A label that the format does not have.
-    #[error("{path:?}, point {point_idx}: there is no label {label}")]
-    UnknownLabel {
-        /// The file of the labels.
-        path: PathBuf,
-        /// The point, counted from 0.
-        point_idx: u32,
-        /// Its label.
-        label: u16,
+    /// Labels of classes that nobody knows.
+    #[error("{id:?} has labels of {n_names} classes that are not known:\n{listing}")]
+    UnknownClasses {
+        /// The data set.
+        id: String,
+        /// How many names there are in the list.
+        n_names: usize,
+        /// The names, and how to say what they are.
+        listing: String,
     },
     /// A file that does not follow its format.
-    #[error("{path:?} {problem}")]
+    #[error("{path:?} {}", shown(problem))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -240,7 +261,7 @@ pub enum DatasetError {
         byte_offset: usize,
     },
     /// A line that does not follow the format.
-    #[error("{path:?}, line {line}: {problem}")]
+    #[error("{path:?}, line {line}: {}", shown(problem))]
     Line {
         /// The file.
         path: PathBuf,
@@ -295,6 +316,7 @@ impl DatasetError {
                 | Self::Topic { .. }
                 | Self::ScanSelection { .. }
                 | Self::Catalogue { .. }
+                | Self::UnknownClasses { .. }
         )
     }
 }

@@ -13,9 +13,12 @@ use super::DatasetError;
 
 const MAGIC: &[u8; 6] = b"ARROW1";
 
-/// A column may grow to this many bytes, or so many times its compressed size, whichever is more.
-const MAX_COLUMN_BYTES: usize = 64 << 20;
+/// All columns together may grow to this many bytes, or so many times the size of the file, whichever is more.
+const MAX_PLAIN_BYTES: usize = 64 << 20;
 const MAX_GROWTH: usize = 64;
+
+/// A file has fewer columns than this.
+const MAX_COLUMNS: usize = 1024;
 
 /// One column.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,12 +59,17 @@ impl FeatherTable {
         let footer = footer_of(bytes)?;
         let fields: Vec<Field<'_>> =
             footer.schema().and_then(|it| it.fields()).map(|it| it.iter().collect()).unwrap_or_default();
+        if fields.len() > MAX_COLUMNS {
+            return Err(format!("has {} columns, more than {MAX_COLUMNS}", fields.len()));
+        }
         let mut columns: BTreeMap<String, Column> = BTreeMap::new();
         for name in names {
             let field = fields.iter().find(|it| it.name() == Some(name));
             let field = field.ok_or_else(|| format!("has no column {name:?}"))?;
             columns.insert((*name).to_owned(), empty_column(field)?);
         }
+        let mut budget = ByteBudget::of_file(bytes.len());
+        let mut n_batch_bytes = 0_usize;
         for block in footer.recordBatches().into_iter().flatten() {
             let offset = usize::try_from(block.offset()).unwrap_or(usize::MAX);
             let n_metadata_bytes = usize::try_from(block.metaDataLength()).unwrap_or(usize::MAX);
@@ -73,12 +81,17 @@ impl FeatherTable {
             let parts =
                 parts.and_then(|(begin, end)| Some((bytes.get(offset..begin)?, bytes.get(begin..end)?)));
             let (metadata, body) = parts.ok_or("is cut off within a batch of rows")?;
+            // Batches lie one behind the other; those that share bytes are more than the file holds.
+            n_batch_bytes = n_batch_bytes.saturating_add(metadata.len() + body.len());
+            if metadata.is_empty() || n_batch_bytes > bytes.len() {
+                return Err("has batches of rows that are more than it holds".to_owned());
+            }
             // The length of the description comes before it, in newer files after four bytes of ones.
             let skipped = if metadata.starts_with(&[0xff; 4]) { 8 } else { 4 };
             let message = arrow_ipc::root_as_message(metadata.get(skipped..).unwrap_or_default())
                 .map_err(|error| format!("has a batch of rows without a description: {error}"))?;
             let batch = message.header_as_record_batch().ok_or("has a batch that holds no rows")?;
-            append_batch(&batch, body, &fields, &mut columns)?;
+            append_batch(&batch, body, (&fields, &mut budget), &mut columns)?;
         }
         Ok(Self { columns })
     }
@@ -144,7 +157,7 @@ fn empty_column(field: &Field<'_>) -> Result<Column, String> {
 fn append_batch(
     batch: &RecordBatch<'_>,
     body: &[u8],
-    fields: &[Field<'_>],
+    (fields, budget): (&[Field<'_>], &mut ByteBudget),
     columns: &mut BTreeMap<String, Column>,
 ) -> Result<(), String> {
     let n_rows = usize::try_from(batch.length()).map_err(|_| "has a batch with a negative number of rows")?;
@@ -163,13 +176,14 @@ fn append_batch(
             Type::Utf8 | Type::Binary => {
                 let (_validity, offsets, data) = (next()?, next()?, next()?);
                 if let Some(Column::Texts(texts)) = column {
-                    append_texts(&plain(offsets, codec)?, &plain(data, codec)?, n_rows, texts)?;
+                    let (offsets, data) = (plain(offsets, codec, budget)?, plain(data, codec, budget)?);
+                    append_texts(&offsets, &data, n_rows, texts)?;
                 }
             }
             Type::Int | Type::FloatingPoint | Type::Bool | Type::Date | Type::Time | Type::Timestamp => {
                 let (_validity, values) = (next()?, next()?);
                 if let Some(column) = column {
-                    append_numbers(field, &plain(values, codec)?, n_rows, column)?;
+                    append_numbers(field, &plain(values, codec, budget)?, n_rows, column)?;
                 }
             }
             other => return Err(format!("has a column of the type {other:?}, which is not read")),
@@ -178,16 +192,36 @@ fn append_batch(
     Ok(())
 }
 
+/// What is left of the bytes that columns may have once they are decompressed.
+struct ByteBudget {
+    n_left: usize,
+}
+
+impl ByteBudget {
+    fn of_file(n_bytes: usize) -> Self {
+        Self { n_left: MAX_PLAIN_BYTES.max(n_bytes.saturating_mul(MAX_GROWTH)) }
+    }
+
+    fn spend(&mut self, n_bytes: usize) -> Option<usize> {
+        self.n_left = self.n_left.checked_sub(n_bytes)?;
+        Some(n_bytes)
+    }
+}
+
 /// What a buffer holds once it is decompressed: the size comes first, -1 if it is not compressed after all.
-fn plain(buffer: &[u8], codec: Option<CompressionType>) -> Result<Vec<u8>, String> {
-    let Some(codec) = codec.filter(|_| !buffer.is_empty()) else { return Ok(buffer.to_vec()) };
+fn plain(buffer: &[u8], codec: Option<CompressionType>, budget: &mut ByteBudget) -> Result<Vec<u8>, String> {
+    let too_much = |n_bytes: usize| format!("has columns of {n_bytes} bytes more than it may hold");
+    let Some(codec) = codec.filter(|_| !buffer.is_empty()) else {
+        budget.spend(buffer.len()).ok_or_else(|| too_much(buffer.len()))?;
+        return Ok(buffer.to_vec());
+    };
     let (size, compressed) = buffer.split_first_chunk::<8>().ok_or("has a column without its size")?;
     let size = i64::from_le_bytes(*size);
     if size == -1 {
+        budget.spend(compressed.len()).ok_or_else(|| too_much(compressed.len()))?;
         return Ok(compressed.to_vec());
     }
-    let limit = MAX_COLUMN_BYTES.max(compressed.len().saturating_mul(MAX_GROWTH));
-    let size = usize::try_from(size).ok().filter(|size| *size <= limit).ok_or_else(|| {
+    let size = usize::try_from(size).ok().and_then(|size| budget.spend(size)).ok_or_else(|| {
         format!("has a column of {} bytes that claims to be {size} uncompressed", compressed.len())
     })?;
     let mut plain = Vec::new();

@@ -8,20 +8,21 @@ use self::simulated_street::StreetDrive;
 use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
 use crate::task::Task;
 
+pub mod shown_name;
 pub mod error;
 
 // What several formats have in common.
 pub mod text_file;
 pub mod numbered_files;
-pub mod position_check;
+pub mod positioned_points;
 pub mod velodyne_bin;
 pub mod packed_points;
 pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
-pub mod missing_scans;
 pub mod checksum;
 pub mod class_name;
+pub mod class_table;
 mod written_classes;
 pub mod simulated_street;
 pub mod data_sheet;
@@ -42,9 +43,9 @@ pub mod scan_folder;
 pub mod detect_format;
 pub mod root_template;
 pub mod catalogue;
-pub mod names_check;
 pub mod open;
 pub mod scan_selection;
+pub mod scan_times;
 
 pub use error::DatasetError;
 
@@ -73,13 +74,15 @@ pub trait Dataset: Send + Sync {
         None
     }
 
-    /// How many labels of scans there are that are not there, in words; `None` if there are none. A part of a data set has some.
+    /// What may be wrong with labels and names as a whole, a line each: labels of scans that are not there, names that were not taken over.
+    ///
+    /// Files may have to be read through for it.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the labels have to be read for it and are damaged.
-    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
-        Ok(None)
+    /// [`DatasetError`] if one of them is damaged.
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        Ok(Vec::new())
     }
 
     /// Where the sensor was at scan `scan_idx`, in a frame that rests, as far as the files say.
@@ -90,6 +93,12 @@ pub trait Dataset: Send + Sync {
     fn world_from_sensor(&self, _scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         Ok(None)
     }
+}
+
+/// The line of [`Dataset::oddities`] about `n` labels, of which `first` is one, that belong to no scan; none if there are none.
+fn labels_without_scan(n: usize, first: Option<String>) -> Vec<String> {
+    let line = |first| format!("labels of {n} scans that are not there, such as {first}");
+    first.filter(|_| n > 0).map(line).into_iter().collect()
 }
 
 /// What is known about a data set without reading a scan.

@@ -1,12 +1,14 @@
 //! From what the user names to an open data set.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::argoverse2::sensor_logs::{
     ARGOVERSE2_CLASSES, ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M, open_argoverse2,
 };
 use super::catalogue::{Catalogue, CatalogueEntry, CataloguedParts, KITTI_SENSOR};
+use super::class_table::ClassRules;
 use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
 use super::detect_format::{FoundDataset, detect_format};
@@ -17,13 +19,13 @@ use super::kitti::tracking::open_kitti_tracking;
 use super::kitti_raw::drives::open_kitti_raw;
 use super::mcap::recording::open_recording;
 use super::mcap::topics::TopicChoice;
-use super::names_check::check_names;
 use super::nuscenes::keyframes::{
     NUSCENES_CLASSES, NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M, open_nuscenes,
 };
 use super::root_template::UnsetVariable;
 use super::scan_folder::folder::open_scan_folder;
 use super::semantic_kitti::sequence::open_semantic_kitti;
+use super::shown_name::is_printable;
 use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::{DamagePolicy, DatasetSource, StatedBy};
 use super::velodyne_capture::revolutions::open_velodyne_capture;
@@ -48,6 +50,17 @@ pub struct OpenOptions {
     pub topics: TopicChoice,
     /// What becomes of damaged parts that others do not depend on.
     pub damage: DamagePolicy,
+    /// What the names of classes in labels stand for, as the user says; has the last word over the catalogue.
+    pub classes: ClassRules,
+}
+
+impl OpenOptions {
+    /// What the user says about the names of classes in the data set that is called `id_or_path`, here and in the catalogue.
+    pub fn classes_of(&self, id_or_path: &str, catalogue: &Catalogue) -> ClassRules {
+        let of_entry = catalogue.recorded.get(id_or_path).map(|entry| &entry.classes);
+        let table = of_entry.map_or_else(|| self.classes.table.clone(), |it| self.classes.table.or(it));
+        ClassRules { table, ..self.classes.clone() }
+    }
 }
 
 /// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path.
@@ -58,18 +71,40 @@ pub struct OpenOptions {
 ///
 /// # Errors
 ///
-/// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue.
+/// [`DatasetError`] if there is no such data set, it is damaged or not the one of the catalogue, or two of its scans have one name.
 pub fn open_dataset(
     id_or_path: &str,
     options: &OpenOptions,
     catalogue: &Catalogue,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
-    let dataset = open_unchecked(id_or_path, options, catalogue)?;
+    let dataset = open_named(id_or_path, options, catalogue)?;
     check_names(&*dataset)?;
     Ok(dataset)
 }
 
-fn open_unchecked(
+/// Makes sure that scans can be told apart, and that the names of data set and drives can be shown.
+fn check_names(dataset: &dyn Dataset) -> Result<(), DatasetError> {
+    let description = dataset.description();
+    let path = || description.root.clone().unwrap_or_default();
+    let check_printable = |kind: &'static str, name: &str| {
+        if name.chars().all(is_printable) {
+            return Ok(());
+        }
+        Err(DatasetError::UnprintableName { path: path(), kind, name: name.to_owned() })
+    };
+    check_printable("data set", &description.id)?;
+    let mut seen = BTreeSet::new();
+    for id in dataset.scan_ids() {
+        check_printable("drive", &id.sequence)?;
+        if !seen.insert((&id.sequence, id.index)) {
+            let name = id.to_string();
+            return Err(DatasetError::SameName { kind: "scans", name, paths: vec![path()] });
+        }
+    }
+    Ok(())
+}
+
+fn open_named(
     id_or_path: &str,
     options: &OpenOptions,
     catalogue: &Catalogue,
@@ -91,7 +126,11 @@ fn open_unchecked(
         return open_simulated_street(id_or_path, &drive);
     }
     match catalogue.recorded.get(id_or_path) {
-        Some(entry) => open_catalogued(id_or_path, entry, options),
+        Some(entry) => {
+            let catalogued = entry.annotated.clone();
+            let classes = ClassRules { catalogued, ..options.classes_of(id_or_path, catalogue) };
+            open_catalogued(id_or_path, entry, &OpenOptions { classes, ..options.clone() })
+        }
         None => open_path(id_or_path, options, catalogue),
     }
 }
@@ -132,6 +171,7 @@ fn open_catalogued(
         labeled_region: LabeledRegion::Camera,
         simulation: None,
         damage: options.damage,
+        classes: options.classes.clone(),
     };
     let dataset = open_parts(source, &entry.parts, &options.topics)?;
     match (&entry.checksum, &dataset.description().checksum) {
@@ -172,6 +212,7 @@ fn open_path(
         labeled_region: LabeledRegion::Camera,
         simulation: None,
         damage: options.damage,
+        classes: options.classes.clone(),
     };
     open_parts(source, &CataloguedParts::all(found.format), &options.topics)
 }

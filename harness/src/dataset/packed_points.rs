@@ -1,6 +1,6 @@
 //! Points as rows of bytes whose fields are described beside them, as in ROS, Foxglove and PCD.
 
-use detector::PointCloud;
+use super::positioned_points::PositionedPoints;
 
 /// How a number is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,18 +118,18 @@ impl PackedPoints<'_> {
         if self.point_step == 0 { 0 } else { self.n_rows * self.n_columns }
     }
 
-    /// The points in metres. What was not measured may be NaN.
+    /// The points in metres.
     ///
     /// # Errors
     ///
-    /// If x, y or z is missing, or there are fewer bytes than announced; the rest of a sentence about the file.
-    pub fn cloud(&self) -> Result<PointCloud, String> {
+    /// If x, y or z is missing, a point is too far off, or there are fewer bytes than announced; the rest of a sentence about the file.
+    pub fn positioned(&self) -> Result<PositionedPoints, String> {
         self.check()?;
         let position = ["x", "y", "z"].map(|name| self.field(name).ok_or_else(|| self.lacks(name)));
         let [x, y, z] = position;
         let (x, y, z) = (x?, y?, z?);
         let intensity = INTENSITY_NAMES.iter().find_map(|name| self.field(name));
-        let mut cloud = PointCloud::with_capacity(self.n_points());
+        let mut points = PositionedPoints::with_capacity(self.n_points());
         let is_common = |field: &PackedField| field.number == NumberType::F32;
         if self.byte_order == ByteOrder::Little && [x, y, z].into_iter().chain(intensity).all(is_common) {
             let number = |point: &[u8], offset: usize| {
@@ -137,18 +137,17 @@ impl PackedPoints<'_> {
             };
             let (x, y, z) = (x.offset, y.offset, z.offset);
             let intensity = intensity.map(|field| field.offset);
-            for point in self.points() {
+            for point in self.rows() {
                 let intensity = intensity.map_or(0.0, |offset| number(point, offset));
-                cloud.push([number(point, x), number(point, y), number(point, z)], intensity);
+                points.push([x, y, z].map(|offset| f64::from(number(point, offset))), intensity)?;
             }
         } else {
-            let number = |point: &[u8], field: &PackedField| self.number(point, field) as f32;
-            for point in self.points() {
-                let intensity = intensity.map_or(0.0, |field| number(point, field));
-                cloud.push([number(point, x), number(point, y), number(point, z)], intensity);
+            for point in self.rows() {
+                let intensity = intensity.map_or(0.0, |field| self.number(point, field) as f32);
+                points.push([x, y, z].map(|field| self.number(point, field)), intensity)?;
             }
         }
-        Ok(cloud)
+        Ok(points)
     }
 
     /// The numbers of the field called `name`, if there is one.
@@ -158,7 +157,7 @@ impl PackedPoints<'_> {
     /// If there are fewer bytes than announced; the rest of a sentence about the file.
     pub fn column(&self, name: &str) -> Result<Option<Vec<f64>>, String> {
         self.check()?;
-        Ok(self.field(name).map(|field| self.points().map(|point| self.number(point, field)).collect()))
+        Ok(self.field(name).map(|field| self.rows().map(|point| self.number(point, field)).collect()))
     }
 
     fn field(&self, name: &str) -> Option<&PackedField> {
@@ -171,7 +170,7 @@ impl PackedPoints<'_> {
     }
 
     /// The bytes of every point; checked before.
-    fn points(&self) -> impl Iterator<Item = &[u8]> {
+    fn rows(&self) -> impl Iterator<Item = &[u8]> {
         // Rows without bytes may be announced beyond the data.
         let n_rows = if self.point_step == 0 || self.n_columns == 0 { 0 } else { self.n_rows };
         (0..n_rows).flat_map(move |row| {
@@ -237,10 +236,9 @@ mod tests {
             byte_order: ByteOrder::Big,
             data: &data[..34],
         };
-        let cloud = packed.cloud().unwrap();
-        assert_eq!((cloud.x_m(), cloud.z_m()), (&[1.5, -4.5][..], &[-2.0, 3.0][..]));
-        assert!(cloud.y_m()[0] == 2.5 && cloud.y_m()[1].is_nan());
-        assert_eq!(cloud.intensity(), [7.0, 200.0]);
+        let (cloud, left_out) = packed.positioned().unwrap().into_parts();
+        assert!(cloud.positions_m().eq([[1.5, 2.5, -2.0]]), "{cloud:?}");
+        assert_eq!((cloud.intensity(), &left_out[..]), (&[7.0][..], &[1][..]));
         assert_eq!(packed.column("z").unwrap().unwrap(), [-2.0, 3.0]);
         assert_eq!(packed.column("ring").unwrap(), None);
     }
@@ -262,16 +260,16 @@ mod tests {
 
     #[track_caller]
     fn check_refused(packed: &PackedPoints<'_>, part: &str) {
-        let problem = packed.cloud().expect_err("damaged");
+        let problem = packed.positioned().expect_err("damaged");
         assert!(problem.contains(part), "{problem}");
     }
 
     #[test]
     fn what_is_announced_must_be_there() {
-        assert_eq!(xyz(2, 1, 24, &[0; 24]).cloud().unwrap().len(), 2);
-        assert_eq!(xyz(0, 1, 0, &[]).cloud().unwrap().len(), 0);
+        assert_eq!(xyz(2, 1, 24, &[0; 24]).positioned().unwrap().n_in_file(), 2);
+        assert_eq!(xyz(0, 1, 0, &[]).positioned().unwrap().n_in_file(), 0);
         // Some drivers leave the row step of a single row at 0.
-        assert_eq!(xyz(2, 1, 0, &[0; 24]).cloud().unwrap().len(), 2);
+        assert_eq!(xyz(2, 1, 0, &[0; 24]).positioned().unwrap().n_in_file(), 2);
         check_refused(
             &xyz(2, 1, 24, &[0; 23]),
             "announces 1 x 2 points of 12 bytes, 24 a row, and holds 23 bytes",
@@ -298,8 +296,8 @@ mod tests {
             for byte_order in [ByteOrder::Little, ByteOrder::Big] {
                 let fields = fields.clone().collect();
                 let packed = PackedPoints { fields, n_columns, n_rows, point_step, row_step, byte_order, data: &data };
-                if let Ok(cloud) = packed.cloud() {
-                    prop_assert_eq!(cloud.len(), if point_step == 0 { 0 } else { n_rows * n_columns });
+                if let Ok(points) = packed.positioned() {
+                    prop_assert_eq!(points.n_in_file(), if point_step == 0 { 0 } else { n_rows * n_columns });
                 }
             }
         }

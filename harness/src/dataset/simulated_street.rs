@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::checksum::sha256;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
-use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::simulator::rain::Rain;
 use crate::simulator::sensor::{EMBEDDED_SENSORS, SensorModel};
 use crate::simulator::street_conditions::StreetConditions;
@@ -26,6 +26,8 @@ pub struct StreetDrive {
     pub n_scans: u32,
     /// Turns of the sensor from one scan to the next; 1 takes every turn.
     pub turns_per_scan: u32,
+    /// Scans of a street, after which the drive goes on in that of the next seed; as many as it has if this is left out.
+    pub scans_per_drive: Option<u32>,
     /// The sensor: the id of an embedded description, or the path of a file with one.
     pub sensor: String,
     /// Whether the street moves on while the sensor turns.
@@ -77,7 +79,8 @@ struct SimulatedStreet {
 /// The format's name in tables and files.
 const FORMAT: &str = "simulated-street";
 
-/// Opens the drive as the data set called `id`. Where a street ends, the drive goes on in the street of the next seed.
+/// Opens the drive as the data set called `id`. Where a street ends, or has given as many scans as it may, the drive goes on in
+/// the street of the next seed.
 ///
 /// # Errors
 ///
@@ -87,8 +90,9 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
     let height_above_road_m = drive.sensor_height_m.unwrap_or(described.height_above_road_m);
     let sensor = SensorModel { height_above_road_m, ..described };
     let (seeds, scan_ids) = scans_of(drive, &sensor);
+    let per_drive = drive.scans_per_drive.map_or_else(String::new, |it| format!("scans per drive {it}\n"));
     let made_of = format!(
-        "{}scans {}\nturns per scan {}\nshutter {:?}\nlabelled to either side {:?}\n",
+        "{}scans {}\nturns per scan {}\n{per_drive}shutter {:?}\nlabelled to either side {:?}\n",
         drive.draw(drive.seed).provenance(&sensor),
         drive.n_scans,
         drive.turns_per_scan,
@@ -143,6 +147,11 @@ impl Dataset for SimulatedStreet {
         Ok(scan)
     }
 
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        let turns = f64::from(self.scan_ids[scan_idx].index);
+        Some((1e9 * turns / f64::from(self.sensor.turns_per_second)).round() as u64)
+    }
+
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let street = self.drive.draw(self.seeds[scan_idx]);
         let pose = street.ego_pose(&self.sensor, self.scan_ids[scan_idx].index);
@@ -161,7 +170,9 @@ fn scans_of(drive: &StreetDrive, sensor: &SensorModel) -> (Vec<u64>, Vec<ScanId>
         let street = drive.draw(seed);
         // A drive shorter than the step still has its first turn.
         let turns = (0..street.n_scans(sensor).max(1)).step_by(drive.turns_per_scan as usize);
-        for index in turns.take(drive.n_scans as usize - scan_ids.len()) {
+        let n_missing = drive.n_scans as usize - scan_ids.len();
+        let n_of_drive = drive.scans_per_drive.map_or(n_missing, |it| n_missing.min(it as usize));
+        for index in turns.take(n_of_drive) {
             seeds.push(seed);
             scan_ids.push(ScanId { sequence: street.sequence(), index });
         }
@@ -188,7 +199,9 @@ pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
     described.map_err(|source| DatasetError::Sensor { path: path.to_owned(), source })
 }
 
-/// Marks all points farther than `limit_deg` to either side of forward as outside of what is labelled.
+/// Marks all points farther than `limit_deg` to either side of forward as outside of what is labelled, and takes away the
+/// annotations without a point nearer to forward. As where people label what a camera sees, an object that the limit cuts
+/// keeps all of its points.
 fn mark_outside(scan: &mut LabeledScan, limit_deg: f32) {
     let columns = scan.cloud.x_m().iter().zip(scan.cloud.y_m());
     for ((x_m, y_m), region) in columns.zip(&mut scan.point_regions) {
@@ -196,6 +209,10 @@ fn mark_outside(scan: &mut LabeledScan, limit_deg: f32) {
             *region = PointRegion::Outside;
         }
     }
+    let regions = &scan.point_regions;
+    let is_labeled = |point_idx: &u32| regions[*point_idx as usize] == PointRegion::Labeled;
+    scan.annotations.retain(|it| it.point_indices.iter().any(is_labeled));
+    scan.labeled_area = LabeledArea::Ahead { to_either_side_deg: limit_deg };
 }
 
 #[cfg(test)]
@@ -208,6 +225,7 @@ mod tests {
             seed: 3,
             n_scans: 4,
             turns_per_scan: 5,
+            scans_per_drive: None,
             sensor: "hdl-64e-s2".to_owned(),
             shutter: Shutter::Instant,
             rain_mm_per_h: None,
@@ -272,6 +290,21 @@ mod tests {
     }
 
     #[test]
+    fn what_the_limit_cuts_keeps_its_points_and_what_is_beside_is_not_annotated() {
+        let limited = StreetDrive { labeled_to_either_side_deg: Some(40.0), ..drive() };
+        let scan = open(&limited).read_scan(0).unwrap();
+        let everything = open(&drive()).read_scan(0).unwrap();
+        let is_ahead = |point_idx: &u32| scan.point_regions[*point_idx as usize] == PointRegion::Labeled;
+        let mut ahead = everything.annotations.clone();
+        ahead.retain(|it| it.point_indices.iter().any(is_ahead));
+        assert_eq!(scan.annotations, ahead);
+        assert!(ahead.len() < everything.annotations.len() / 2);
+        let is_cut = |it: &&crate::annotation::Annotation| !it.point_indices.iter().all(is_ahead);
+        assert!(scan.annotations.iter().any(|it| is_cut(&it)), "something is cut");
+        assert_eq!(scan.labeled_area, LabeledArea::Ahead { to_either_side_deg: 40.0 });
+    }
+
+    #[test]
     fn scans_are_the_turns_that_were_asked_for() {
         let dataset = open(&drive());
         let turns: Vec<u32> = dataset.scan_ids().iter().map(|it| it.index).collect();
@@ -290,6 +323,21 @@ mod tests {
         assert_eq!(ids, of_street(3).chain(of_street(4)).collect::<Vec<_>>());
         let next = Street::new(StreetKind::MainRoad, 4).scan(&SensorModel::hdl_64e_s2(), 150);
         assert_eq!(dataset.read_scan(4).unwrap(), next);
+    }
+
+    #[test]
+    fn many_short_drives_take_a_few_scans_of_each_seed() {
+        let short = StreetDrive { n_scans: 5, turns_per_scan: 150, scans_per_drive: Some(2), ..drive() };
+        let dataset = open(&short);
+        let ids: Vec<String> = dataset.scan_ids().iter().map(ToString::to_string).collect();
+        let expected = ["3/000000", "3/000150", "4/000000", "4/000150", "5/000000"];
+        assert_eq!(ids, expected.map(|it| format!("main-road-{it}")));
+        assert_eq!([0, 1, 2].map(|it| dataset.scan_time_ns(it).unwrap()), [0, 15_000_000_000, 0]);
+        let of_second = Street::new(StreetKind::MainRoad, 4).scan(&SensorModel::hdl_64e_s2(), 150);
+        assert_eq!(dataset.read_scan(3).unwrap(), of_second);
+        // Without the limit, checksums are what they were before there was one.
+        let checksum = |drive: &StreetDrive| open(drive).description().checksum.clone();
+        assert_ne!(checksum(&short), checksum(&StreetDrive { scans_per_drive: None, ..short.clone() }));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::class_table::ClassRules;
 use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
 use super::simulated_street::StreetDrive;
@@ -16,7 +17,7 @@ pub struct DatasetSource {
     pub path: PathBuf,
     /// Who says what follows.
     pub stated_by: StatedBy,
-    /// What its annotations cover. Labels of any other class are refused.
+    /// What its annotations cover.
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
     pub sensor_height_m: f32,
@@ -30,6 +31,8 @@ pub struct DatasetSource {
     pub simulation: Option<StreetDrive>,
     /// What becomes of damaged parts that others do not depend on.
     pub damage: DamagePolicy,
+    /// What the names of classes in its labels stand for.
+    pub classes: ClassRules,
 }
 
 /// Who says what the files of a data set do not.

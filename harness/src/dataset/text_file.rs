@@ -103,6 +103,11 @@ impl<'a> TextLine<'a> {
         }
     }
 
+    /// Where this line is, for messages.
+    pub fn place(&self) -> String {
+        format!("{:?}, line {}", self.path, self.line)
+    }
+
     /// An error about this line.
     pub fn error(&self, problem: String) -> DatasetError {
         DatasetError::Line { path: self.path.to_path_buf(), line: self.line, problem }

@@ -2,24 +2,21 @@
 
 use std::path::Path;
 
-use detector::PointCloud;
-
 use super::DatasetError;
-use super::position_check::check_positions;
+use super::positioned_points::PositionedPoints;
 
 /// Four values of four bytes.
 const N_BYTES_PER_POINT: usize = 16;
 
 /// Reads the scan at `path`.
 ///
-/// The file has no header, so that one that was cut between two points cannot be told from a shorter scan. Points whose
-/// coordinates are NaN or infinite have no position.
+/// The file has no header, so that one that was cut between two points cannot be told from a shorter scan.
 ///
 /// # Errors
 ///
 /// [`DatasetError::Io`]; [`DatasetError::NoPoints`] for an empty file; [`DatasetError::PartialPoint`] for a size that is not
-/// a multiple of 16 bytes; [`DatasetError::Damaged`] for a coordinate that no sensor sees.
-pub fn read_velodyne_bin(path: &Path) -> Result<PointCloud, DatasetError> {
+/// a multiple of 16 bytes; [`DatasetError::Damaged`] for a point that is too far off, or if none has a position.
+pub fn read_velodyne_bin(path: &Path) -> Result<PositionedPoints, DatasetError> {
     // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
     let bytes =
         std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
@@ -31,11 +28,8 @@ pub fn read_velodyne_bin(path: &Path) -> Result<PointCloud, DatasetError> {
 /// # Errors
 ///
 /// As [`read_velodyne_bin`].
-pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PointCloud, DatasetError> {
-    if bytes.is_empty() {
-        return Err(DatasetError::NoPoints { path: path.to_path_buf() });
-    }
-    let (points, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
+pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
+    let (rows, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
     if !rest.is_empty() {
         return Err(DatasetError::PartialPoint {
             path: path.to_path_buf(),
@@ -43,13 +37,13 @@ pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PointCloud, Datas
             n_bytes_per_point: N_BYTES_PER_POINT,
         });
     }
-    let mut cloud = PointCloud::with_capacity(points.len());
-    for point in points {
-        let [x_m, y_m, z_m, intensity] = values_of(point);
-        cloud.push([x_m, y_m, z_m], intensity);
+    let mut points = PositionedPoints::with_capacity(rows.len());
+    for row in rows {
+        let [x_m, y_m, z_m, intensity] = values_of(row);
+        let taken = points.push([x_m, y_m, z_m].map(f64::from), intensity);
+        taken.map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
     }
-    check_positions(&cloud).map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
-    Ok(cloud)
+    points.not_empty(path)
 }
 
 fn values_of(point: &[u8; N_BYTES_PER_POINT]) -> [f32; 4] {
@@ -60,7 +54,6 @@ fn values_of(point: &[u8; N_BYTES_PER_POINT]) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::position_check::n_without_position;
     use proptest::prelude::*;
 
     fn bytes_of(points: &[[f32; 4]]) -> Vec<u8> {
@@ -77,7 +70,7 @@ mod tests {
     #[test]
     fn points_come_out_as_they_went_in() {
         let bytes = bytes_of(&[[1.0, -2.0, 3.5, 0.25], [4.0, 5.0, -6.0, 0.0]]);
-        let cloud = parse_velodyne_bin(Path::new("a.bin"), &bytes).expect("sound");
+        let (cloud, _) = parse_velodyne_bin(Path::new("a.bin"), &bytes).expect("sound").into_parts();
         assert!(cloud.positions_m().eq([[1.0, -2.0, 3.5], [4.0, 5.0, -6.0]]));
         assert_eq!(cloud.intensity(), [0.25, 0.0]);
     }
@@ -105,29 +98,29 @@ mod tests {
     }
 
     #[test]
-    fn points_without_a_position_keep_their_places() {
+    fn a_point_without_a_position_is_left_out() {
         let bytes =
-            bytes_of(&[[1.0; 4], [1.0, f32::NAN, 1.0, 1.0], [1.0, 1.0, f32::NEG_INFINITY, 1.0], [2.0; 4]]);
-        let cloud = parse_velodyne_bin(Path::new("a.bin"), &bytes).expect("sound");
-        assert_eq!((cloud.len(), n_without_position(&cloud)), (4, 2));
-        assert_eq!(cloud.position_m(3), [2.0; 3]);
+            bytes_of(&[[1.0; 4], [1.0, f32::NAN, 1.0, 1.0], [2.0; 4], [1.0, 1.0, f32::NEG_INFINITY, 1.0]]);
+        let (cloud, left_out) = parse_velodyne_bin(Path::new("a.bin"), &bytes).expect("sound").into_parts();
+        assert!(cloud.positions_m().eq([[1.0; 3], [2.0; 3]]), "{cloud:?}");
+        assert_eq!(left_out, [1, 3]);
+        check_refused(&bytes[16..32], r#""a.bin" holds 1 points, none with a position"#);
     }
 
     #[test]
-    fn a_coordinate_that_no_sensor_sees_is_refused_with_its_point() {
-        let bytes = bytes_of(&[[1.0; 4], [1.0, -3e7, 1.0, 1.0]]);
+    fn a_point_too_far_off_is_damage_with_its_place_and_value() {
         check_refused(
-            &bytes,
-            r#""a.bin" has point 1 with y = -30000000 m, but no sensor sees farther than 10000 m"#,
+            &bytes_of(&[[1.0; 4], [1.0, 1.0, -12_000.5, 1.0]]),
+            r#""a.bin" has point 1 at z = -12000.500 m, beyond 10000 m from the origin"#,
         );
     }
 
     proptest! {
         #[test]
         fn any_bytes_give_their_points_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-            if let Ok(cloud) = parse_velodyne_bin(Path::new("a.bin"), &bytes) {
-                prop_assert_eq!(cloud.len() * N_BYTES_PER_POINT, bytes.len());
-                prop_assert!(cloud.positions_m().flatten().all(|it| !it.is_finite() || it.abs() <= 10_000.0));
+            if let Ok(points) = parse_velodyne_bin(Path::new("a.bin"), &bytes) {
+                prop_assert_eq!(points.n_in_file() * N_BYTES_PER_POINT, bytes.len());
+                prop_assert!(points.cloud().positions_m().flatten().all(f32::is_finite));
             }
         }
     }

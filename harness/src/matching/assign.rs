@@ -2,16 +2,16 @@
 
 use detector::Detections;
 
-use crate::annotation::{Annotation, LabeledScan, PointRegion};
+use crate::annotation::LabeledScan;
 use crate::dataset::AnnotatedClasses;
 use crate::matching::criterion::Criterion;
-use crate::matching::eligibility::{
-    EligibilityParams, asks_for, exclusion, is_beyond_range, is_mostly_ignored,
-};
+use crate::matching::detection_order::detection_ranks;
+use crate::matching::eligibility::{EligibilityParams, asks_for, exclusions};
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
+use crate::matching::ignored_detections::UnjudgedPlaces;
 use crate::matching::outcome::{
-    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, IgnoredAnnotation, IgnoredDetection,
-    MissReason,
+    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, FoundTall, IgnoredAnnotation,
+    IgnoredDetection, MissReason,
 };
 use crate::matching::point_overlap::PointOverlap;
 use crate::task::Task;
@@ -28,7 +28,9 @@ pub struct MatchingParams {
 /// Matches `detections` with the annotations of `scan` for `task`, and says of each what became of it and why.
 ///
 /// `annotated` tells whether a detection that matches nothing is known to be false. Every point of a detection must
-/// be a point of the scan.
+/// be a point of the scan; it may be one of several detections. The order of the detections does not matter: where pairs
+/// are as good, [`detection_ranks`] decide. What is left over may find tall annotations, by the same criterion; both are
+/// ignored then.
 ///
 /// Paper: HG section 5; ignored regions as in the KITTI evaluation.
 pub fn assign(
@@ -39,124 +41,136 @@ pub fn assign(
     params: &MatchingParams,
 ) -> Assignment {
     let overlap = PointOverlap::count(scan, detections);
-    let exclusions: Vec<Option<AnnotationOutcome>> =
-        scan.annotations.iter().map(|it| why_excluded(scan, it, task, params)).collect();
+    let exclusions = exclusions(scan, task, params.criterion, &params.eligibility);
     let admissible = params.criterion.admissible_pairs(scan, detections, &overlap);
-    let is_asked = |pair: &&AdmissiblePair| asks_for(task, detections.get(pair.detection_idx).class);
-    let counts = |pair: &&AdmissiblePair| exclusions[pair.annotation_idx].is_none();
-    let competing: Vec<AdmissiblePair> = admissible.iter().filter(counts).filter(is_asked).copied().collect();
-    let matched = match_pairs(&competing);
-    let scene = Scene { scan, detections, task, overlap, exclusions, admissible, matched };
+    let ranks = detection_ranks(detections);
+    let is_asked: Vec<bool> = detections.iter().map(|it| asks_for(task, it.class)).collect();
+    let counts =
+        |pair: &AdmissiblePair| is_asked[pair.detection_idx] && exclusions[pair.annotation_idx].is_none();
+    let matched = match_by_rank(&admissible, &ranks, counts);
+
+    let tall = Some(AnnotationOutcome::Ignored(IgnoredAnnotation::Tall));
+    let mut is_left_over = is_asked.clone();
+    for pair in &matched {
+        is_left_over[pair.detection_idx] = false;
+    }
+    let may_find_tall =
+        |pair: &AdmissiblePair| is_left_over[pair.detection_idx] && exclusions[pair.annotation_idx] == tall;
+    let found_tall = match_by_rank(&admissible, &ranks, may_find_tall);
+
+    let scene = Scene { scan, detections, task, is_asked, overlap, exclusions, admissible };
     Assignment {
         task,
-        annotations: (0..scan.annotations.len()).map(|idx| scene.annotation_outcome(idx)).collect(),
-        detections: scene.detection_outcomes(annotated, &params.eligibility),
+        annotations: scene.annotation_outcomes(&matched),
+        detections: scene.detection_outcomes(&matched, &found_tall, annotated, &params.eligibility),
+        found_tall: found_tall.into_iter().map(found_tall_of).collect(),
     }
 }
 
-fn why_excluded(
-    scan: &LabeledScan,
-    annotation: &Annotation,
-    task: Task,
-    params: &MatchingParams,
-) -> Option<AnnotationOutcome> {
-    let is_unboxed = params.criterion.needs_boxes() && annotation.bounding_box.is_none();
-    exclusion(scan, annotation, task, &params.eligibility)
-        .or_else(|| is_unboxed.then_some(AnnotationOutcome::Ignored(IgnoredAnnotation::NoBox)))
+/// The best of those `pairs` that are `admitted`, where detections come in the order of their ranks.
+fn match_by_rank(
+    pairs: &[AdmissiblePair],
+    ranks: &[usize],
+    admitted: impl Fn(&AdmissiblePair) -> bool,
+) -> Vec<AdmissiblePair> {
+    let competing: Vec<AdmissiblePair> = pairs
+        .iter()
+        .filter(|it| admitted(it))
+        .map(|it| AdmissiblePair { detection_idx: ranks[it.detection_idx], ..*it })
+        .collect();
+    let mut detection_of_rank = vec![0; ranks.len()];
+    for (detection_idx, rank) in ranks.iter().enumerate() {
+        detection_of_rank[*rank] = detection_idx;
+    }
+    let matched = match_pairs(&competing).into_iter();
+    matched.map(|it| AdmissiblePair { detection_idx: detection_of_rank[it.detection_idx], ..it }).collect()
 }
 
-/// Everything known once the pairs are chosen.
+fn found_tall_of(AdmissiblePair { annotation_idx, detection_idx, cost }: AdmissiblePair) -> FoundTall {
+    FoundTall { annotation_idx, detection_idx, cost }
+}
+
+/// Everything that outcomes follow from once the pairs are chosen.
 struct Scene<'a> {
     scan: &'a LabeledScan,
     detections: &'a Detections,
     task: Task,
+    // For every detection whether the task asks for its class.
+    is_asked: Vec<bool>,
     overlap: PointOverlap,
     exclusions: Vec<Option<AnnotationOutcome>>,
+    // By annotation.
     admissible: Vec<AdmissiblePair>,
-    matched: Vec<AdmissiblePair>,
 }
 
 impl Scene<'_> {
-    fn annotation_outcome(&self, annotation_idx: usize) -> AnnotationOutcome {
-        if let Some(excluded) = self.exclusions[annotation_idx] {
-            return excluded;
+    fn annotation_outcomes(&self, matched: &[AdmissiblePair]) -> Vec<AnnotationOutcome> {
+        let mut found = vec![None; self.scan.annotations.len()];
+        for pair in matched {
+            let outcome = AnnotationOutcome::Matched { detection_idx: pair.detection_idx, cost: pair.cost };
+            found[pair.annotation_idx] = Some(outcome);
         }
-        match self.matched.iter().find(|pair| pair.annotation_idx == annotation_idx) {
-            Some(pair) => AnnotationOutcome::Matched { detection_idx: pair.detection_idx, cost: pair.cost },
-            None => AnnotationOutcome::Missed(self.miss_reason(annotation_idx)),
-        }
+        let outcome = |(annotation_idx, found): (usize, Option<AnnotationOutcome>)| {
+            let judged = self.exclusions[annotation_idx].or(found);
+            judged.unwrap_or_else(|| AnnotationOutcome::Missed(self.miss_reason(annotation_idx)))
+        };
+        found.into_iter().enumerate().map(outcome).collect()
     }
 
     fn miss_reason(&self, annotation_idx: usize) -> MissReason {
-        let mut candidates = self.admissible.iter().filter(|pair| pair.annotation_idx == annotation_idx);
-        if let Some(pair) = candidates.next() {
-            let mut all = std::iter::once(pair).chain(candidates);
-            let is_asked = all.any(|pair| asks_for(self.task, self.detections.get(pair.detection_idx).class));
+        let begin = self.admissible.partition_point(|pair| pair.annotation_idx < annotation_idx);
+        let mut candidates = self.admissible[begin..]
+            .iter()
+            .take_while(|pair| pair.annotation_idx == annotation_idx)
+            .peekable();
+        if candidates.peek().is_some() {
+            let is_asked = candidates.any(|pair| self.is_asked[pair.detection_idx]);
             return if is_asked { MissReason::TakenByAnother } else { MissReason::WrongClass };
         }
         let n_points = self.n_annotation_points(annotation_idx);
         let shared = self.overlap.of_annotation(annotation_idx);
-        let n_found: usize = shared.iter().map(|&(_, n_shared)| n_shared).sum();
         let most = shared.iter().map(|&(_, n_shared)| n_shared).max();
         match most {
             None => MissReason::NothingThere,
             Some(most) if 2 * most > n_points => MissReason::MergedWithOthers,
-            Some(_) if shared.len() > 1 && 2 * n_found > n_points => MissReason::Split,
+            Some(_) if shared.len() > 1 && 2 * self.overlap.n_detected(annotation_idx) > n_points => {
+                MissReason::Split
+            }
             Some(_) => MissReason::PartlyFound,
         }
     }
 
     fn detection_outcomes(
         &self,
+        matched: &[AdmissiblePair],
+        found_tall: &[AdmissiblePair],
         annotated: &AnnotatedClasses,
         params: &EligibilityParams,
     ) -> Vec<DetectionOutcome> {
-        let mut is_on_ignored = vec![false; self.scan.cloud.len()];
-        for (annotation, excluded) in self.scan.annotations.iter().zip(&self.exclusions) {
-            if matches!(excluded, Some(AnnotationOutcome::Ignored(_))) {
-                for &point_idx in &annotation.point_indices {
-                    is_on_ignored[point_idx as usize] = true;
-                }
-            }
+        let mut found = vec![None; self.detections.len()];
+        for pair in matched {
+            let outcome = DetectionOutcome::Matched { annotation_idx: pair.annotation_idx, cost: pair.cost };
+            found[pair.detection_idx] = Some(outcome);
         }
-        let outcome = |detection_idx: usize| {
-            let detection = self.detections.get(detection_idx);
-            if !asks_for(self.task, detection.class) {
+        for pair in found_tall {
+            let outcome = DetectionOutcome::Ignored(IgnoredDetection::OnIgnoredAnnotation);
+            found[pair.detection_idx] = Some(outcome);
+        }
+        let unjudged = UnjudgedPlaces::of(self.scan, &self.exclusions, params);
+        let outcome = |(detection_idx, found): (usize, Option<DetectionOutcome>)| {
+            if !self.is_asked[detection_idx] {
                 return DetectionOutcome::NotAsked;
             }
-            if let Some(pair) = self.matched.iter().find(|pair| pair.detection_idx == detection_idx) {
-                return DetectionOutcome::Matched { annotation_idx: pair.annotation_idx, cost: pair.cost };
-            }
-            if is_mostly_ignored(self.scan, &detection, &is_on_ignored, params) {
-                return DetectionOutcome::Ignored(self.ignore_reason(detection_idx, params));
-            }
-            if annotated.covers(self.task) {
-                DetectionOutcome::False(self.false_reason(detection_idx))
-            } else {
-                DetectionOutcome::Unknowable
-            }
+            let why_ignored = || unjudged.why_ignored(&self.detections.get(detection_idx));
+            found.or_else(|| why_ignored().map(DetectionOutcome::Ignored)).unwrap_or_else(|| {
+                if annotated.covers(self.task) {
+                    DetectionOutcome::False(self.false_reason(detection_idx))
+                } else {
+                    DetectionOutcome::Unknowable
+                }
+            })
         };
-        (0..self.detections.len()).map(outcome).collect()
-    }
-
-    fn ignore_reason(&self, detection_idx: usize, params: &EligibilityParams) -> IgnoredDetection {
-        let point_indices = self.detections.get(detection_idx).point_indices;
-        let is_half = |n_points: usize| 2 * n_points >= point_indices.len();
-        let on_ignored = self.overlap.of_detection(detection_idx).filter(|&(annotation_idx, _)| {
-            matches!(self.exclusions[annotation_idx], Some(AnnotationOutcome::Ignored(_)))
-        });
-        let is_outside =
-            |&&point_idx: &&u32| self.scan.point_regions[point_idx as usize] == PointRegion::Outside;
-        let is_far = |&&point_idx: &&u32| is_beyond_range(self.scan, point_idx, params);
-        if is_half(on_ignored.map(|(_, n_shared)| n_shared).sum()) {
-            IgnoredDetection::OnIgnoredAnnotation
-        } else if is_half(point_indices.iter().filter(is_outside).count()) {
-            IgnoredDetection::OutsideLabeledRegion
-        } else if is_half(point_indices.iter().filter(is_far).count()) {
-            IgnoredDetection::BeyondRange
-        } else {
-            IgnoredDetection::OnIgnoredPoints
-        }
+        found.into_iter().enumerate().map(outcome).collect()
     }
 
     fn false_reason(&self, detection_idx: usize) -> FalseReason {
@@ -167,7 +181,7 @@ impl Scene<'_> {
         let mut n_swallowed = 0;
         let mut is_fragment = false;
         let mut is_wrong_class = false;
-        for (annotation_idx, n_shared) in self.overlap.of_detection(detection_idx) {
+        for &(annotation_idx, n_shared) in self.overlap.of_detection(detection_idx) {
             if is_background(annotation_idx) {
                 is_wrong_class |= 2 * n_shared > n_points;
                 continue;
@@ -190,13 +204,16 @@ impl Scene<'_> {
 }
 
 #[cfg(test)]
+mod properties;
+
+#[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{AnnotationClass, ScanId};
+    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
     use std::ops::Range;
 
-    use AnnotationClass::{Car, Pedestrian, Tram};
+    use AnnotationClass::{Car, Pedestrian, Tram, Tree};
     use DetectedClass::{Object, Vehicle};
 
     const EVERYTHING: AnnotatedClasses = AnnotatedClasses::EveryObject;
@@ -237,7 +254,9 @@ mod tests {
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
         let id = ScanId { sequence: "drawn".into(), index: 0 };
         let annotations = annotations.iter().map(annotation).collect();
-        Street { scan: LabeledScan { id, cloud, annotations, point_regions }, detections: all }
+        let (labeled_area, points_left_out) = (LabeledArea::AsPoints, Vec::new());
+        let scan = LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out };
+        Street { scan, detections: all }
     }
 
     impl Street {
@@ -328,14 +347,104 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_labelled_region_nothing_is_right_or_wrong() {
-        let outside = street(&[(Car, 90..130)], &[(Vehicle, 80..110), (Vehicle, 150..180)]).outside_from(95);
-        check(
-            &outside,
-            Task::Vehicles,
-            &["ignored: outside labelled region"],
-            &["ignored: on ignored annotation", "ignored: outside labelled region"],
+    fn what_the_labelled_region_cuts_counts_and_a_detection_beside_it_does_not() {
+        let cut = |detections: &[(DetectedClass, Range<u32>)]| {
+            street(&[(Car, 90..130)], detections).outside_from(95)
+        };
+        let found = cut(&[(Vehicle, 90..125), (Vehicle, 150..180)]);
+        check(&found, Task::Vehicles, &["0 at 0.12"], &["0 at 0.12", "ignored: outside labelled region"]);
+        let missed = cut(&[(Vehicle, 80..110)]);
+        check(&missed, Task::Vehicles, &["missed: partly found"], &["ignored: outside labelled region"]);
+        let inside = cut(&[(Vehicle, 79..110)]);
+        check(&inside, Task::Vehicles, &["missed: partly found"], &["false: fragment"]);
+    }
+
+    #[test]
+    fn half_unscorable_is_ignored_and_less_is_not() {
+        let half = street(&[(Car, 0..40)], &[]).unscorable_from(20);
+        check(&half, Task::Vehicles, &["ignored: unscorable"], &[]);
+        let less = street(&[(Car, 0..40)], &[]).unscorable_from(21);
+        check(&less, Task::Vehicles, &["missed: nothing there"], &[]);
+    }
+
+    impl Street {
+        /// Adds a detection without a point, of a unit box this far ahead.
+        fn with_empty(mut self, x_m: f32) -> Self {
+            let bounding_box = OrientedBox { center_m: [x_m, 0.0, 50.0], ..UNIT };
+            self.detections.push(Detection { point_indices: &[], bounding_box, class: Vehicle, score: None });
+            self
+        }
+    }
+
+    #[test]
+    fn a_detection_without_points_is_judged_by_where_it_stands() {
+        let of_one = |street: Street| street.judge(Task::Vehicles, &EVERYTHING).1;
+        assert_eq!(of_one(street(&[], &[]).with_empty(5.0)), ["false: nothing there"]);
+        assert_eq!(of_one(street(&[], &[]).with_empty(81.0)), ["ignored: beyond range"]);
+        assert_eq!(
+            of_one(street(&[], &[]).with_empty(5.0).outside_from(0)),
+            ["ignored: outside labelled region"]
         );
+        // A tram stands at 2.45 m, half a metre to either side.
+        let tram = || street(&[(Tram, 0..50)], &[]);
+        assert_eq!(of_one(tram().with_empty(2.9)), ["ignored: on ignored annotation"]);
+        assert_eq!(of_one(tram().with_empty(3.0)), ["false: nothing there"]);
+        let people = AnnotatedClasses::Only(vec![Pedestrian]);
+        assert_eq!(street(&[], &[]).with_empty(5.0).judge(Task::Vehicles, &people).1, ["unknowable"]);
+    }
+
+    #[test]
+    fn a_detection_without_points_may_match_by_its_box_and_never_by_points() {
+        // The car's box is around 1.95 m.
+        let empty = || street(&[(Car, 0..40)], &[]).with_empty(2.0);
+        let by = |criterion| {
+            let params = MatchingParams { criterion, ..STANDARD };
+            empty().judge_by(Task::Vehicles, &EVERYTHING, params)
+        };
+        assert_eq!(by(Criterion::POINTS).0, ["missed: nothing there"]);
+        assert_eq!(by(Criterion::POINTS).1, ["false: nothing there"]);
+        assert_eq!(by(Criterion::CENTRE).0, ["0 at 0.05"]);
+        assert_eq!(by(Criterion::BEV_IOU).0, ["0 at 0.10"]);
+        // It floats 50 m above.
+        assert_eq!(by(Criterion::IOU_3D).1, ["false: nothing there"]);
+    }
+
+    #[test]
+    fn points_of_two_detections_are_found_by_both() {
+        let shared = street(&[(Car, 0..40)], &[(Vehicle, 0..40), (Vehicle, 0..20)]);
+        check(&shared, Task::Vehicles, &["0 at 0.00"], &["0 at 0.00", "false: fragment"]);
+        let turned = street(&[(Car, 0..40)], &[(Vehicle, 0..20), (Vehicle, 0..40)]);
+        check(&turned, Task::Vehicles, &["1 at 0.00"], &["false: fragment", "0 at 0.00"]);
+        // The same third twice is not two thirds.
+        let twice = street(&[(Car, 0..60)], &[(Vehicle, 0..20), (Vehicle, 0..20)]);
+        check(&twice, Task::Vehicles, &["missed: partly found"], &["false: fragment", "false: fragment"]);
+    }
+
+    #[test]
+    fn what_is_left_over_may_find_what_is_tall_and_is_never_false() {
+        let tall = |detections: &[(DetectedClass, Range<u32>)]| {
+            let mut street = street(&[(Tree, 0..40), (Tree, 100..140), (Pedestrian, 150..180)], detections);
+            for annotation in &mut street.scan.annotations {
+                annotation.bounding_box.as_mut().unwrap().length_width_height_m[2] = 6.3;
+            }
+            street
+        };
+        let found = tall(&[(Object, 10..50), (Object, 50..70), (Object, 150..180)]);
+        check(
+            &found,
+            Task::Objects,
+            &["ignored: tall", "ignored: tall", "2 at 0.00"],
+            &["ignored: on ignored annotation", "false: nothing there", "2 at 0.00"],
+        );
+        let it = assign(&found.scan, &found.detections, Task::Objects, &EVERYTHING, &STANDARD);
+        assert_eq!(it.found_tall, [FoundTall { annotation_idx: 0, detection_idx: 0, cost: 0.4 }]);
+        // Less than half of it would be on what is ignored, had it not found it.
+        let large = tall(&[(Object, 80..165)]);
+        let params = MatchingParams { criterion: Criterion::CENTRE, ..STANDARD };
+        assert_eq!(large.judge_by(Task::Objects, &EVERYTHING, params).1, ["ignored: on ignored annotation"]);
+        let higher = EligibilityParams { tall_above_ground_m: 6.4, ..EligibilityParams::STANDARD };
+        let params = MatchingParams { eligibility: higher, ..STANDARD };
+        assert_eq!(large.judge_by(Task::Objects, &EVERYTHING, params).0[0], "missed: nothing there");
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! The best one-to-one pairs under a gate.
 
+use detector::segment::disjoint_sets::DisjointSets;
 use pathfinding::prelude::{Matrix, kuhn_munkres};
+
+use crate::matching::first_of_ties::{RewardedPair, first_of_ties};
 
 /// A pair that may be matched.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,118 +27,126 @@ const COST_STEP: f64 = 1e-6;
 ///
 /// Paper: HG section 5, reference 10 (Hungarian method).
 pub fn match_pairs(pairs: &[AdmissiblePair]) -> Vec<AdmissiblePair> {
-    let mut matched: Vec<AdmissiblePair> =
-        groups_that_compete(pairs).iter().flat_map(|group| match_group(group)).collect();
+    let mut open = groups_that_compete(pairs);
+    let mut matched = Vec::new();
+    while let Some(group) = open.pop() {
+        let cheapest = cheapest_of_each(&group);
+        if cheapest.len() < group.len() {
+            // With fewer pairs it may fall apart.
+            open.extend(groups_that_compete(&cheapest));
+        } else {
+            matched.extend(match_group(&group));
+        }
+    }
     matched.sort_by_key(|pair| pair.annotation_idx);
     matched
 }
 
 /// Splits the pairs into groups that share neither an annotation nor a detection, each sorted by indices.
 fn groups_that_compete(pairs: &[AdmissiblePair]) -> Vec<Vec<AdmissiblePair>> {
-    let mut left = pairs.to_vec();
-    left.sort_by_key(|pair| (pair.annotation_idx, pair.detection_idx));
-    let mut groups = Vec::new();
-    while let Some(&first) = left.first() {
-        let mut group = vec![first];
-        left.remove(0);
-        let mut looked_at = 0;
-        while looked_at < group.len() {
-            let member = group[looked_at];
-            let competes = |pair: &mut AdmissiblePair| {
-                pair.annotation_idx == member.annotation_idx || pair.detection_idx == member.detection_idx
-            };
-            group.extend(left.extract_if(.., competes));
-            looked_at += 1;
-        }
-        group.sort_by_key(|pair| (pair.annotation_idx, pair.detection_idx));
-        groups.push(group);
+    let mut sorted = pairs.to_vec();
+    sorted.sort_by_key(|pair| (pair.annotation_idx, pair.detection_idx));
+    let n_detections = pairs.iter().map(|pair| pair.detection_idx + 1).max().unwrap_or(0);
+    let n_annotations = sorted.last().map_or(0, |pair| pair.annotation_idx + 1);
+    // Annotations with a common detection are of one set.
+    let mut sets = DisjointSets::default();
+    sets.reset(n_annotations);
+    let mut annotation_of_detection: Vec<Option<u32>> = vec![None; n_detections];
+    for pair in &sorted {
+        let annotation = pair.annotation_idx as u32;
+        let first = annotation_of_detection[pair.detection_idx].get_or_insert(annotation);
+        sets.join(annotation, *first);
+    }
+    let mut group_of_set: Vec<Option<usize>> = vec![None; n_annotations];
+    let mut groups: Vec<Vec<AdmissiblePair>> = Vec::new();
+    for pair in sorted {
+        let set = sets.representative(pair.annotation_idx as u32) as usize;
+        let group = *group_of_set[set].get_or_insert_with(|| {
+            groups.push(Vec::new());
+            groups.len() - 1
+        });
+        groups[group].push(pair);
     }
     groups
 }
 
-/// Number of pairs (more is better), then total cost in steps (less is better).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Quality {
-    n_pairs: usize,
-    cost_steps: i64,
+/// Of each annotation of a group the pairs that cost least, as many as the group has annotations; by indices again.
+///
+/// The best choice holds no other: were an annotation matched by one, the other annotations would leave at least one of its
+/// cheapest free, which costs less, or as much with an earlier detection.
+fn cheapest_of_each(group: &[AdmissiblePair]) -> Vec<AdmissiblePair> {
+    let of_annotations: Vec<&[AdmissiblePair]> =
+        group.chunk_by(|a, b| a.annotation_idx == b.annotation_idx).collect();
+    let n_annotations = of_annotations.len();
+    let mut cheapest = Vec::with_capacity(group.len());
+    for of_annotation in of_annotations {
+        let begin = cheapest.len();
+        cheapest.extend_from_slice(of_annotation);
+        if of_annotation.len() > n_annotations {
+            let of_annotation = &mut cheapest[begin..];
+            of_annotation
+                .select_nth_unstable_by_key(n_annotations - 1, |it| (cost_steps(it), it.detection_idx));
+            cheapest.truncate(begin + n_annotations);
+            cheapest[begin..].sort_unstable_by_key(|it| it.detection_idx);
+        }
+    }
+    cheapest
 }
 
 fn match_group(group: &[AdmissiblePair]) -> Vec<AdmissiblePair> {
     if let [pair] = group {
         return vec![*pair];
     }
-    let best = quality(&solve(group));
-    let mut open = group.to_vec();
-    let mut fixed: Vec<AdmissiblePair> = Vec::new();
-    for &candidate in group {
-        if !open.contains(&candidate) {
-            continue;
-        }
-        let others: Vec<AdmissiblePair> =
-            open.iter().copied().filter(|it| !competes(it, &candidate)).collect();
-        let mut with_candidate = fixed.clone();
-        with_candidate.push(candidate);
-        with_candidate.extend(solve(&others));
-        if quality(&with_candidate) == best {
-            fixed.push(candidate);
-            open = others;
-        } else {
-            open.retain(|it| *it != candidate);
-        }
-    }
-    fixed
+    // One more pair always outweighs any saving: its reward exceeds the sum of all costs.
+    let most = 1 + group.iter().map(cost_steps).sum::<i64>();
+    let rewarded: Vec<RewardedPair> = rewarded(group, most);
+    let best = solve(&rewarded);
+    let chosen = first_of_ties(&rewarded, &best);
+    chosen.into_iter().map(|pair_idx| group[pair_idx]).collect()
 }
 
-fn competes(a: &AdmissiblePair, b: &AdmissiblePair) -> bool {
-    a.annotation_idx == b.annotation_idx || a.detection_idx == b.detection_idx
-}
-
-fn cost_steps(pair: &AdmissiblePair) -> i64 {
-    (pair.cost / COST_STEP).round() as i64
-}
-
-fn quality(chosen: &[AdmissiblePair]) -> Quality {
-    Quality { n_pairs: chosen.len(), cost_steps: chosen.iter().map(cost_steps).sum() }
-}
-
-/// Some best choice from `pairs`.
-fn solve(pairs: &[AdmissiblePair]) -> Vec<AdmissiblePair> {
+fn rewarded(group: &[AdmissiblePair], most: i64) -> Vec<RewardedPair> {
     let distinct = |index: fn(&AdmissiblePair) -> usize| {
-        let mut indices: Vec<usize> = pairs.iter().map(index).collect();
+        let mut indices: Vec<usize> = group.iter().map(index).collect();
         indices.sort_unstable();
         indices.dedup();
         indices
     };
     let annotations = distinct(|pair| pair.annotation_idx);
     let detections = distinct(|pair| pair.detection_idx);
-    if pairs.is_empty() {
-        return Vec::new();
-    }
-    // One more pair always outweighs any saving: its reward exceeds the sum of all costs.
-    let most = 1 + pairs.iter().map(cost_steps).sum::<i64>();
-    // The solver wants at least as many columns as rows. Pairs that are not admissible are worth nothing and dropped.
-    let transposed = annotations.len() > detections.len();
-    let (rows, columns) = if transposed { (&detections, &annotations) } else { (&annotations, &detections) };
-    let row_and_column = |pair: &AdmissiblePair| {
-        let (row, column) = if transposed {
-            (pair.detection_idx, pair.annotation_idx)
-        } else {
-            (pair.annotation_idx, pair.detection_idx)
-        };
-        let place =
-            |all: &[usize], index: usize| all.binary_search(&index).expect("all indices were collected");
-        (place(rows, row), place(columns, column))
+    let place = |all: &[usize], index: usize| all.binary_search(&index).expect("all indices were collected");
+    let rewarded = |pair: &AdmissiblePair| RewardedPair {
+        annotation: place(&annotations, pair.annotation_idx),
+        detection: place(&detections, pair.detection_idx),
+        reward: most - cost_steps(pair),
     };
-    let mut rewards = Matrix::new(rows.len(), columns.len(), 0_i64);
+    group.iter().map(rewarded).collect()
+}
+
+fn cost_steps(pair: &AdmissiblePair) -> i64 {
+    (pair.cost / COST_STEP).round() as i64
+}
+
+/// Places in `pairs` of some choice of the greatest total reward.
+fn solve(pairs: &[RewardedPair]) -> Vec<usize> {
+    let n_annotations = pairs.iter().map(|it| it.annotation + 1).max().unwrap_or(0);
+    let n_detections = pairs.iter().map(|it| it.detection + 1).max().unwrap_or(0);
+    // The solver wants at least as many columns as rows. Pairs that are not admissible are worth nothing and dropped.
+    let transposed = n_annotations > n_detections;
+    let row_and_column = |pair: &RewardedPair| {
+        if transposed { (pair.detection, pair.annotation) } else { (pair.annotation, pair.detection) }
+    };
+    let (least, most) = (n_annotations.min(n_detections), n_annotations.max(n_detections));
+    let mut rewards = Matrix::new(least, most, 0_i64);
     for pair in pairs {
-        rewards[row_and_column(pair)] = most - cost_steps(pair);
+        rewards[row_and_column(pair)] = pair.reward;
     }
     let (_, column_of_row) = kuhn_munkres(&rewards);
-    let is_chosen = |pair: &&AdmissiblePair| {
+    let is_chosen = |(_, pair): &(usize, &RewardedPair)| {
         let (row, column) = row_and_column(pair);
         column_of_row[row] == column
     };
-    pairs.iter().filter(is_chosen).copied().collect()
+    pairs.iter().enumerate().filter(is_chosen).map(|(pair_idx, _)| pair_idx).collect()
 }
 
 #[cfg(test)]
@@ -206,13 +217,55 @@ mod tests {
         best
     }
 
+    /// Every choice of pairs, as the detection of each annotation.
+    fn every_choice(costs: &[Vec<f64>], gate: f64) -> Vec<Vec<Option<usize>>> {
+        let Some((row, rest)) = costs.split_first() else { return vec![Vec::new()] };
+        let of_rest = every_choice(rest, gate);
+        let admissible =
+            row.iter().enumerate().filter(|(_, cost)| **cost < gate).map(|(column, _)| Some(column));
+        let choices = admissible.chain([None]).flat_map(|first| {
+            let is_free = move |it: &&Vec<Option<usize>>| first.is_none() || !it.contains(&first);
+            of_rest.iter().filter(is_free).map(move |it| [vec![first], it.clone()].concat())
+        });
+        choices.collect()
+    }
+
+    /// The best choice as it is defined: most pairs, then least cost, then the first detections, annotation by annotation.
+    fn best_of_all(costs: &[Vec<f64>], gate: f64) -> Vec<(usize, usize)> {
+        let rank = |choice: &Vec<Option<usize>>| {
+            let cost = |(row, column): (usize, &Option<usize>)| {
+                column.map(|it| (costs[row][it] / COST_STEP).round() as i64)
+            };
+            let n_unmatched = choice.iter().filter(|it| it.is_none()).count();
+            let firsts: Vec<usize> = choice.iter().map(|it| it.unwrap_or(usize::MAX)).collect();
+            (n_unmatched, choice.iter().enumerate().filter_map(cost).sum::<i64>(), firsts)
+        };
+        let best = every_choice(costs, gate).into_iter().min_by_key(rank).unwrap();
+        best.iter().enumerate().filter_map(|(row, column)| Some((row, (*column)?))).collect()
+    }
+
+    fn few_costs(most_rows: usize, most_columns: usize) -> impl Strategy<Value = Vec<Vec<f64>>> {
+        (1..=most_rows, 1..=most_columns).prop_flat_map(|(n_rows, n_columns)| {
+            // Few distinct values, so that there are ties.
+            let cost = (0..8_u8).prop_map(|it| f64::from(it) * 0.4);
+            prop::collection::vec(prop::collection::vec(cost, n_columns), n_rows)
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        #[test]
+        fn it_is_the_best_of_all_choices(costs in few_costs(4, 6), gate in prop::sample::select(vec![0.5, 1.0, 2.0, 9.0])) {
+            let matched = match_pairs(&pairs_of(&costs, |cost| cost < gate));
+            let found: Vec<_> = matched.iter().map(|pair| (pair.annotation_idx, pair.detection_idx)).collect();
+            prop_assert_eq!(found, best_of_all(&costs, gate));
+        }
+    }
+
     proptest! {
         #[test]
         fn no_choice_is_better(
-            costs in (1..6_usize, 1..6_usize).prop_flat_map(|(n_rows, n_columns)| {
-                // Few distinct values, so that there are ties.
-                prop::collection::vec(prop::collection::vec((0..8_u8).prop_map(|it| f64::from(it) * 0.4), n_columns), n_rows)
-            })
+            costs in few_costs(5, 5)
         ) {
             let mut pairs = pairs_of(&costs, |cost| cost < 2.0);
             let matched = match_pairs(&pairs);

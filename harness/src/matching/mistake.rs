@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use detector::stage_product::{Shape, SurfaceClass};
 use detector::{Detections, StageProduct};
 
-use crate::annotation::LabeledScan;
+use crate::annotation::{LabeledScan, range_m};
 use crate::matching::box_overlap::{bev_iou, iou_3d};
-use crate::matching::criterion::{Criterion, center_m};
+use crate::matching::criterion::Criterion;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason};
 use crate::matching::point_overlap::PointOverlap;
 
@@ -149,7 +149,7 @@ impl<'a> Evidence<'a> {
     }
 
     fn why_false(&self, detection_idx: usize, reason: FalseReason) -> String {
-        let mut shared: Vec<(usize, usize)> = self.overlap.of_detection(detection_idx).collect();
+        let mut shared: Vec<(usize, usize)> = self.overlap.of_detection(detection_idx).to_vec();
         shared.sort_by_key(|&(_, n_shared)| std::cmp::Reverse(n_shared));
         let Some(&(annotation_idx, n_shared)) = shared.first() else {
             return "nothing is annotated there".to_owned();
@@ -210,8 +210,13 @@ impl<'a> Evidence<'a> {
 
     /// The other annotations of a detection, or how much else it holds.
     fn others(&self, detection_idx: usize, annotation_idx: usize) -> String {
-        let mut others: Vec<(usize, usize)> =
-            self.overlap.of_detection(detection_idx).filter(|it| it.0 != annotation_idx).collect();
+        let mut others: Vec<(usize, usize)> = self
+            .overlap
+            .of_detection(detection_idx)
+            .iter()
+            .copied()
+            .filter(|it| it.0 != annotation_idx)
+            .collect();
         others.sort_by_key(|&(_, n_shared)| std::cmp::Reverse(n_shared));
         if others.is_empty() {
             let own = self.overlap.of_annotation(annotation_idx).iter();
@@ -239,9 +244,11 @@ impl<'a> Evidence<'a> {
             Criterion::BevIou { min_iou } => (of_boxes(bev_iou), min_iou),
             Criterion::Iou3d { min_iou } => (of_boxes(iou_3d), min_iou),
             Criterion::Centre { max_distance_m } => {
-                let [x_m, y_m, _] = detection.bounding_box.center_m.map(f64::from);
-                let distance_m = center_m(self.scan, annotation)
-                    .map_or(f64::INFINITY, |at_m| (x_m - at_m[0]).hypot(y_m - at_m[1]));
+                let found_m = detection.bounding_box.center_m;
+                let distance_m = annotation.center_m(&self.scan.cloud).map_or(f64::INFINITY, |at_m| {
+                    let apart_m = |axis: usize| f64::from(found_m[axis]) - f64::from(at_m[axis]);
+                    apart_m(0).hypot(apart_m(1))
+                });
                 return format!("centres {distance_m:.1} m apart, less than {max_distance_m:.1} m needed");
             }
         };
@@ -257,8 +264,8 @@ impl<'a> Evidence<'a> {
     }
 
     fn range(&self, annotation_idx: usize) -> String {
-        let at_m = center_m(self.scan, &self.scan.annotations[annotation_idx]);
-        at_m.map_or("nowhere".to_owned(), |[x_m, y_m]| format!("{:.0} m", x_m.hypot(y_m)))
+        let at_m = self.scan.annotations[annotation_idx].center_m(&self.scan.cloud);
+        at_m.map_or("nowhere".to_owned(), |it| format!("{:.0} m", range_m(it)))
     }
 
     fn n_annotation_points(&self, annotation_idx: usize) -> usize {
@@ -297,7 +304,7 @@ mod tests {
 
     use super::*;
     use crate::annotation::AnnotationClass::{self, Car, Pedestrian};
-    use crate::annotation::{Annotation, PointRegion, ScanId};
+    use crate::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use crate::dataset::AnnotatedClasses;
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::eligibility::EligibilityParams;
@@ -332,6 +339,8 @@ mod tests {
             cloud: (0..N_POINTS).map(|step| [step as f32 * 0.1, 0.0, 0.0]).collect::<PointCloud>(),
             annotations: (0..).zip(annotations).map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; N_POINTS as usize],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let mut all = Detections::default();
         for (class, range) in detections {

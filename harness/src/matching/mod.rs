@@ -1,10 +1,15 @@
 //! Which detection found which annotation.
 
 pub mod outcome;
+mod first_of_ties;
 pub mod hungarian;
 pub mod point_overlap;
 pub mod box_overlap;
 pub mod criterion;
+mod height_above_ground;
+mod labeled_places;
 pub mod eligibility;
+mod ignored_detections;
+mod detection_order;
 pub mod assign;
 pub mod mistake;

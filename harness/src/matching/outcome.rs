@@ -11,6 +11,19 @@ pub struct Assignment {
     pub annotations: Vec<AnnotationOutcome>,
     /// For every detection of the scan, in order, what became of it.
     pub detections: Vec<DetectionOutcome>,
+    /// Annotations that are ignored because they are tall, and the detections that found them nevertheless, by annotation.
+    pub found_tall: Vec<FoundTall>,
+}
+
+/// A tall annotation that a detection found which had found nothing that counts. Both are ignored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FoundTall {
+    /// The annotation.
+    pub annotation_idx: usize,
+    /// The detection.
+    pub detection_idx: usize,
+    /// What matching them cost, as in [`AnnotationOutcome::Matched`].
+    pub cost: f64,
 }
 
 /// What became of an annotation.
@@ -40,10 +53,12 @@ pub enum IgnoredAnnotation {
     BeyondRange,
     /// Of a class that is neither right nor wrong in this task, such as a tram among vehicles.
     AmbiguousClass,
-    /// Half of its points are unscorable or outside the labelled region.
-    OutsideLabeledRegion,
+    /// At least half of its points are unscorable.
+    Unscorable,
     /// It has no box, where boxes are compared.
     NoBox,
+    /// It reaches higher above the ground than an object does that is to be found in this task.
+    Tall,
 }
 
 /// Why an annotation was missed.
@@ -86,11 +101,12 @@ pub enum DetectionOutcome {
 /// Why a detection does not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum IgnoredDetection {
-    /// At least half of its points lie on ignored annotations.
+    /// At least half of its points lie on ignored annotations, or it has none and stands inside the box of one, or it found
+    /// a tall annotation.
     OnIgnoredAnnotation,
-    /// At least half of its points lie outside the labelled region.
+    /// At least half of its points lie outside the labelled region, or it has none and stands there.
     OutsideLabeledRegion,
-    /// At least half of its points are farther away than the maximum.
+    /// At least half of its points are farther away than the maximum, or it has none and stands there.
     BeyondRange,
     /// At least half of its points are unscorable, or not to be judged for different ones of these reasons.
     OnIgnoredPoints,
@@ -99,7 +115,7 @@ pub enum IgnoredDetection {
 /// Why a detection is false.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FalseReason {
-    /// No annotation shares a point with it, or is near it.
+    /// No annotation shares a point with it, or none of them much.
     NothingThere,
     /// It lies on something annotated that is not of the class asked for.
     WrongClass,
@@ -127,8 +143,9 @@ reason_names! {
         TooFewPoints => "too few points",
         BeyondRange => "beyond range",
         AmbiguousClass => "ambiguous class",
-        OutsideLabeledRegion => "outside labelled region",
+        Unscorable => "unscorable",
         NoBox => "no box",
+        Tall => "tall",
     }
     MissReason {
         NothingThere => "nothing there",

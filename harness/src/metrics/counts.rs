@@ -7,7 +7,7 @@ use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::task::Task;
 
 /// Bumped whenever the same detections would score differently.
-pub const SCORING_VERSION: u32 = 1;
+pub const SCORING_VERSION: u32 = 2;
 
 /// Counts of one task over any number of scans. Sums first, ratios last: a ratio of sums, never a mean of ratios.
 ///
@@ -104,6 +104,7 @@ mod tests {
             task: Task::Objects,
             annotations: (0..n_matched).map(matched).chain((0..n_missed).map(|_| missed)).collect(),
             detections: (0..n_matched).map(right).chain((0..n_false).map(|_| wrong)).collect(),
+            found_tall: Vec::new(),
         })
     }
 

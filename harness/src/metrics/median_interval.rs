@@ -2,33 +2,29 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use reports::blocks::BlockCount;
+use reports::bootstrap::{Distribution, N_RESAMPLES};
 use reports::box_errors::MedianWithin;
 
-/// Resamples of the tracks.
-const N_RESAMPLES: usize = 10_000;
-
-/// The lower median of `values`, with its 95 % interval by a bootstrap of the groups that the second of each pair names,
-/// 0 to `n_groups`: whole groups are drawn, as values of one group are not independent. The same seed draws the same
-/// groups. `None` without values.
-pub fn median_within(values: &[(f64, usize)], n_groups: usize, seed: u64) -> Option<MedianWithin> {
+/// The lower median of `values`, with its 95 % interval by a bootstrap of the blocks that the second of each pair names by their
+/// places: whole blocks are drawn, as values of one block are not independent. The same seed draws the same blocks. `None`
+/// without values.
+pub fn median_within(values: &[(f64, usize)], blocks: BlockCount, seed: u64) -> Option<MedianWithin> {
+    let n_groups = blocks.n_blocks as usize;
     let mut sorted = values.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let median = weighted_median(&sorted, &vec![1; n_groups])?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut n_drawn = vec![0_u32; n_groups];
-    let mut medians: Vec<f64> = (0..N_RESAMPLES)
-        .filter_map(|_| {
-            n_drawn.fill(0);
-            for _ in 0..n_groups {
-                n_drawn[rng.random_range(0..n_groups)] += 1;
-            }
-            weighted_median(&sorted, &n_drawn)
-        })
-        .collect();
-    medians.sort_by(f64::total_cmp);
-    // By nearest rank.
-    let quantile = |share: f64| medians[((share * medians.len() as f64).ceil() as usize).max(1) - 1];
-    Some(MedianWithin { median, within: [quantile(0.025), quantile(0.975)] })
+    let medians = (0..N_RESAMPLES).map(|_| {
+        n_drawn.fill(0);
+        for _ in 0..n_groups {
+            n_drawn[rng.random_range(0..n_groups)] += 1;
+        }
+        weighted_median(&sorted, &n_drawn)
+    });
+    let within = Distribution::new(medians, blocks).map(|it| it.interval());
+    Some(MedianWithin { median, within })
 }
 
 /// The least of ascending values to which half of the weight comes; `None` without weight.
@@ -45,15 +41,20 @@ fn weighted_median(sorted: &[(f64, usize)], weight_of_group: &[u32]) -> Option<f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reports::blocks::BlockKind;
 
-    fn interval(values: &[(f64, usize)], n_groups: usize) -> MedianWithin {
-        median_within(values, n_groups, 1).unwrap()
+    fn interval(values: &[(f64, usize)], n_groups: u64) -> MedianWithin {
+        median_within(values, BlockCount::of_dataset(n_groups, BlockKind::Tracks), 1).unwrap()
+    }
+
+    fn ends(it: MedianWithin) -> [f64; 2] {
+        it.within.unwrap().ends
     }
 
     #[test]
     fn nothing_has_no_median_and_one_value_is_it() {
-        assert_eq!(median_within(&[], 0, 1), None);
-        assert_eq!(interval(&[(3.0, 0)], 1), MedianWithin { median: 3.0, within: [3.0, 3.0] });
+        assert_eq!(median_within(&[], BlockCount::of_dataset(0, BlockKind::Tracks), 1), None);
+        assert_eq!(interval(&[(3.0, 0)], 1), MedianWithin { median: 3.0, within: None });
     }
 
     #[test]
@@ -68,15 +69,17 @@ mod tests {
         let values: Vec<(f64, usize)> = (0..101).map(|it| (f64::from(it as u8), it)).collect();
         let it = interval(&values, 101);
         assert_eq!(it.median, 50.0);
-        assert!((39.0..=42.0).contains(&it.within[0]) && (58.0..=61.0).contains(&it.within[1]), "{it:?}");
+        let [low, high] = ends(it);
+        assert!((39.0..=42.0).contains(&low) && (58.0..=61.0).contains(&high), "{it:?}");
     }
 
     #[test]
     fn values_of_one_group_are_no_more_than_one() {
         let apart: Vec<(f64, usize)> = (0..100).map(|it| (f64::from(it as u8), it)).collect();
         let together: Vec<(f64, usize)> = apart.iter().map(|&(value, it)| (value, it / 20)).collect();
-        let width = |it: MedianWithin| it.within[1] - it.within[0];
+        let width = |it: MedianWithin| ends(it)[1] - ends(it)[0];
         assert!(width(interval(&together, 5)) > 1.5 * width(interval(&apart, 100)));
         assert_eq!(interval(&together, 5), interval(&together, 5));
+        assert!(interval(&together, 5).within.unwrap().blocks.are_too_few());
     }
 }

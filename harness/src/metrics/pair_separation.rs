@@ -71,7 +71,7 @@ fn is_joined(scan: &LabeledScan, overlap: &PointOverlap, pair: [usize; 2]) -> bo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, PointRegion, ScanId};
+    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
     use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
@@ -99,6 +99,8 @@ mod tests {
             cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
             annotations: annotations.filter(|it| !it.point_indices.is_empty()).collect(),
             point_regions: vec![PointRegion::Labeled; n_points],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let mut found = Detections::default();
         for letter in "xyz".chars() {

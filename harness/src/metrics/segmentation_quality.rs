@@ -32,6 +32,7 @@ impl SegmentationQuality {
     pub fn of(scan: &LabeledScan, detections: &Detections, assignment: &Assignment) -> Self {
         let overlap = PointOverlap::count(scan, detections);
         let mut quality = Self::default();
+        let (mut over_nats, mut under_nats) = (Vec::new(), Vec::new());
         let mut n_held = vec![0_u32; detections.len()];
         let mut is_touching = vec![false; detections.len()];
         for (annotation_idx, outcome) in assignment.annotations.iter().enumerate() {
@@ -41,8 +42,7 @@ impl SegmentationQuality {
             let n_points = scan.annotations[annotation_idx].point_indices.len();
             let shared = overlap.of_annotation(annotation_idx);
             quality.n_annotations += 1;
-            quality.over_entropy_nats +=
-                shared.iter().map(|&(_, n_shared)| entropy_nats(n_shared, n_points)).sum::<f64>();
+            over_nats.extend(shared.iter().map(|&(_, n_shared)| entropy_nats(n_shared, n_points)));
             let n_pieces = shared.iter().filter(|&&(_, n_shared)| 10 * n_shared >= n_points).count();
             quality.n_split += u64::from(n_pieces >= 2);
             for &(detection_idx, _) in shared.iter().filter(|&&(_, n_shared)| 2 * n_shared > n_points) {
@@ -51,14 +51,22 @@ impl SegmentationQuality {
             for &(detection_idx, n_shared) in shared {
                 let n_points = detections.get(detection_idx).point_indices.len();
                 is_touching[detection_idx] = true;
-                quality.under_entropy_nats += entropy_nats(n_shared, n_points);
+                under_nats.push(entropy_nats(n_shared, n_points));
             }
         }
+        quality.over_entropy_nats = sum_in_order(over_nats);
+        quality.under_entropy_nats = sum_in_order(under_nats);
         quality.n_touching = is_touching.iter().filter(|&&it| it).count() as u64;
         quality.n_holding = n_held.iter().filter(|&&n| n >= 1).count() as u64;
         quality.n_joining = n_held.iter().filter(|&&n| n >= 2).count() as u64;
         quality
     }
+}
+
+/// The sum, the same to the bit in whatever order the terms come: that of detections is not to show.
+fn sum_in_order(mut terms: Vec<f64>) -> f64 {
+    terms.sort_by(f64::total_cmp);
+    terms.iter().sum()
 }
 
 /// −p ln p of the share `n` of `n_all`; `n` is not 0.
@@ -83,7 +91,7 @@ impl std::ops::AddAssign for SegmentationQuality {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, PointRegion, ScanId};
+    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
     use crate::dataset::AnnotatedClasses;
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::criterion::Criterion;
@@ -120,6 +128,8 @@ mod tests {
             cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
             annotations: letters_of(annotations).into_iter().map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; n_points],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
         };
         let mut found = Detections::default();
         for letter in letters_of(detections) {

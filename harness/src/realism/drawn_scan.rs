@@ -7,7 +7,7 @@ use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::{OrientedBox, PointCloud};
 
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 
 const SENSOR_HEIGHT_M: f32 = 1.73;
 const N_ROAD_CELLS: u64 = 40 * 20;
@@ -44,6 +44,8 @@ pub fn scan() -> LabeledScan {
     LabeledScan {
         id: ScanId { sequence: "drawn".to_owned(), index: 0 },
         point_regions: vec![PointRegion::Labeled; cloud.len()],
+        labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
         cloud,
         annotations: vec![car],
     }

@@ -1,7 +1,7 @@
 //! What became of annotations and detections, as a Foxglove scene.
 
 use detector::OrientedBox;
-use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
 use reports::match_row::MatchRow;
 use reports::palette::{BLUISH_GREEN, Rgb, VERMILION, YELLOW};
 
@@ -16,7 +16,7 @@ const GREY: Rgb = [150, 150, 150];
 
 /// One entity for each of `rows`, in order: a box in the colour of the outcome, and in its metadata what the row says.
 ///
-/// A matched detection is green, with a line to the centre of the annotation; a missed annotation yellow, with the box around
+/// A matched detection is green, with a line to where the annotation stands; a missed annotation yellow, with the box around
 /// its points if it has none; a false detection vermilion; what does not count grey.
 pub fn outcome_entities(time_ns: u64, scan: &LabeledScan, rows: &[MatchRow]) -> Vec<SceneEntity> {
     (1..).zip(rows).map(|(number, row)| outcome_entity(time_ns, scan, number, &row.outcome)).collect()
@@ -26,20 +26,18 @@ fn outcome_entity(time_ns: u64, scan: &LabeledScan, number: usize, outcome: &Mat
     let entity = |bounding_box: Option<OrientedBox>, color: Rgb, opacity: f64, metadata| {
         entity_of(time_ns, number, bounding_box.as_ref(), metadata, color_of(color, opacity))
     };
+    // A box, and a line from it to where the annotation stands.
+    let pair_entity = |annotation: &AnnotationFacts, detection: &DetectionFacts, color, opacity, metadata| {
+        let found = box_of(detection.bounding_box);
+        let mut entity = entity(Some(found), color, opacity, metadata);
+        let line = |center_m| line_between([found.center_m, center_m], color_of(color, 1.0));
+        entity.lines.extend(annotation.center_m().map(line));
+        entity
+    };
     match outcome {
         MatchOutcome::Matched { annotation, detection, cost } => {
-            let mut metadata = vec![pair("outcome", "matched".to_owned())];
-            metadata.extend(facts_of_detection(detection));
-            metadata.push(pair("cost", cost.to_string()));
-            metadata.push(pair("annotation", annotation.id.to_string()));
-            metadata.push(pair("annotation_class", annotation.class.clone()));
-            let found = box_of(detection.bounding_box);
-            let mut entity = entity(Some(found), BLUISH_GREEN, 0.4, metadata);
-            if let Some(annotated) = box_of_annotation(scan, annotation) {
-                let ends_m = [found.center_m, annotated.center_m];
-                entity.lines.push(line_between(ends_m, color_of(BLUISH_GREEN, 1.0)));
-            }
-            entity
+            let metadata = metadata_of_pair(&[("outcome", "matched")], annotation, detection, *cost);
+            pair_entity(annotation, detection, BLUISH_GREEN, 0.4, metadata)
         }
         MatchOutcome::Missed { annotation, reason } => {
             let metadata = metadata_of_annotation("missed", reason, annotation);
@@ -48,6 +46,15 @@ fn outcome_entity(time_ns: u64, scan: &LabeledScan, number: usize, outcome: &Mat
         MatchOutcome::IgnoredAnnotation { annotation, reason } => {
             let metadata = metadata_of_annotation("ignored", reason, annotation);
             entity(box_of_annotation(scan, annotation), GREY, 0.15, metadata)
+        }
+        MatchOutcome::Tall { annotation, found_by: None } => {
+            let metadata = metadata_of_annotation("ignored", "tall", annotation);
+            entity(box_of_annotation(scan, annotation), GREY, 0.15, metadata)
+        }
+        MatchOutcome::Tall { annotation, found_by: Some(FoundBy { detection, cost }) } => {
+            let why = [("outcome", "ignored"), ("reason", "tall")];
+            let metadata = metadata_of_pair(&why, annotation, detection, *cost);
+            pair_entity(annotation, detection, GREY, 0.15, metadata)
         }
         MatchOutcome::False { detection, reason } => {
             let metadata = metadata_of_detection("false", reason, detection);
@@ -62,6 +69,21 @@ fn outcome_entity(time_ns: u64, scan: &LabeledScan, number: usize, outcome: &Mat
             entity(Some(box_of(detection.bounding_box)), GREY, 0.3, metadata)
         }
     }
+}
+
+fn metadata_of_pair(
+    why: &[(&str, &str)],
+    annotation: &AnnotationFacts,
+    detection: &DetectionFacts,
+    cost: f64,
+) -> Vec<KeyValuePair> {
+    let mut metadata: Vec<KeyValuePair> =
+        why.iter().map(|(key, value)| pair(key, (*value).to_owned())).collect();
+    metadata.extend(facts_of_detection(detection));
+    metadata.push(pair("cost", cost.to_string()));
+    metadata.push(pair("annotation", annotation.id.to_string()));
+    metadata.push(pair("annotation_class", annotation.class.clone()));
+    metadata
 }
 
 fn metadata_of_annotation(outcome: &str, reason: &str, annotation: &AnnotationFacts) -> Vec<KeyValuePair> {
@@ -118,7 +140,7 @@ fn color_of(rgb: Rgb, a: f64) -> Color {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, PointRegion, ScanId};
+    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
     use detector::PointCloud;
 
     /// One annotation without a box, with the four points of a square.
@@ -136,6 +158,8 @@ mod tests {
         LabeledScan {
             id: ScanId { sequence: "a".to_owned(), index: 0 },
             point_regions: vec![PointRegion::Labeled; cloud.len()],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
             cloud,
             annotations: vec![annotation],
         }
@@ -143,7 +167,16 @@ mod tests {
 
     fn annotation() -> AnnotationFacts {
         let (class, occlusion) = ("car".to_owned(), None);
-        AnnotationFacts { id: 0, track: Some(7), class, occlusion, n_points: 4, bounding_box: None }
+        AnnotationFacts {
+            id: 0,
+            track: Some(7),
+            class,
+            occlusion,
+            n_points: 4,
+            n_points_outside: 0,
+            bounding_box: None,
+            centroid_m: Some([5.0, 1.0, 0.5]),
+        }
     }
 
     fn detection() -> DetectionFacts {
@@ -173,6 +206,12 @@ mod tests {
         check(&missed, YELLOW, [1, 0], "track", "7");
         let ignored = MatchOutcome::IgnoredAnnotation { annotation: annotation(), reason: reason() };
         check(&ignored, GREY, [1, 0], "outcome", "ignored");
+        let found_by = Some(FoundBy { detection: detection(), cost: 0.25 });
+        let tall = MatchOutcome::Tall { annotation: annotation(), found_by };
+        check(&tall, GREY, [1, 1], "reason", "tall");
+        check(&tall, GREY, [1, 1], "detection", "3");
+        let not_found = MatchOutcome::Tall { annotation: annotation(), found_by: None };
+        check(&not_found, GREY, [1, 0], "reason", "tall");
         let wrong = MatchOutcome::False { detection: detection(), reason: reason() };
         check(&wrong, VERMILION, [1, 0], "score", "0.5");
         let ignored = MatchOutcome::IgnoredDetection { detection: detection(), reason: reason() };

@@ -100,7 +100,7 @@ impl AblationScores {
                 variant.scored += Counts::of(assignment).scored(known);
                 variant.segmentation += SegmentationQuality::of(scan, &result.output.detections, assignment);
             }
-            variant.latencies.push(result.latency);
+            variant.latencies.push(result.times.first);
         }
     }
 

@@ -1,10 +1,11 @@
 //! Boxes of different fits around the same clusters, beside the annotated ones.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
+use reports::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
 use reports::box_errors::{BoxError, BoxErrorLine};
 
 use crate::annotation::{AnnotationClass, LabeledScan, Occlusion, ScanId};
@@ -128,13 +129,16 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
         let of_slice = pairs.iter().filter(|it| (from_m..to_m).contains(&it.1.range_m)).collect();
         slices.push(("range", format!("{from_m}–{to_m} m"), of_slice));
     }
+    let drives: BTreeSet<(&str, &str)> = pairs.iter().map(|it| (it.0, it.1.scan.sequence.as_str())).collect();
+    let kind = if drives.len() >= FEWEST_DRIVES { BlockKind::Drives } else { BlockKind::Tracks };
     let lines_of = |(by, slice, pairs): &PairSlice<'_>| -> Vec<BoxErrorLine> {
-        let (track_of_pair, n_tracks) = tracks(pairs);
+        let n_tracks = blocks(pairs, BlockKind::Tracks).1.n_blocks;
+        let (block_of_pair, count) = blocks(pairs, kind);
         let line = |error: BoxError| {
             let median = |fit_idx: usize| {
                 let errors = pairs.iter().map(|it| absolute(&it.1.errors[fit_idx], error));
-                let of_tracks: Vec<(f64, usize)> = errors.zip(track_of_pair.iter().copied()).collect();
-                median_within(&of_tracks, n_tracks, RESAMPLING_SEED)
+                let of_blocks: Vec<(f64, usize)> = errors.zip(block_of_pair.iter().copied()).collect();
+                median_within(&of_blocks, count, RESAMPLING_SEED)
             };
             BoxErrorLine {
                 data: data.to_owned(),
@@ -143,7 +147,7 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
                 slice: slice.clone(),
                 error,
                 n_pairs: pairs.len() as u64,
-                n_tracks: n_tracks as u64,
+                n_tracks,
                 fits: (0..)
                     .zip(ObjectBox::ALL)
                     .map(|(idx, fit)| (fit.name().to_owned(), median(idx)))
@@ -155,16 +159,17 @@ pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool
     slices.par_iter().flat_map_iter(lines_of).collect()
 }
 
-/// The track of each pair, numbered from 0, and how many there are. What has no track is one of its own.
-fn tracks(pairs: &[&(&str, BoxPair)]) -> (Vec<usize>, usize) {
+/// The drive or the track of each pair, numbered from 0, and how many there are. What has no track is one of its own.
+fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCount) {
     let mut numbers = BTreeMap::new();
     let of_pairs = pairs.iter().enumerate().map(|(place, (dataset, pair))| {
         let own_place = if pair.track.is_none() { Some(place) } else { None };
+        let within_drive = if kind == BlockKind::Drives { None } else { Some((pair.track, own_place)) };
         let next = numbers.len();
-        *numbers.entry((*dataset, &pair.scan.sequence, pair.track, own_place)).or_insert(next)
+        *numbers.entry((*dataset, &pair.scan.sequence, within_drive)).or_insert(next)
     });
     let of_pairs: Vec<usize> = of_pairs.collect();
-    (of_pairs, numbers.len())
+    (of_pairs, BlockCount::of_dataset(numbers.len() as u64, kind))
 }
 
 fn absolute(errors: &BoxErrors, error: BoxError) -> f64 {
@@ -202,6 +207,20 @@ mod tests {
                 errors: [errors(1.0), errors(-2.0)],
             },
         )
+    }
+
+    #[test]
+    fn of_ten_drives_whole_drives_are_drawn() {
+        let names: Vec<String> = (0..10).map(|it| it.to_string()).collect();
+        let of = |n: usize| {
+            let pairs: Vec<_> =
+                (0..3 * n).map(|it| pair(&names[it / 3], Some(it as u32), 10.0, it as f64)).collect();
+            let lines = box_error_lines(&pairs, "street", true);
+            let all = lines.iter().find(|it| it.by == "all").unwrap();
+            (all.n_tracks, all.fits[0].1.unwrap().within.unwrap().blocks)
+        };
+        assert_eq!(of(10), (30, BlockCount::of_dataset(10, BlockKind::Drives)));
+        assert_eq!(of(9), (27, BlockCount::of_dataset(27, BlockKind::Tracks)));
     }
 
     #[test]

@@ -151,19 +151,20 @@ mod tests {
 
     fn scans() -> (Vec<LabeledScan>, f32) {
         let options = OpenOptions {
-            n_simulated_scans: Some(4),
+            n_simulated_scans: Some(12),
             sensor: Some(SENSOR.to_owned()),
             ..OpenOptions::default()
         };
         let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
-        let scans = (0..4).map(|scan_idx| street.read_scan(scan_idx).unwrap()).collect();
+        let scans = (0..12).map(|scan_idx| street.read_scan(scan_idx).unwrap()).collect();
         (scans, street.description().sensor_height_m)
     }
 
     /// The rules that a detector shows by what it does with `scans`.
     fn rules_seen(detector: &mut dyn Detector, scans: &[LabeledScan], min_points: usize) -> Vec<Rule> {
         let mut output = DetectorOutput::default();
-        let (mut has_walls, mut has_small, mut has_regrouped, mut has_completed) = (false, false, false, false);
+        let (mut has_walls, mut has_small, mut has_regrouped, mut has_completed) =
+            (false, false, false, false);
         for scan in scans {
             detector.detect(&scan.cloud, &mut output);
             for product in detector.stage_products(&scan.cloud) {
@@ -177,7 +178,9 @@ mod tests {
                         _ => None,
                     });
                     has_completed |= foreground.is_some_and(|classes| {
-                        let is_added = |point_idx: usize| classes[point_idx] != detector::stage_product::SurfaceClass::Short;
+                        let is_added = |point_idx: usize| {
+                            classes[point_idx] != detector::stage_product::SurfaceClass::Short
+                        };
                         (0..completed.len()).any(|it| completed[it].is_some() && is_added(it))
                     });
                 }
@@ -209,13 +212,8 @@ mod tests {
             let to_be_seen: Vec<Rule> = said.into_iter().filter(|it| *it != Rule::SizeBounds).collect();
             assert_eq!(rules_seen(&mut *detector, &scans, 15), to_be_seen, "{}", listed.name);
         }
-        let expected = [
-            ("hierarchical", 5),
-            ("kd-tree-same-walls", 4),
-            ("kd-tree", 3),
-            ("pca", 0),
-            ("simple-grid", 4),
-        ];
+        let expected =
+            [("hierarchical", 5), ("kd-tree-same-walls", 4), ("kd-tree", 3), ("pca", 0), ("simple-grid", 4)];
         assert_eq!(n_rules, expected);
     }
 

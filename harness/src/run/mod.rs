@@ -3,6 +3,7 @@
 pub mod config;
 pub mod detector_list;
 pub mod single_scan;
+pub mod grid_write;
 pub mod side_by_side;
 pub mod gap_experiment;
 pub mod gap_picture;

@@ -87,6 +87,7 @@ impl Condition {
             seed,
             n_scans,
             turns_per_scan: TURNS_PER_SCAN,
+            scans_per_drive: None,
             sensor: "hdl-64e-s2".to_owned(),
             shutter: Shutter::Instant,
             rain_mm_per_h: None,

@@ -45,7 +45,7 @@ impl DatasetScores {
     pub fn add(&mut self, results: &[DetectorScan]) {
         self.n_scans += 1;
         for (scores, result) in self.detectors.iter_mut().zip(results) {
-            scores.latencies.push(result.latency);
+            scores.latencies.push(result.times.first);
             for stage_time in &result.output.stage_times {
                 scores.add_stage_time(stage_time.stage, stage_time.duration);
             }

@@ -1,5 +1,6 @@
 //! All detectors on all scans, one scan after the other.
 
+use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -10,6 +11,7 @@ use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::{Dataset, DatasetError};
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::Assignment;
+use crate::run::grid_write::GridWrite;
 use crate::task::Task;
 
 /// What is run, and how.
@@ -22,6 +24,8 @@ pub struct SideBySide<'a> {
     pub matching: MatchingParams,
     /// Detections of the first scan, for each detector, that are thrown away before anything is timed.
     pub n_warmup: usize,
+    /// How often each detector looks at each scan; more than once, and the shortest time is less disturbed by the machine.
+    pub n_repeats: NonZeroUsize,
     /// Scans that are read (or simulated) at once, each on a thread of its own. Nothing is read while a detector runs.
     pub n_jobs: usize,
     /// Ends the run at the next scan once it is set.
@@ -33,12 +37,23 @@ pub struct SideBySide<'a> {
 pub struct DetectorScan {
     /// Name of the detector.
     pub detector: &'static str,
-    /// Its detections and stage times.
+    /// Its detections, and the stage times of the first repetition.
     pub output: DetectorOutput,
-    /// Time of the whole detection on a monotonic clock: no reading, matching or logging.
-    pub latency: Duration,
+    /// Times of the whole detection on a monotonic clock: no reading, matching or logging.
+    pub times: DetectionTimes,
     /// What became of annotations and detections, one entry for each of [`Task::ALL`].
     pub assignments: Vec<Assignment>,
+}
+
+/// How long a detector took for a scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DetectionTimes {
+    /// The first repetition: what a detection takes that sees the scan for the first time.
+    pub first: Duration,
+    /// The shortest of all repetitions.
+    pub least: Duration,
+    /// The shortest of all repetitions of the [reference](GridWrite), in turns with the detectors; `None` if it was not timed.
+    pub reference: Option<Duration>,
 }
 
 /// One scan with what all detectors made of it.
@@ -72,7 +87,8 @@ pub enum RunError {
 impl SideBySide<'_> {
     /// Runs `detectors` on every scan and hands each scan's results to `on_scan`, in the order of the scans.
     ///
-    /// The detectors take turns scan by scan, in alternating order, so that a disturbance of the machine meets all of them.
+    /// The detectors, and the reference, take turns scan by scan and repetition by repetition, in alternating order, so that a
+    /// disturbance of the machine meets all of them.
     ///
     /// # Errors
     ///
@@ -97,6 +113,7 @@ impl SideBySide<'_> {
         mut on_scan: impl FnMut(ScanResults<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut is_warm = false;
+        let mut reference = GridWrite::default();
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
         for (batch_idx, batch) in self.scan_indices.chunks(self.n_jobs.max(1)).enumerate() {
             let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
@@ -118,7 +135,8 @@ impl SideBySide<'_> {
                     let n_scans = self.scan_indices.len();
                     return Err(RunError::Interrupted { n_done: run_idx, n_scans }.into());
                 }
-                let results = self.detect_all(run_idx, &scan, detectors, &mut outputs);
+                let times = self.detect_all(run_idx, &scan, (detectors, &mut outputs), &mut reference);
+                let results = self.results(&scan, (detectors, &outputs), &times);
                 on_scan(ScanResults { run_idx, scan: &scan, results: &results, detectors })?;
             }
         }
@@ -138,34 +156,65 @@ impl SideBySide<'_> {
         }
     }
 
+    /// Fills the outputs of all detectors, and says how long each took.
     fn detect_all(
         &self,
         run_idx: usize,
         scan: &LabeledScan,
-        detectors: &mut [Box<dyn Detector>],
-        outputs: &mut [DetectorOutput],
+        (detectors, outputs): (&mut [Box<dyn Detector>], &mut [DetectorOutput]),
+        reference: &mut GridWrite,
+    ) -> Vec<DetectionTimes> {
+        let mut of_reference = Duration::MAX;
+        let mut times: Vec<Vec<Duration>> = vec![Vec::new(); detectors.len()];
+        let mut first_stage_times = Vec::new();
+        // Once asked to end, what is begun is finished, but not repeated.
+        for repeat in (0..self.n_repeats.get()).take_while(|it| *it == 0 || !self.is_interrupted()) {
+            let mut order: Vec<Option<usize>> = (0..detectors.len()).map(Some).chain([None]).collect();
+            if (run_idx + repeat) % 2 == 1 {
+                order.reverse();
+            }
+            for turn in order {
+                let Some(idx) = turn else {
+                    of_reference = of_reference.min(reference.time(&scan.cloud));
+                    continue;
+                };
+                let started = Instant::now();
+                detectors[idx].detect(&scan.cloud, &mut outputs[idx]);
+                times[idx].push(started.elapsed());
+            }
+            if repeat == 0 {
+                first_stage_times = outputs.iter().map(|it| it.stage_times.clone()).collect();
+            }
+        }
+        for (output, stage_times) in outputs.iter_mut().zip(first_stage_times) {
+            output.stage_times = stage_times;
+        }
+        let of_detector = |of_detector: Vec<Duration>| DetectionTimes {
+            first: of_detector[0],
+            least: of_detector.into_iter().min().unwrap_or_default(),
+            reference: Some(of_reference),
+        };
+        times.into_iter().map(of_detector).collect()
+    }
+
+    /// What became of all that was detected.
+    fn results(
+        &self,
+        scan: &LabeledScan,
+        (detectors, outputs): (&[Box<dyn Detector>], &[DetectorOutput]),
+        times: &[DetectionTimes],
     ) -> Vec<DetectorScan> {
-        let mut order: Vec<usize> = (0..detectors.len()).collect();
-        if run_idx % 2 == 1 {
-            order.reverse();
-        }
-        let mut latencies = vec![Duration::ZERO; detectors.len()];
-        for idx in order {
-            let started = Instant::now();
-            detectors[idx].detect(&scan.cloud, &mut outputs[idx]);
-            latencies[idx] = started.elapsed();
-        }
         let annotated = &self.dataset.description().annotated;
         let judge = |output: &DetectorOutput| {
             let of_task = |&task| assign(scan, &output.detections, task, annotated, &self.matching);
             Task::ALL.iter().map(of_task).collect()
         };
-        let results = detectors.iter().zip(outputs.iter()).zip(latencies);
+        let results = detectors.iter().zip(outputs).zip(times);
         results
-            .map(|((detector, output), latency)| DetectorScan {
+            .map(|((detector, output), times)| DetectorScan {
                 detector: detector.name(),
                 output: output.clone(),
-                latency,
+                times: *times,
                 assignments: judge(output),
             })
             .collect()

@@ -12,7 +12,7 @@ use super::road_axis::{RoadAxis, RoadAxisShape, Wave};
 use super::scan::{beam_errors, turn};
 use super::scene::{Leaf, LeafForm, Scene};
 use super::sensor::SensorModel;
-use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 
 /// A thing and where it stands: world from object, the sensor above the world's origin, which lies on the road.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +62,8 @@ pub fn staged_scan(objects: &[StagedObject], sensor: &SensorModel, seed: u64) ->
         id: ScanId { sequence: format!("staged-{seed}"), index: 0 },
         annotations: annotations.collect(),
         point_regions: vec![PointRegion::Labeled; turn.cloud.len()],
+        labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
         cloud: turn.cloud,
     }
 }

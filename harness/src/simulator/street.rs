@@ -21,7 +21,7 @@ use super::scene::{Leaf, LeafForm, Scene};
 use super::sensor::SensorModel;
 use super::street_conditions::StreetConditions;
 use super::world::{Motion, World, world_from_placement};
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 
 /// Bumped whenever the same street, seed and sensor give other scans.
 pub const SIMULATOR_VERSION: u32 = 2;
@@ -211,7 +211,14 @@ impl Street {
         let annotations = self.annotations(&turn, sensor, &moments);
         let point_regions = vec![PointRegion::Labeled; turn.cloud.len()];
         let id = ScanId { sequence: self.sequence(), index: scan_idx };
-        LabeledScan { id, cloud: turn.cloud, annotations, point_regions }
+        LabeledScan {
+            id,
+            cloud: turn.cloud,
+            annotations,
+            point_regions,
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        }
     }
 
     fn world_from_sensor(&self, sensor: &SensorModel, time_s: f32) -> Pose {

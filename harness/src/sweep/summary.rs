@@ -2,11 +2,13 @@
 
 use detector::grid::cell_fitness::{CellTally, FitnessReading};
 use rayon::prelude::*;
+use reports::blocks::BlockCount;
 use reports::table::sweep_score::{
     CellScore, FitnessValue, SweepScore, SweepScores, SweepSubject, SweepTime,
 };
 use reports::table::task_table::{Extent, Origin};
 
+use crate::dataset::scan_times::scan_times_s;
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::sweep::block_resamples::{BlockResamples, ratio_interval};
 use crate::sweep::quality_pass::SweptDataset;
@@ -48,8 +50,9 @@ impl SweepResults<'_> {
     /// The numbers of each data set and, if there are several, of all together.
     pub fn summary(&self) -> SweepScores {
         let draw = |it: &SweptDataset<'_>| {
-            let ids = it.scan_indices.iter().map(|&scan_idx| &it.dataset.scan_ids()[scan_idx]);
-            BlockResamples::draw(&it.dataset.description().id, ids)
+            let (ids, times_s) = (it.dataset.scan_ids(), scan_times_s(it.dataset));
+            let scans = it.scan_indices.iter().map(|&scan_idx| (&ids[scan_idx], times_s[scan_idx]));
+            BlockResamples::draw(&it.dataset.description().id, scans)
         };
         let resamples: Vec<BlockResamples> = self.datasets.iter().map(draw).collect();
         let groups = self.groups(&resamples);
@@ -151,7 +154,7 @@ impl SweepResults<'_> {
             subject: self.subject(group, detector_idx, point_idx),
             task: Task::ALL[task_idx].name().to_owned(),
             n_scans: found.iter().map(|it| it.scans.len() as u64).sum(),
-            n_blocks: group.members.iter().map(|it| it.resamples.n_blocks() as u64).sum(),
+            blocks: blocks_of(group),
             f_rate_within: counts.fo().and_then(|_| within(f_rate_terms)),
             recall_within: within(|it| [it.n_matched as f64, it.n_annotations as f64]),
             cells: cells(&found),
@@ -186,6 +189,12 @@ impl SweepResults<'_> {
             max_ms: percentile_ms(100)?,
         })
     }
+}
+
+/// The blocks of all members together.
+fn blocks_of(group: &Group<'_>) -> BlockCount {
+    let blocks = group.members.iter().map(|it| it.resamples.blocks()).reduce(BlockCount::with);
+    blocks.expect("a group has members")
 }
 
 /// What one detector made of the scans of a data set at one point.

@@ -31,21 +31,6 @@ fn read_clusters(csv: &str) -> Vec<Option<u32>> {
     lines.enumerate().map(cluster).collect()
 }
 
-#[test]
-fn a_point_without_a_position_keeps_its_place_and_is_of_no_cluster() {
-    let workplace = drive();
-    let mut bytes = std::fs::read(workplace.path(SCAN)).unwrap();
-    workplace.succeed(&["detect", SCAN, "-o", "before.csv"]);
-    let before = read_clusters(&workplace.read("before.csv"));
-    let lost = before.iter().position(Option::is_some).unwrap();
-    bytes[16 * lost..16 * lost + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-    std::fs::write(workplace.path(SCAN), bytes).unwrap();
-    workplace.succeed(&["detect", SCAN, "-o", "clusters.csv"]);
-    let clusters = read_clusters(&workplace.read("clusters.csv"));
-    assert_eq!((clusters.len(), clusters[lost]), (before.len(), None));
-    assert_eq!(clusters[lost + 1..], before[lost + 1..]);
-}
-
 fn drive() -> Workplace {
     let workplace = Workplace::new();
     DrawnDataset::tracking(workplace.folder(), 3);
@@ -149,9 +134,10 @@ fn several_detections_have_a_least_and_a_median_time() {
 #[test]
 fn a_simulated_scan_is_called_so() {
     let workplace = Workplace::new();
-    let arguments = ["detect", "street-narrow", "--scan", "narrow-7/10", "--seed", "7", "--sensor", "vlp-16"];
+    let arguments =
+        ["detect", "street-narrow", "--scan", "narrow-7/200", "--seed", "7", "--sensor", "vlp-16"];
     let ended = workplace.succeed(&arguments);
-    let head = "street-narrow (simulated), scan narrow-7/000010: ";
+    let head = "street-narrow (simulated), scan narrow-7/000200: ";
     assert!(ended.stdout.starts_with(head) && ended.stdout.contains(" clusters of "), "{ended:#?}");
 }
 

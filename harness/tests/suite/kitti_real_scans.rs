@@ -55,7 +55,8 @@ fn forty_scans_hold_the_published_number_of_objects() {
 
 #[needs_test_data("data/kitti_tracking", "data/kitti_object")]
 fn the_same_scans_in_both_layouts_are_the_same() {
-    let [tracking, object] = [test_data!("data/kitti_tracking"), test_data!("data/kitti_object")].map(|it| open(&it));
+    let [tracking, object] =
+        [test_data!("data/kitti_tracking"), test_data!("data/kitti_object")].map(|it| open(&it));
     assert_eq!(object.description().format, "kitti-object");
     assert_eq!(object.scan_ids().len(), OBJECT_SCANS.len());
     for (scan_idx, (object_index, tracking_index)) in OBJECT_SCANS.into_iter().enumerate() {

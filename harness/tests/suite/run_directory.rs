@@ -21,7 +21,9 @@ fn untimed_rows(workplace: &Workplace, run: &str) -> Vec<Value> {
     let rows = report["rows"].as_array().expect("rows").clone();
     let is_time = |row: &Value| {
         let metric = row["metric"].as_str().expect("a metric");
-        ["fps_", "latency_", "stage_"].iter().any(|prefix| metric.starts_with(prefix))
+        ["fps_", "latency_", "stage_", "reference_ms", "time_over_reference"]
+            .iter()
+            .any(|prefix| metric.starts_with(prefix))
     };
     let (times, rest): (Vec<Value>, Vec<Value>) = rows.into_iter().partition(is_time);
     assert!(!times.is_empty() && !rest.is_empty());
@@ -90,7 +92,8 @@ fn a_run_without_a_name_is_found_as_the_latest() {
 #[test]
 fn runs_that_begin_in_the_same_second_have_names_of_their_own() {
     let workplace = drive(1);
-    let children: Vec<_> = (0..4).map(|_| workplace.start(&["run", "street", "-d", "pca", "--no-rrd"])).collect();
+    let children: Vec<_> =
+        (0..4).map(|_| workplace.start(&["run", "street", "-d", "pca", "--no-rrd"])).collect();
     for child in children {
         let ended = Ended::from(child.wait_with_output().expect("it ends"));
         assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
@@ -210,7 +213,8 @@ fn the_manifest_says_what_was_simulated() {
         "simulator_version": harness::simulator::SIMULATOR_VERSION,
         "street": "street-narrow",
         "n_drive_scans": 2,
-        "turns_per_scan": 10,
+        "turns_per_scan": 200,
+        "scans_per_drive": 2,
         "sensor": "vlp-16",
         "shutter": "instant",
         "rain_mm_per_h": null,

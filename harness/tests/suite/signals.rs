@@ -128,7 +128,8 @@ fn verbs_about_data_end_soon() {
     for (format, output) in [("mcap", "out.mcap"), ("kitti-tracking", "out"), ("semantic-kitti", "out")] {
         check_on_a_street(&["data", "simulate"], &["--to", format, "-o", output], &[]);
     }
-    let several = ["data", "simulate", "streets", "--simulated-scans", "1000", "--to", "mcap", "-o", "deep/out"];
+    let several =
+        ["data", "simulate", "streets", "--simulated-scans", "1000", "--to", "mcap", "-o", "deep/out"];
     check(&Workplace::new(), &several, &[]);
     check_on_a_street(&["data", "prelabel"], &["--to", "labelcloud", "-o", "out"], &[]);
 }
@@ -158,7 +159,8 @@ fn write_dense_scan(workplace: &Workplace) {
 fn the_kd_tree_ends_soon_in_the_middle_of_five_million_points() {
     let workplace = Workplace::new();
     write_dense_scan(&workplace);
-    let detect = ["detect", "dense/000000.bin", "-d", "kd-tree", "-P", "foreground=all", "-o", "clusters.u32"];
+    let detect =
+        ["detect", "dense/000000.bin", "-d", "kd-tree", "-P", "foreground=all", "-o", "clusters.u32"];
     check(&workplace, &detect, &["dense"]);
     for signals in [&["-INT"][..], &["-TERM", "-INT"]] {
         let (ended, time) = interrupted(&workplace, &detect, Duration::from_secs(3), signals);

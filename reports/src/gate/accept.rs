@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::archive::ArchiveError;
 use crate::csv_rows::to_csv_bytes;
 use crate::fixed_decimals::fixed_decimals;
+use crate::gate::comparability::{NotComparable, check_comparable};
 use crate::match_outcome::MatchOutcome;
 use crate::metric::Metric;
 use crate::run_archive::RunArchive;
@@ -27,9 +28,43 @@ pub const TOLERANCES_TOML: &str = "tolerances.toml";
 const SCORES_HEAD: &str = "# Accepted scores\n\nF-rates in % of the accepted run, before → after, and why. Written by \
     `scanbench baseline accept`.\n\n";
 
+/// How a run becomes the accepted one.
+#[derive(Debug, Clone, Copy)]
+pub struct Acceptance<'a> {
+    /// The day.
+    pub date: &'a str,
+    /// Why the scores are what they are.
+    pub why: &'a str,
+    /// What it has to have in common with the run that was accepted before.
+    pub succession: Succession,
+}
+
+/// What a run has to have in common with the run that was accepted before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Succession {
+    /// The scans, and the rules of judging.
+    Comparable,
+    /// Nothing: the history goes on, but its numbers do not.
+    Anew,
+}
+
 /// Why results cannot be accepted.
 #[derive(Debug, thiserror::Error)]
 pub enum AcceptError {
+    /// The program that made them was built from changes that nobody can find again.
+    #[error(
+        "the run was made by a program with changes beyond commit {commit}; commit them, and run it again"
+    )]
+    Dirty {
+        /// The commit that the changes are beyond.
+        commit: String,
+    },
+    /// There is an accepted run that these results say nothing about.
+    #[error("{reason}; if that is meant, accept it with --new-baseline")]
+    NoSuccessor {
+        /// Why.
+        reason: String,
+    },
     /// A file cannot be read or written.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
@@ -55,15 +90,26 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
 /// Makes `run` the accepted run of the baseline `directory`, and adds a line to its history, which is returned.
 ///
 /// What is ignored is left out of the matches: it makes half of them, counts for nothing, and its numbers are in the
-/// rows of the scans. `date` is the day, `why` the reason.
+/// rows of the scans.
 ///
 /// # Errors
 ///
-/// [`AcceptError`] if something cannot be written; the earlier baseline is there still.
-pub fn accept(run: &RunArchive, directory: &Path, date: &str, why: &str) -> Result<String, AcceptError> {
+/// [`AcceptError`] if the run cannot be made again, or says nothing about the one accepted before although it is meant to,
+/// or something cannot be written; the earlier baseline is there still.
+pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) -> Result<String, AcceptError> {
+    if let Some(git) = run.manifest.git.as_ref().filter(|it| it.dirty) {
+        return Err(AcceptError::Dirty { commit: git.commit.clone() });
+    }
     let target = directory.join(ACCEPTED_RUN);
-    let before = if target.exists() { RunArchive::read(&target).ok() } else { None };
-    let line = history_line(before.as_ref(), run, date, why);
+    let before = if target.exists() { Some(predecessor(&target, run)) } else { None };
+    let line = match before {
+        None => history_line(None, run, acceptance),
+        Some(Ok(before)) => history_line(Some(&before), run, acceptance),
+        Some(Err(reason)) if acceptance.succession == Succession::Anew => {
+            format!("{} New baseline: {reason}.", history_line(None, run, acceptance))
+        }
+        Some(Err(reason)) => return Err(AcceptError::NoSuccessor { reason }),
+    };
     let history = history_with(&directory.join(SCORES_MD), &line)?;
 
     let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
@@ -85,6 +131,19 @@ pub fn accept(run: &RunArchive, directory: &Path, date: &str, why: &str) -> Resu
     Ok(line)
 }
 
+/// The accepted run in `target`, which `run` is to follow; or why it cannot.
+fn predecessor(target: &Path, run: &RunArchive) -> Result<RunArchive, String> {
+    let before = RunArchive::read(target)
+        .map_err(|error| format!("the accepted run {} cannot be read: {error}", target.display()))?;
+    match check_comparable(&before, run) {
+        Ok(()) => Ok(before),
+        Err(NotComparable { reasons }) => {
+            Err(format!("the run cannot be compared with the accepted one: {}", reasons.join(", ")))
+        }
+    }
+}
+
+/// Whether a number of the report is made of it: what is tall has a slice of its own.
 fn counts(outcome: &MatchOutcome) -> bool {
     !matches!(outcome, MatchOutcome::IgnoredAnnotation { .. } | MatchOutcome::IgnoredDetection { .. })
 }
@@ -103,12 +162,11 @@ fn history_with(path: &Path, line: &str) -> Result<String, AcceptError> {
     Ok(history)
 }
 
-fn history_line(before: Option<&RunArchive>, run: &RunArchive, date: &str, why: &str) -> String {
-    let mut line = format!("- {date}");
+fn history_line(before: Option<&RunArchive>, run: &RunArchive, acceptance: Acceptance<'_>) -> String {
+    let mut line = format!("- {}", acceptance.date);
     if let Some(git) = &run.manifest.git {
         let commit: String = git.commit.chars().take(7).collect();
-        write!(line, ", {commit}{}", if git.dirty { " with changes" } else { "" })
-            .expect("a string takes all that is written");
+        write!(line, ", {commit}").expect("a string takes all that is written");
     }
     let tally = run.tally();
     for task in tally.tasks() {
@@ -126,8 +184,8 @@ fn history_line(before: Option<&RunArchive>, run: &RunArchive, date: &str, why: 
         }
     }
     // One line, whatever the reason.
-    let why: Vec<&str> = why.split_whitespace().collect();
-    format!("{line}. {}", why.join(" "))
+    let why = acceptance.why.split_whitespace().collect::<Vec<_>>().join(" ");
+    format!("{line}. {}.", why.trim_end_matches('.'))
 }
 
 /// The F-rate over all data sets.

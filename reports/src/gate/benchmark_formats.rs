@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::fixed_decimals::fixed_decimals;
 use crate::metric::{Direction, LatencyStatistic, Metric};
-use crate::run_report::{MetricRow, RunReport, SLICE_ALL};
+use crate::run_report::{Interval, MetricRow, RunReport, SLICE_ALL};
 use crate::sums::RATIOS;
 
 /// The numbers as github-action-benchmark takes them under `customSmallerIsBetter`.
@@ -23,7 +23,7 @@ pub fn to_custom_smaller_is_better(report: &RunReport) -> String {
             "value": if is_turned { 1.0 - value } else { value },
             "extra": format!("made of {}", row.n),
         });
-        if let Some(interval) = row.interval() {
+        if let Some(interval) = reliable_interval(row) {
             let half_width = (interval.ends[1] - interval.ends[0]) / 2.0;
             entry["range"] = Value::String(format!("± {}", fixed_decimals(half_width, 4)));
         }
@@ -38,7 +38,7 @@ pub fn to_bencher_metric_format(report: &RunReport) -> String {
     for row in headline_rows(report) {
         let Some(value) = row.value() else { continue };
         let mut measure = json!({ "value": value });
-        if let Some(interval) = row.interval() {
+        if let Some(interval) = reliable_interval(row) {
             measure["lower_value"] = interval.ends[0].into();
             measure["upper_value"] = interval.ends[1].into();
         }
@@ -46,6 +46,11 @@ pub fn to_bencher_metric_format(report: &RunReport) -> String {
         benchmarks.entry(name).or_default().insert(row.metric.id(), measure);
     }
     pretty(&serde_json::to_value(benchmarks).expect("names are text"))
+}
+
+/// Its interval, unless that is of too few blocks of scans: services would draw conclusions from it.
+fn reliable_interval(row: &MetricRow) -> Option<Interval> {
+    row.interval().filter(|it| !it.blocks.are_too_few())
 }
 
 /// The ratios and the median time, over all data sets.

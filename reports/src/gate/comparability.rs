@@ -1,9 +1,10 @@
 //! Whether two runs may be compared at all.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::manifest::{DatasetEntry, Manifest};
 use crate::run_archive::RunArchive;
+use crate::scan_row::ScanOutcome;
 
 /// Two runs cannot be compared.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -66,6 +67,9 @@ fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
     if before.annotated != now.annotated {
         return Some(format!("{id} annotated other classes"));
     }
+    if before.classes != now.classes {
+        return Some(format!("names of classes in the labels of {id} stood for others"));
+    }
     if (before.sensor_height_m, &before.sensor) != (now.sensor_height_m, &now.sensor) {
         return Some(format!("the sensor of {id} is another, or mounted elsewhere"));
     }
@@ -87,11 +91,31 @@ fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
             now.len()
         )];
     }
-    let of_detectors = |it: &RunArchive| {
-        let rows = it.scans.iter();
-        rows.map(|row| (row.detector.clone(), row.task.clone())).collect::<BTreeSet<_>>()
+    missing_detectors(baseline, run)
+}
+
+/// Detectors of `baseline` that `run` has not evaluated on all of the same scans.
+fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
+    let evaluated = |it: &'_ RunArchive| {
+        let mut scans: BTreeMap<(String, String, String), BTreeSet<(String, u32)>> = BTreeMap::new();
+        for row in it.scans.iter().filter(|row| matches!(row.outcome, ScanOutcome::Evaluated(_))) {
+            let subject = (row.detector.clone(), row.task.clone(), row.dataset.clone());
+            scans.entry(subject).or_default().insert((row.sequence.clone(), row.scan));
+        }
+        scans
     };
-    let now = of_detectors(run);
-    let missing = of_detectors(baseline).into_iter().filter(|it| !now.contains(it));
-    missing.map(|(detector, task)| format!("{detector} was not run, or not asked for {task}")).collect()
+    let (before, now) = (evaluated(baseline), evaluated(run));
+    let missing = before.iter().filter_map(|(subject, scans)| {
+        let (detector, task, dataset) = subject;
+        match now.get(subject) {
+            None => Some(format!("{detector} was not run on {dataset}, or not asked for {task}")),
+            Some(theirs) if theirs != scans => Some(format!(
+                "{detector} was evaluated on {} scans of {dataset} for {task} and is on {}",
+                scans.len(),
+                theirs.len()
+            )),
+            Some(_) => None,
+        }
+    });
+    missing.collect()
 }

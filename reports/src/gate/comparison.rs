@@ -5,7 +5,7 @@ use crate::gate::comparability::{NotComparable, check_comparable};
 use crate::gate::drift::drift;
 use crate::gate::paired_difference::{PairedDifference, paired_difference};
 use crate::gate::wording::{
-    ABOUT_DIFFERENCES, difference_text, interval_text, least_effect_text, metric_text, value_text,
+    about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
 };
 use crate::run_archive::RunArchive;
 use crate::run_report::OVERALL;
@@ -113,10 +113,11 @@ impl Comparison {
     /// The comparison for a terminal.
     pub fn to_terminal(&self) -> String {
         let mut text = format!("{}.\n\n", self.title);
-        terminal::write_grid(&mut text, &self.grid(), &Notes::none());
+        let (grid, notes) = self.grid_and_notes();
+        terminal::write_grid(&mut text, &grid, &notes);
         text.push('\n');
-        for sentence in self.sentences() {
-            text.push_str(&terminal::wrapped(&sentence));
+        for sentence in &notes.sentences {
+            text.push_str(&terminal::wrapped(sentence));
         }
         text
     }
@@ -124,12 +125,19 @@ impl Comparison {
     /// The comparison as Markdown.
     pub fn to_markdown(&self) -> String {
         let mut text = format!("**{}.**\n\n", markdown::escaped(&self.title));
-        markdown::write_grid(&mut text, &self.grid(), &Notes::none());
+        let (grid, notes) = self.grid_and_notes();
+        markdown::write_grid(&mut text, &grid, &notes);
         text.push('\n');
-        for sentence in self.sentences() {
-            markdown::push_line(&mut text, &format!("- {}", markdown::escaped(&sentence)));
+        for sentence in &notes.sentences {
+            markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
         }
         text
+    }
+
+    fn grid_and_notes(&self) -> (Grid, Notes) {
+        let grid = self.grid();
+        let notes = Notes::beneath(std::slice::from_ref(&grid), self.sentences());
+        (grid, notes)
     }
 
     fn sentences(&self) -> Vec<String> {
@@ -137,7 +145,12 @@ impl Comparison {
             0 => "Every scan is judged as before.".to_owned(),
             n => format!("{n} times a detector is judged otherwise on a scan than before."),
         });
-        [ABOUT_DIFFERENCES.to_owned()].into_iter().chain(about_scans).collect()
+        let kind = self.differences.iter().find_map(|it| it.difference.interval).map(|it| it.blocks.kind);
+        let about_numbers = match kind {
+            Some(kind) => about_differences(kind),
+            None => "A single block of scans: no interval can be given.".to_owned(),
+        };
+        [about_numbers].into_iter().chain(about_scans).collect()
     }
 
     fn grid(&self) -> Grid {
@@ -156,7 +169,7 @@ impl Comparison {
                 Cell::new(value_text(metric, it.before)),
                 Cell::new(value_text(metric, it.after)),
                 Cell::new(difference_text(metric, it.difference())),
-                Cell { is_interval: true, ..Cell::new(interval_text(it)) },
+                interval_cell(it),
                 Cell::new(least_effect_text(it)),
             ];
             Line { kind: LineKind::Dataset, cells }

@@ -107,7 +107,9 @@ impl<'a> ScanObjects<'a> {
             MatchOutcome::Unknowable { detection } => {
                 self.unmatched.insert(key(detection), (detection, "unknowable".to_owned()));
             }
-            MatchOutcome::IgnoredAnnotation { .. } | MatchOutcome::IgnoredDetection { .. } => {}
+            MatchOutcome::IgnoredAnnotation { .. }
+            | MatchOutcome::Tall { .. }
+            | MatchOutcome::IgnoredDetection { .. } => {}
         }
     }
 }
@@ -177,10 +179,8 @@ fn fate_change(annotation: &AnnotationFacts, before: &Fate<'_>, now: &Fate<'_>) 
 
 fn name(annotation: &AnnotationFacts) -> String {
     let track = annotation.track.map_or_else(String::new, |it| format!(", track {it}"));
-    let place = annotation.bounding_box.map_or_else(String::new, |it| {
-        let [x_m, y_m, _] = it.center_m;
-        format!(" at ({x_m:.1}, {y_m:.1}) m")
-    });
+    let place =
+        annotation.center_m().map_or_else(String::new, |[x_m, y_m, _]| format!(" at ({x_m:.1}, {y_m:.1}) m"));
     let AnnotationFacts { id, class, n_points, .. } = annotation;
     format!("{class} {id}{track}, {n_points} points{place}")
 }
@@ -192,7 +192,14 @@ fn unmatched_name(detection: &DetectionFacts) -> String {
 
 /// What changed in the numbers of a scan all of whose matches are the same; times always do.
 fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Option<String> {
-    let untimed = |it: Option<&ScanNumbers>| it.map(|it| ScanNumbers { latency_ms: None, ..it.clone() });
+    let untimed = |it: Option<&ScanNumbers>| {
+        it.map(|it| ScanNumbers {
+            latency_ms: None,
+            least_latency_ms: None,
+            reference_ms: None,
+            ..it.clone()
+        })
+    };
     let (before, now) = (untimed(before), untimed(now));
     (before != now).then(|| {
         let in_words = |it: &Option<ScanNumbers>| {

@@ -6,8 +6,11 @@ use std::io;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 
+use crate::gate::finding::Finding;
+use crate::gate::gated_metrics::GatedMetric;
+use crate::gate::gated_speeds::{GatedSpeed, SpeedComparison};
 use crate::gate::summary::scan_name;
-use crate::gate::verdict::{Finding, GatedMetric, GatedSpeed, Verdict};
+use crate::gate::verdict::Verdict;
 use crate::gate::wording::{difference_text, interval_text, metric_text, value_text};
 
 /// What a test case came to.
@@ -31,9 +34,10 @@ struct TestCase {
 
 /// The content of `junit.xml`.
 pub fn to_junit(verdict: &Verdict) -> String {
+    let about_blocks = verdict.blocks.are_too_few().then_some(verdict.blocks.n_blocks);
     let suites = [
-        ("quality", verdict.metrics.iter().map(of_metric).collect::<Vec<_>>()),
-        ("speed", verdict.speeds.iter().map(of_speed).collect()),
+        ("quality", verdict.metrics.iter().map(|it| of_metric(it, about_blocks)).collect::<Vec<_>>()),
+        ("speed", speed_cases(verdict, about_blocks)),
         ("drift", drift_cases(verdict)),
     ];
     let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
@@ -64,11 +68,24 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
     of_scan.collect()
 }
 
-fn of_metric(gated: &GatedMetric) -> TestCase {
+fn speed_cases(verdict: &Verdict, n_few_blocks: Option<u64>) -> Vec<TestCase> {
+    match &verdict.speed {
+        SpeedComparison::NotAsked => Vec::new(),
+        SpeedComparison::NotCompared { reason } => vec![TestCase {
+            class: "scanbench.speed".to_owned(),
+            name: "times are as accepted".to_owned(),
+            outcome: Outcome::Skipped(format!("speed was not compared: {reason}")),
+        }],
+        SpeedComparison::Compared(speeds) => speeds.iter().map(|it| of_speed(it, n_few_blocks)).collect(),
+    }
+}
+
+/// `n_few_blocks` are the blocks of scans, where they are too few.
+fn of_metric(gated: &GatedMetric, n_few_blocks: Option<u64>) -> TestCase {
     let metric = &gated.metric;
     let tolerance = difference_text(metric, gated.tolerance).trim_start_matches('+').to_owned();
     let message = gated.difference.as_ref().map_or_else(
-        || "undefined, but was not in the baseline".to_owned(),
+        |missing| format!("{}: {}", metric_text(metric), missing.in_words()),
         |it| {
             format!(
                 "{}: {} before, {} after, {} (95 % {}), {tolerance} is tolerated",
@@ -83,29 +100,32 @@ fn of_metric(gated: &GatedMetric) -> TestCase {
     TestCase {
         class: format!("scanbench.{}.{}", gated.task, gated.detector),
         name: format!("{} of {}", metric.id(), gated.slice),
-        outcome: outcome(gated.finding, message),
+        outcome: outcome(gated.finding, message, n_few_blocks),
     }
 }
 
-fn of_speed(speed: &GatedSpeed) -> TestCase {
-    let message = format!(
-        "time over that of {}: {:.4} before, {:.4} after, {:.0} % more is tolerated",
-        speed.reference,
-        speed.before,
-        speed.after,
-        100.0 * speed.tolerance
-    );
+fn of_speed(speed: &GatedSpeed, n_few_blocks: Option<u64>) -> TestCase {
+    let numbers = match &speed.slowdown {
+        Ok(it) => format!("{:.3} before, {:.3} after", it.before, it.after),
+        Err(missing) => missing.in_words().to_owned(),
+    };
+    let tolerated = 100.0 * speed.tolerance;
+    let message =
+        format!("time over that of {}: {numbers}, {tolerated:.0} % more is tolerated", speed.reference);
     TestCase {
         class: format!("scanbench.speed.{}", speed.detector),
         name: format!("time over that of {}", speed.reference),
-        outcome: outcome(speed.finding, message),
+        outcome: outcome(speed.finding, message, n_few_blocks),
     }
 }
 
-fn outcome(finding: Finding, message: String) -> Outcome {
+fn outcome(finding: Finding, message: String, n_few_blocks: Option<u64>) -> Outcome {
     match finding {
         Finding::Pass => Outcome::Passed,
-        Finding::Inconclusive => Outcome::Skipped(format!("inconclusive: {message}")),
+        Finding::Inconclusive => Outcome::Skipped(match n_few_blocks {
+            Some(n) => format!("inconclusive, only {n} blocks of scans: {message}"),
+            None => format!("inconclusive: {message}"),
+        }),
         Finding::Incomparable => Outcome::Error(message),
         Finding::Regression => Outcome::Failed { kind: "regression", details: message.clone(), message },
     }

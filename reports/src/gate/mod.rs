@@ -6,7 +6,11 @@
 pub mod comparability;
 pub mod paired_difference;
 pub mod drift;
+mod suggestion;
 pub mod tolerances;
+pub mod finding;
+pub mod gated_metrics;
+pub mod gated_speeds;
 pub mod verdict;
 mod wording;
 pub mod comparison;

@@ -14,7 +14,7 @@ pub struct PairedDifference {
     pub before: f64,
     /// The number that is compared.
     pub after: f64,
-    /// How sure `after` - `before` is: both are of the same resamples. `None` where there is one block of scans only.
+    /// How sure `after` - `before` is: both are of the same resamples. `None` where a data set has one block of scans only.
     pub interval: Option<Interval>,
     /// The least difference that scans like these would show, see [`Distribution::least_effect`].
     pub least_effect: Option<f64>,
@@ -27,7 +27,7 @@ pub fn paired_difference(before: &Sample, after: &Sample, metric: &Metric) -> Op
     let [value_before, value_after] = [before.value(metric)?, after.value(metric)?];
     let of_resamples = before.resampled_values(metric).zip(after.resampled_values(metric));
     let differences = of_resamples.map(|(before, after)| Some(after? - before?));
-    let distribution = Distribution::new(differences, before.n_blocks);
+    let distribution = Distribution::new(differences, before.blocks);
     Some(PairedDifference {
         metric: metric.clone(),
         before: value_before,
@@ -49,10 +49,16 @@ impl PairedDifference {
         self.sign() * self.difference()
     }
 
-    /// The 95 % interval of [`Self::worsening`], lower end first.
-    pub fn worsening_interval(&self) -> Option<[f64; 2]> {
-        let [low, high] = self.interval?.ends.map(|it| self.sign() * it);
-        Some([low.min(high), low.max(high)])
+    /// How much worse it has become at least: the lower end of the 95 % interval of [`Self::worsening`]. `None` where there is no
+    /// interval, or it is of too few blocks of scans for anything to rest on it.
+    pub fn sure_worsening(&self) -> Option<f64> {
+        let interval = self.interval.filter(|it| !it.blocks.are_too_few())?;
+        interval.ends.map(|it| self.sign() * it).into_iter().reduce(f64::min)
+    }
+
+    /// Whether `after` is surely larger than `before`.
+    pub fn is_surely_larger(&self) -> bool {
+        self.interval.is_some_and(|it| !it.blocks.are_too_few() && it.ends[0] > 0.0)
     }
 
     fn sign(&self) -> f64 {

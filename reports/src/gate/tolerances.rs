@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::metric::{Direction, Metric};
+use crate::gate::suggestion::did_you_mean;
+use crate::metric::{Direction, Metric, SPEED_REFERENCE};
 
 /// What is gated, and how tightly.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerances {
-    /// Rules about what is deterministic; the first that is about a metric, a task and a slice decides.
+    /// Rules about what is deterministic; the first that is about a number decides.
     pub quality: Vec<QualityRule>,
     /// The rule about times; without it they are not gated.
     pub speed: Option<SpeedRule>,
@@ -26,20 +27,33 @@ pub struct QualityRule {
     pub slices: Vec<String>,
     /// Names of tasks; all, if left out.
     pub tasks: Option<Vec<String>>,
+    /// Names of detectors; all, if left out.
+    pub detectors: Option<Vec<String>>,
     /// In the unit of the metric.
     pub absolute: f64,
     /// As a share of the baseline's value.
     pub relative: f64,
 }
 
-/// How much slower detectors may become, beside another detector of the same run.
+/// How much slower detectors may become, beside the reference that is timed in turns with them.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedRule {
-    /// The detector that times are divided by.
+    /// What times are divided by: [`SPEED_REFERENCE`].
     pub reference: String,
     /// As a share of the baseline's ratio.
     pub relative: f64,
+}
+
+/// What a number is of that may be gated.
+#[derive(Debug, Clone, Copy)]
+pub struct GatedPlace<'a> {
+    /// Name of the task.
+    pub task: &'a str,
+    /// Name of the detector.
+    pub detector: &'a str,
+    /// Name of the slice.
+    pub slice: &'a str,
 }
 
 /// Why a file gives no tolerances.
@@ -62,13 +76,30 @@ pub enum TolerancesError {
         source: Box<toml::de::Error>,
     },
     /// It asks for what cannot be gated.
-    #[error("bad tolerances {path:?}: {problem}")]
-    Rule {
+    #[error("bad tolerances {path:?}: {problems}")]
+    Rules {
         /// The file.
         path: PathBuf,
         /// What is wrong.
-        problem: String,
+        problems: RuleProblems,
     },
+}
+
+/// Everything that is wrong with the rules of a file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}", .0.join("; "))]
+pub struct RuleProblems(pub Vec<String>);
+
+impl RuleProblems {
+    /// Nothing, or all of these.
+    ///
+    /// # Errors
+    ///
+    /// The problems, if there are any.
+    pub fn check(problems: impl IntoIterator<Item = String>) -> Result<(), Self> {
+        let problems: Vec<String> = problems.into_iter().collect();
+        if problems.is_empty() { Ok(()) } else { Err(Self(problems)) }
+    }
 }
 
 impl Tolerances {
@@ -77,45 +108,29 @@ impl Tolerances {
     /// # Errors
     ///
     /// [`TolerancesError`] if the file cannot be read, has unknown names, names a metric that does not exist or cannot be gated,
-    /// or has a tolerance that is no number or negative.
+    /// or has a tolerance that lets everything pass; with everything that is wrong.
     pub fn read(path: &Path) -> Result<Self, TolerancesError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| TolerancesError::Read { path: path.to_path_buf(), source })?;
         let tolerances: Self = toml::from_str(&text)
             .map_err(|source| TolerancesError::Toml { path: path.to_path_buf(), source: source.into() })?;
-        match tolerances.problem() {
-            Some(problem) => Err(TolerancesError::Rule { path: path.to_path_buf(), problem }),
-            None => Ok(tolerances),
-        }
+        let rules = |problems| TolerancesError::Rules { path: path.to_path_buf(), problems };
+        RuleProblems::check(tolerances.problems()).map_err(rules)?;
+        Ok(tolerances)
     }
 
-    fn problem(&self) -> Option<String> {
-        let of_rules = self.quality.iter().flat_map(|rule| {
-            let of_metrics = rule.metrics.iter().map(|id| match Metric::from_id(id) {
-                None => Some(format!("there is no metric {id:?}")),
-                Some(metric) if metric.is_time() => {
-                    Some(format!("{id:?} is another in every run; times are gated by [speed]"))
-                }
-                Some(metric) if metric.direction() == Direction::Neither => {
-                    Some(format!("{id:?} has no better way"))
-                }
-                Some(_) => None,
-            });
-            of_metrics.chain([rule.absolute, rule.relative].map(bad_tolerance)).flatten()
+    fn problems(&self) -> Vec<String> {
+        let of_rules = self.quality.iter().enumerate().flat_map(|(rule_idx, rule)| {
+            rule.problems().into_iter().map(move |problem| format!("{}: {problem}", rule_name(rule_idx)))
         });
-        let of_speed = self.speed.iter().filter_map(|it| bad_tolerance(it.relative));
-        of_rules.chain(of_speed).next()
+        let of_speed = self.speed.iter().flat_map(SpeedRule::problems);
+        of_rules.chain(of_speed.map(|problem| format!("[speed]: {problem}"))).collect()
     }
 
-    /// How much worse `metric` may become from `before`; `None` if it is not gated.
-    pub fn of(&self, metric: &Metric, task: &str, slice: &str, before: f64) -> Option<f64> {
+    /// Place of the rule that decides about `metric` of `place`; `None` if it is not gated.
+    pub fn rule_about(&self, metric: &Metric, place: GatedPlace<'_>) -> Option<usize> {
         let id = metric.id();
-        let rule = self.quality.iter().find(|rule| {
-            rule.metrics.contains(&id)
-                && rule.slices.iter().any(|it| is_meant(it, slice))
-                && rule.tasks.as_ref().is_none_or(|tasks| tasks.iter().any(|it| it == task))
-        })?;
-        Some(rule.absolute.max(rule.relative * before.abs()))
+        self.quality.iter().position(|rule| rule.metrics.contains(&id) && rule.is_about(place))
     }
 
     /// All metrics that some rule is about, in the order of a report.
@@ -128,13 +143,121 @@ impl Tolerances {
     }
 }
 
-fn is_meant(pattern: &str, slice: &str) -> bool {
+/// What a rule is called where something is wrong with it.
+pub fn rule_name(rule_idx: usize) -> String {
+    format!("[[quality]] {}", rule_idx + 1)
+}
+
+impl QualityRule {
+    /// How much worse a number may become from `before`.
+    pub fn tolerance(&self, before: f64) -> f64 {
+        self.absolute.max(self.relative * before.abs())
+    }
+
+    /// Whether it is about numbers of `place`.
+    pub fn is_about(&self, place: GatedPlace<'_>) -> bool {
+        let holds = |names: &Option<Vec<String>>, name: &str| {
+            names.as_ref().is_none_or(|it| it.iter().any(|it| it == name))
+        };
+        self.slices.iter().any(|it| is_meant(it, place.slice))
+            && holds(&self.tasks, place.task)
+            && holds(&self.detectors, place.detector)
+    }
+
+    /// Whether it names the slice and the task of `place`, so that a number is expected there.
+    pub fn names(&self, place: GatedPlace<'_>) -> bool {
+        let is_in = |names: &[String], name: &str| names.iter().any(|it| it == name);
+        is_in(&self.slices, place.slice) && self.tasks.as_ref().is_some_and(|it| is_in(it, place.task))
+    }
+
+    fn problems(&self) -> Vec<String> {
+        let mut problems: Vec<String> = self.metrics.iter().filter_map(|id| metric_problem(id)).collect();
+        let lists = [
+            ("metrics", Some(&self.metrics)),
+            ("slices", Some(&self.slices)),
+            ("tasks", self.tasks.as_ref()),
+            ("detectors", self.detectors.as_ref()),
+        ];
+        let empty = lists.into_iter().filter(|(_, names)| names.is_some_and(Vec::is_empty));
+        problems.extend(empty.map(|(list, _)| format!("{list} is empty")));
+        problems.extend(share_problem("relative", self.relative));
+        problems.extend(self.absolute_problem());
+        problems
+    }
+
+    /// More than the least of the metrics' limits lets everything pass.
+    fn absolute_problem(&self) -> Option<String> {
+        let absolute = self.absolute;
+        if !absolute.is_finite() || absolute < 0.0 {
+            return Some(format!("absolute = {absolute} is no tolerance"));
+        }
+        let units = self.metrics.iter().filter_map(|id| Some(Metric::from_id(id)?.unit()));
+        let limits = units.filter_map(|unit| Some((unit, greatest_absolute(unit)?)));
+        let (unit, limit) = limits.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (absolute > limit).then(|| {
+            let unit =
+                if unit == "ratio" { "of a rate, where 1 is 100 %".to_owned() } else { unit.to_owned() };
+            format!(
+                "absolute = {absolute} lets nearly everything pass; at most {limit} {unit} may be tolerated"
+            )
+        })
+    }
+}
+
+impl SpeedRule {
+    fn problems(&self) -> Vec<String> {
+        let reference = &self.reference;
+        let unknown = (reference != SPEED_REFERENCE)
+            .then(|| format!("times are not measured by {reference:?} but by {SPEED_REFERENCE:?}"));
+        unknown.into_iter().chain(share_problem("relative", self.relative)).collect()
+    }
+}
+
+/// Whether `pattern` stands for the slice `slice`.
+pub fn is_meant(pattern: &str, slice: &str) -> bool {
     pattern.strip_suffix('*').map_or(pattern == slice, |beginning| slice.starts_with(beginning))
 }
 
-fn bad_tolerance(tolerance: f64) -> Option<String> {
-    let is_good = tolerance.is_finite() && tolerance >= 0.0;
-    (!is_good).then(|| format!("{tolerance} is no tolerance"))
+fn metric_problem(id: &str) -> Option<String> {
+    let Some(metric) = Metric::from_id(id) else {
+        let known = Metric::gated().map(|it| it.id()).collect::<Vec<_>>();
+        return Some(format!("there is no metric {id:?}{}", did_you_mean(id, known.iter())));
+    };
+    if metric.is_time() {
+        Some(format!("{id:?} is another in every run; times are gated by [speed]"))
+    } else if metric.direction() == Direction::Neither {
+        Some(format!("{id:?} has no better way"))
+    } else if matches!(metric, Metric::AveragePrecision(_)) {
+        Some(format!(
+            "{id:?} has no interval, so that no loss of it is sure; gate f_rate, precision and recall"
+        ))
+    } else {
+        None
+    }
+}
+
+/// A tolerance that is a share of a number has to be less than all of it.
+fn share_problem(name: &str, share: f64) -> Option<String> {
+    if !share.is_finite() || share < 0.0 {
+        Some(format!("{name} = {share} is no tolerance"))
+    } else if share >= 1.0 {
+        let percent = 100.0 * share;
+        Some(format!("{name} = {share} tolerates {percent} %; it has to be less than 1, which is 100 %"))
+    } else {
+        None
+    }
+}
+
+/// The most that may be tolerated of a metric in `unit`: half of what a rate, or an angle between boxes, can be; 2 m, where the
+/// criterion *centre* no longer takes two boxes for one object's; a nat, a choice of nearly three. Counts have no limit.
+fn greatest_absolute(unit: &str) -> Option<f64> {
+    match unit {
+        "ratio" => Some(0.5),
+        "m" => Some(2.0),
+        "deg" => Some(45.0),
+        "nats" => Some(1.0),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -146,6 +269,7 @@ mod tests {
         metrics = ["recall"]
         slices = ["class/*"]
         tasks = ["vehicles"]
+        detectors = ["pca", "kd-tree"]
         absolute = 0.05
         relative = 0.0
 
@@ -156,7 +280,7 @@ mod tests {
         relative = 0.1
 
         [speed]
-        reference = "kd-tree"
+        reference = "grid-write"
         relative = 0.5
     "#;
 
@@ -170,13 +294,25 @@ mod tests {
     #[test]
     fn the_first_rule_that_is_about_it_decides() {
         let tolerances = read(TOML).unwrap();
-        let of = |metric: &Metric, task, slice| tolerances.of(metric, task, slice, 0.5);
-        assert_eq!(of(&Metric::Recall, "vehicles", "class/car"), Some(0.05));
-        assert_eq!(of(&Metric::Recall, "objects", "class/car"), Some(0.05), "a tenth of a half");
-        assert_eq!(tolerances.of(&Metric::Recall, "objects", "class/car", 0.02), Some(0.01));
-        assert_eq!(of(&Metric::Recall, "objects", "range/0-15"), None);
-        assert_eq!(of(&Metric::Precision, "objects", "all"), None);
+        let about = |metric: &Metric, task, detector, slice| {
+            tolerances.rule_about(metric, GatedPlace { task, detector, slice })
+        };
+        assert_eq!(about(&Metric::Recall, "vehicles", "pca", "class/car"), Some(0));
+        assert_eq!(about(&Metric::Recall, "objects", "pca", "class/car"), Some(1));
+        assert_eq!(about(&Metric::Recall, "vehicles", "hierarchical", "class/car"), Some(1));
+        assert_eq!(about(&Metric::Recall, "objects", "pca", "range/0-15"), None);
+        assert_eq!(about(&Metric::Precision, "objects", "pca", "all"), None);
         assert_eq!(tolerances.metrics(), [Metric::Recall, Metric::FRate]);
+        assert_eq!([0.5, 0.02].map(|before| tolerances.quality[1].tolerance(before)), [0.05, 0.01]);
+    }
+
+    #[test]
+    fn a_number_is_expected_where_slice_and_task_are_named() {
+        let tolerances = read(&TOML.replacen("class/*", "class/car", 1)).unwrap();
+        let place = |slice, task| GatedPlace { task, detector: "pca", slice };
+        let names = |rule: usize, slice, task| tolerances.quality[rule].names(place(slice, task));
+        assert!(names(0, "class/car", "vehicles") && !names(0, "class/van", "vehicles"));
+        assert!(!names(1, "all", "vehicles") && !names(1, "class/car", "vehicles"));
     }
 
     #[track_caller]
@@ -188,11 +324,57 @@ mod tests {
 
     #[test]
     fn what_cannot_be_gated_is_refused() {
-        check_refused("\"f_rate\"", "\"f_rat\"", "there is no metric \"f_rat\"");
+        check_refused(
+            "\"f_rate\"",
+            "\"f_rat\"",
+            "[[quality]] 2: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
+        );
         check_refused("\"f_rate\"", "\"latency_p50_ms\"", "times are gated by [speed]");
+        check_refused("\"f_rate\"", "\"time_over_reference\"", "times are gated by [speed]");
         check_refused("\"f_rate\"", "\"no\"", "has no better way");
-        check_refused("absolute = 0.05", "absolute = -0.05", "-0.05 is no tolerance");
+        check_refused("\"f_rate\"", "\"ap_r40\"", "has no interval");
         check_refused("absolute = 0.05", "absolut = 0.05", "unknown field `absolut`");
-        check_refused("relative = 0.5", "relative = nan", "NaN is no tolerance");
+        check_refused("[\"class/*\"]", "[]", "[[quality]] 1: slices is empty");
+        check_refused("[\"pca\", \"kd-tree\"]", "[]", "[[quality]] 1: detectors is empty");
+        check_refused(
+            "grid-write",
+            "kd-tree",
+            "[speed]: times are not measured by \"kd-tree\" but by \"grid-write\"",
+        );
+    }
+
+    #[test]
+    fn tolerances_that_let_everything_pass_are_refused() {
+        for absurd in ["-0.05", "nan", "inf"] {
+            check_refused("absolute = 0.05", &format!("absolute = {absurd}"), "is no tolerance");
+            check_refused("relative = 0.1", &format!("relative = {absurd}"), "is no tolerance");
+            check_refused("relative = 0.5", &format!("relative = {absurd}"), "is no tolerance");
+        }
+        check_refused(
+            "relative = 0.1",
+            "relative = 5.0",
+            "relative = 5 tolerates 500 %; it has to be less than 1",
+        );
+        check_refused("relative = 0.5", "relative = 1.0", "[speed]: relative = 1 tolerates 100 %");
+        check_refused("absolute = 0.05", "absolute = 0.51", "at most 0.5 of a rate, where 1 is 100 %");
+        let of_boxes = |absolute: f64| {
+            let text = TOML.replacen("[\"recall\"]", "[\"box_center_error_m\", \"box_yaw_error_deg\"]", 1);
+            read(&text.replacen("absolute = 0.05", &format!("absolute = {absolute}"), 1))
+        };
+        assert!(of_boxes(2.0).is_ok());
+        assert!(of_boxes(2.1).unwrap_err().contains("at most 2 m may be tolerated"));
+    }
+
+    #[test]
+    fn all_that_is_wrong_is_said_at_once() {
+        let text = TOML.replace("\"recall\"", "\"recal\"").replace("relative = 0.5", "relative = 2.0");
+        let error = read(&text).unwrap_err();
+        for problem in [
+            "[[quality]] 1: there is no metric \"recal\"",
+            "[[quality]] 2: there is no metric \"recal\"",
+            "200 %",
+        ] {
+            assert!(error.contains(problem), "{error}");
+        }
     }
 }

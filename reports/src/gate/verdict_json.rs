@@ -3,15 +3,24 @@
 use serde::Serialize;
 
 use crate::archive::SCHEMA;
+use crate::gate::gated_metrics::GatedMetric;
+use crate::gate::gated_speeds::{GatedSpeed, Slowdown, SpeedComparison};
 use crate::gate::paired_difference::PairedDifference;
-use crate::gate::verdict::{GatedMetric, GatedSpeed, Verdict};
+use crate::gate::verdict::Verdict;
 
 #[derive(Serialize)]
 struct VerdictRecord<'a> {
     schema: u32,
     conclusion: &'static str,
+    dataset: &'a str,
+    n_blocks: u64,
+    degrees_of_freedom: u64,
+    blocks: &'static str,
+    few_blocks: bool,
     metrics: Vec<MetricRecord<'a>>,
     speeds: Vec<SpeedRecord<'a>>,
+    /// Why times were not compared, where a rule is about them.
+    speed_not_compared: Option<&'a str>,
     drift: Vec<DriftRecord<'a>>,
 }
 
@@ -28,7 +37,7 @@ struct MetricRecord<'a> {
     difference: Option<f64>,
     difference_interval_95: Option<[f64; 2]>,
     least_effect: Option<f64>,
-    n_blocks: Option<u64>,
+    missing_in: Option<&'static str>,
     tolerance: f64,
     finding: &'static str,
 }
@@ -37,10 +46,11 @@ struct MetricRecord<'a> {
 struct SpeedRecord<'a> {
     detector: &'a str,
     reference: &'a str,
-    time_ratio_before: f64,
-    time_ratio_after: f64,
-    slowdown: f64,
+    time_ratio_before: Option<f64>,
+    time_ratio_after: Option<f64>,
+    slowdown: Option<f64>,
     slowdown_interval_95: Option<[f64; 2]>,
+    missing_in: Option<&'static str>,
     tolerance: f64,
     finding: &'static str,
 }
@@ -60,8 +70,17 @@ pub fn to_json(verdict: &Verdict) -> String {
     let record = VerdictRecord {
         schema: SCHEMA,
         conclusion: verdict.conclusion().name(),
+        dataset: &verdict.dataset,
+        n_blocks: verdict.blocks.n_blocks,
+        degrees_of_freedom: verdict.blocks.degrees_of_freedom,
+        blocks: verdict.blocks.kind.name(),
+        few_blocks: verdict.blocks.are_too_few(),
         metrics: verdict.metrics.iter().map(metric_record).collect(),
-        speeds: verdict.speeds.iter().map(speed_record).collect(),
+        speeds: verdict.speed.speeds().iter().map(speed_record).collect(),
+        speed_not_compared: match &verdict.speed {
+            SpeedComparison::NotCompared { reason } => Some(reason),
+            SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
+        },
         drift: verdict
             .drift
             .iter()
@@ -81,8 +100,7 @@ pub fn to_json(verdict: &Verdict) -> String {
 }
 
 fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
-    let difference = gated.difference.as_ref();
-    let interval = difference.and_then(|it| it.interval);
+    let difference = gated.difference.as_ref().ok();
     MetricRecord {
         task: &gated.task,
         detector: &gated.detector,
@@ -93,22 +111,24 @@ fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
         before: difference.map(|it| it.before),
         after: difference.map(|it| it.after),
         difference: difference.map(PairedDifference::difference),
-        difference_interval_95: interval.map(|it| it.ends),
+        difference_interval_95: difference.and_then(|it| it.interval).map(|it| it.ends),
         least_effect: difference.and_then(|it| it.least_effect),
-        n_blocks: interval.map(|it| it.n_blocks),
+        missing_in: gated.difference.as_ref().err().map(|it| it.name()),
         tolerance: gated.tolerance,
         finding: gated.finding.name(),
     }
 }
 
 fn speed_record(speed: &GatedSpeed) -> SpeedRecord<'_> {
+    let slowdown = speed.slowdown.as_ref().ok();
     SpeedRecord {
         detector: &speed.detector,
         reference: &speed.reference,
-        time_ratio_before: speed.before,
-        time_ratio_after: speed.after,
-        slowdown: speed.after / speed.before - 1.0,
-        slowdown_interval_95: speed.slowdown_interval.map(|it| it.ends),
+        time_ratio_before: slowdown.map(|it| it.before),
+        time_ratio_after: slowdown.map(|it| it.after),
+        slowdown: slowdown.map(Slowdown::share),
+        slowdown_interval_95: slowdown.and_then(|it| it.interval).map(|it| it.ends),
+        missing_in: speed.slowdown.as_ref().err().map(|it| it.name()),
         tolerance: speed.tolerance,
         finding: speed.finding.name(),
     }

@@ -1,8 +1,11 @@
 //! Numbers of a comparison as people read them.
 
+use crate::blocks::BlockKind;
 use crate::fixed_decimals::fixed_decimals;
 use crate::gate::paired_difference::PairedDifference;
 use crate::metric::Metric;
+use crate::table::grid::Cell;
+use crate::table::notes::about_interval;
 
 /// A value: rates in %, all else in the unit of the metric.
 pub(super) fn value_text(metric: &Metric, value: f64) -> String {
@@ -31,6 +34,12 @@ pub(super) fn interval_text(difference: &PairedDifference) -> String {
     )
 }
 
+/// The same as a cell of a table, with a sign where nothing rests on it.
+pub(super) fn interval_cell(difference: &PairedDifference) -> Cell {
+    let text = interval_text(difference);
+    difference.interval.map_or_else(|| Cell::new(text.clone()), |it| Cell::interval(text.clone(), it.blocks))
+}
+
 /// The least difference that would have shown; a dash where that is unknown.
 pub(super) fn least_effect_text(difference: &PairedDifference) -> String {
     let metric = &difference.metric;
@@ -49,7 +58,11 @@ pub(super) fn metric_text(metric: &Metric) -> String {
     }
 }
 
-/// What all comparisons have to say of their numbers.
-pub(super) const ABOUT_DIFFERENCES: &str = "difference: after minus before. 95 %: its interval by a cluster bootstrap, the same \
-    10000 resamples of blocks of scans for both sides. least: the least true difference that scans like these would show, \
-    that is, tell from none at the 5 % level in four of five such data sets: 2.8 standard errors of the difference.";
+/// What all comparisons have to say of their numbers, whose intervals are drawn from blocks of this kind.
+pub(super) fn about_differences(kind: BlockKind) -> String {
+    format!(
+        "difference: after minus before. 95 %: its interval, by {} Both sides have the same resamples. least: the least true \
+         difference that scans like these would show, that is, tell from none at the 5 % level in four of five such data sets.",
+        about_interval(kind)
+    )
+}

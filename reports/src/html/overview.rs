@@ -48,11 +48,11 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             }
             (FigureMarkup {
                 file_stem: "standing",
-                title: &format!("{} ({})", heading(facts), origin.name()),
+                title: &format!("{} ({}){}", heading(facts), origin.name(), caveat(facts, "; bars: intervals")),
                 panels: &plots,
                 key: &[],
                 caption: html! {
-                    "Rates over all data sets together with 95 % intervals (bars). "
+                    "Rates over all data sets together with 95 % intervals (bars" (caveat(facts, ",")) "). "
                     @if has_paper {
                         "Hollow diamonds: what the papers state for their detectors of the same kind, on other scans, for orientation. "
                     }
@@ -62,6 +62,12 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             }.render(files))
         }
     }
+}
+
+/// What is to be said of the intervals, after `before`; nothing if there is nothing to be said.
+pub(super) fn caveat(facts: &RunFacts, before: &str) -> String {
+    let caveat = facts.caveat_of_intervals();
+    caveat.map_or_else(String::new, |it| format!("{before} {it}, too few for anything to rest on them"))
 }
 
 /// Units stay with their numbers.
@@ -89,7 +95,11 @@ fn plot(facts: &RunFacts, standing: &Standing) -> crate::plot::themed_svg::Theme
         Metric::FRate => "F-rate (%)",
         _ => "recall (%)",
     };
-    standing_plot(&format!("Task {}", standing.task), rate, &rows)
+    let rate = match facts.caveat_of_intervals() {
+        Some(caveat) => format!("{rate}, intervals {caveat}"),
+        None => rate.to_owned(),
+    };
+    standing_plot(&format!("Task {}", standing.task), &rate, &rows)
 }
 
 /// What the paper of a task states for a detector, on all recordings or on those that the run is of; `None` if there is no

@@ -34,6 +34,7 @@ pub(super) fn parameters(manifest: &Manifest) -> Markup {
             ),
         ),
         ("warm-up", format!("{} detections for each detector", manifest.n_warmup_detections)),
+        ("repetitions", format!("{} of each detection, of which the first counts", manifest.n_repeats)),
     ];
     html! {
         section #manifest aria-labelledby="manifest-title" {

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::markup::{Figure, FigureMarkup};
+use super::overview::caveat;
 use super::run_facts::{RunFacts, TaskRanges};
 use crate::plot::range_plot::range_plot;
 use crate::plot::small_panel::key;
@@ -23,12 +24,12 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 h3 { "Task " (of_task.task) }
                 (FigureMarkup {
                     file_stem: &format!("range_{}", of_task.task),
-                    title: &format!("Rates over range, task {} ({origin})", of_task.task),
+                    title: &format!("Rates over range, task {} ({origin}){}", of_task.task, caveat(facts, "; bars: intervals")),
                     panels: &panels,
                     key: &key,
                     caption: html! {
                         "By distance from the sensor on the ground plan" (together) " (" (origin)
-                        "), with 95 % intervals. An annotation counts where it is, a false detection where it was made. "
+                        "), with 95 % intervals" (caveat(facts, "")) ". An annotation counts where it is, a false detection where it was made. "
                         "Annotations that count: " (annotations(of_task)) ". "
                         @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
                     },

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::archive::ArchiveError;
+use crate::blocks::BlockCount;
 use crate::bootstrap::Distribution;
 use crate::csv_rows::{each_row, read_rows};
 use crate::estimates::Question;
@@ -21,7 +22,7 @@ use crate::scan_row::{ScanOutcome, ScanRow};
 use crate::slice::Slice;
 use crate::standing::{Speeds, Standing, extent_of_run, speeds, standings};
 use crate::sums::Term;
-use crate::tally::Tally;
+use crate::tally::{Draw, Tally};
 use crate::worst_places::{WorstPlace, WorstPlaces};
 use crate::worst_points::WorstPoints;
 
@@ -32,6 +33,8 @@ pub(super) struct RunFacts {
     pub(super) report: RunReport,
     pub(super) standings: Vec<Standing>,
     pub(super) speeds: Speeds,
+    /// The blocks of scans that intervals over all data sets together are drawn from.
+    pub(super) blocks: Option<BlockCount>,
     /// Task by task.
     pub(super) ranges: Vec<TaskRanges>,
     /// Data set by data set.
@@ -113,6 +116,7 @@ impl RunFacts {
         Ok(Self {
             standings: standings(&tally, &manifest, &report),
             speeds: speeds(&manifest, &report),
+            blocks: tally.draw().iter().map(Draw::blocks).reduce(BlockCount::with),
             ranges: tally.tasks().iter().filter_map(|task| task_ranges(&tally, task, &detectors)).collect(),
             curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),
             stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(&report, &manifest, it))).collect(),
@@ -124,6 +128,11 @@ impl RunFacts {
             manifest,
             report,
         })
+    }
+
+    /// What is to be said of intervals over all data sets together; `None` if nothing is.
+    pub(super) fn caveat_of_intervals(&self) -> Option<String> {
+        self.blocks.and_then(BlockCount::caveat)
     }
 
     /// Place of `detector` in the order of the run.
@@ -152,7 +161,7 @@ fn task_ranges(tally: &Tally, task: &str, detectors: &[String]) -> Option<TaskRa
     };
     let rate = |detector: &str, slice: &Slice, metric: &Metric| {
         let sample = sample(detector, slice)?;
-        let interval = Distribution::new(sample.resampled_values(metric), sample.n_blocks)
+        let interval = Distribution::new(sample.resampled_values(metric), sample.blocks)
             .map(|it| it.interval().ends.map(|it| 100.0 * it));
         Some(RateInRange { percent: 100.0 * sample.value(metric)?, interval_percent: interval })
     };
@@ -221,6 +230,9 @@ fn boxes_of(
             MatchOutcome::Matched { annotation, detection, .. } => (Some(annotation), Some(detection)),
             MatchOutcome::Missed { annotation, .. } | MatchOutcome::IgnoredAnnotation { annotation, .. } => {
                 (Some(annotation), None)
+            }
+            MatchOutcome::Tall { annotation, found_by } => {
+                (Some(annotation), found_by.map(|it| it.detection))
             }
             MatchOutcome::False { detection, .. }
             | MatchOutcome::IgnoredDetection { detection, .. }

@@ -172,7 +172,7 @@ mod tests {
             &[
                 "Task objects: hierarchical leads with a recall of 90.0 %",
                 "Precision and F-rate are undefined",
-                "Annotations that count: 15 within 0–15 m, 10 within 15–30 m,",
+                "Annotations that count: 36 within 0–15 m, 24 within 15–30 m,",
                 "undefined: not every class of object is annotated",
             ],
         );
@@ -199,7 +199,31 @@ mod tests {
     #[test]
     fn one_block_of_scans_gives_no_interval() {
         let html = page(&SampleRun { n_blocks: 1, ..USUAL }).html;
-        check_holds(&html, &["cannot be told apart", "too few scans for an interval"]);
+        check_holds(&html, &["these scans are too few to tell who leads"]);
+        assert!(!html.contains("leads with") && !html.contains("95 % interval 8"), "{html}");
+    }
+
+    #[test]
+    fn intervals_of_few_blocks_are_flagged_in_words_tables_and_pictures() {
+        let few = page(&SampleRun { n_blocks: 9, ..USUAL });
+        check_holds(
+            &few.html,
+            &[
+                "; 9 blocks of scans are too few to tell who leads.",
+                "<sup>§</sup>",
+                "§ of fewer than 10 blocks",
+                "95 % intervals (bars, of only 9 blocks of scans, too few for anything to rest on them).",
+            ],
+        );
+        assert!(!few.html.contains("leads with"));
+        for name in ["standing.svg", "range_objects.svg", "range_vehicles.svg"] {
+            let figure = few.figures.iter().find(|it| it.file_name == name).unwrap();
+            assert!(figure.svg.contains("of only 9 blocks of scans"), "{name}: {}", figure.svg);
+        }
+        let enough = page(&SampleRun { n_blocks: 10, ..USUAL });
+        let text: String =
+            enough.figures.iter().map(|it| it.svg.clone()).chain([enough.html.clone()]).collect();
+        assert!(!text.contains('§') && !text.contains("of only") && text.contains("leads with"));
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub(super) struct SampleRun<'a> {
     pub(super) knows_false: bool,
     /// Class of what is missed.
     pub(super) class: &'a str,
-    /// Blocks of scans.
+    /// Scans, each of a second of its own.
     pub(super) n_blocks: u32,
 }
 
@@ -38,7 +38,7 @@ pub(super) const USUAL: SampleRun<'_> = SampleRun {
     tasks: &["objects", "vehicles"],
     knows_false: true,
     class: "car",
-    n_blocks: 5,
+    n_blocks: 12,
 };
 
 const N_OBJECTS: u64 = 10;
@@ -76,8 +76,11 @@ impl SampleRun<'_> {
         let entry = manifest.datasets[usize::from(!self.knows_false)].clone();
         let named = |id: &&str| crate::manifest::DatasetEntry { id: (*id).to_owned(), ..entry.clone() };
         manifest.datasets = self.datasets.iter().map(named).collect();
-        let detector =
-            |name: &&str| DetectorEntry { name: (*name).to_owned(), parameters: serde_json::Value::Null, rules: Vec::new() };
+        let detector = |name: &&str| DetectorEntry {
+            name: (*name).to_owned(),
+            parameters: serde_json::Value::Null,
+            rules: Vec::new(),
+        };
         manifest.detectors = self.detectors.iter().map(detector).collect();
         manifest.argv = ["scanbench", "run", "it's <here>"].map(str::to_owned).to_vec();
         manifest
@@ -109,6 +112,8 @@ impl SampleRun<'_> {
             let numbers = ScanNumbers {
                 n_points: 1000,
                 latency_ms: Some(10_f64.powi(detector_idx as i32) * (1.0 + f64::from(scan) / 100.0)),
+                least_latency_ms: Some(10_f64.powi(detector_idx as i32)),
+                reference_ms: Some(0.25),
                 counts: Counts::new(N_OBJECTS, tp, fo).unwrap(),
                 n_ignored_annotations: 0,
                 n_ignored_detections: 0,
@@ -122,6 +127,7 @@ impl SampleRun<'_> {
                 dataset,
                 sequence,
                 scan,
+                time_s: f64::from(scan) / 10.0,
                 detector,
                 task,
                 outcome: ScanOutcome::Evaluated(numbers),
@@ -139,7 +145,9 @@ impl SampleRun<'_> {
                     class: self.class.to_owned(),
                     occlusion: None,
                     n_points: 100 + id,
+                    n_points_outside: 0,
                     bounding_box: Some(box_at(id)),
+                    centroid_m: None,
                 };
                 if id < n_found {
                     MatchOutcome::Matched { annotation, detection: detection(id), cost: 0.1 }

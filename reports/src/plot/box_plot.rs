@@ -42,7 +42,12 @@ fn draw(root: &Area<'_>, lines: &[BoxErrorLine], title: &str) -> Drawn {
         let of_error = lines.iter().filter(|it| it.error == error);
         let greatest = of_error
             .clone()
-            .flat_map(|it| it.fits.iter().filter_map(|(_, it)| Some((*it)?.within[1])))
+            .flat_map(|it| {
+                it.fits.iter().filter_map(|(_, it)| {
+                    let it = (*it)?;
+                    Some(it.within.map_or(it.median, |it| it.ends[1]))
+                })
+            })
             .fold(0.0_f64, f64::max);
         let (left, right) = row.split_horizontally(SIZE_PX.0 / 2);
         for (panel, by) in [(left, "occlusion"), (right, "range")] {
@@ -68,7 +73,11 @@ fn draw_panel(area: &Area<'_>, lines: &[&BoxErrorLine], (error, by): (BoxError, 
     let slice_name = |place: &f64| {
         let is_slice = (place - place.round()).abs() < 1e-6 && *place > -0.1;
         let line = if is_slice { lines.get(place.round() as usize) } else { None };
-        line.map_or_else(String::new, |it| format!("{} (n {})", it.slice, it.n_pairs))
+        line.map_or_else(String::new, |it| {
+            let few = it.fits.iter().filter_map(|(_, it)| (*it)?.within).any(|it| it.blocks.are_too_few());
+            // As in tables: too few for the interval to be relied on.
+            format!("{} (n {}{})", it.slice, it.n_pairs, if few { " §" } else { "" })
+        })
     };
     chart
         .configure_mesh()
@@ -94,9 +103,10 @@ fn draw_panel(area: &Area<'_>, lines: &[&BoxErrorLine], (error, by): (BoxError, 
         });
         let medians: Vec<_> = medians.collect();
         let style = mark.color().stroke_width(LINE_WIDTH_PX);
-        let bars = medians
-            .iter()
-            .map(|&(x, it)| PathElement::new(vec![(x, it.within[0]), (x, it.within[1])], style));
+        let bars = medians.iter().filter_map(|&(x, it)| {
+            let [low, high] = it.within?.ends;
+            Some(PathElement::new(vec![(x, low), (x, high)], style))
+        });
         chart.draw_series(bars)?;
         chart.draw_series(medians.iter().map(|&(x, it)| mark.marker((x, it.median))))?;
     }
@@ -122,7 +132,7 @@ mod tests {
             "centre error (m)",
             "yaw error (deg)",
             "none (n 80)",
-            "0–15 m (n 8)",
+            "0–15 m (n 8 §)",
             "PCA box",
         ] {
             assert!(svg.contains(part), "no {part} in {svg}");

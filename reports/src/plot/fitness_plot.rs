@@ -1,7 +1,7 @@
 //! The plot of the fitness of cells over their size.
 
 use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
-use super::sweep_panels::{curves_of, heading, words};
+use super::sweep_panels::{about_bars, curves_of, heading, words};
 use crate::table::sweep_curve::{SweepCurve, highest};
 use crate::table::sweep_score::{FitnessValue, SweepScores};
 use crate::table::task_table::Extent;
@@ -59,7 +59,7 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             y_range,
         }
     });
-    let title = format!("Cell fitness, {}. Ring: fittest. Bars: 95 % intervals", heading(&curves));
+    let title = format!("Cell fitness, {}. Ring: fittest. {}", heading(&curves), about_bars(&curves));
     Some(panels_svg(&panels.collect::<Vec<_>>(), &title))
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
-use super::sweep_panels::{curves_of, heading, words};
+use super::sweep_panels::{about_bars, curves_of, heading, words};
 use crate::table::sweep_curve::{CurvePoint, SweepCurve};
 use crate::table::sweep_score::SweepScores;
 use crate::table::task_table::Extent;
@@ -46,7 +46,7 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
         }
         panel.series.push(series);
     }
-    let title = format!("{}. Ring: best. Bars: 95 % intervals", heading(&curves));
+    let title = format!("{}. Ring: best. {}", heading(&curves), about_bars(&curves));
     panels_svg(&panels.into_values().collect::<Vec<_>>(), &title)
 }
 

@@ -16,12 +16,15 @@ const SIDE_PX: u32 = 200;
 /// Behind what a scene is about: yellow, as what is missed in the viewer.
 const SUBJECT_HEX: &str = "#F0E442";
 
+/// Of the disc that marks an object without a box.
+const PLACE_RADIUS_PX: u32 = 14;
+
 /// What is around an object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene<'a> {
     /// Where.
     pub window: PlanWindow,
-    /// What it is about.
+    /// What it is about; a box without extent is a place, in the middle of the window.
     pub subject: BoxFacts,
     /// What was seen, if that was kept.
     pub cells: Option<&'a PlanCells>,
@@ -67,11 +70,21 @@ pub fn scene_plot(scene: &Scene<'_>, label: String) -> ThemedPanel {
         format!("{:.1},{:.1}", half - left * scale, half - forward * scale)
     };
     let polygon = |bounding_box: &BoxFacts| corners(bounding_box).map(place).join(" ");
-    let _ = write!(
-        elements,
-        r#"<polygon class="f-subject" points="{}" fill="{SUBJECT_HEX}" opacity="0.35"/>"#,
-        polygon(&scene.subject)
-    );
+    let [length_m, width_m, _] = scene.subject.length_width_height_m;
+    let _ = if length_m > 0.0 || width_m > 0.0 {
+        write!(
+            elements,
+            r#"<polygon class="f-subject" points="{}" fill="{SUBJECT_HEX}" opacity="0.35"/>"#,
+            polygon(&scene.subject)
+        )
+    } else {
+        // No box is labelled: the place is all that is known.
+        let middle = SIDE_PX / 2;
+        write!(
+            elements,
+            r#"<circle class="f-subject" cx="{middle}" cy="{middle}" r="{PLACE_RADIUS_PX}" fill="{SUBJECT_HEX}" opacity="0.35"/>"#
+        )
+    };
     for it in &scene.annotations {
         let width = if *it == scene.subject { 2.8 } else { 1.5 };
         let _ = write!(

@@ -23,6 +23,15 @@ pub(crate) fn heading(curves: &[SweepCurve<'_>]) -> String {
     }
 }
 
+/// What bars are, with what is to be said of them.
+pub(crate) fn about_bars(curves: &[SweepCurve<'_>]) -> String {
+    let caveat = curves.first().and_then(|it| it.points[0].score.blocks.caveat());
+    caveat.map_or_else(
+        || "Bars: 95 % intervals".to_owned(),
+        |it| format!("Bars: 95 % intervals {it}, too few to be relied on"),
+    )
+}
+
 /// What stands on the axis where the values are no numbers.
 pub(crate) fn words(curve: &SweepCurve<'_>) -> Option<Vec<String>> {
     let is_numeric = curve.points.iter().all(|it| it.x_text.parse::<f64>().is_ok());

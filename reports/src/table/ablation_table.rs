@@ -65,7 +65,7 @@ impl AblationTable {
                 self.cpu_model
             ),
         ];
-        Notes::beneath(&self.grid(), sentences)
+        Notes::beneath(&[self.grid()], sentences)
     }
 
     fn grid(&self) -> Grid {

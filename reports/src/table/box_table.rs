@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use crate::box_errors::{BoxErrorLine, by_data};
 use crate::fixed_decimals::fixed_decimals;
-use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark};
 use crate::table::markdown::{push_line, write_grid as write_markdown_grid};
-use crate::table::notes::Notes;
+use crate::table::notes::{Notes, about_interval};
 use crate::table::terminal::{wrapped, write_grid};
 
 /// The table for a terminal: a part for each of the data, a row for each error of each slice.
@@ -14,11 +14,11 @@ pub fn boxes_to_terminal(lines: &[BoxErrorLine], notes: &[&str]) -> String {
     let mut text = String::new();
     for of_data in by_data(lines) {
         writeln!(text, "{}\n", title(&of_data[0])).expect("a string takes all that is written");
-        write_grid(&mut text, &grid(of_data), &Notes::none());
+        write_grid(&mut text, &grid(of_data), &all_notes(of_data, &[]));
         text.push('\n');
     }
-    for note in notes {
-        text.push_str(&wrapped(note));
+    for note in all_notes(lines, notes).sentences {
+        text.push_str(&wrapped(&note));
     }
     text
 }
@@ -28,13 +28,28 @@ pub fn boxes_to_markdown(lines: &[BoxErrorLine], notes: &[&str]) -> String {
     let mut text = String::new();
     for of_data in by_data(lines) {
         push_line(&mut text, &format!("**{}**\n", title(&of_data[0])));
-        write_markdown_grid(&mut text, &grid(of_data), &Notes::none());
+        write_markdown_grid(&mut text, &grid(of_data), &all_notes(of_data, &[]));
         text.push('\n');
     }
-    for note in notes {
+    for note in all_notes(lines, notes).sentences {
         push_line(&mut text, &format!("- {note}"));
     }
     text
+}
+
+/// What is to be said beneath all tables: how intervals are made, `notes`, and what signs mean.
+fn all_notes(lines: &[BoxErrorLine], notes: &[&str]) -> Notes {
+    let grids: Vec<Grid> = by_data(lines).map(grid).collect();
+    let intervals = lines.iter().flat_map(|it| &it.fits).filter_map(|(_, it)| (*it)?.within);
+    let mut about: Vec<String> = Vec::new();
+    for interval in intervals {
+        let sentence = format!("low, high: 95 % interval, {}", about_interval(interval.blocks.kind));
+        if !about.contains(&sentence) {
+            about.push(sentence);
+        }
+    }
+    about.extend(notes.iter().map(|it| (*it).to_owned()));
+    Notes::beneath(&grids, about)
 }
 
 fn title(line: &BoxErrorLine) -> String {
@@ -63,13 +78,17 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
         let head = head.map(|text| if is_first { text } else { String::new() });
         let error = format!("{}, {}", line.error.name(), line.error.unit());
         let number = |it: Option<f64>| {
-            it.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, line.error.decimals()))
+            Cell::new(it.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, line.error.decimals())))
         };
         let medians = line.fits.iter().flat_map(|(_, it)| {
-            [it.map(|it| it.median), it.map(|it| it.within[0]), it.map(|it| it.within[1])].map(number)
+            let interval = it.and_then(|it| it.within);
+            let is_of_few = interval.is_some_and(|it| it.blocks.are_too_few());
+            let end = |it| Cell { mark: is_of_few.then_some(Mark::FewBlocks), ..number(it) };
+            let [low, high] = [0, 1].map(|idx| end(interval.map(|it| it.ends[idx])));
+            [number(it.map(|it| it.median)), low, high]
         });
-        let texts = head.into_iter().chain([error]).chain(medians);
-        Line { kind: LineKind::Dataset, cells: texts.map(Cell::new).collect() }
+        let cells = head.into_iter().chain([error]).map(Cell::new).chain(medians);
+        Line { kind: LineKind::Dataset, cells: cells.collect() }
     });
     Grid { columns, lines: lines.collect() }
 }
@@ -105,16 +124,20 @@ mod tests {
 
         Box errors of matched vehicles: drive
 
-                                                    hull box             PCA box
-                                               ──────────────────   ──────────────────
-        by   slice  pairs  tracks  error       median   low  high   median   low  high
-        ──────────────────────────────────────────────────────────────────────────────
-        all             8       2  centre, m     0.50  0.45  0.60     1.00  0.90  1.20
-                                   length, m     0.50  0.45  0.60     1.00  0.90  1.20
-                                   width, m      0.50  0.45  0.60     1.00  0.90  1.20
-                                   yaw, deg      0.5   0.5   0.6      1.0   0.9   1.2
+                                                     hull box               PCA box
+                                               ────────────────────   ────────────────────
+        by   slice  pairs  tracks  error       median    low   high   median    low   high
+        ──────────────────────────────────────────────────────────────────────────────────
+        all             8       2  centre, m     0.50  0.45§  0.60§     1.00  0.90§  1.20§
+                                   length, m     0.50  0.45§  0.60§     1.00  0.90§  1.20§
+                                   width, m      0.50  0.45§  0.60§     1.00  0.90§  1.20§
+                                   yaw, deg      0.5   0.5§   0.6§      1.0   0.9§   1.2§
 
+        low, high: 95 % interval, cluster bootstrap, 10000 resamples of objects, each with all scans that
+          show it: how much scans of the same drives could vary, not other drives.
         A note.
+        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
+          concluded from it.
         ");
         insta::assert_snapshot!(boxes_to_markdown(&lines[4..8], &["A note."]), @r"
         **Box errors of matched vehicles: street (simulated)**

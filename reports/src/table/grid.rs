@@ -1,5 +1,7 @@
 //! Cells of text in rows and columns, for any renderer to lay out.
 
+use crate::blocks::BlockCount;
+
 /// A table ready to be laid out.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grid {
@@ -61,6 +63,8 @@ pub(crate) enum Mark {
     NotPublic,
     /// Of fewer scans than it takes to know a percentile.
     FewScans,
+    /// An interval of fewer blocks of scans than it takes for anything to rest on it.
+    FewBlocks,
     /// There is no such number.
     Undefined(Undefined),
 }
@@ -85,9 +89,10 @@ impl Cell {
         Self { text: text.into(), mark: Some(mark), is_interval: false }
     }
 
-    /// From a number to another.
-    pub(crate) fn interval(text: String) -> Self {
-        Self { text, mark: None, is_interval: true }
+    /// From a number to another, drawn from these blocks of scans.
+    pub(crate) fn interval(text: String, blocks: BlockCount) -> Self {
+        let mark = blocks.are_too_few().then_some(Mark::FewBlocks);
+        Self { text, mark, is_interval: true }
     }
 
     /// From the decimal point on; nothing of an interval.

@@ -92,7 +92,7 @@ fn decimal_text(line: &Line, cell: &Cell, fraction_width: usize, notes: &Notes) 
     }
     let text = escaped(&cell.text);
     if cell.is_interval {
-        return format!("{{\\footnotesize {text}}}");
+        return format!("{{\\footnotesize {text}{}}}", escaped(&notes.sign(cell)));
     }
     let text = if line.kind == LineKind::Paper { format!("\\emph{{{text}}}") } else { text };
     let sign = match notes.sign(cell) {
@@ -124,6 +124,8 @@ fn escaped(text: &str) -> String {
             '−' => escaped.push_str("$-$"),
             '–' => escaped.push_str("--"),
             '†' => escaped.push_str("$^\\dagger$"),
+            '‡' => escaped.push_str("$^\\ddagger$"),
+            '§' => escaped.push_str("\\S{}"),
             '¹' => escaped.push_str("$^1$"),
             '²' => escaped.push_str("$^2$"),
             '³' => escaped.push_str("$^3$"),
@@ -176,7 +178,7 @@ mod tests {
           \par\smallskip
           \begin{minipage}{\linewidth}\footnotesize
             NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second of detection alone, on Example CPU @ 2 GHz.\par
-            95 \% interval: cluster bootstrap, 10000 resamples of blocks of 10 scan numbers, a second or more. How much scans of the same drives could vary, not other drives.\par
+            95 \% interval: cluster bootstrap, 10000 resamples of whole drives.\par
             overall: counts and times are summed over the data sets before a ratio is taken.\par
             paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine than ours: for orientation.\par
             simulated: made by a simulator, not recorded.\par

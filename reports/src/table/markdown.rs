@@ -124,7 +124,7 @@ mod tests {
 
         - NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second of detection alone, on Example CPU @ 2 GHz.
         - P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored, neither right nor wrong.
-        - 95 % interval: cluster bootstrap, 10000 resamples of blocks of 10 scan numbers, a second or more. How much scans of the same drives could vary, not other drives.
+        - 95 % interval: cluster bootstrap, 10000 resamples of whole drives.
         - overall: counts and times are summed over the data sets before a ratio is taken.
         - paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine than ours: for orientation.
         - simulated: made by a simulator, not recorded.

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::bootstrap::{N_RESAMPLES, SCANS_PER_BLOCK};
+use crate::blocks::{BlockKind, FEWEST_BLOCKS, FEWEST_DRIVES};
+use crate::bootstrap::N_RESAMPLES;
 use crate::table::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
 use crate::table::task_grids::INTERVAL_TITLE;
 use crate::table::task_table::TaskTable;
@@ -36,10 +37,9 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         );
     }
     if lines().flat_map(|it| &it.cells).any(|it| it.is_interval) {
-        notes.sentences.push(format!(
-            "{INTERVAL_TITLE}: cluster bootstrap, {N_RESAMPLES} resamples of blocks of {SCANS_PER_BLOCK} scan numbers, a second \
-             or more. How much scans of the same drives could vary, not other drives."
-        ));
+        notes
+            .sentences
+            .extend(table.block_kind().map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
     }
     if has_line(LineKind::Overall) {
         notes.sentences.push(
@@ -78,6 +78,22 @@ fn rules(table: &TaskTable) -> Option<String> {
     (!rules.is_empty()).then(|| format!("Rules beside the clustering: {}{without}.", rules.join("; ")))
 }
 
+/// How intervals are made, and what they say.
+pub(crate) fn about_interval(kind: BlockKind) -> String {
+    let of = format!("cluster bootstrap, {N_RESAMPLES} resamples of");
+    let same_drives = "how much scans of the same drives could vary, not other drives";
+    match kind {
+        BlockKind::Drives => format!("{of} whole drives."),
+        BlockKind::Seconds => {
+            format!("{of} seconds of the drives, which are fewer than {FEWEST_DRIVES}: {same_drives}.")
+        }
+        BlockKind::Tracks => format!("{of} objects, each with all scans that show it: {same_drives}."),
+        BlockKind::Both => format!(
+            "{of} whole drives; of data sets that have fewer than {FEWEST_DRIVES}, of seconds of these: {same_drives}."
+        ),
+    }
+}
+
 fn marks(grid: &Grid) -> impl Iterator<Item = Mark> + '_ {
     grid.lines.iter().flat_map(|it| &it.cells).filter_map(|it| it.mark)
 }
@@ -90,9 +106,9 @@ fn abbreviations(cpu_model: &str) -> String {
 }
 
 impl Notes {
-    /// `sentences`, and then what the marks in `grid` mean.
-    pub(crate) fn beneath(grid: &Grid, sentences: Vec<String>) -> Self {
-        let mut notes = Self { marks: marks(grid).collect(), sentences };
+    /// `sentences`, and then what the marks in `grids` mean.
+    pub(crate) fn beneath(grids: &[Grid], sentences: Vec<String>) -> Self {
+        let mut notes = Self { marks: grids.iter().flat_map(marks).collect(), sentences };
         notes.explain_marks();
         notes
     }
@@ -128,6 +144,7 @@ impl Notes {
         match mark {
             Mark::Undefined(_) => {}
             Mark::FewScans => return "‡".to_owned(),
+            Mark::FewBlocks => return "§".to_owned(),
             Mark::Simulated | Mark::PartlySimulated | Mark::NotPublic => return "†".to_owned(),
         }
         let is_number = |it: &&Mark| matches!(it, Mark::Undefined(_));
@@ -144,6 +161,13 @@ impl Notes {
             }
             Mark::NotPublic => "Budapest recordings, not public.",
             Mark::FewScans => "of too few scans to be relied on: p95 takes 59, p99 takes 299.",
+            Mark::FewBlocks => {
+                let sign = self.sign_of(mark);
+                return format!(
+                    "{sign} of fewer than {FEWEST_BLOCKS} blocks: too few for the interval to be relied on, and for anything to be \
+                     concluded from it."
+                );
+            }
             Mark::Undefined(Undefined::FalseObjectsUnknown) => {
                 "undefined: not every class of object is annotated, so false objects cannot be known."
             }
@@ -163,9 +187,11 @@ mod tests {
     #[test]
     fn what_is_whose_stands_beneath_the_table() {
         let mut manifest = manifest();
-        manifest.detectors[0].rules = ["walls removed", "regrouping", "completion"].map(str::to_owned).to_vec();
+        manifest.detectors[0].rules =
+            ["walls removed", "regrouping", "completion"].map(str::to_owned).to_vec();
         manifest.detectors[1].rules = vec!["completion".to_owned()];
-        let sentence = |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
+        let sentence =
+            |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
         let tables = task_tables(&report(), &manifest).unwrap();
         let expected = "Rules beside the clustering: walls removed: hierarchical alone; regrouping: hierarchical alone; \
                         completion: hierarchical, kd-tree; none: pca.";

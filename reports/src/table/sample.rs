@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::archive::SCHEMA;
+use crate::blocks::{BlockCount, BlockKind};
 use crate::counts::Counts;
 use crate::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Machine, Manifest};
 use crate::metric::Metric;
@@ -22,6 +23,7 @@ pub(crate) fn manifest() -> Manifest {
         config: serde_json::Value::Null,
         seeds: BTreeMap::new(),
         n_warmup_detections: 1,
+        n_repeats: 1,
         matching_criterion: "points, Jaccard at least 0.5".to_owned(),
         ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
         datasets: DATASETS.map(dataset).to_vec(),
@@ -54,6 +56,8 @@ fn dataset(id: &str) -> DatasetEntry {
         checksum: None,
         n_scans: 20,
         skipped_scans: Vec::new(),
+        n_points_left_out: 0,
+        classes: std::collections::BTreeMap::new(),
         selection: None,
         sensor_height_m: 1.73,
         sensor: "hdl-64e-s2".to_owned(),
@@ -113,7 +117,8 @@ fn rows() -> Vec<MetricRow> {
 }
 
 fn interval_around(rate: f64) -> Interval {
-    Interval { ends: [rate - 0.0251, rate + 0.0149], n_blocks: 20 }
+    let blocks = BlockCount::of_dataset(20, BlockKind::Drives);
+    Interval { ends: [rate - 0.0251, rate + 0.0149], blocks }
 }
 
 pub(crate) fn report() -> RunReport {

@@ -69,7 +69,7 @@ impl StageTable {
              with eight features where ours has more: for orientation."
                 .to_owned(),
         ];
-        let notes = Notes::beneath(&self.grid, sentences);
+        let notes = Notes::beneath(std::slice::from_ref(&self.grid), sentences);
         let mut text = format!("**{}**\n\n", markdown::escaped(&title));
         markdown::write_grid(&mut text, &self.grid, &notes);
         text.push('\n');

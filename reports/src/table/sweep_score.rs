@@ -1,5 +1,6 @@
 //! What detectors reach at the points of a sweep: `sweep.csv` and `times.csv`.
 
+use crate::blocks::BlockCount;
 use crate::counts::Counts;
 use crate::fixed_decimals::fixed_decimals;
 use crate::table::task_table::{Extent, Origin};
@@ -47,8 +48,8 @@ pub struct SweepScore {
     pub task: String,
     /// Number of scans.
     pub n_scans: u64,
-    /// Blocks of neighbouring scans, which intervals are made of.
-    pub n_blocks: u64,
+    /// The blocks of scans that intervals are drawn from.
+    pub blocks: BlockCount,
     /// What was found, missed and false.
     pub counts: Counts,
     /// 95 % interval of the F-rate.
@@ -149,7 +150,8 @@ impl SweepScores {
     /// None while memory lasts.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut columns = self.subject_columns();
-        columns.extend(texts(["task", "n_scans", "n_blocks", "no", "tp", "mo", "fo", "nd", "precision"]));
+        columns.extend(texts(["task", "n_scans", "n_blocks", "blocks", "few_blocks"]));
+        columns.extend(texts(["no", "tp", "mo", "fo", "nd", "precision"]));
         columns.extend(["recall", "f_rate"].into_iter().flat_map(with_interval));
         columns.extend(texts(["n_dense", "n_sparse", "n_empty", "fitness_cell_size_m"]));
         let with_cells = self.scores.iter().find_map(|it| it.cells.as_ref());
@@ -213,7 +215,8 @@ impl SweepScore {
         let whole = |it: Option<u64>| it.map(|it| it.to_string()).unwrap_or_default();
         let mut row = self.subject.cells_of_row();
         row.push(self.task.clone());
-        row.extend([self.n_scans, self.n_blocks].map(|it| it.to_string()));
+        row.extend([self.n_scans, self.blocks.n_blocks].map(|it| it.to_string()));
+        row.extend([self.blocks.kind.name().to_owned(), self.blocks.are_too_few().to_string()]);
         let counted = [Some(counts.no()), Some(counts.tp()), Some(counts.mo()), counts.fo(), counts.nd()];
         row.extend(counted.map(whole));
         row.push(rate(counts.precision(), 6));
@@ -262,6 +265,7 @@ fn write_csv(columns: &[String], rows: impl Iterator<Item = Vec<String>>) -> Res
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::blocks::BlockKind;
 
     fn subject(values: &[&str], point_idx: usize, dataset: &str) -> SweepSubject {
         SweepSubject {
@@ -297,7 +301,7 @@ pub(crate) mod tests {
                 subject: subject(&[&size_m], point_idx, "street"),
                 task: "objects".to_owned(),
                 n_scans: 2,
-                n_blocks: 2,
+                blocks: BlockCount::of_dataset(2, BlockKind::Seconds),
                 counts: Counts::new(10, tp, fo).unwrap(),
                 f_rate_within: fo.map(|_| [0.1, 0.9]),
                 recall_within: Some([0.2, 0.8]),
@@ -328,9 +332,9 @@ pub(crate) mod tests {
     fn rows_stand_alone_and_say_what_is_undefined() {
         let sweep = cell_sizes(&[(5, Some(5), Some(-0.5), 0.25), (8, None, None, 0.5)]);
         insta::assert_snapshot!(String::from_utf8(sweep.to_csv().unwrap()).unwrap(), @r"
-        point,hierarchical.grid.cell_size_m,dataset,origin,sensor,detector,task,n_scans,n_blocks,no,tp,mo,fo,nd,precision,recall,recall_low,recall_high,f_rate,f_rate_low,f_rate_high,n_dense,n_sparse,n_empty,fitness_cell_size_m,fitness_printed_state,fitness_printed,fitness_printed_low,fitness_printed_high,fitness_dense_share_state,fitness_dense_share,fitness_dense_share_low,fitness_dense_share_high
-        0,0.2,street,simulated,vlp-16,hierarchical,objects,2,2,10,5,5,5,10,0.500000,0.500000,0.200000,0.800000,0.500000,0.100000,0.900000,3,4,5,0.2,out of range,-0.50000000,-0.51000000,-0.49000000,in range,0.25000000,0.24000000,0.26000000
-        1,0.4,street,simulated,vlp-16,hierarchical,objects,2,2,10,8,2,,,,0.800000,0.200000,0.800000,,,,3,4,5,0.4,undefined,,,,in range,0.50000000,0.49000000,0.51000000
+        point,hierarchical.grid.cell_size_m,dataset,origin,sensor,detector,task,n_scans,n_blocks,blocks,few_blocks,no,tp,mo,fo,nd,precision,recall,recall_low,recall_high,f_rate,f_rate_low,f_rate_high,n_dense,n_sparse,n_empty,fitness_cell_size_m,fitness_printed_state,fitness_printed,fitness_printed_low,fitness_printed_high,fitness_dense_share_state,fitness_dense_share,fitness_dense_share_low,fitness_dense_share_high
+        0,0.2,street,simulated,vlp-16,hierarchical,objects,2,2,seconds,true,10,5,5,5,10,0.500000,0.500000,0.200000,0.800000,0.500000,0.100000,0.900000,3,4,5,0.2,out of range,-0.50000000,-0.51000000,-0.49000000,in range,0.25000000,0.24000000,0.26000000
+        1,0.4,street,simulated,vlp-16,hierarchical,objects,2,2,seconds,true,10,8,2,,,,0.800000,0.200000,0.800000,,,,3,4,5,0.4,undefined,,,,in range,0.50000000,0.49000000,0.51000000
         ");
         insta::assert_snapshot!(String::from_utf8(sweep.times_to_csv().unwrap()).unwrap(), @r"
         point,hierarchical.grid.cell_size_m,dataset,origin,sensor,detector,n_scans,n_detections,p50_of_shortest_ms,min_ms,p50_ms,p90_ms,max_ms

@@ -1,8 +1,9 @@
 //! The table of a sweep: for every curve the best point.
 
+use crate::blocks::BlockKind;
 use crate::fixed_decimals::fixed_decimals;
 use crate::table::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::table::notes::Notes;
+use crate::table::notes::{Notes, about_interval};
 use crate::table::sweep_curve::SweepCurve;
 use crate::table::sweep_score::SweepScores;
 use crate::table::task_table::{Extent, Origin};
@@ -22,13 +23,21 @@ pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
         .filter(|it| it.kind == LineKind::Overall)
         .skip(1)
         .for_each(|it| it.kind = LineKind::Dataset);
-    write_grid(&mut text, &Grid { columns, lines }, &Notes::none());
+    let grid = Grid { columns, lines };
+    let kinds = sweep.scores.iter().map(|it| it.blocks.kind);
+    let kind = kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both });
+    let about_interval = kind.map_or_else(String::new, about_interval);
+    let sentence = format!(
+        "NO: annotations that count. Best at: the first of several values that are as good. 95 %: {about_interval} Lowest: the rate \
+         at the worst value. Time: of a detection at the best value, the median over scans of the shortest of each."
+    );
+    let grids = [grid];
+    let notes = Notes::beneath(&grids, vec![sentence]);
+    write_grid(&mut text, &grids[0], &notes);
     text.push('\n');
-    text.push_str(&wrapped(
-        "NO: annotations that count. Best at: the first of several values that are as good. 95 %: cluster bootstrap over \
-         blocks of scans a second long. Lowest: the rate at the worst value. Time: of a detection at the best value, the \
-         median over scans of the shortest of each.",
-    ));
+    for sentence in &notes.sentences {
+        text.push_str(&wrapped(sentence));
+    }
     text
 }
 
@@ -51,7 +60,7 @@ fn line(curve: &SweepCurve<'_>) -> Line {
     let lowest = curve.points.iter().filter_map(|it| it.score.rate()).reduce(f64::min);
     let within = best.and_then(|it| it.score.rate_within());
     let detector = [vec![subject.detector.clone()], curve.others.clone()].concat().join(", ");
-    let cells = [
+    let texts = [
         name,
         detector,
         first.task.clone(),
@@ -60,12 +69,15 @@ fn line(curve: &SweepCurve<'_>) -> Line {
         first.counts.no().to_string(),
         best.map_or_else(undefined, |it| it.x_text.to_owned()),
         percent(best.and_then(|it| it.score.rate())),
-        within.map_or_else(undefined, |it| it.map(|it| percent(Some(it))).join(" to ")),
-        percent(lowest),
-        best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2)),
     ];
+    let interval = within.map_or_else(
+        || Cell::new(undefined()),
+        |it| Cell::interval(it.map(|it| percent(Some(it))).join(" to "), first.blocks),
+    );
+    let time = best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2));
     let kind = if subject.extent == Extent::Overall { LineKind::Overall } else { LineKind::Dataset };
-    Line { kind, cells: cells.map(Cell::new).to_vec() }
+    let last = [interval, Cell::new(percent(lowest)), Cell::new(time)];
+    Line { kind, cells: texts.map(Cell::new).into_iter().chain(last).collect() }
 }
 
 #[cfg(test)]
@@ -79,13 +91,16 @@ mod tests {
         insta::assert_snapshot!(sweep_to_terminal(&sweep), @r"
         Best of 3 values over hierarchical.grid.cell_size_m. Rates in %.
 
-        data set            detector      task     rate    scans  NO  best at  rate there          95 %  lowest  time ms
-        ────────────────────────────────────────────────────────────────────────────────────────────────────────────────
-        street (simulated)  hierarchical  objects  F-rate      2  10      0.4        80.0  10.0 to 90.0    40.0     3.20
+        data set            detector      task     rate    scans  NO  best at  rate there           95 %  lowest  time ms
+        ─────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated)  hierarchical  objects  F-rate      2  10      0.4        80.0  10.0 to 90.0§    40.0     3.20
 
         NO: annotations that count. Best at: the first of several values that are as good. 95 %: cluster
-          bootstrap over blocks of scans a second long. Lowest: the rate at the worst value. Time: of a
+          bootstrap, 10000 resamples of seconds of the drives, which are fewer than 10: how much scans of
+          the same drives could vary, not other drives. Lowest: the rate at the worst value. Time: of a
           detection at the best value, the median over scans of the shortest of each.
+        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
+          concluded from it.
         ");
     }
 }

@@ -127,7 +127,7 @@ pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
 fn interval_cell(interval: Option<Interval>) -> Cell {
     interval.map_or_else(Cell::default, |it| {
         let [low, high] = it.ends.map(percent_text);
-        Cell::interval(format!("{low}–{high}"))
+        Cell::interval(format!("{low}–{high}"), it.blocks)
     })
 }
 

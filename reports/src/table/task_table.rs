@@ -1,5 +1,6 @@
 //! What the table of a task says, before it is printed anywhere.
 
+use crate::blocks::BlockKind;
 use crate::counts::Counts;
 use crate::manifest::{DatasetEntry, Manifest};
 use crate::metric::Metric;
@@ -191,6 +192,17 @@ impl Score {
 }
 
 impl TaskTable {
+    /// What its intervals were drawn from; `None` if it has none.
+    pub fn block_kind(&self) -> Option<BlockKind> {
+        let scores = self.rows.iter().flat_map(|it| match it {
+            TableRow::Measured(row) => row.scores.as_slice(),
+            TableRow::Paper(_) => &[],
+        });
+        let intervals = scores.flat_map(|it| [it.intervals.f_rate, it.intervals.recall]).flatten();
+        let kinds = intervals.map(|it| it.blocks.kind);
+        kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both })
+    }
+
     /// Name of the files it is written to, without the ending.
     pub fn file_stem(&self) -> String {
         format!("table_{}", self.task)

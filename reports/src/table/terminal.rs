@@ -163,7 +163,7 @@ fn left_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
 
 fn decimal_text(cell: &Cell, width: &Width, notes: &Notes) -> String {
     if cell.is_interval {
-        return format!("{:>1$}", cell.text, width.total);
+        return format!("{:>1$}", format!("{}{}", cell.text, notes.sign(cell)), width.total);
     }
     let fraction = format!("{}{}", cell.fraction(), notes.sign(cell));
     let whole = cell.text.split('.').next().unwrap_or("");
@@ -181,13 +181,13 @@ fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
                 Alignment::Decimal => {
                     let whole = n_chars(&cell.text) - n_chars(cell.fraction());
                     let behind = n_chars(cell.fraction()) + n_chars(&notes.sign(cell));
-                    // An interval reaches into the cell before it, if that is empty.
+                    // An interval reaches into the cell before it, if that is empty; only its sign is behind it.
                     let has_room = column_idx > 0 && line.cells[column_idx - 1].text.is_empty();
                     if !cell.is_interval {
                         total = total.max(whole);
                         fraction_width = fraction_width.max(behind);
                     } else if !has_room {
-                        interval_width = interval_width.max(whole);
+                        interval_width = interval_width.max(whole + behind);
                     }
                 }
             }
@@ -285,8 +285,7 @@ mod tests {
           per second of detection alone, on Example CPU @ 2 GHz.
         P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored,
           neither right nor wrong.
-        95 % interval: cluster bootstrap, 10000 resamples of blocks of 10 scan numbers, a second or more.
-          How much scans of the same drives could vary, not other drives.
+        95 % interval: cluster bootstrap, 10000 resamples of whole drives.
         overall: counts and times are summed over the data sets before a ratio is taken.
         paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1;
           connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans,

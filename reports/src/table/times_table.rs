@@ -114,7 +114,7 @@ impl TimesTable {
             "Percentiles by nearest rank. Only ratios between detectors of one run mean something on another machine."
                 .to_owned(),
         ];
-        Notes::beneath(&self.grid, sentences)
+        Notes::beneath(std::slice::from_ref(&self.grid), sentences)
     }
 }
 

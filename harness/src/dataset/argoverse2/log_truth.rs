@@ -8,9 +8,12 @@ use nalgebra::{Isometry3, Vector3};
 
 use crate::annotation::{Annotation, AnnotationClass};
 use crate::dataset::DatasetError;
-use crate::dataset::class_name::class_named;
+use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::mcap::ros_messages::isometry;
+
+/// The file of the annotations of a log.
+pub const ANNOTATIONS: &str = "annotations.feather";
 
 /// The lidars in the frame of the car, in metres, halfway between the two. For logs without their calibration.
 const USUAL_CAR_FROM_LIDARS_M: [f64; 3] = [1.35, 0.0, 1.6];
@@ -34,14 +37,14 @@ pub struct LogTruth {
 impl LogTruth {
     /// Reads those of the log in `folder`.
     ///
-    /// The origin becomes the point halfway between the two lidars; the axes stay those of the car.
+    /// Annotations whose class nobody knows are noted in `classes` and left out. The origin becomes the point halfway between the two lidars; the axes stay those of the car.
     ///
     /// # Errors
     ///
     /// [`DatasetError`] if a file is missing or damaged; poses and calibration may be missing.
-    pub fn read(folder: &Path) -> Result<Self, DatasetError> {
+    pub fn read(folder: &Path, classes: &mut ClassReader<'_>) -> Result<Self, DatasetError> {
         let car_from_sensor_m = car_from_sensor_m(&folder.join("calibration/egovehicle_SE3_sensor.feather"))?;
-        let annotations = read_annotations(&folder.join("annotations.feather"), &car_from_sensor_m)?;
+        let annotations = read_annotations(&folder.join(ANNOTATIONS), &car_from_sensor_m, classes)?;
         let poses = folder.join("city_SE3_egovehicle.feather");
         let mut world_from_sensor = BTreeMap::new();
         if poses.exists() {
@@ -62,6 +65,21 @@ impl LogTruth {
         }
         Ok(Self { annotations, world_from_sensor, car_from_sensor_m })
     }
+}
+
+/// Notes the classes in the annotations of the log in `folder` that nobody knows.
+///
+/// # Errors
+///
+/// [`DatasetError`] if they cannot be read.
+pub fn survey_classes(folder: &Path, classes: &mut ClassReader<'_>) -> Result<(), DatasetError> {
+    let path = folder.join(ANNOTATIONS);
+    let categories = FeatherTable::read(&path, &["category"])?.take_texts("category");
+    let damaged = |problem| DatasetError::Damaged { path: path.clone(), problem };
+    for (row, category) in categories.map_err(damaged)?.iter().enumerate() {
+        classes.class_of(category, || format!("{path:?}, row {row}"));
+    }
+    Ok(())
 }
 
 fn car_from_sensor_m(path: &Path) -> Result<Vector3<f64>, DatasetError> {
@@ -101,6 +119,7 @@ fn take_poses(table: &mut FeatherTable) -> Result<Vec<Isometry3<f64>>, String> {
 fn read_annotations(
     path: &Path,
     car_from_sensor_m: &Vector3<f64>,
+    classes: &mut ClassReader<'_>,
 ) -> Result<BTreeMap<i64, Vec<Annotation>>, DatasetError> {
     let names = ["timestamp_ns", "track_uuid", "category", "length_m", "width_m", "height_m"];
     let mut table = FeatherTable::read(path, &[&names[..], &POSE[..]].concat())?;
@@ -129,9 +148,11 @@ fn read_annotations(
         if !size_m.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4) {
             return Err(damaged(format!("has a box with sides of {size_m:?} m in row {row}")));
         }
+        let place = || format!("{path:?}, row {row}");
+        let Some(class) = classes.class_of(&categories[row], place) else { continue };
         let track = sorted.binary_search(&&tracks[row]).ok().map(|number| number as u32);
         annotations.entry(times[row]).or_default().push(annotation(
-            class_named(&categories[row]),
+            class,
             &poses[row],
             size_m,
             track,

@@ -13,20 +13,19 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use detector::PointCloud;
 use nalgebra::{Isometry3, Vector3};
 
-use super::log_truth::LogTruth;
-use crate::annotation::{AnnotationClass, LabeledScan, PointRegion, ScanId};
+use super::log_truth::{ANNOTATIONS, LogTruth, survey_classes};
+use crate::annotation::{AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
-use crate::dataset::missing_scans::labels_of_missing;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
-use crate::dataset::position_check::check_positions;
+use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
 
 const SWEEPS: &str = "sensors/lidar";
 
@@ -62,6 +61,7 @@ pub struct SensorLogs {
     description: DatasetDescription,
     scan_ids: Vec<ScanId>,
     sweeps: Vec<Sweep>,
+    classes: ClassRules,
     last_truth: Mutex<Option<(PathBuf, Arc<LogTruth>)>>,
 }
 
@@ -89,10 +89,10 @@ pub fn open_argoverse2(
     let mut found = BTreeSet::new();
     for log in logs_below(&source.path) {
         let name = log.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
-        if !log.join("annotations.feather").is_file() || sequences.is_some_and(|it| !it.contains(&name)) {
+        if !log.join(ANNOTATIONS).is_file() || sequences.is_some_and(|it| !it.contains(&name)) {
             continue;
         }
-        add_file(&mut checksum, &log, "annotations.feather", &name)?;
+        add_file(&mut checksum, &log, ANNOTATIONS, &name)?;
         for (index, time_ns) in (0..).zip(sweep_times(&log.join(SWEEPS))?) {
             add_file(&mut checksum, &log, &format!("{SWEEPS}/{time_ns}.feather"), &name)?;
             scan_ids.push(ScanId { sequence: name.clone(), index });
@@ -101,16 +101,15 @@ pub fn open_argoverse2(
         found.insert(name);
     }
     if let Some(missing) = sequences.and_then(|names| names.difference(&found).next()) {
-        return Err(DatasetError::MissingSelected {
-            path: source.path.join(missing).join("annotations.feather"),
-        });
+        return Err(DatasetError::MissingSelected { path: source.path.join(missing).join(ANNOTATIONS) });
     }
     if scan_ids.is_empty() {
         let labels = source.path.join("*/annotations.feather");
         return Err(DatasetError::Unlabeled { scans: source.path, labels });
     }
+    let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::Argoverse2, checksum.finish());
-    Ok(SensorLogs { description, scan_ids, sweeps, last_truth: Mutex::new(None) })
+    Ok(SensorLogs { description, scan_ids, sweeps, classes, last_truth: Mutex::new(None) })
 }
 
 impl Dataset for SensorLogs {
@@ -126,26 +125,36 @@ impl Dataset for SensorLogs {
         let sweep = &self.sweeps[scan_idx];
         let truth = self.truth_of(&sweep.log)?;
         let path = sweep.log.join(SWEEPS).join(format!("{}.feather", sweep.time_ns));
-        let cloud = read_sweep(&path, &truth.car_from_sensor_m)?;
+        let (cloud, points_left_out) = read_sweep(&path, &truth.car_from_sensor_m)?.into_parts();
         let mut annotations = truth.annotations.get(&sweep.time_ns).cloned().unwrap_or_default();
         let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
         for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
             annotation.point_indices = points;
         }
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan {
+            id,
+            cloud,
+            annotations,
+            point_regions,
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out,
+        })
     }
 
-    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
-        let mut missing = Vec::new();
-        for sweeps in self.sweeps.chunk_by(|a, b| a.log == b.log) {
-            let times: BTreeSet<i64> = sweeps.iter().map(|it| it.time_ns).collect();
-            let truth = self.truth_of(&sweeps[0].log)?;
-            let unseen = truth.annotations.keys().filter(|it| !times.contains(it));
-            let name = sweeps[0].log.file_name().unwrap_or_default().to_string_lossy();
-            missing.extend(unseen.map(|time_ns| format!("{name}/{time_ns}")));
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        let sweeps: BTreeSet<(&Path, i64)> =
+            self.sweeps.iter().map(|it| (it.log.as_path(), it.time_ns)).collect();
+        let (mut n, mut first) = (0, None);
+        for log in self.logs() {
+            for time_ns in self.truth_of(log)?.annotations.keys().filter(|it| !sweeps.contains(&(log, **it)))
+            {
+                n += 1;
+                first.get_or_insert_with(|| format!("{time_ns} of {log:?}"));
+            }
         }
-        Ok(labels_of_missing(missing.into_iter()))
+        Ok(labels_without_scan(n, first))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -159,6 +168,20 @@ impl Dataset for SensorLogs {
 }
 
 impl SensorLogs {
+    /// Of all logs whose annotations can be read, so that they are said at once.
+    fn all_unknown_classes(&self) -> UnknownClasses {
+        let mut classes = ClassReader::new(&self.classes, &[]);
+        for log in self.logs() {
+            // What cannot be read is said when it is read for its scans.
+            let _ = survey_classes(log, &mut classes);
+        }
+        classes.unknown().clone()
+    }
+
+    fn logs(&self) -> BTreeSet<&Path> {
+        self.sweeps.iter().map(|it| it.log.as_path()).collect()
+    }
+
     fn truth_of(&self, log: &Path) -> Result<Arc<LogTruth>, DatasetError> {
         let last = || self.last_truth.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((path, truth)) = last().as_ref()
@@ -166,13 +189,17 @@ impl SensorLogs {
         {
             return Ok(Arc::clone(truth));
         }
-        let truth = Arc::new(LogTruth::read(log)?);
+        let mut classes = ClassReader::new(&self.classes, &[]);
+        let truth = Arc::new(LogTruth::read(log, &mut classes)?);
+        if !classes.unknown().is_empty() {
+            self.all_unknown_classes().refuse(&self.description.id)?;
+        }
         *last() = Some((log.to_path_buf(), Arc::clone(&truth)));
         Ok(truth)
     }
 }
 
-fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<PointCloud, DatasetError> {
+fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<PositionedPoints, DatasetError> {
     let mut table = FeatherTable::read(path, &["x", "y", "z", "intensity"])?;
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
     let mut take = |name: &str| table.take_numbers(name).map_err(damaged);
@@ -181,18 +208,14 @@ fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<PointClou
     if [&y, &z, &intensity].iter().any(|it| it.len() != n_points) {
         return Err(damaged("has columns of different lengths".to_owned()));
     }
-    if n_points == 0 {
-        return Err(DatasetError::NoPoints { path: path.to_path_buf() });
-    }
-    let mut cloud = PointCloud::with_capacity(n_points);
+    let mut points = PositionedPoints::with_capacity(n_points);
     for point_idx in 0..n_points {
         let position_m = Vector3::new(x[point_idx], y[point_idx], z[point_idx]) - car_from_sensor_m;
         // A byte, brought to the range that other sensors have.
         let intensity = intensity[point_idx] as f32 / 255.0;
-        cloud.push([position_m.x as f32, position_m.y as f32, position_m.z as f32], intensity);
+        points.push(position_m.into(), intensity).map_err(damaged)?;
     }
-    check_positions(&cloud).map_err(damaged)?;
-    Ok(cloud)
+    points.not_empty(path)
 }
 
 /// The folders of logs in the splits of `folder`, or `folder` itself.

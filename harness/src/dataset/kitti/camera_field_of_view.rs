@@ -4,7 +4,7 @@ use detector::PointCloud;
 use nalgebra::{Matrix3x4, Vector4};
 
 use super::label::ImageBox;
-use crate::annotation::{Annotation, PointRegion};
+use crate::annotation::{Annotation, LabeledArea, PointRegion};
 
 /// The camera and what its image shows.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +15,16 @@ pub struct CameraFieldOfView<'a> {
     pub image_size_px: [u32; 2],
     /// Parts of the image in which objects were not labelled.
     pub dont_care: &'a [ImageBox],
+}
+
+impl CameraFieldOfView<'_> {
+    /// Which places the camera sees. `DontCare` is about points alone: a rectangle of the image is no place.
+    pub fn labeled_area(&self) -> LabeledArea {
+        LabeledArea::CameraImage {
+            image_from_sensor: *self.image_from_velodyne,
+            image_size_px: self.image_size_px,
+        }
+    }
 }
 
 /// For every point of `cloud`, whether the labels say anything about it.

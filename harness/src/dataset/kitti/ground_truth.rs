@@ -1,14 +1,15 @@
 //! From a scan and KITTI's labels for it to a labelled scan.
 
-use detector::{OrientedBox, PointCloud};
+use detector::OrientedBox;
 
 use super::box_in_velodyne::box_in_velodyne;
 use super::calibration::KittiCalibration;
 use super::camera_field_of_view::{CameraFieldOfView, point_regions};
 use super::label::{ImageBox, KittiLabel, KittiObject, Truncation};
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// What KITTI says about one scan.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +28,8 @@ pub struct KittiGroundTruth<'a> {
 ///
 /// Where boxes overlap, [`points_of_boxes`] says whose a point is. An object marked as not to be judged stays an
 /// annotation, and its points become unscorable.
-pub fn label_scan(id: ScanId, cloud: PointCloud, truth: &KittiGroundTruth<'_>) -> LabeledScan {
+pub fn label_scan(id: ScanId, points: PositionedPoints, truth: &KittiGroundTruth<'_>) -> LabeledScan {
+    let (cloud, points_left_out) = points.into_parts();
     let (objects, dont_care) = objects_and_dont_care(truth.labels);
     let boxes: Vec<OrientedBox> = objects
         .iter()
@@ -46,15 +48,17 @@ pub fn label_scan(id: ScanId, cloud: PointCloud, truth: &KittiGroundTruth<'_>) -
         image_size_px: truth.image_size_px,
         dont_care: &dont_care,
     };
-    let mut point_regions = match truth.labeled_region {
-        LabeledRegion::Camera => point_regions(&cloud, &annotations, &view),
-        LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
+    let everything = || vec![PointRegion::Labeled; cloud.len()];
+    let (mut point_regions, labeled_area) = match truth.labeled_region {
+        LabeledRegion::Camera => (point_regions(&cloud, &annotations, &view), view.labeled_area()),
+        LabeledRegion::Everywhere => (everything(), LabeledArea::Everywhere),
+        LabeledRegion::PerPoint => (everything(), LabeledArea::AsPoints),
     };
     let ignored = objects.iter().zip(&annotations).filter(|(it, _)| it.truncation == Truncation::Ignored);
     for point_idx in ignored.flat_map(|(_, annotation)| &annotation.point_indices) {
         point_regions[*point_idx as usize] = PointRegion::Unscorable;
     }
-    LabeledScan { id, cloud, annotations, point_regions }
+    LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
 }
 
 fn objects_and_dont_care(labels: &[KittiLabel]) -> (Vec<&KittiObject>, Vec<ImageBox>) {
@@ -86,10 +90,10 @@ fn annotation_of(object: &KittiObject, bounding_box: OrientedBox, point_indices:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::AnnotatedClasses;
+    use crate::dataset::class_table::{ClassReader, ClassRules};
     use crate::dataset::kitti::calibration::parse_calibration;
     use crate::dataset::kitti::calibration::tests::FORWARD_CAMERA;
-    use crate::dataset::kitti::label::parse_tracking_labels;
+    use crate::dataset::kitti::label::{KITTI_VOCABULARY, parse_tracking_labels};
     use std::path::Path;
 
     /// A car ahead, cut off by the image to the level `truncated`, with one point in it and one behind it.
@@ -98,16 +102,20 @@ mod tests {
         let labels = format!(
             "0 5 Car {truncated} 0 0 0 0 0 0 1.4 1.6 4 0 1.7 10 0\n0 -1 DontCare -1 -1 -10 0 0 1242 375 -1 -1 -1 0 0 0 0"
         );
-        let labels =
-            parse_tracking_labels(Path::new("l.txt"), &labels, &AnnotatedClasses::EveryObject).unwrap();
+        let rules = ClassRules::default();
+        let mut classes = ClassReader::new(&rules, KITTI_VOCABULARY);
+        let labels = parse_tracking_labels(Path::new("l.txt"), &labels, &mut classes).unwrap();
         let truth = KittiGroundTruth {
             calibration: &parse_calibration(Path::new("c.txt"), FORWARD_CAMERA).unwrap(),
             image_size_px: [1242, 375],
             labeled_region: LabeledRegion::Camera,
             labels: &labels[&0],
         };
-        let cloud = PointCloud::from_iter([[10.0, 1.5, -1.0], [20.0, 0.0, -1.0]]);
-        let scan = label_scan(ScanId { sequence: "0000".to_owned(), index: 0 }, cloud, &truth);
+        let mut points = PositionedPoints::default();
+        for position_m in [[10.0, 1.5, -1.0], [20.0, 0.0, -1.0]] {
+            points.push(position_m, 0.0).unwrap();
+        }
+        let scan = label_scan(ScanId { sequence: "0000".to_owned(), index: 0 }, points, &truth);
         assert_eq!(scan.annotations.len(), 1);
         assert_eq!(scan.annotations[0].point_indices, [0]);
         assert_eq!(scan.annotations[0].track, Some(5));

@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::annotation::{AnnotationClass, Occlusion};
+use crate::dataset::DatasetError;
+use crate::dataset::class_name::plain_name;
+use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::text_file::{TextLine, quoted, text_lines};
-use crate::dataset::{AnnotatedClasses, DatasetError};
 
 /// What the benchmarks label. Buses are not told from trucks, poles and trees are not labelled at all.
 pub const KITTI_CLASSES: [AnnotationClass; 8] = [
@@ -30,6 +32,12 @@ pub const WRITTEN_CLASSES: [(&str, AnnotationClass); 8] = [
     ("Fence", AnnotationClass::Fence),
     ("StreetFurniture", AnnotationClass::StreetFurniture),
 ];
+
+/// What KITTI calls otherwise than others do: the tracking benchmark's *person* sits.
+pub const KITTI_VOCABULARY: &Vocabulary = &[("Person", AnnotationClass::SittingPerson)];
+
+/// What stands in place of a class where objects were not labelled.
+const DONT_CARE: &str = "DontCare";
 
 /// One line of a label file.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,11 +98,12 @@ pub struct ImageBox {
 ///
 /// # Errors
 ///
-/// [`DatasetError::Line`] for a line that does not follow the format or whose class is not among `annotated`.
+/// [`DatasetError::Line`] for a line that does not follow the format or whose class the catalogue does not have. Classes that nobody knows are noted
+/// in `classes`, and their lines left out.
 pub fn parse_tracking_labels(
     path: &Path,
     text: &str,
-    annotated: &AnnotatedClasses,
+    classes: &mut ClassReader<'_>,
 ) -> Result<BTreeMap<u32, Vec<KittiLabel>>, DatasetError> {
     let mut labels_by_scan: BTreeMap<u32, Vec<KittiLabel>> = BTreeMap::new();
     for mut line in text_lines(path, text) {
@@ -107,8 +116,9 @@ pub fn parse_tracking_labels(
                     .map_err(|_| line.error(format!("track id {track} is not -1 or a u32")))?,
             ),
         };
-        let label = parse_label(line, track, annotated, tracking_truncation)?;
-        labels_by_scan.entry(scan).or_default().push(label);
+        if let Some(label) = parse_label(line, track, classes, tracking_truncation)? {
+            labels_by_scan.entry(scan).or_default().push(label);
+        }
     }
     Ok(labels_by_scan)
 }
@@ -123,19 +133,23 @@ pub fn parse_tracking_labels(
 pub fn parse_object_labels(
     path: &Path,
     text: &str,
-    annotated: &AnnotatedClasses,
+    classes: &mut ClassReader<'_>,
 ) -> Result<Vec<KittiLabel>, DatasetError> {
-    text_lines(path, text).map(|line| parse_label(line, None, annotated, object_truncation)).collect()
+    let mut labels = Vec::new();
+    for line in text_lines(path, text) {
+        labels.extend(parse_label(line, None, classes, object_truncation)?);
+    }
+    Ok(labels)
 }
 
-/// The fields that both benchmarks have.
+/// The fields that both benchmarks have; `None` for a class that nobody knows.
 fn parse_label(
     mut line: TextLine<'_>,
     track: Option<u32>,
-    annotated: &AnnotatedClasses,
+    classes: &mut ClassReader<'_>,
     truncation_of: fn(f64) -> Option<Truncation>,
-) -> Result<KittiLabel, DatasetError> {
-    let class = parse_class(&mut line, annotated)?;
+) -> Result<Option<KittiLabel>, DatasetError> {
+    let class = parse_class(&mut line, classes)?;
     let truncated = line.number("truncation")?;
     let occluded: i64 = line.integer("occlusion")?;
     line.number("alpha")?;
@@ -148,11 +162,15 @@ fn parse_label(
     }
     line.clone().end()?;
 
-    let Some(class) = class else { return Ok(KittiLabel::DontCare(image_box)) };
+    let class = match class {
+        LineClass::DontCare => return Ok(Some(KittiLabel::DontCare(image_box))),
+        LineClass::Unknown => return Ok(None),
+        LineClass::Known(class) => class,
+    };
     if let Some(side_m) = height_width_length_m.into_iter().find(|side_m| *side_m <= 0.0) {
         return Err(line.error(format!("a box with a side of {side_m} m")));
     }
-    Ok(KittiLabel::Object(KittiObject {
+    Ok(Some(KittiLabel::Object(KittiObject {
         class,
         track,
         occlusion: parse_occlusion(occluded)
@@ -160,36 +178,27 @@ fn parse_label(
         truncation: truncation_of(truncated)
             .ok_or_else(|| line.error(format!("truncation {truncated} is not known to the format")))?,
         camera_box: CameraBox { bottom_center_m, height_width_length_m, rotation_y_rad },
-    }))
+    })))
 }
 
-/// The class, or `None` for `DontCare`.
-fn parse_class(
-    line: &mut TextLine<'_>,
-    annotated: &AnnotatedClasses,
-) -> Result<Option<AnnotationClass>, DatasetError> {
+/// What a line is about.
+enum LineClass {
+    DontCare,
+    Unknown,
+    Known(AnnotationClass),
+}
+
+fn parse_class(line: &mut TextLine<'_>, classes: &mut ClassReader<'_>) -> Result<LineClass, DatasetError> {
     let word = line.word("class")?;
-    let class = match word {
-        "DontCare" => return Ok(None),
-        "Car" => AnnotationClass::Car,
-        "Van" => AnnotationClass::Van,
-        "Truck" => AnnotationClass::Truck,
-        "Pedestrian" => AnnotationClass::Pedestrian,
-        // The object benchmark writes the former, the tracking benchmark the latter.
-        "Person_sitting" | "Person" => AnnotationClass::SittingPerson,
-        "Cyclist" => AnnotationClass::Cyclist,
-        "Tram" => AnnotationClass::Tram,
-        "Misc" => AnnotationClass::Misc,
-        _ => match WRITTEN_CLASSES.iter().find(|(name, _)| *name == word) {
-            Some((_, class)) => *class,
-            None => return Err(line.error(format!("unknown class {}", quoted(word)))),
-        },
-    };
-    match annotated {
-        AnnotatedClasses::Only(classes) if !classes.contains(&class) => {
+    if plain_name(word) == plain_name(DONT_CARE) {
+        return Ok(LineClass::DontCare);
+    }
+    match classes.class_of(word, || line.place()) {
+        None => Ok(LineClass::Unknown),
+        Some(class) if classes.contradicts_catalogue(class) => {
             Err(line.error(format!("class {} is not among those the data set annotates", quoted(word))))
         }
-        _ => Ok(Some(class)),
+        Some(class) => Ok(LineClass::Known(class)),
     }
 }
 
@@ -228,16 +237,28 @@ fn tracking_truncation(truncated: f64) -> Option<Truncation> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::AnnotatedClasses;
+    use crate::dataset::class_table::ClassRules;
     use proptest::prelude::*;
 
     const CAR: &str = "Car 0.36 1 -1.6 904.5 172.8 1241 374 1.51 1.69 4.04 3.45 1.53 5.88 -1.1";
 
-    fn kitti() -> AnnotatedClasses {
-        AnnotatedClasses::Only(KITTI_CLASSES.to_vec())
+    fn rules(catalogued: &[AnnotationClass]) -> ClassRules {
+        ClassRules { catalogued: AnnotatedClasses::Only(catalogued.to_vec()), ..ClassRules::default() }
+    }
+
+    fn object_labels(text: &str) -> Result<Vec<KittiLabel>, DatasetError> {
+        let rules = rules(&KITTI_CLASSES);
+        parse_object_labels(Path::new("l.txt"), text, &mut ClassReader::new(&rules, KITTI_VOCABULARY))
+    }
+
+    fn tracking_labels(text: &str) -> Result<BTreeMap<u32, Vec<KittiLabel>>, DatasetError> {
+        let rules = rules(&KITTI_CLASSES);
+        parse_tracking_labels(Path::new("l.txt"), text, &mut ClassReader::new(&rules, KITTI_VOCABULARY))
     }
 
     fn object(text: &str) -> KittiObject {
-        match parse_object_labels(Path::new("l.txt"), text, &kitti()).unwrap().remove(0) {
+        match object_labels(text).unwrap().remove(0) {
             KittiLabel::Object(object) => object,
             label @ KittiLabel::DontCare(_) => panic!("{label:?}"),
         }
@@ -245,7 +266,7 @@ mod tests {
 
     #[track_caller]
     fn check_object_refused(text: &str, message: &str) {
-        let error = parse_object_labels(Path::new("l.txt"), text, &kitti()).expect_err("malformed");
+        let error = object_labels(text).expect_err("malformed");
         assert_eq!(error.to_string(), format!("\"l.txt\", {message}"));
         assert!(!error.is_usage_error());
     }
@@ -253,7 +274,7 @@ mod tests {
     #[track_caller]
     fn check_tracking_truncation(field: &str, expected: Truncation) {
         let text = format!("7 2 {}", CAR.replace("0.36", field));
-        let labels = parse_tracking_labels(Path::new("l.txt"), &text, &kitti()).unwrap();
+        let labels = tracking_labels(&text).unwrap();
         let KittiLabel::Object(object) = &labels[&7][0] else { panic!("{labels:?}") };
         assert_eq!((object.truncation, object.track), (expected, Some(2)));
     }
@@ -278,7 +299,7 @@ mod tests {
     #[test]
     fn dont_care_has_an_image_box_only() {
         let text = "DontCare -1 -1 -10 1 2 3 4 -1 -1 -1 -1000 -1000 -1000 -10\n";
-        let labels = parse_object_labels(Path::new("l.txt"), text, &kitti()).unwrap();
+        let labels = object_labels(text).unwrap();
         assert_eq!(
             labels,
             [KittiLabel::DontCare(ImageBox { left_top_right_bottom_px: [1.0, 2.0, 3.0, 4.0] })]
@@ -287,7 +308,7 @@ mod tests {
 
     #[test]
     fn a_file_without_lines_has_no_objects() {
-        assert_eq!(parse_object_labels(Path::new("l.txt"), "\n", &kitti()).unwrap(), []);
+        assert_eq!(object_labels("\n").unwrap(), []);
     }
 
     #[test]
@@ -313,7 +334,7 @@ mod tests {
     #[test]
     fn tracking_labels_are_told_apart_by_scan() {
         let text = format!("7 2 {CAR}\n9 -1 {CAR}\n7 3 {CAR}");
-        let labels = parse_tracking_labels(Path::new("l.txt"), &text, &kitti()).unwrap();
+        let labels = tracking_labels(&text).unwrap();
         let n_labels: Vec<(u32, usize)> = labels.iter().map(|(scan, labels)| (*scan, labels.len())).collect();
         assert_eq!(n_labels, [(7, 2), (9, 1)]);
     }
@@ -334,18 +355,41 @@ mod tests {
         check_object_refused(&CAR.replace("0.36", "2"), "line 1: truncation 2 is not known to the format");
         check_object_refused(&CAR.replace("4.04", "-1"), "line 1: a box with a side of -1 m");
         check_object_refused(&format!("{CAR} 0.9 7"), r#"line 1: does not end before "7""#);
-        check_object_refused(&CAR.replace("Car", "Caravan"), r#"line 1: unknown class "Caravan""#);
     }
 
     #[test]
-    fn a_class_that_is_not_annotated_is_refused() {
-        let only_vans = AnnotatedClasses::Only(vec![AnnotationClass::Van]);
-        let error = parse_object_labels(Path::new("l.txt"), CAR, &only_vans).expect_err("a car");
+    fn a_class_that_the_catalogue_does_not_have_is_refused() {
+        let only_vans = rules(&[AnnotationClass::Van]);
+        let mut classes = ClassReader::new(&only_vans, KITTI_VOCABULARY);
+        let error = parse_object_labels(Path::new("l.txt"), CAR, &mut classes).expect_err("a car");
         assert_eq!(
             error.to_string(),
             r#""l.txt", line 1: class "Car" is not among those the data set annotates"#
         );
-        assert!(parse_object_labels(Path::new("l.txt"), CAR, &AnnotatedClasses::EveryObject).is_ok());
+        let anything = ClassRules::default();
+        let mut classes = ClassReader::new(&anything, KITTI_VOCABULARY);
+        let bus = CAR.replace("Car", "bus");
+        assert_eq!(parse_object_labels(Path::new("l.txt"), &bus, &mut classes).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn names_are_known_in_any_case_and_unknown_ones_noted() {
+        for (name, expected) in [
+            ("CAR", AnnotationClass::Car),
+            ("PEDESTRIAN", AnnotationClass::Pedestrian),
+            ("person", AnnotationClass::SittingPerson),
+            ("person_Sitting", AnnotationClass::SittingPerson),
+        ] {
+            assert_eq!(object(&CAR.replace("Car", name)).class, expected);
+        }
+        let dont_care = object_labels(&CAR.replace("Car", "DONTCARE")).unwrap();
+        assert!(matches!(dont_care[..], [KittiLabel::DontCare(_)]));
+        let rules = ClassRules::default();
+        let mut classes = ClassReader::new(&rules, KITTI_VOCABULARY);
+        let text = format!("{}\n{CAR}\n{}", CAR.replace("Car", "Forklift"), CAR.replace("Car", "forklift"));
+        assert_eq!(parse_object_labels(Path::new("l.txt"), &text, &mut classes).unwrap().len(), 1);
+        let listing = classes.unknown().refuse("drive").expect_err("unknown").to_string();
+        assert!(listing.contains("\"Forklift\"       2 times, first in \"l.txt\", line 1"), "{listing}");
     }
 
     #[test]
@@ -353,15 +397,15 @@ mod tests {
         for line in
             [CAR.to_owned(), format!("-1 0 {CAR}"), format!("0 -2 {CAR}"), format!("0 99999999999 {CAR}")]
         {
-            assert!(parse_tracking_labels(Path::new("l.txt"), &line, &kitti()).is_err(), "{line}");
+            assert!(tracking_labels(&line).is_err(), "{line}");
         }
     }
 
     proptest! {
         #[test]
         fn any_text_gives_labels_or_an_error(text in "(?s).{0,200}") {
-            let _ = parse_tracking_labels(Path::new("l.txt"), &text, &kitti());
-            let _ = parse_object_labels(Path::new("l.txt"), &text, &kitti());
+            let _ = tracking_labels(&text);
+            let _ = object_labels(&text);
         }
 
         #[test]
@@ -369,8 +413,8 @@ mod tests {
             fields in prop::collection::vec("(-?[0-9]{1,12}(\\.[0-9]{1,3})?(e[0-9]{1,4})?|Car|DontCare|nan)", 0..20)
         ) {
             let text = format!("Car {}\n{}", fields.join(" "), fields.join(" "));
-            let _ = parse_tracking_labels(Path::new("l.txt"), &text, &kitti());
-            let _ = parse_object_labels(Path::new("l.txt"), &text, &kitti());
+            let _ = tracking_labels(&text);
+            let _ = object_labels(&text);
         }
     }
 }

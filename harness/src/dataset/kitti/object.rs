@@ -12,16 +12,17 @@ use std::path::{Path, PathBuf};
 
 use super::calibration::{KittiCalibration, parse_calibration};
 use super::ground_truth::{KittiGroundTruth, label_scan};
-use super::label::{KittiLabel, parse_object_labels};
+use super::label::{KITTI_VOCABULARY, KittiLabel, parse_object_labels};
 use super::region_file::{point_region_file, read_point_regions};
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::class_table::ClassReader;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::{numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError};
 
 /// The folder of the label files.
 const LABELS: &str = "label_2";
@@ -74,10 +75,12 @@ pub fn open_kitti_object(
     let numbers = scan_numbers(&folder, scans)?;
     let mut scan_ids = Vec::with_capacity(numbers.len());
     let mut opened = Vec::with_capacity(numbers.len());
+    let mut classes = ClassReader::new(&source.classes, KITTI_VOCABULARY);
     for index in numbers {
-        opened.push(open_scan(&mut folder, index, &source.annotated)?);
+        opened.push(open_scan(&mut folder, index, &mut classes)?);
         scan_ids.push(ScanId { sequence: SEQUENCE.to_owned(), index });
     }
+    classes.unknown().refuse(&source.id)?;
     let labeled_region = source.labeled_region;
     let description = source.describe(DatasetFormat::KittiObject, folder.finish());
     Ok(KittiObjects { description, labeled_region, scan_ids, scans: opened })
@@ -95,18 +98,18 @@ impl Dataset for KittiObjects {
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let id = self.scan_ids[scan_idx].clone();
         let scan = &self.scans[scan_idx];
-        let cloud = read_velodyne_bin(&scan.path)?;
+        let points = read_velodyne_bin(&scan.path)?;
         let truth = KittiGroundTruth {
             calibration: &scan.calibration,
             image_size_px: scan.image_size_px,
             labeled_region: self.labeled_region,
             labels: &scan.labels,
         };
-        let mut labeled = label_scan(id, cloud, &truth);
+        let mut labeled = label_scan(id, points, &truth);
         if self.labeled_region == LabeledRegion::PerPoint {
             let root = self.description.root.as_deref().expect("it was recorded");
             let file = point_region_file(&format!("{:06}", labeled.id.index));
-            labeled.point_regions = read_point_regions(&root.join(file), labeled.cloud.len())?;
+            labeled.point_regions = read_point_regions(&root.join(file), &labeled)?;
         }
         Ok(labeled)
     }
@@ -140,7 +143,7 @@ fn scan_numbers(
 fn open_scan(
     folder: &mut SplitFolder,
     number: u32,
-    annotated: &AnnotatedClasses,
+    classes: &mut ClassReader<'_>,
 ) -> Result<Scan, DatasetError> {
     let scan_name = format!("velodyne/{number:06}.bin");
     let path = folder.path_of(&scan_name);
@@ -154,7 +157,7 @@ fn open_scan(
     })?;
     let image = numbered_file(&folder.path_of("image_2"), number, "png");
     Ok(Scan {
-        labels: parse_object_labels(&folder.path_of(&labels_name), &labels, annotated)?,
+        labels: parse_object_labels(&folder.path_of(&labels_name), &labels, classes)?,
         calibration: parse_calibration(&folder.path_of(&calibration_name), &calibration)?,
         image_size_px: folder.image_size_px(&format!("{number:06}"), &image)?,
         path,

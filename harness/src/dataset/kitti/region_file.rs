@@ -4,8 +4,9 @@
 
 use std::path::Path;
 
-use crate::annotation::PointRegion;
+use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::DatasetError;
+use crate::dataset::positioned_points::values_of_kept;
 
 /// The file that belongs to the scan called `name`, relative to the split.
 pub fn point_region_file(name: &str) -> String {
@@ -22,17 +23,18 @@ pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
     regions.iter().map(byte).collect()
 }
 
-/// The regions of the `n_points` points of a scan; all is labelled where there is no file.
+/// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is none.
 ///
 /// # Errors
 ///
 /// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
-pub fn read_point_regions(path: &Path, n_points: usize) -> Result<Vec<PointRegion>, DatasetError> {
+pub fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
     if !path.exists() {
-        return Ok(vec![PointRegion::Labeled; n_points]);
+        return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);
     }
     let bytes =
         std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let n_points = scan.cloud.len() + scan.points_left_out.len();
     if bytes.len() != n_points {
         return Err(DatasetError::LabelCount { path: path.to_path_buf(), n_labels: bytes.len(), n_points });
     }
@@ -45,23 +47,33 @@ pub fn read_point_regions(path: &Path, n_points: usize) -> Result<Vec<PointRegio
             Err(DatasetError::Damaged { path: path.to_path_buf(), problem })
         }
     };
-    bytes.iter().map(region).collect()
+    values_of_kept(&bytes, &scan.points_left_out).iter().map(region).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::annotation::ScanId;
 
     #[test]
     fn regions_come_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("000000.u8");
-        assert_eq!(read_point_regions(&path, 2).unwrap(), [PointRegion::Labeled; 2]);
+        // The second point of the file has no position.
+        let scan = |n_points: usize| LabeledScan {
+            id: ScanId { sequence: "0".to_owned(), index: 0 },
+            cloud: vec![[1.0, 2.0, 3.0]; n_points].into_iter().collect(),
+            annotations: Vec::new(),
+            point_regions: Vec::new(),
+            labeled_area: crate::annotation::LabeledArea::AsPoints,
+            points_left_out: vec![1],
+        };
+        assert_eq!(read_point_regions(&path, &scan(2)).unwrap(), [PointRegion::Labeled; 2]);
         let regions = [PointRegion::Outside, PointRegion::Labeled, PointRegion::Unscorable];
         std::fs::write(&path, region_bytes(&regions)).unwrap();
-        assert_eq!(read_point_regions(&path, 3).unwrap(), regions);
-        assert!(matches!(read_point_regions(&path, 4), Err(DatasetError::LabelCount { .. })));
+        assert_eq!(read_point_regions(&path, &scan(2)).unwrap(), [regions[0], regions[2]]);
+        assert!(matches!(read_point_regions(&path, &scan(3)), Err(DatasetError::LabelCount { .. })));
         std::fs::write(&path, [0, 3]).unwrap();
-        assert!(matches!(read_point_regions(&path, 2), Err(DatasetError::Damaged { .. })));
+        assert!(matches!(read_point_regions(&path, &scan(1)), Err(DatasetError::Damaged { .. })));
     }
 }

@@ -12,17 +12,17 @@ use std::path::{Path, PathBuf};
 
 use super::calibration::{KittiCalibration, parse_calibration};
 use super::ground_truth::{KittiGroundTruth, label_scan};
-use super::label::{KittiLabel, parse_tracking_labels};
+use super::label::{KITTI_VOCABULARY, KittiLabel, parse_tracking_labels};
 use super::region_file::{point_region_file, read_point_regions};
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::class_table::ClassReader;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
-use crate::dataset::missing_scans::labels_beside;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
 
 /// The folder of the label files.
 const LABELS: &str = "label_02";
@@ -74,11 +74,13 @@ pub fn open_kitti_tracking(
     }
     let mut scan_ids = Vec::new();
     let mut opened = BTreeMap::new();
+    let mut classes = ClassReader::new(&source.classes, KITTI_VOCABULARY);
     for name in sequences.unwrap_or(&present) {
         let numbers = scan_numbers(&mut folder, name)?;
         scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
-        opened.insert(name.clone(), open_sequence(&mut folder, name, &source.annotated)?);
+        opened.insert(name.clone(), open_sequence(&mut folder, name, &mut classes)?);
     }
+    classes.unknown().refuse(&source.id)?;
     if scan_ids.is_empty() {
         return Err(DatasetError::NoScans { path: velodyne });
     }
@@ -96,31 +98,34 @@ impl Dataset for KittiTracking {
         &self.scan_ids
     }
 
-    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
-        let labels = self.sequences.iter().map(|(name, it)| (name, it.labels_by_scan.keys()));
-        Ok(labels_beside(
-            &self.scan_ids,
-            labels.flat_map(|(name, numbers)| numbers.map(move |it| (name, it))),
-        ))
-    }
-
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let id = self.scan_ids[scan_idx].clone();
         let sequence = &self.sequences[&id.sequence];
-        let cloud = read_velodyne_bin(&numbered_file(&sequence.folder, id.index, "bin"))?;
+        let points = read_velodyne_bin(&numbered_file(&sequence.folder, id.index, "bin"))?;
         let truth = KittiGroundTruth {
             calibration: &sequence.calibration,
             image_size_px: sequence.image_size_px,
             labeled_region: self.labeled_region,
             labels: sequence.labels_by_scan.get(&id.index).map_or(&[], Vec::as_slice),
         };
-        let mut labeled = label_scan(id, cloud, &truth);
+        let mut labeled = label_scan(id, points, &truth);
         if self.labeled_region == LabeledRegion::PerPoint {
             let root = self.description.root.as_deref().expect("it was recorded");
             let file = point_region_file(&format!("{}/{:06}", labeled.id.sequence, labeled.id.index));
-            labeled.point_regions = read_point_regions(&root.join(file), labeled.cloud.len())?;
+            labeled.point_regions = read_point_regions(&root.join(file), &labeled)?;
         }
         Ok(labeled)
+    }
+
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        let scans: BTreeSet<(&str, u32)> =
+            self.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
+        let labeled = self.sequences.iter().flat_map(|(name, sequence)| {
+            sequence.labels_by_scan.keys().map(move |index| (name.as_str(), *index))
+        });
+        let without_scan: Vec<(&str, u32)> = labeled.filter(|it| !scans.contains(it)).collect();
+        let first = without_scan.first().map(|(name, index)| format!("{name}/{index:06}"));
+        Ok(labels_without_scan(without_scan.len(), first))
     }
 }
 
@@ -157,7 +162,7 @@ fn scan_numbers(folder: &mut SplitFolder, name: &str) -> Result<BTreeSet<u32>, D
 fn open_sequence(
     folder: &mut SplitFolder,
     name: &str,
-    annotated: &AnnotatedClasses,
+    classes: &mut ClassReader<'_>,
 ) -> Result<Sequence, DatasetError> {
     let scans = folder.path_of(&format!("velodyne/{name}"));
     let labels_name = format!("{LABELS}/{name}.txt");
@@ -168,7 +173,7 @@ fn open_sequence(
         DatasetError::ScanWithoutCalibration { scan: scans.clone(), calibration }
     })?;
     Ok(Sequence {
-        labels_by_scan: parse_tracking_labels(&folder.path_of(&labels_name), &labels, annotated)?,
+        labels_by_scan: parse_tracking_labels(&folder.path_of(&labels_name), &labels, classes)?,
         calibration: parse_calibration(&folder.path_of(&calibration_name), &calibration)?,
         image_size_px: image_size_px(folder, name)?,
         folder: scans,

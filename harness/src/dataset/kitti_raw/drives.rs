@@ -19,18 +19,19 @@ use nalgebra::Isometry3;
 use super::drive_calibration::{CameraView, parse_camera_view, parse_transform};
 use super::inertial_poses::{InertialFix, parse_inertial_fix};
 use super::tracklet_file::parse_tracklets;
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::class_table::ClassReader;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
-use crate::dataset::missing_scans::labels_beside;
+use crate::dataset::kitti::label::KITTI_VOCABULARY;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
 
 const SCANS: &str = "velodyne_points/data";
 const TIMES: &str = "velodyne_points/timestamps.txt";
@@ -84,6 +85,7 @@ pub fn open_kitti_raw(
     sequences: Option<&BTreeSet<String>>,
 ) -> Result<KittiRaw, DatasetError> {
     let (mut scan_ids, mut drives, mut checksum) = (Vec::new(), BTreeMap::new(), DatasetChecksum::default());
+    let mut classes = ClassReader::new(&source.classes, KITTI_VOCABULARY);
     for folder in drives_below(&source.path) {
         let name = folder.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
         if sequences.is_some_and(|it| !it.contains(&name)) {
@@ -98,8 +100,12 @@ pub fn open_kitti_raw(
         }
         let last = numbers.last().copied().unwrap_or_default();
         scan_ids.extend(numbers.into_iter().map(|index| ScanId { sequence: name.clone(), index }));
-        drives.insert(name.clone(), open_drive(folder, &name, last, &mut checksum)?);
+        let drive = open_drive(folder.clone(), (&name, last), &mut checksum, &mut classes)?;
+        if let Some(other) = drives.insert(name.clone(), drive) {
+            return Err(DatasetError::SameName { kind: "drives", name, paths: vec![other.folder, folder] });
+        }
     }
+    classes.unknown().refuse(&source.id)?;
     if let Some(missing) = sequences.and_then(|it| it.iter().find(|name| !drives.contains_key(*name))) {
         return Err(DatasetError::MissingSelected { path: source.path.join(missing) });
     }
@@ -123,35 +129,43 @@ impl Dataset for KittiRaw {
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let id = self.scan_ids[scan_idx].clone();
         let drive = &self.drives[&id.sequence];
-        let cloud = read_velodyne_bin(&drive.folder.join(SCANS).join(format!("{:010}.bin", id.index)))?;
+        let path = drive.folder.join(SCANS).join(format!("{:010}.bin", id.index));
+        let (cloud, points_left_out) = read_velodyne_bin(&path)?.into_parts();
         let Some(labels) = &drive.labels else {
             let point_regions = vec![PointRegion::Outside; cloud.len()];
-            return Ok(LabeledScan { id, cloud, annotations: Vec::new(), point_regions });
+            let labeled_area = LabeledArea::AsPoints;
+            let annotations = Vec::new();
+            return Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out });
         };
         let mut annotations = labels.annotations_by_scan.get(&id.index).cloned().unwrap_or_default();
         let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
         for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
             annotation.point_indices = points;
         }
-        let point_regions = match self.labeled_region {
-            LabeledRegion::Camera => {
-                let view = CameraFieldOfView {
-                    image_from_velodyne: &labels.view.image_from_velodyne,
-                    image_size_px: labels.view.image_size_px,
-                    dont_care: &[],
-                };
-                point_regions(&cloud, &annotations, &view)
-            }
-            LabeledRegion::Everywhere | LabeledRegion::PerPoint => vec![PointRegion::Labeled; cloud.len()],
+        let view = CameraFieldOfView {
+            image_from_velodyne: &labels.view.image_from_velodyne,
+            image_size_px: labels.view.image_size_px,
+            dont_care: &[],
         };
-        Ok(LabeledScan { id, cloud, annotations, point_regions })
+        let (point_regions, labeled_area) = match self.labeled_region {
+            LabeledRegion::Camera => (point_regions(&cloud, &annotations, &view), view.labeled_area()),
+            LabeledRegion::Everywhere | LabeledRegion::PerPoint => {
+                (vec![PointRegion::Labeled; cloud.len()], LabeledArea::Everywhere)
+            }
+        };
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
 
-    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
-        let labels = self.drives.iter().filter_map(|(name, it)| Some((name, it.labels.as_ref()?)));
-        let labeled = labels
-            .flat_map(|(name, labels)| labels.annotations_by_scan.keys().map(move |number| (name, number)));
-        Ok(labels_beside(&self.scan_ids, labeled))
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        let scans: BTreeSet<(&str, u32)> =
+            self.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
+        let labeled = self.drives.iter().flat_map(|(name, drive)| {
+            let numbers = drive.labels.iter().flat_map(|it| it.annotations_by_scan.keys());
+            numbers.map(move |index| (name.as_str(), *index))
+        });
+        let without_scan: Vec<(&str, u32)> = labeled.filter(|it| !scans.contains(it)).collect();
+        let first = without_scan.first().map(|(name, index)| format!("{name}/{index:010}"));
+        Ok(labels_without_scan(without_scan.len(), first))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -211,9 +225,9 @@ fn scan_numbers(folder: &Path) -> Result<BTreeSet<u32>, DatasetError> {
 
 fn open_drive(
     folder: PathBuf,
-    name: &str,
-    last_scan: u32,
+    (name, last_scan): (&str, u32),
     checksum: &mut DatasetChecksum,
+    classes: &mut ClassReader<'_>,
 ) -> Result<Drive, DatasetError> {
     let mut read_text = |path: &Path, name: &str| -> Result<String, DatasetError> {
         let text = read_text_file(path)?;
@@ -244,7 +258,7 @@ fn open_drive(
         let view = parse_camera_view((&velo_path, &velo), (&cam_path, &cam))?;
         let path = folder.join(LABELS);
         let text = read_text(&path, &format!("{name}/{LABELS}"))?;
-        Some(Labels { annotations_by_scan: parse_tracklets(&path, &text)?, view })
+        Some(Labels { annotations_by_scan: parse_tracklets(&path, &text, classes)?, view })
     } else {
         None
     };

@@ -7,9 +7,9 @@ use detector::OrientedBox;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
-use crate::annotation::{Annotation, AnnotationClass, Occlusion};
+use crate::annotation::{Annotation, Occlusion};
 use crate::dataset::DatasetError;
-use crate::dataset::class_name::class_named;
+use crate::dataset::class_table::ClassReader;
 
 /// Elements lie in one another to this depth.
 const MAX_DEPTH: usize = 16;
@@ -45,14 +45,18 @@ struct Pose {
 /// Reads the labels in `text`: annotations without points by number of the scan, in the frame of the sensor; tracks are
 /// numbered in the order of the file. Poses whose state is *unset* are left out.
 ///
-/// `path` is named in errors.
+/// `path` is named in errors. Objects whose class nobody knows are noted in `classes` and left out.
 ///
 /// # Errors
 ///
 /// [`DatasetError::Damaged`] for what is not such a file, with the byte. Definitions of entities are refused.
-pub fn parse_tracklets(path: &Path, text: &str) -> Result<BTreeMap<u32, Vec<Annotation>>, DatasetError> {
+pub fn parse_tracklets(
+    path: &Path,
+    text: &str,
+    classes: &mut ClassReader<'_>,
+) -> Result<BTreeMap<u32, Vec<Annotation>>, DatasetError> {
     let mut reader = Reader::from_str(text);
-    let parsed = parse(&mut reader).and_then(|tracklets| annotations_of(&tracklets));
+    let parsed = parse(&mut reader).and_then(|tracklets| annotations_of(path, &tracklets, classes));
     let at = reader.buffer_position();
     parsed.map_err(|problem| DatasetError::Damaged {
         path: path.to_path_buf(),
@@ -171,7 +175,11 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-fn annotations_of(tracklets: &[Tracklet]) -> Result<BTreeMap<u32, Vec<Annotation>>, String> {
+fn annotations_of(
+    path: &Path,
+    tracklets: &[Tracklet],
+    classes: &mut ClassReader<'_>,
+) -> Result<BTreeMap<u32, Vec<Annotation>>, String> {
     let mut by_scan: BTreeMap<u32, Vec<Annotation>> = BTreeMap::new();
     for (track, tracklet) in (0..).zip(tracklets) {
         let lacks = |name: &str| format!("has an object, number {track}, without {name}");
@@ -187,7 +195,8 @@ fn annotations_of(tracklets: &[Tracklet]) -> Result<BTreeMap<u32, Vec<Annotation
                 "has an object, number {track}, whose {n_poses} poses are not those announced"
             ));
         }
-        let class = class_of(&tracklet.class);
+        let place = || format!("{path:?}, object {track}");
+        let Some(class) = classes.class_of(&tracklet.class, place) else { continue };
         for (scans_later, pose) in (0..).zip(&tracklet.poses) {
             let [Some(x), Some(y), Some(bottom)] = pose.bottom_center_m else {
                 return Err(lacks("tx, ty or tz"));
@@ -214,13 +223,12 @@ fn annotations_of(tracklets: &[Tracklet]) -> Result<BTreeMap<u32, Vec<Annotation
     Ok(by_scan)
 }
 
-fn class_of(name: &str) -> AnnotationClass {
-    if name == "Person (sitting)" { AnnotationClass::SittingPerson } else { class_named(name) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::annotation::AnnotationClass;
+    use crate::dataset::class_table::ClassRules;
+    use crate::dataset::kitti::label::KITTI_VOCABULARY;
 
     const POSE_XML: &str = "<item><tx>10</tx><ty>2</ty><tz>-1.7</tz><rx>0</rx><ry>0</ry><rz>0.5</rz><state>2</state>\
         <occlusion>1</occlusion><truncation>0</truncation></item>";
@@ -242,15 +250,20 @@ mod tests {
         )
     }
 
+    fn parsed(text: &str) -> Result<BTreeMap<u32, Vec<Annotation>>, DatasetError> {
+        let rules = ClassRules::default();
+        parse_tracklets(Path::new("t.xml"), text, &mut ClassReader::new(&rules, KITTI_VOCABULARY))
+    }
+
     #[track_caller]
     fn check_refused(text: &str, part: &str) {
-        let message = parse_tracklets(Path::new("t.xml"), text).expect_err("damaged").to_string();
+        let message = parsed(text).expect_err("damaged").to_string();
         assert!(message.starts_with("\"t.xml\" ") && message.contains(part), "{message}");
     }
 
     #[test]
     fn poses_are_bottom_centres_in_scans_from_the_first_one_on() {
-        let by_scan = parse_tracklets(Path::new("t.xml"), &file("", &object())).unwrap();
+        let by_scan = parsed(&file("", &object())).unwrap();
         assert_eq!(by_scan.keys().copied().collect::<Vec<_>>(), [7, 8]);
         let first = &by_scan[&7][0];
         let bounding_box = first.bounding_box.unwrap();
@@ -260,13 +273,14 @@ mod tests {
         assert_eq!(bounding_box.yaw_rad, 0.5);
         assert_eq!((first.occlusion, first.truncation), (Some(Occlusion::Partly), Some(0.0)));
         assert_eq!(by_scan[&8][0].occlusion, None);
-        assert_eq!(class_of("Person (sitting)"), AnnotationClass::SittingPerson);
+        let sitting = object().replace("Van", "Person (sitting)");
+        assert_eq!(parsed(&file("", &sitting)).unwrap()[&7][0].class, AnnotationClass::SittingPerson);
     }
 
     #[test]
     fn poses_that_nobody_set_are_left_out() {
         let text = file("", &object().replacen("<state>2", "<state>0", 1));
-        let by_scan = parse_tracklets(Path::new("t.xml"), &text).unwrap();
+        let by_scan = parsed(&text).unwrap();
         assert_eq!(by_scan.keys().copied().collect::<Vec<_>>(), [8]);
     }
 

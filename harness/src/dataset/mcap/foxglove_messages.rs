@@ -2,9 +2,12 @@
 //!
 //! Only the fields that mean something here are declared; both decoders skip the others.
 
+use std::fmt;
+
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::Isometry3;
+use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use super::ros_messages::{StampedTransform, isometry};
@@ -21,6 +24,9 @@ pub const FRAME_TRANSFORM: &str = "foxglove.FrameTransform";
 
 /// `foxglove.FrameTransforms`.
 pub const FRAME_TRANSFORMS: &str = "foxglove.FrameTransforms";
+
+/// A point has fewer fields than this.
+const MAX_FIELDS: usize = 256;
 
 /// A moment or a duration.
 #[derive(Clone, Copy, PartialEq, Eq, prost::Message, Deserialize)]
@@ -141,6 +147,7 @@ pub struct PointCloud {
     pub point_stride: u32,
     /// What a point is made of.
     #[prost(message, repeated, tag = "5")]
+    #[serde(deserialize_with = "few_fields")]
     pub fields: Vec<PackedElementField>,
     /// The points.
     #[prost(bytes = "vec", tag = "6")]
@@ -389,7 +396,79 @@ pub fn decode<M: prost::Message + Default + serde::de::DeserializeOwned>(
     }
 }
 
+/// The cloud in `bytes`, in the encoding of its channel. Errors are the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// As [`decode`]; also if its points have more fields than any have, each of which would take more memory than bytes.
+pub fn decode_cloud(encoding: &str, bytes: &[u8]) -> Result<PointCloud, String> {
+    if encoding == "protobuf" && n_fields_in(bytes) > MAX_FIELDS {
+        return Err(format!("has a cloud with more than {MAX_FIELDS} fields"));
+    }
+    decode(encoding, bytes)
+}
+
+/// How many descriptions of fields a cloud in protobuf has, as far as it can be read.
+fn n_fields_in(mut bytes: &[u8]) -> usize {
+    const FIELDS: u32 = 5;
+    let mut n_fields = 0;
+    while let Ok((tag, wire_type)) = prost::encoding::decode_key(&mut bytes) {
+        n_fields += usize::from(tag == FIELDS);
+        let context = prost::encoding::DecodeContext::default();
+        if prost::encoding::skip_field(wire_type, tag, &mut bytes, context).is_err() {
+            break;
+        }
+    }
+    n_fields
+}
+
+fn few_fields<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PackedElementField>, D::Error> {
+    struct FewFields;
+    impl<'de> Visitor<'de> for FewFields {
+        type Value = Vec<PackedElementField>;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(formatter, "at most {MAX_FIELDS} fields")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+            let mut fields = Vec::new();
+            while let Some(field) = list.next_element()? {
+                if fields.len() == MAX_FIELDS {
+                    return Err(A::Error::invalid_length(MAX_FIELDS + 1, &self));
+                }
+                fields.push(field);
+            }
+            Ok(fields)
+        }
+    }
+    deserializer.deserialize_seq(FewFields)
+}
+
 fn base64_bytes<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<u8>, D::Error> {
     let text = String::deserialize(deserializer)?;
     STANDARD.decode(text).map_err(serde::de::Error::custom)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prost::Message as _;
+
+    #[test]
+    fn a_cloud_with_more_fields_than_any_has_is_refused_before_they_take_memory() {
+        let cloud = |n_fields| PointCloud {
+            fields: vec![PackedElementField::default(); n_fields],
+            data: vec![5; 1000],
+            ..PointCloud::default()
+        };
+        assert_eq!(decode_cloud("protobuf", &cloud(4).encode_to_vec()).unwrap(), cloud(4));
+        let problem =
+            decode_cloud("protobuf", &cloud(1 << 20).encode_to_vec()).expect_err("a million fields");
+        assert!(problem.contains("more than 256 fields"), "{problem}");
+        let json = |n_fields: usize| format!("{{\"fields\": [{}]}}", vec!["{}"; n_fields].join(","));
+        assert_eq!(decode_cloud("json", json(4).as_bytes()).unwrap().fields.len(), 4);
+        let problem = decode_cloud("json", json(257).as_bytes()).expect_err("too many");
+        assert!(problem.contains("at most 256 fields"), "{problem}");
+    }
 }

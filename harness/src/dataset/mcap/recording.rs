@@ -3,30 +3,28 @@
 //! Scans are read one at a time, with the annotations that are stamped the same; of the rest of the recording only the places
 //! of messages are kept, 32 bytes each.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use detector::PointCloud;
 use nalgebra::{Isometry3, Point3};
 
-use super::foxglove_messages::{
-    FrameTransform, FrameTransforms, PointCloud as FoxgloveCloud, SceneUpdate, decode,
-};
+use super::foxglove_messages::{FrameTransform, FrameTransforms, SceneUpdate, decode, decode_cloud};
 use super::frame_tree::FrameTree;
 use super::recording_file::RecordingFile;
 use super::recording_index::{MessagePlace, RecordingIndex, index_recording};
 use super::ros_messages::{StampedTransform, detection_3d_array, point_cloud_2, tf_message};
 use super::scene_objects::{SceneObject, objects_of_detections, objects_of_scene};
 use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
-use crate::annotation::{Annotation, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
-use crate::dataset::missing_scans::labels_of_missing;
 use crate::dataset::packed_points::PackedPoints;
 use crate::dataset::points_of_boxes::points_of_boxes;
-use crate::dataset::position_check::check_positions;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
 
 /// The metadata record in which scanbench says what the messages do not, and the names in it.
 pub mod own_metadata {
@@ -73,6 +71,15 @@ pub struct Recording {
     transforms: Vec<Channel>,
     first_transforms: Vec<StampedTransform>,
     cut_off: Option<String>,
+    classes: ClassRules,
+    names_not_taken: Option<String>,
+}
+
+/// Annotations and how far from a scan they are in time.
+struct NearestAnnotations {
+    offset_ns: u64,
+    place: MessagePlace,
+    objects: Vec<SceneObject>,
 }
 
 /// A channel with the places of its messages, by time.
@@ -86,6 +93,8 @@ struct Channel {
 /// A cloud as it was recorded.
 struct RecordedCloud {
     cloud: PointCloud,
+    /// See [`LabeledScan::points_left_out`].
+    points_left_out: Vec<u32>,
     frame: String,
     stamp_ns: u64,
     /// From the frame to the sensor's.
@@ -124,17 +133,28 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
     }
     let chosen = choose_channels(&path, &index, choice)?;
     let checksum = checksum_of(&path, &index)?;
-    let own_ids = index.metadata.remove(own_metadata::SCAN_IDS);
+    let own_ids = index.metadata.get(own_metadata::SCAN_IDS);
+    let own_ids: Option<Vec<(String, u32)>> =
+        own_ids.map(|ids| serde_json::from_str(ids).unwrap_or_default());
     let chunks = std::mem::take(&mut index.chunks);
-    let mut channel = |chosen: ChosenChannel| Channel {
-        kind: chosen.kind,
-        encoding: chosen.info.encoding,
-        places: index.messages.remove(&chosen.id).unwrap_or_default(),
+    let mut channel = |chosen: ChosenChannel| {
+        let places = chosen.ids.iter().filter_map(|id| index.messages.remove(id));
+        let mut places: Vec<MessagePlace> = places.flatten().collect();
+        places.sort_by_key(|place| place.log_time_ns);
+        Channel { kind: chosen.kind, encoding: chosen.info.encoding, places }
     };
     let clouds = channel(chosen.cloud);
+    let n_scans = clouds.places.len();
+    let names_not_taken = own_ids.as_ref().filter(|own| own.len() != n_scans).map(|own| {
+        format!(
+            "names for {} scans in its metadata where there are {n_scans}: they are numbered instead",
+            own.len()
+        )
+    });
     let mut recording = Recording {
-        scan_ids: scan_ids(&path, clouds.places.len(), own_ids.as_deref(), index.cut_off.as_deref())
-            .map_err(damaged)?,
+        scan_ids: scan_ids(&path, n_scans, own_ids),
+        classes: source.classes.clone(),
+        names_not_taken,
         description: source.describe(DatasetFormat::Mcap, checksum),
         annotations: chosen.annotations.map(&mut channel),
         transforms: chosen.transforms.into_iter().map(&mut channel).collect(),
@@ -165,29 +185,16 @@ fn checksum_of(path: &Path, index: &RecordingIndex) -> Result<String, DatasetErr
     Ok(checksum.finish())
 }
 
-/// The ids of the `n_scans` scans: those in the recording's own metadata, else numbers in a drive called after the file. Errors are
-/// the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If the metadata cannot be read, or names another number of scans although nothing is `cut_off`.
-fn scan_ids(
-    path: &Path,
-    n_scans: usize,
-    own: Option<&str>,
-    cut_off: Option<&str>,
-) -> Result<Vec<ScanId>, String> {
-    let Some(own) = own else {
-        let stem = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
-        return Ok((0..n_scans as u32).map(|index| ScanId { sequence: stem.clone(), index }).collect());
-    };
-    let own: Vec<(String, u32)> = serde_json::from_str(own)
-        .map_err(|error| format!("has names of scans in its metadata that cannot be read: {error}"))?;
-    let is_complete = own.len() == n_scans || (cut_off.is_some() && own.len() > n_scans);
-    if !is_complete {
-        return Err(format!("names {} scans in its metadata and holds {n_scans}", own.len()));
+fn scan_ids(path: &Path, n_scans: usize, own: Option<Vec<(String, u32)>>) -> Vec<ScanId> {
+    match own {
+        Some(own) if own.len() == n_scans => {
+            own.into_iter().map(|(sequence, index)| ScanId { sequence, index }).collect()
+        }
+        _ => {
+            let stem = path.file_stem().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+            (0..n_scans as u32).map(|index| ScanId { sequence: stem.clone(), index }).collect()
+        }
     }
-    Ok(own.into_iter().take(n_scans).map(|(sequence, index)| ScanId { sequence, index }).collect())
 }
 
 impl Dataset for Recording {
@@ -210,28 +217,26 @@ impl Dataset for Recording {
             None => assign_points_in_boxes(&recorded.cloud, &mut annotations),
         }
         let n_points = recorded.cloud.len();
-        let point_regions = match recorded.regions {
-            Some(regions) => regions.into_iter().map(region_of).collect(),
-            None if is_annotated => vec![PointRegion::Labeled; n_points],
-            None => vec![PointRegion::Outside; n_points],
+        let (point_regions, labeled_area) = match &recorded.regions {
+            Some(regions) => (regions.iter().copied().map(region_of).collect(), LabeledArea::AsPoints),
+            None if is_annotated => (vec![PointRegion::Labeled; n_points], LabeledArea::Everywhere),
+            None => (vec![PointRegion::Outside; n_points], LabeledArea::AsPoints),
         };
         let id = self.scan_ids[scan_idx].clone();
-        Ok(LabeledScan { id, cloud: recorded.cloud, annotations, point_regions })
+        let RecordedCloud { cloud, points_left_out, .. } = recorded;
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
 
     fn left_out(&self) -> Option<&str> {
         self.cut_off.as_deref()
     }
 
-    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
-        let Some(channel) = &self.annotations else { return Ok(None) };
-        let has_cloud = |it: &&MessagePlace| {
-            let begin_ns = it.log_time_ns.saturating_sub(MAX_ANNOTATION_DELAY_NS);
-            let end_ns = it.log_time_ns.saturating_add(MAX_ANNOTATION_OFFSET_NS);
-            !window(&self.clouds.places, begin_ns, end_ns).is_empty()
-        };
-        let missing = channel.places.iter().filter(|it| !has_cloud(it));
-        Ok(labels_of_missing(missing.map(|it| format!("the annotations logged at {} ns", it.log_time_ns))))
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        let without_scan = self.places_without_scan()?;
+        let first = without_scan.first().map(|place| self.place_in_words(*place));
+        let mut oddities = labels_without_scan(without_scan.len(), first);
+        oddities.extend(self.names_not_taken.clone());
+        Ok(oddities)
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -260,7 +265,7 @@ impl Recording {
             let (header, packed) = point_cloud_2(message.as_slice()).map_err(named)?;
             recorded_cloud(&packed, header.frame, header.stamp_ns, &Isometry3::identity())
         } else {
-            let message: FoxgloveCloud = decode(&self.clouds.encoding, message.as_slice()).map_err(named)?;
+            let message = decode_cloud(&self.clouds.encoding, message.as_slice()).map_err(named)?;
             let pose = message.pose.unwrap_or_default().isometry().map_err(named)?;
             let stamp_ns = message.timestamp.unwrap_or_default().nanoseconds();
             message
@@ -274,51 +279,109 @@ impl Recording {
         Ok(recorded)
     }
 
-    /// The annotations of the scan without their points; `None` where no message belongs to it.
-    fn annotations_of(
+    /// The message of annotations nearest to a cloud that is stamped so and lies at `place`; `None` where none is near enough.
+    fn nearest_annotations(
         &self,
-        recorded: &RecordedCloud,
+        stamp_ns: u64,
         place: MessagePlace,
-    ) -> Result<Option<Vec<Annotation>>, DatasetError> {
+    ) -> Result<Option<NearestAnnotations>, DatasetError> {
         let Some(channel) = &self.annotations else { return Ok(None) };
         let window = window(
             &channel.places,
             place.log_time_ns.saturating_sub(MAX_ANNOTATION_OFFSET_NS),
             place.log_time_ns.saturating_add(MAX_ANNOTATION_DELAY_NS),
         );
-        let mut nearest: Option<(u64, Vec<SceneObject>)> = None;
+        let mut nearest: Option<NearestAnnotations> = None;
         for candidate in window {
-            let (stamp_ns, objects) = self.read_objects(channel, *candidate)?;
-            let offset_ns = stamp_ns.unwrap_or(candidate.log_time_ns).abs_diff(recorded.stamp_ns);
-            if nearest.as_ref().is_none_or(|(least_ns, _)| offset_ns < *least_ns) {
-                nearest = Some((offset_ns, objects));
+            let (said_ns, objects) = self.read_objects(channel, *candidate)?;
+            let offset_ns = said_ns.unwrap_or(candidate.log_time_ns).abs_diff(stamp_ns);
+            if nearest.as_ref().is_none_or(|it| offset_ns < it.offset_ns) {
+                nearest = Some(NearestAnnotations { offset_ns, place: *candidate, objects });
             }
             if offset_ns == 0 {
                 break;
             }
         }
-        let Some((_, objects)) = nearest.filter(|(offset_ns, _)| *offset_ns < MAX_ANNOTATION_OFFSET_NS)
-        else {
-            return Ok(None);
-        };
+        Ok(nearest.filter(|it| it.offset_ns < MAX_ANNOTATION_OFFSET_NS))
+    }
+
+    /// The annotations of the scan without their points; `None` where no message belongs to it.
+    fn annotations_of(
+        &self,
+        recorded: &RecordedCloud,
+        place: MessagePlace,
+    ) -> Result<Option<Vec<Annotation>>, DatasetError> {
+        let nearest = self.nearest_annotations(recorded.stamp_ns, place)?;
+        let Some(NearestAnnotations { place: logged, objects, .. }) = nearest else { return Ok(None) };
+        let mut reader = ClassReader::new(&self.classes, &[]);
+        let mut classes = Vec::with_capacity(objects.len());
+        for object in &objects {
+            classes.push(reader.class_of(&object.class_name, || self.place_in_words(logged)));
+        }
+        if !reader.unknown().is_empty() {
+            self.all_unknown_classes().refuse(&self.description.id)?;
+        }
         let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != recorded.frame;
         let tree = if objects.iter().any(is_elsewhere) {
             self.frames_at(recorded.stamp_ns, place.log_time_ns)?
         } else {
             FrameTree::default()
         };
-        let annotation = |object: &SceneObject| -> Result<Annotation, DatasetError> {
-            let frame = if object.frame.is_empty() { &recorded.frame } else { &object.frame };
-            let cloud_from_frame = tree.to_from(&recorded.frame, frame).ok_or_else(|| {
-                self.damaged(format!(
-                    "has annotations in the frame {frame:?}, which nothing connects with {:?}",
-                    recorded.frame
-                ))
-            })?;
-            let sensor_from_frame = recorded.sensor_from_frame * cloud_from_frame;
-            object.annotation(&sensor_from_frame).map_err(|problem| self.damaged(problem))
-        };
-        objects.iter().map(annotation).collect::<Result<_, _>>().map(Some)
+        let annotation =
+            |(object, class): (&SceneObject, AnnotationClass)| -> Result<Annotation, DatasetError> {
+                let frame = if object.frame.is_empty() { &recorded.frame } else { &object.frame };
+                let cloud_from_frame = tree.to_from(&recorded.frame, frame).ok_or_else(|| {
+                    self.damaged(format!(
+                        "has annotations in the frame {frame:?}, which nothing connects with {:?}",
+                        recorded.frame
+                    ))
+                })?;
+                let sensor_from_frame = recorded.sensor_from_frame * cloud_from_frame;
+                object.annotation(class, &sensor_from_frame).map_err(|problem| self.damaged(problem))
+            };
+        // Names that nobody knows were refused above.
+        let known = objects.iter().zip(classes).filter_map(|(object, class)| Some((object, class?)));
+        known.map(annotation).collect::<Result<_, _>>().map(Some)
+    }
+
+    fn place_in_words(&self, place: MessagePlace) -> String {
+        format!("the message logged at {} ns", place.log_time_ns)
+    }
+
+    /// Of all annotations that can be read, so that they are said at once.
+    fn all_unknown_classes(&self) -> UnknownClasses {
+        let mut classes = ClassReader::new(&self.classes, &[]);
+        if let Some(channel) = &self.annotations {
+            for &place in &channel.places {
+                // What cannot be read is said when its scan is read.
+                let (_, objects) = self.read_objects(channel, place).unwrap_or_default();
+                for object in objects {
+                    classes.class_of(&object.class_name, || self.place_in_words(place));
+                }
+            }
+        }
+        classes.unknown().clone()
+    }
+
+    /// The places of annotations that belong to no scan.
+    fn places_without_scan(&self) -> Result<Vec<MessagePlace>, DatasetError> {
+        let Some(channel) = &self.annotations else { return Ok(Vec::new()) };
+        let mut taken = BTreeSet::new();
+        for &place in &self.clouds.places {
+            let stamp_ns = self.read_cloud(place)?.stamp_ns;
+            if let Some(nearest) = self.nearest_annotations(stamp_ns, place)? {
+                taken.insert((nearest.place.chunk_idx, nearest.place.offset));
+            }
+        }
+        let mut without_scan = Vec::new();
+        for &place in &channel.places {
+            if !taken.contains(&(place.chunk_idx, place.offset))
+                && !self.read_objects(channel, place)?.1.is_empty()
+            {
+                without_scan.push(place);
+            }
+        }
+        Ok(without_scan)
     }
 
     /// The objects in a message and the moment it is about, if it says so.
@@ -391,8 +454,12 @@ fn recorded_cloud(
     stamp_ns: u64,
     frame_from_points: &Isometry3<f64>,
 ) -> Result<RecordedCloud, String> {
-    let mut cloud = packed.cloud()?;
-    check_positions(&cloud)?;
+    let points = packed.positioned()?;
+    let of_points = |name: &str| -> Result<Option<Vec<f64>>, String> {
+        Ok(packed.column(name)?.map(|of_all| points.values_of_kept(&of_all)))
+    };
+    let (regions, objects) = (of_points(own_fields::REGION)?, of_points(own_fields::OBJECT)?);
+    let (mut cloud, points_left_out) = points.into_parts();
     // The axes become those of the frame, the origin stays with the sensor.
     if frame_from_points.rotation.angle() > 0.0 {
         let turned = |[x, y, z]: [f32; 3]| {
@@ -407,11 +474,12 @@ fn recorded_cloud(
     }
     Ok(RecordedCloud {
         cloud,
+        points_left_out,
         frame,
         stamp_ns,
         sensor_from_frame: frame_from_points.translation.inverse() * Isometry3::identity(),
-        regions: packed.column(own_fields::REGION)?,
-        objects: packed.column(own_fields::OBJECT)?,
+        regions,
+        objects,
     })
 }
 

@@ -3,7 +3,7 @@
 //! The file is walked once from record to record; of chunks only headers and message indexes are read. A recording that was
 //! never finished has no summary that says what its channels are: then its chunks are looked into.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
@@ -16,6 +16,11 @@ use crate::dataset::DatasetError;
 
 /// Records other than chunks are read whole; larger ones are no part of a sensible recording.
 const MAX_RECORD_BYTES: u64 = 256 << 20;
+
+/// Where there is no summary, chunks are looked into: all together may grow to so many bytes, or so many times the size of the file, whichever is
+/// more.
+const MAX_PLAIN_BYTES: u64 = 256 << 20;
+const MAX_GROWTH: u64 = 64;
 
 /// A chunk's header fits in here, with the name of its compression.
 const MAX_CHUNK_HEADER_BYTES: u64 = 256;
@@ -92,8 +97,13 @@ pub fn index_recording(
         let problem = "is no MCAP file, it begins otherwise".to_owned();
         return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
     }
-    let mut walk =
-        Walk { schemas: BTreeMap::new(), index: RecordingIndex::default(), name, matters: &matters };
+    let mut walk = Walk {
+        schemas: BTreeMap::new(),
+        index: RecordingIndex::default(),
+        name,
+        matters: &matters,
+        n_plain_bytes_left: MAX_PLAIN_BYTES.max(n_file_bytes.saturating_mul(MAX_GROWTH)),
+    };
     // Where the summary is whole, it names all channels, and chunks need not be opened.
     let has_summary = walk.read_summary(&mut file).is_some();
     match walk.walk(&mut file, n_file_bytes, has_summary) {
@@ -101,10 +111,24 @@ pub fn index_recording(
         Err(WalkError::Io(source)) => return Err(io_error(source)),
         Err(WalkError::Damaged(problem)) => walk.index.cut_off = Some(problem),
     }
+    let mut n_repeated = 0;
     for places in walk.index.messages.values_mut() {
+        n_repeated += leave_out_repeated(places);
         places.sort_by_key(|place| place.log_time_ns);
     }
+    if n_repeated > 0 {
+        let problem = format!("has an index that names {n_repeated} messages more than once");
+        walk.index.cut_off.get_or_insert(problem);
+    }
     Ok(walk.index)
+}
+
+/// Leaves each message in once, in the order of the file, and returns how many were left out.
+fn leave_out_repeated(places: &mut Vec<MessagePlace>) -> usize {
+    let n_before = places.len();
+    let mut seen = BTreeSet::new();
+    places.retain(|it| seen.insert((it.chunk_idx, it.offset)));
+    n_before - places.len()
 }
 
 enum WalkError {
@@ -129,6 +153,7 @@ struct Walk<'a> {
     index: RecordingIndex,
     name: &'a str,
     matters: &'a dyn Fn(&ChannelInfo) -> bool,
+    n_plain_bytes_left: u64,
 }
 
 impl Walk<'_> {
@@ -243,6 +268,8 @@ impl Walk<'_> {
     fn look_into(&mut self, file: &mut File, chunk_idx: u32) -> Result<(), WalkError> {
         let place = self.index.chunks[chunk_idx as usize];
         let records = read_chunk(file, place)?;
+        let n_left = self.n_plain_bytes_left.checked_sub(records.len() as u64);
+        self.n_plain_bytes_left = n_left.ok_or("has chunks that grow beyond all measure".to_owned())?;
         let mut offset = 0;
         while offset < records.len() {
             let (opcode, body, next) =

@@ -6,7 +6,6 @@ use nalgebra::{Isometry3, Vector3};
 use super::foxglove_messages::{SceneEntity, SceneUpdate};
 use super::ros_messages::Detection3D;
 use crate::annotation::{Annotation, AnnotationClass, Occlusion};
-use crate::dataset::class_name::class_named;
 
 /// The names of what is known about an object, in the metadata of Foxglove's scene entities.
 pub mod keys {
@@ -28,8 +27,8 @@ const CLASS_KEYS: [&str; 5] = [keys::CLASS, "label", "category", "type", "name"]
 pub struct SceneObject {
     /// The frame of its box; empty for that of the message.
     pub frame: String,
-    /// What it is.
-    pub class: AnnotationClass,
+    /// What it is called; empty if it is not said.
+    pub class_name: String,
     /// The centre and turn of its box, and its extent along its own axes in metres.
     pub frame_from_box: Option<(Isometry3<f64>, [f64; 3])>,
     /// Its number within the drive.
@@ -41,21 +40,25 @@ pub struct SceneObject {
 }
 
 impl SceneObject {
-    /// The object as an annotation without points, once it is known how its frame lies to the sensor's.
+    /// The object as an annotation of `class` without points, once it is known how its frame lies to the sensor's.
     ///
     /// The box is set upright. Errors are the rest of a sentence about the file.
     ///
     /// # Errors
     ///
     /// If a side of the box is not above 0, or it lies beyond all measure.
-    pub fn annotation(&self, sensor_from_frame: &Isometry3<f64>) -> Result<Annotation, String> {
+    pub fn annotation(
+        &self,
+        class: AnnotationClass,
+        sensor_from_frame: &Isometry3<f64>,
+    ) -> Result<Annotation, String> {
         let bounding_box = self
             .frame_from_box
             .as_ref()
             .map(|(frame_from_box, size_m)| upright_box(&(sensor_from_frame * frame_from_box), *size_m))
             .transpose()?;
         Ok(Annotation {
-            class: self.class,
+            class,
             bounding_box,
             point_indices: Vec::new(),
             track: self.track,
@@ -102,7 +105,7 @@ fn object_of_entity(entity: &SceneEntity) -> Result<SceneObject, String> {
     let occlusion = [Occlusion::None, Occlusion::Partly, Occlusion::Largely];
     Ok(SceneObject {
         frame: entity.frame_id.clone(),
-        class: CLASS_KEYS.iter().find_map(|key| value(key)).map_or(AnnotationClass::Misc, class_named),
+        class_name: CLASS_KEYS.iter().find_map(|key| value(key)).unwrap_or_default().to_owned(),
         frame_from_box,
         track: value(keys::TRACK).and_then(|it| it.parse().ok()),
         occlusion: value(keys::OCCLUSION).and_then(|name| occlusion.into_iter().find(|it| it.name() == name)),
@@ -114,7 +117,7 @@ fn object_of_entity(entity: &SceneEntity) -> Result<SceneObject, String> {
 pub fn objects_of_detections(detections: &[Detection3D]) -> Vec<SceneObject> {
     let object = |it: &Detection3D| SceneObject {
         frame: it.header.frame.clone(),
-        class: class_named(&it.class),
+        class_name: it.class.clone(),
         frame_from_box: Some((it.frame_from_box, it.size_m)),
         track: it.id.parse().ok(),
         occlusion: None,

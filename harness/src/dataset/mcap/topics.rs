@@ -7,6 +7,7 @@ use super::foxglove_messages::{FRAME_TRANSFORM, FRAME_TRANSFORMS, POINT_CLOUD, S
 use super::recording_index::{ChannelInfo, RecordingIndex};
 use super::ros_messages::{DETECTION_3D_ARRAY, POINT_CLOUD_2, TF_MESSAGE};
 use crate::dataset::DatasetError;
+use crate::dataset::shown_name::shown;
 
 /// Where annotations are looked for if several topics could hold them.
 pub const ANNOTATION_TOPIC: &str = "/annotations";
@@ -74,8 +75,8 @@ pub struct TopicChoice {
 /// A channel that is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChosenChannel {
-    /// Its number.
-    pub id: u16,
+    /// Its number, and those of channels that carry the same on the same topic.
+    pub ids: Vec<u16>,
     /// What its messages are.
     pub kind: MessageKind,
     /// What it carries.
@@ -106,24 +107,39 @@ pub fn choose_channels(
     let known = |is_wanted: fn(MessageKind) -> bool| -> Vec<ChosenChannel> {
         let channels = index.channels.iter().filter_map(|(&id, info)| {
             let kind = MessageKind::of(info).filter(|kind| is_wanted(*kind))?;
-            Some(ChosenChannel { id, kind, info: info.clone() })
+            Some(ChosenChannel { ids: vec![id], kind, info: info.clone() })
         });
-        // A topic may have been announced several times; the one with messages counts.
-        let mut by_topic: BTreeMap<String, ChosenChannel> = BTreeMap::new();
+        // A topic may have been announced several times: what carries the same is one, and what carries nothing does not count beside another.
+        let mut by_topic: BTreeMap<String, Vec<ChosenChannel>> = BTreeMap::new();
         for channel in channels {
-            let is_better = by_topic
-                .get(&channel.info.topic)
-                .is_none_or(|other| n_messages(index, other) < n_messages(index, &channel));
-            if is_better {
-                by_topic.insert(channel.info.topic.clone(), channel);
+            let of_topic = by_topic.entry(channel.info.topic.clone()).or_default();
+            match of_topic.iter_mut().find(|it| it.info == channel.info) {
+                Some(same) => same.ids.extend(channel.ids),
+                None => of_topic.push(channel),
             }
         }
-        by_topic.into_values().collect()
+        for of_topic in by_topic.values_mut() {
+            of_topic.sort_by_key(|it| std::cmp::Reverse(n_messages(index, it)));
+            let n_with_messages = of_topic.iter().filter(|it| n_messages(index, it) > 0).count();
+            of_topic.truncate(n_with_messages.max(1));
+        }
+        by_topic.into_values().flatten().collect()
     };
     let error = |problem: String, candidates: &[ChosenChannel]| DatasetError::Topic {
         path: path.to_path_buf(),
         problem,
         topics: if candidates.is_empty() { all_topics(index) } else { listed(index, candidates) },
+    };
+    let unmixed = |chosen: &ChosenChannel, candidates: &[ChosenChannel]| {
+        let same: Vec<ChosenChannel> =
+            candidates.iter().filter(|it| it.info.topic == chosen.info.topic).cloned().collect();
+        match same.len() {
+            0 | 1 => Ok(()),
+            _ => Err(error(
+                format!("has messages of several kinds on the topic {:?}", chosen.info.topic),
+                &same,
+            )),
+        }
     };
     let clouds = known(MessageKind::is_cloud);
     let cloud = match &choice.cloud {
@@ -133,10 +149,11 @@ pub fn choose_channels(
             .ok_or_else(|| error(format!("has no clouds on the topic {topic:?}"), &clouds)),
         None => match &clouds[..] {
             [] => Err(error("has no clouds".to_owned(), &[])),
-            [only] => Ok(only),
+            [only, others @ ..] if others.iter().all(|it| it.info.topic == only.info.topic) => Ok(only),
             _ => Err(error("has clouds on several topics, name one by --topic".to_owned(), &clouds)),
         },
     }?;
+    unmixed(cloud, &clouds)?;
     let objects = known(MessageKind::is_objects);
     let named = |topic: &str| objects.iter().find(|it| it.info.topic == topic);
     let annotations = match (&choice.annotations, &objects[..]) {
@@ -145,12 +162,13 @@ pub fn choose_channels(
                 .ok_or_else(|| error(format!("has no annotations on the topic {topic:?}"), &objects))?,
         ),
         (None, []) => None,
-        (None, [only]) => Some(only),
+        (None, [only, others @ ..]) if others.iter().all(|it| it.info.topic == only.info.topic) => Some(only),
         (None, _) => Some(named(ANNOTATION_TOPIC).ok_or_else(|| {
             let problem = "has objects on several topics, name that of the annotations by --annotation-topic";
             error(problem.to_owned(), &objects)
         })?),
     };
+    annotations.map_or(Ok(()), |it| unmixed(it, &objects))?;
     Ok(ChosenChannels {
         cloud: cloud.clone(),
         annotations: annotations.cloned(),
@@ -159,28 +177,26 @@ pub fn choose_channels(
 }
 
 fn n_messages(index: &RecordingIndex, channel: &ChosenChannel) -> usize {
-    index.messages.get(&channel.id).map_or(0, Vec::len)
+    channel.ids.iter().filter_map(|id| index.messages.get(id)).map(Vec::len).sum()
 }
 
 fn listed(index: &RecordingIndex, channels: &[ChosenChannel]) -> Vec<String> {
     let describe = |it: &ChosenChannel| {
-        let (topic, schema) = (it.info.topic.escape_debug(), it.info.schema.escape_debug());
-        format!("{topic} ({schema}, {} messages)", n_messages(index, it))
+        format!("{} ({}, {} messages)", shown(&it.info.topic), shown(&it.info.schema), n_messages(index, it))
     };
     channels.iter().map(describe).collect()
 }
 
 fn all_topics(index: &RecordingIndex) -> Vec<String> {
-    let describe = |it: &ChannelInfo| {
-        let [topic, schema, encoding] = [&it.topic, &it.schema, &it.encoding].map(|it| it.escape_debug());
-        format!("{topic} ({schema} as {encoding})")
-    };
+    let describe =
+        |it: &ChannelInfo| format!("{} ({} as {})", shown(&it.topic), shown(&it.schema), shown(&it.encoding));
     index.channels.values().map(describe).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::mcap::recording_index::MessagePlace;
 
     fn index(topics: &[(&str, &str, &str)]) -> RecordingIndex {
         let channels = (0_u16..).zip(topics).map(|(id, &(topic, schema, encoding))| {
@@ -210,6 +226,28 @@ mod tests {
             }
             (found, expected) => panic!("{found:?}, expected {expected:?}"),
         }
+    }
+
+    #[test]
+    fn channels_that_carry_the_same_are_one_and_others_are_not_guessed() {
+        let place = |offset| MessagePlace { log_time_ns: offset, chunk_idx: None, offset };
+        let mut index = index(&[TOP, TOP, LABELS, ("/top", POINT_CLOUD, "json")]);
+        index.messages.insert(0, vec![place(1)]);
+        index.messages.insert(1, vec![place(2), place(3)]);
+        let choice = TopicChoice { cloud: Some("/top".to_owned()), annotations: None };
+        let found = choose_channels(Path::new("a.mcap"), &index, &choice).unwrap();
+        assert_eq!(found.cloud.ids, [0, 1]);
+        index.messages.insert(3, vec![place(4)]);
+        for choice in [choice, TopicChoice::default()] {
+            let error = choose_channels(Path::new("a.mcap"), &index, &choice).expect_err("two kinds");
+            let message = error.to_string();
+            assert!(message.contains("several kinds on the topic \"/top\": /top (sensor_msgs"), "{message}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_shown_is_escaped() {
+        check(&[("/a\u{1b}[31m", "b\n", "c")], [None, None], Err("/a\\u{1b}[31m (b\\n as c)"));
     }
 
     const TOP: (&str, &str, &str) = ("/top", POINT_CLOUD_2, "cdr");

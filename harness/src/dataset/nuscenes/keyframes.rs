@@ -8,17 +8,17 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use detector::PointCloud;
 use nalgebra::Isometry3;
 
-use super::lidar_tables::{Keyframe, read_keyframes};
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use super::lidar_tables::{Keyframe, LidarTables, read_keyframes};
+use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::points_of_boxes::points_of_boxes;
-use crate::dataset::position_check::check_positions;
+use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
 
 /// The lidar, 32 beams on the roof.
 pub const NUSCENES_SENSOR: &str = "hdl-32e";
@@ -67,6 +67,7 @@ pub struct NuScenes {
     scans: PathBuf,
     scan_ids: Vec<ScanId>,
     keyframes: Vec<Keyframe>,
+    samples_without_scan: BTreeSet<String>,
 }
 
 /// Whether `folder` is that of nuScenes, or of one of its versions.
@@ -94,7 +95,9 @@ pub fn open_nuscenes(
             return Err(DatasetError::SeveralDatasets { path: source.path, found });
         }
     };
-    let keyframes = read_keyframes(&version, sequences)?;
+    let mut classes = ClassReader::new(&source.classes, &[]);
+    let LidarTables { keyframes, samples_without_scan } = read_keyframes(&version, sequences, &mut classes)?;
+    classes.unknown().refuse(&source.id)?;
     let scenes: BTreeSet<&str> = keyframes.iter().map(|it| it.scene.as_str()).collect();
     if let Some(missing) = sequences.and_then(|it| it.iter().find(|name| !scenes.contains(name.as_str()))) {
         return Err(DatasetError::MissingSelected { path: source.path.join(missing) });
@@ -118,7 +121,7 @@ pub fn open_nuscenes(
         scan_ids.push(ScanId { sequence: keyframe.scene.clone(), index });
     }
     let description = source.describe(DatasetFormat::NuScenes, checksum.finish());
-    Ok(NuScenes { description, scans, scan_ids, keyframes })
+    Ok(NuScenes { description, scans, scan_ids, keyframes, samples_without_scan })
 }
 
 impl Dataset for NuScenes {
@@ -134,7 +137,7 @@ impl Dataset for NuScenes {
         let keyframe = &self.keyframes[scan_idx];
         let path = self.scans.join(&keyframe.file);
         let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
-        let cloud = parse_scan(&path, &bytes)?;
+        let (cloud, points_left_out) = parse_scan(&path, &bytes)?.into_parts();
         let mut annotations: Vec<Annotation> =
             keyframe.objects.iter().map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
         let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
@@ -142,7 +145,20 @@ impl Dataset for NuScenes {
             annotation.point_indices = points;
         }
         let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations, point_regions })
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan {
+            id,
+            cloud,
+            annotations,
+            point_regions,
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out,
+        })
+    }
+
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        let samples = &self.samples_without_scan;
+        Ok(labels_without_scan(samples.len(), samples.first().map(|it| format!("the sample {it:?}"))))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -173,8 +189,8 @@ fn versions_in(folder: &Path) -> Vec<PathBuf> {
     versions
 }
 
-fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PointCloud, DatasetError> {
-    let (points, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
+fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
+    let (rows, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
     if !rest.is_empty() {
         return Err(DatasetError::PartialPoint {
             path: path.to_path_buf(),
@@ -182,17 +198,14 @@ fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PointCloud, DatasetError> {
             n_bytes_per_point: N_BYTES_PER_POINT,
         });
     }
-    if points.is_empty() {
-        return Err(DatasetError::NoPoints { path: path.to_path_buf() });
-    }
-    let mut cloud = PointCloud::with_capacity(points.len());
-    for point in points {
-        let (values, _) = point.as_chunks::<4>();
+    let mut points = PositionedPoints::with_capacity(rows.len());
+    for row in rows {
+        let (values, _) = row.as_chunks::<4>();
         let values: [f32; 4] = std::array::from_fn(|column| f32::from_le_bytes(values[column]));
         let [right_m, forward_m, up_m, intensity] = values;
         // A byte, brought to the range that other sensors have.
-        cloud.push([forward_m, -right_m, up_m], intensity / 255.0);
+        let taken = points.push([forward_m, -right_m, up_m].map(f64::from), intensity / 255.0);
+        taken.map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
     }
-    check_positions(&cloud).map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
-    Ok(cloud)
+    points.not_empty(path)
 }

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::table::read_table;
 use crate::annotation::{Annotation, AnnotationClass, Occlusion};
 use crate::dataset::DatasetError;
-use crate::dataset::class_name::class_named;
+use crate::dataset::class_table::ClassReader;
 use crate::dataset::mcap::ros_messages::isometry;
 
 /// The lidar on the roof.
@@ -29,6 +29,15 @@ pub struct Keyframe {
     pub world_from_sensor: Isometry3<f64>,
     /// What is annotated, in the frame of the world.
     pub objects: Vec<WorldObject>,
+}
+
+/// What the tables say about the lidar.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LidarTables {
+    /// Its keyframes.
+    pub keyframes: Vec<Keyframe>,
+    /// Samples that are annotated and have no keyframe of it.
+    pub samples_without_scan: BTreeSet<String>,
 }
 
 /// An annotation, before it is brought into the frame of the sensor.
@@ -143,7 +152,7 @@ struct Unplaced {
 /// Reads the tables in `folder`: the keyframes of the lidar by scene, each in the order of its times; only those of `scenes` if
 /// any are named.
 ///
-/// Everything else, such as images and the scans between keyframes, is passed over and not kept.
+/// Annotations whose class nobody knows are noted in `classes` and left out. Everything else, such as images and the scans between keyframes, is passed over and not kept.
 ///
 /// # Errors
 ///
@@ -151,11 +160,12 @@ struct Unplaced {
 pub fn read_keyframes(
     folder: &Path,
     scenes: Option<&BTreeSet<String>>,
-) -> Result<Vec<Keyframe>, DatasetError> {
+    classes: &mut ClassReader<'_>,
+) -> Result<LidarTables, DatasetError> {
     let table = |name: &str| folder.join(format!("{name}.json"));
     let unplaced = read_unplaced(&table, scenes)?;
     let poses = read_poses(&table("ego_pose"), &unplaced)?;
-    let mut objects = read_objects(&table, &unplaced)?;
+    let (mut objects, elsewhere) = read_objects(&table, &unplaced, classes)?;
     let mut keyframes = Vec::new();
     for it in unplaced {
         let Some(world_from_ego) = poses.get(&it.ego_pose) else {
@@ -170,7 +180,9 @@ pub fn read_keyframes(
         });
     }
     keyframes.sort_by(|a, b| (&a.scene, a.time_ns).cmp(&(&b.scene, b.time_ns)));
-    Ok(keyframes)
+    // Of scenes that are not asked for there are no scans either.
+    let samples_without_scan = if scenes.is_none() { elsewhere } else { BTreeSet::new() };
+    Ok(LidarTables { keyframes, samples_without_scan })
 }
 
 fn names_nothing(path: &Path, table: &str, token: &str) -> DatasetError {
@@ -197,8 +209,12 @@ fn read_unplaced(
         Ok(())
     })?;
     let mut scene_names = BTreeMap::new();
+    let mut names = BTreeSet::new();
     read_table(&table("scene"), |it: NamedRecord| {
         if scenes.is_none_or(|scenes| scenes.contains(&it.name)) {
+            if !names.insert(it.name.clone()) {
+                return Err(format!("has several scenes that are called {:?}", it.name));
+            }
             scene_names.insert(it.token, it.name);
         }
         Ok(())
@@ -243,11 +259,12 @@ fn read_poses(path: &Path, unplaced: &[Unplaced]) -> Result<BTreeMap<String, Iso
     Ok(poses)
 }
 
-/// The annotations of each sample.
+/// The annotations of each sample, and the other samples that have any.
 fn read_objects(
     table: &impl Fn(&str) -> PathBuf,
     unplaced: &[Unplaced],
-) -> Result<BTreeMap<String, Vec<WorldObject>>, DatasetError> {
+    classes: &mut ClassReader<'_>,
+) -> Result<(BTreeMap<String, Vec<WorldObject>>, BTreeSet<String>), DatasetError> {
     let mut categories = BTreeMap::new();
     read_table(&table("category"), |it: NamedRecord| {
         categories.insert(it.token, it.name);
@@ -277,8 +294,10 @@ fn read_objects(
     })?;
     let wanted: BTreeSet<&String> = unplaced.iter().map(|it| &it.sample).collect();
     let mut objects: BTreeMap<String, Vec<WorldObject>> = BTreeMap::new();
+    let mut elsewhere = BTreeSet::new();
     read_table(&table("sample_annotation"), |it: AnnotationRecord| {
         if !wanted.contains(&it.sample_token) {
+            elsewhere.insert(it.sample_token);
             return Ok(());
         }
         let named = instances.get(&it.instance_token);
@@ -288,9 +307,11 @@ fn read_objects(
             return Err(format!("has a box with the size {:?}", it.size));
         }
         let has_rider = it.attribute_tokens.iter().any(|token| with_rider.contains(token));
-        let class = match class_named(category) {
-            AnnotationClass::ParkedCycle if has_rider => AnnotationClass::Cyclist,
-            class => class,
+        let place = || format!("the instance {:?} of {:?}", it.instance_token, table("sample_annotation"));
+        let class = match classes.class_of(category, place) {
+            None => return Ok(()),
+            Some(AnnotationClass::ParkedCycle) if has_rider => AnnotationClass::Cyclist,
+            Some(class) => class,
         };
         let occlusion = it.visibility_token.and_then(|token| occlusions.get(&token).copied().flatten());
         objects.entry(it.sample_token).or_default().push(WorldObject {
@@ -302,7 +323,7 @@ fn read_objects(
         });
         Ok(())
     })?;
-    Ok(objects)
+    Ok((objects, elsewhere))
 }
 
 /// How much of an object all cameras together see, in classes of a fifth.

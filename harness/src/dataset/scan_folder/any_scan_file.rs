@@ -8,32 +8,29 @@ use super::pcd::parse_pcd;
 use super::ply::parse_ply;
 use super::scan_file::{ScanPoints, scan_extension};
 use crate::dataset::DatasetError;
-use crate::dataset::position_check::check_positions;
+use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::velodyne_bin::parse_velodyne_bin;
 
 /// Reads the scan at `path`.
 ///
 /// # Errors
 ///
-/// [`DatasetError`] if it cannot be read, is damaged or holds no points.
+/// [`DatasetError`] if it cannot be read, is damaged or holds no points with a position.
 pub fn read_scan_file(path: &Path) -> Result<ScanPoints, DatasetError> {
     // Read, not mapped into memory: a mapped file that another program cuts off ends the process.
     let bytes =
         std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-    let cloud = match scan_extension(path) {
+    let points = match scan_extension(path) {
         Some("pcd") => parse_pcd(&bytes),
         Some("ply") => parse_ply(&bytes),
         Some("npy") => parse_npy(&bytes),
         Some("las" | "laz") => {
-            let points = parse_las(&bytes).map_err(damaged(path))?;
-            check_positions(&points.cloud).map_err(damaged(path))?;
-            return if points.cloud.is_empty() { Err(no_points(path)) } else { Ok(points) };
+            let ScanPoints { points, origin_m } = parse_las(&bytes).map_err(damaged(path))?;
+            return Ok(ScanPoints { points: points.not_empty(path)?, origin_m });
         }
         _ => return Ok(at_origin(parse_velodyne_bin(path, &bytes)?)),
     };
-    let cloud = cloud.map_err(damaged(path))?;
-    check_positions(&cloud).map_err(damaged(path))?;
-    if cloud.is_empty() { Err(no_points(path)) } else { Ok(at_origin(cloud)) }
+    Ok(at_origin(points.map_err(damaged(path))?.not_empty(path)?))
 }
 
 /// [`ScanPoints::origin_m`] of the scan at `path`, for readers that want no points.
@@ -50,15 +47,11 @@ pub fn scan_origin_m(path: &Path) -> Result<[f64; 3], DatasetError> {
     las_origin_m(&bytes).map_err(damaged(path))
 }
 
-fn at_origin(cloud: detector::PointCloud) -> ScanPoints {
-    ScanPoints { cloud, origin_m: [0.0; 3] }
+fn at_origin(points: PositionedPoints) -> ScanPoints {
+    ScanPoints { points, origin_m: [0.0; 3] }
 }
 
 fn damaged(path: &Path) -> impl Fn(String) -> DatasetError {
     let path = path.to_path_buf();
     move |problem| DatasetError::Damaged { path: path.clone(), problem }
-}
-
-fn no_points(path: &Path) -> DatasetError {
-    DatasetError::NoPoints { path: path.to_path_buf() }
 }

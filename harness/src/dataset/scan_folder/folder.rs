@@ -7,7 +7,7 @@
 //!
 //! The folder of labels may be called `labels`, `label` or `label_2`; [`label_file`](super::label_file) says what may be in it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -15,16 +15,16 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::any_scan_file::{read_scan_file, scan_origin_m};
 use super::label_file::LabelFile;
-use super::scan_file::scan_extension;
-use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use super::scan_file::{ScanPoints, scan_extension};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
+use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
-use crate::dataset::missing_scans::labels_of_missing;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::points_of_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
 
 /// Where scans may lie in the folder that is named.
 const SCANS: [&str; 4] = ["", "lidar", "pointclouds", "velodyne"];
@@ -40,6 +40,7 @@ pub struct ScanFolder {
     scan_ids: Vec<ScanId>,
     scans: Vec<PathBuf>,
     labels: Option<PathBuf>,
+    classes: ClassRules,
 }
 
 /// Whether scans lie in `folder`.
@@ -60,7 +61,7 @@ fn scans_below(folder: &Path) -> Option<PathBuf> {
 ///
 /// # Errors
 ///
-/// [`DatasetError`] if a scan lacks its labels, or labels are not text.
+/// [`DatasetError`] if a scan lacks its labels, two have one name and so one file of labels, or labels are not text.
 pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetError> {
     let folder = source.path.clone();
     let io_error = |source| DatasetError::Io { path: folder.clone(), source };
@@ -72,6 +73,7 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetErro
         }
     }
     scans.sort();
+    refuse_same_names(&scans)?;
     if scans.is_empty() {
         return Err(DatasetError::NoScans { path: folder });
     }
@@ -93,8 +95,9 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetErro
     let sequence = sequence.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
     let scan_ids =
         (0..scans.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
+    let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::ScanFolder, checksum.finish());
-    Ok(ScanFolder { description, scan_ids, scans, labels })
+    Ok(ScanFolder { description, scan_ids, scans, labels, classes })
 }
 
 impl Dataset for ScanFolder {
@@ -108,39 +111,44 @@ impl Dataset for ScanFolder {
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let path = &self.scans[scan_idx];
-        let points = read_scan_file(path)?;
+        let ScanPoints { points, origin_m } = read_scan_file(path)?;
+        let (cloud, points_left_out) = points.into_parts();
         let (mut annotations, region) = match &self.labels {
             Some(labels) => {
-                let file = LabelFile::find(labels, path)?;
-                let texts = file.files().into_iter().map(read_text_file).collect::<Result<Vec<_>, _>>()?;
-                let annotated = &self.description.annotated;
-                (file.parse(&texts, points.origin_m, annotated)?, PointRegion::Labeled)
+                let (annotations, unknown) = self.read_labels(labels, path, origin_m)?;
+                if !unknown.is_empty() {
+                    self.all_unknown_classes(labels).refuse(&self.description.id)?;
+                }
+                (annotations, PointRegion::Labeled)
             }
             None => (Vec::new(), PointRegion::Outside),
         };
         let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
-        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&points.cloud, &boxes)) {
+        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
             annotation.point_indices = points;
         }
-        let point_regions = vec![region; points.cloud.len()];
+        let point_regions = vec![region; cloud.len()];
         let id = self.scan_ids[scan_idx].clone();
-        Ok(LabeledScan { id, cloud: points.cloud, annotations, point_regions })
+        let labeled_area = LabeledArea::AsPoints;
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
 
-    fn labels_without_scans(&self) -> Result<Option<String>, DatasetError> {
-        let Some(labels) = &self.labels else { return Ok(None) };
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        let Some(labels) = &self.labels else { return Ok(Vec::new()) };
         let io_error = |source| DatasetError::Io { path: labels.clone(), source };
         let stems: BTreeSet<&OsStr> = self.scans.iter().filter_map(|it| it.file_stem()).collect();
-        let mut missing = BTreeSet::new();
+        let mut without_scan = Vec::new();
         for entry in std::fs::read_dir(labels).map_err(io_error)? {
             let path = entry.map_err(io_error)?.path();
             let is_label =
                 path.extension().is_some_and(|it| it == "json" || it == "txt") && !is_hidden(&path);
-            if is_label && path.file_stem().is_some_and(|it| !stems.contains(it)) {
-                missing.insert(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+            // labelCloud's own, beside the labels.
+            let is_of_tool = path.file_name().is_some_and(|it| it == "_classes.json");
+            if is_label && !is_of_tool && path.file_stem().is_none_or(|it| !stems.contains(it)) {
+                without_scan.push(path);
             }
         }
-        Ok(labels_of_missing(missing.into_iter()))
+        Ok(labels_without_scan(without_scan.len(), without_scan.iter().min().map(|it| format!("{it:?}"))))
     }
 
     /// Where the origin was moved to, of scans on a map.
@@ -150,6 +158,50 @@ impl Dataset for ScanFolder {
             Isometry3::from_parts(Translation3::from(Vector3::from(origin_m)), UnitQuaternion::identity());
         Ok((origin_m != [0.0; 3]).then_some(pose))
     }
+}
+
+impl ScanFolder {
+    /// The labels of a scan, and the names of classes in them that nobody knows.
+    fn read_labels(
+        &self,
+        labels: &Path,
+        scan: &Path,
+        origin_m: [f64; 3],
+    ) -> Result<(Vec<Annotation>, UnknownClasses), DatasetError> {
+        let file = LabelFile::find(labels, scan)?;
+        let texts = file.files().into_iter().map(read_text_file).collect::<Result<Vec<_>, _>>()?;
+        let mut classes = ClassReader::new(&self.classes, file.vocabulary());
+        let annotations = file.parse(&texts, origin_m, &mut classes)?;
+        Ok((annotations, classes.unknown().clone()))
+    }
+
+    /// Of all labels that can be read, so that they are said at once.
+    fn all_unknown_classes(&self, labels: &Path) -> UnknownClasses {
+        let mut all = UnknownClasses::default();
+        for scan in &self.scans {
+            if let Ok((_, unknown)) = self.read_labels(labels, scan, [0.0; 3]) {
+                all.append(&unknown);
+            }
+        }
+        all
+    }
+}
+
+/// Scans that differ only in their endings would share their labels.
+fn refuse_same_names(scans: &[PathBuf]) -> Result<(), DatasetError> {
+    let mut by_stem: BTreeMap<&OsStr, &PathBuf> = BTreeMap::new();
+    for scan in scans {
+        let stem = scan.file_stem().unwrap_or_default();
+        if let Some(other) = by_stem.insert(stem, scan) {
+            let name = stem.to_string_lossy().into_owned();
+            return Err(DatasetError::SameName {
+                kind: "scans",
+                name,
+                paths: vec![other.clone(), scan.clone()],
+            });
+        }
+    }
+    Ok(())
 }
 
 fn is_scan(path: &Path) -> bool {

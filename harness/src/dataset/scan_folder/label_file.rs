@@ -13,11 +13,14 @@ use serde_json::Value;
 use super::label_cloud::{LabelCloudFile, LabelCloudObject};
 use super::listed_box::ListedBox;
 use super::sustech_points::SustechObject;
-use crate::annotation::Annotation;
+use crate::annotation::{Annotation, AnnotationClass};
+use crate::dataset::DatasetError;
+use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::calibration::parse_calibration;
-use crate::dataset::kitti::label::{KittiLabel, KittiObject, Truncation, parse_object_labels};
-use crate::dataset::{AnnotatedClasses, DatasetError};
+use crate::dataset::kitti::label::{
+    KITTI_VOCABULARY, KittiLabel, KittiObject, Truncation, parse_object_labels,
+};
 
 /// The labels of a scan with what they need.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -69,7 +72,16 @@ impl LabelFile {
         }
     }
 
-    /// The boxes in the texts of [`Self::files`] as annotations without points, as seen from `origin_m`.
+    /// What the format calls otherwise than others do.
+    pub fn vocabulary(&self) -> &'static Vocabulary {
+        match self {
+            Self::Json(_) => &[],
+            Self::Kitti { .. } => KITTI_VOCABULARY,
+        }
+    }
+
+    /// The boxes in the texts of [`Self::files`] as annotations without points, as seen from `origin_m`. Those whose class nobody knows are noted in
+    /// `classes` and left out.
     ///
     /// # Errors
     ///
@@ -78,12 +90,12 @@ impl LabelFile {
         &self,
         texts: &[String],
         origin_m: [f64; 3],
-        annotated: &AnnotatedClasses,
+        classes: &mut ClassReader<'_>,
     ) -> Result<Vec<Annotation>, DatasetError> {
         match (self, texts) {
             (Self::Kitti { labels, calibration }, [label_text, calibration_text]) => {
                 let calibration = parse_calibration(calibration, calibration_text)?;
-                let labels = parse_object_labels(labels, label_text, annotated)?;
+                let labels = parse_object_labels(labels, label_text, classes)?;
                 // Rectangles of an image say nothing about points without the image.
                 let objects = labels.into_iter().filter_map(|it| match it {
                     KittiLabel::Object(object) => Some(object),
@@ -113,7 +125,15 @@ impl LabelFile {
                 let damaged = |problem| DatasetError::Damaged { path: path.clone(), problem };
                 let listed =
                     texts.first().map_or(Ok(Vec::new()), |text| parse_json(text)).map_err(damaged)?;
-                listed.iter().map(|it| it.annotation(origin_m).map_err(damaged)).collect()
+                let mut annotations = Vec::with_capacity(listed.len());
+                for (place, it) in listed.iter().enumerate() {
+                    let class = classes.class_of(&it.class, || format!("{path:?}, object {place}"));
+                    // A box that is none is damage, whatever it is said to be.
+                    let annotation = it.annotation(class.unwrap_or(AnnotationClass::Misc), origin_m);
+                    let annotation = annotation.map_err(damaged)?;
+                    annotations.extend(class.map(|_| annotation));
+                }
+                Ok(annotations)
             }
         }
     }
@@ -176,9 +196,9 @@ mod tests {
     #[test]
     fn boxes_on_a_map_come_to_the_points() {
         let listed = parse_json(&OURS.replace("10.5", "500010.53125")).unwrap();
-        let annotation = listed[0].annotation([500_000.0, 0.0, 0.0]).unwrap();
+        let annotation = listed[0].annotation(AnnotationClass::Car, [500_000.0, 0.0, 0.0]).unwrap();
         assert_eq!(annotation.bounding_box.unwrap().center_m, [10.53125, -3.0, -0.9]);
         let huge = ListedBox { length_width_height_m: [0.0, 1.0, 1.0], ..listed[0].clone() };
-        assert!(huge.annotation([0.0; 3]).is_err());
+        assert!(huge.annotation(AnnotationClass::Car, [0.0; 3]).is_err());
     }
 }

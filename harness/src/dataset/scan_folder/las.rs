@@ -3,17 +3,15 @@
 //! LAZ is decompressed chunk by chunk, so that nothing a file says decides how much memory is taken.
 
 use std::io::Cursor;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use detector::PointCloud;
 use laz::laszip::ChunkTable;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
-use laz::{DecompressionSelection, LazVlr};
+use laz::{DecompressionSelection, LazItem, LazItemType, LazVlr};
 
 use super::scan_file::ScanPoints;
-
-/// Coordinates farther than this from zero, in metres, are of a map: single precision would round them.
-const MAX_DISTANCE_M: f64 = 10_000.0;
+use crate::dataset::positioned_points::{MAX_COORDINATE_M, PositionedPoints};
 
 /// Points may be compressed to one of so many of their bytes.
 const MAX_GROWTH: u64 = 256;
@@ -48,17 +46,17 @@ struct LazCompression {
 
 /// The points in `bytes`, in metres. Errors are the rest of a sentence about the file.
 ///
-/// Where the header says that the points are farther than 10 km from zero, as on a map, the origin becomes a point with whole
+/// Where the header says that the points are farther than 10 km from zero, as on a map (single precision would round them), the origin becomes a point with whole
 /// coordinates: the middle of the extent on the ground plan, and its least height.
 ///
 /// # Errors
 ///
-/// If it is no such file, or holds fewer points than it says.
+/// If it is no such file, holds fewer points than it says, or points farther than 10 km from the origin.
 pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
     let header = parse_header(bytes)?;
     let origin_m = origin_of(&header)?;
-    let mut cloud = PointCloud::default();
-    let mut push = |record: &[u8]| {
+    let mut points = PositionedPoints::default();
+    let mut push = |record: &[u8]| -> Result<(), String> {
         let whole = |axis: usize| {
             let at = 4 * axis;
             i32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])
@@ -67,7 +65,10 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
             f64::from(whole(axis)) * header.scale[axis] + (header.offset_m[axis] - origin_m[axis])
         });
         let intensity = f32::from(u16::from_le_bytes([record[12], record[13]])) / f32::from(u16::MAX);
-        cloud.push(position_m.map(|it| it as f32), intensity);
+        points.push(position_m, intensity).map_err(|problem| match origin_m {
+            [0.0, 0.0, 0.0] => problem,
+            [x, y, z] => format!("{problem}, which is at {x} {y} {z} on its map: cut it into tiles"),
+        })
     };
     match &header.compression {
         None => {
@@ -76,7 +77,7 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
             if n_held < header.n_points {
                 return Err(format!("announces {} points and holds {n_held}", header.n_points));
             }
-            data.chunks_exact(header.record_length).take(header.n_points as usize).for_each(&mut push);
+            data.chunks_exact(header.record_length).take(header.n_points as usize).try_for_each(&mut push)?;
         }
         Some(compression) => {
             // The decoder is somebody else's, and damage is damage whatever becomes of it there.
@@ -85,7 +86,7 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
             decompressed.unwrap_or_else(|_| Err("has compressed points that cannot be read".to_owned()))?;
         }
     }
-    Ok(ScanPoints { cloud, origin_m })
+    Ok(ScanPoints { points, origin_m })
 }
 
 /// Where the origin of the points in `bytes` is moved to; for readers that want no points.
@@ -190,7 +191,7 @@ fn origin_of(header: &Header) -> Result<[f64; 3], String> {
     if (0..3).any(|axis| min_m[axis] > max_m[axis]) && header.n_points > 0 {
         return Err("has a header whose extent is less than nothing".to_owned());
     }
-    if min_m.iter().chain(max_m).all(|it| it.abs() <= MAX_DISTANCE_M) {
+    if min_m.iter().chain(max_m).all(|it| it.abs() <= MAX_COORDINATE_M) {
         return Ok([0.0; 3]);
     }
     let middle = |axis: usize| f64::midpoint(min_m[axis], max_m[axis]).round();
@@ -201,7 +202,7 @@ fn decompress(
     bytes: &[u8],
     header: &Header,
     compression: &LazCompression,
-    push: &mut impl FnMut(&[u8]),
+    push: &mut impl FnMut(&[u8]) -> Result<(), String>,
 ) -> Result<(), String> {
     let n_bytes = bytes.len() as u64;
     let items_size = compression.parameters.items_size();
@@ -213,11 +214,18 @@ fn decompress(
     }
     let mut n_left = header.n_points;
     let mut record = vec![0; header.record_length];
-    for (begin, n_points_at_most) in chunks_of(bytes, header, compression)? {
-        let chunk = bytes.get(begin..).ok_or("has a chunk that begins beyond its end")?;
+    for (place, n_points_at_most) in chunks_of(bytes, header, compression)? {
+        if n_left == 0 {
+            return Ok(());
+        }
+        let chunk = bytes.get(place).ok_or("has a chunk that ends beyond its end")?;
+        // The first point of a chunk is not compressed, so that there are no more chunks than points' worth of bytes.
+        if n_points_at_most == 0 || chunk.len() < header.record_length {
+            return Err(format!("has a chunk of {n_points_at_most} points in {} bytes", chunk.len()));
+        }
         let is_layered = compression.kind == LAYERED;
         if is_layered {
-            check_layers(chunk, header.record_length)?;
+            check_layers(chunk, header.record_length, n_layers_of(&compression.parameters))?;
         }
         let cursor = Cursor::new(chunk);
         let mut decompressor: Box<dyn RecordDecompressor<Cursor<&[u8]>>> = if is_layered {
@@ -235,26 +243,23 @@ fn decompress(
         for _ in 0..n_points_at_most.min(n_left) {
             let cut_off = |error| format!("has {n_left} points fewer than it says: {error}");
             decompressor.decompress_next(&mut record).map_err(cut_off)?;
-            push(&record);
+            push(&record)?;
             n_left -= 1;
-        }
-        if n_left == 0 {
-            return Ok(());
         }
     }
     if n_left == 0 { Ok(()) } else { Err(format!("has {n_left} points fewer than it says")) }
 }
 
-/// Where each chunk begins, and how many points it holds at most.
+/// Where each chunk lies, one behind the other, and how many points it holds at most.
 fn chunks_of(
     bytes: &[u8],
     header: &Header,
     compression: &LazCompression,
-) -> Result<Vec<(usize, u64)>, String> {
+) -> Result<Vec<(Range<usize>, u64)>, String> {
     const TABLE_OFFSET: usize = 8;
     let begin = header.data_offset;
     if compression.kind == POINTWISE {
-        return Ok(vec![(begin, header.n_points)]);
+        return Ok(vec![(begin..bytes.len(), header.n_points)]);
     }
     // A writer that cannot go back leaves -1 here and says it at the end.
     let long = |at: usize| {
@@ -266,8 +271,8 @@ fn chunks_of(
     let n_chunks = place.and_then(|it| bytes.get(it..)).and_then(|table| table.get(4..8));
     let n_chunks = n_chunks.and_then(|it| it.try_into().ok()).map(u32::from_le_bytes);
     match n_chunks {
-        // A chunk takes more than a byte, so that this bounds the table.
-        Some(n_chunks) if (n_chunks as usize) < bytes.len() => {}
+        // A chunk takes a point and more, but for an empty one at the end; this bounds the table.
+        Some(n_chunks) if n_chunks as usize <= bytes.len() / header.record_length + 1 => {}
         _ => return Err("has no table of its chunks, or one that is larger than itself".to_owned()),
     }
     let mut cursor = Cursor::new(bytes);
@@ -277,25 +282,37 @@ fn chunks_of(
     let mut chunks = Vec::with_capacity(table.as_ref().len());
     let mut at = (begin + TABLE_OFFSET) as u64;
     for entry in table.as_ref() {
-        chunks.push((usize::try_from(at).unwrap_or(usize::MAX), entry.point_count));
-        at = at.saturating_add(entry.byte_count);
+        let end = at.saturating_add(entry.byte_count);
+        let place = |at: u64| usize::try_from(at).unwrap_or(usize::MAX);
+        chunks.push((place(at)..place(end), entry.point_count));
+        at = end;
     }
     Ok(chunks)
 }
 
-/// Makes sure that no layer of the chunk claims to be larger than what is there.
+/// Layers of a chunk: nine of the point itself, and those of what comes with it.
+fn n_layers_of(parameters: &LazVlr) -> usize {
+    let n_layers = |it: &LazItem| match it.item_type() {
+        LazItemType::Point14 => 9,
+        LazItemType::RGBNIR14 => 2,
+        LazItemType::Byte14(count) => usize::from(count),
+        _ => 1,
+    };
+    parameters.items().iter().map(n_layers).sum()
+}
+
+/// Makes sure that the layers of the chunk claim no more than what is there.
 ///
-/// A chunk begins with a whole point and a number of points, then come the lengths of the layers, of which there are nine at
-/// least.
-fn check_layers(chunk: &[u8], record_length: usize) -> Result<(), String> {
-    const N_LAYERS: usize = 9;
-    let lengths = chunk.get(record_length + 4..record_length + 4 + 4 * N_LAYERS);
+/// A chunk begins with a whole point and a number of points, then come the lengths of the layers.
+fn check_layers(chunk: &[u8], record_length: usize, n_layers: usize) -> Result<(), String> {
+    let lengths = chunk.get(record_length + 4..record_length + 4 + 4 * n_layers);
     let lengths = lengths.ok_or("has a chunk that is cut off")?;
     let (lengths, _) = lengths.as_chunks::<4>();
-    match lengths.iter().map(|it| u32::from_le_bytes(*it)).find(|it| *it as usize > chunk.len()) {
-        Some(length) => Err(format!("has a layer of {length} bytes in a chunk of at most {}", chunk.len())),
-        None => Ok(()),
+    let n_bytes: u64 = lengths.iter().map(|it| u64::from(u32::from_le_bytes(*it))).sum();
+    if n_bytes > chunk.len() as u64 {
+        return Err(format!("has layers of {n_bytes} bytes in a chunk of {}", chunk.len()));
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -331,8 +348,9 @@ mod tests {
     #[test]
     fn coordinates_are_scaled_and_shifted() {
         let found = parse_las(&file(&[[100, -250, 33], [0, 0, 0]], [0.5, 0.0, -1.0])).unwrap();
-        assert!(found.cloud.positions_m().eq([[1.5, -2.5, -0.67], [0.5, 0.0, -1.0]]), "{:?}", found.cloud);
-        assert!((found.cloud.intensity()[0] - 0.5).abs() < 1e-4);
+        let cloud = found.points.cloud();
+        assert!(cloud.positions_m().eq([[1.5, -2.5, -0.67], [0.5, 0.0, -1.0]]), "{cloud:?}");
+        assert!((cloud.intensity()[0] - 0.5).abs() < 1e-4);
         assert_eq!(found.origin_m, [0.0; 3]);
     }
 
@@ -341,7 +359,7 @@ mod tests {
         let found =
             parse_las(&file(&[[0, 0, 0], [1001, 2000, 300]], [500_000.25, 5_400_000.0, 210.5])).unwrap();
         assert_eq!(found.origin_m, [500_005.0, 5_400_010.0, 210.0]);
-        let [x, y, z] = found.cloud.position_m(0);
+        let [x, y, z] = found.points.cloud().position_m(0);
         assert!((x + 4.75).abs() < 1e-6 && (y + 10.0).abs() < 1e-6 && (z - 0.5).abs() < 1e-6);
         assert_eq!(las_origin_m(&file(&[[0, 0, 0]], [0.0; 3])).unwrap(), [0.0; 3]);
     }
@@ -361,5 +379,12 @@ mod tests {
         refused(&|it| it[105] = 4, "points of 4");
         refused(&|it| it[131..139].copy_from_slice(&f64::NAN.to_le_bytes()), "beyond all measure");
         refused(&|it| it[104] = COMPRESSED, "does not say how");
+        // The extent in the header is less than that of the points.
+        let far = |it: &mut Vec<u8>| it[227 + 24..227 + 28].copy_from_slice(&1_200_000_i32.to_le_bytes());
+        refused(&far, "has point 1 at y = 12000.000 m, beyond 10000 m from the origin");
+        // A survey wider than that has no origin that serves all of it.
+        let wide = file(&[[0, 0, 0], [2_400_000, 0, 0]], [500_000.0, 0.0, 0.0]);
+        let problem = parse_las(&wide).expect_err("two ends");
+        assert!(problem.ends_with("which is at 512000 0 0 on its map: cut it into tiles"), "{problem}");
     }
 }

@@ -3,8 +3,7 @@
 use detector::OrientedBox;
 use serde::{Deserialize, Serialize};
 
-use crate::annotation::Annotation;
-use crate::dataset::class_name::class_named;
+use crate::annotation::{Annotation, AnnotationClass};
 
 /// A box in a file; a list of these in JSON is our own format.
 ///
@@ -28,12 +27,12 @@ pub struct ListedBox {
 }
 
 impl ListedBox {
-    /// The box as an annotation without points, as seen from `origin_m`. Errors are the rest of a sentence about the file.
+    /// The box as an annotation of `class` without points, as seen from `origin_m`. Errors are the rest of a sentence about the file.
     ///
     /// # Errors
     ///
     /// If a side is not above 0, or it lies beyond all measure.
-    pub fn annotation(&self, origin_m: [f64; 3]) -> Result<Annotation, String> {
+    pub fn annotation(&self, class: AnnotationClass, origin_m: [f64; 3]) -> Result<Annotation, String> {
         let is_sensible = self.length_width_height_m.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4)
             && self.center_m.iter().all(|value| value.abs() < 1e9)
             && self.yaw_rad.abs() < 1e9;
@@ -42,7 +41,7 @@ impl ListedBox {
         }
         let center_m = std::array::from_fn(|axis| (self.center_m[axis] - origin_m[axis]) as f32);
         Ok(Annotation {
-            class: class_named(&self.class),
+            class,
             bounding_box: Some(OrientedBox {
                 center_m,
                 length_width_height_m: self.length_width_height_m,

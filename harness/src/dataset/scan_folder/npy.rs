@@ -1,8 +1,7 @@
 //! `.npy`, the format of `NumPy`: an array of points, one a row, with x, y, z and maybe the intensity as columns.
 
-use detector::PointCloud;
-
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// A point has fewer values than this.
 const MAX_COLUMNS: usize = 1024;
@@ -12,7 +11,7 @@ const MAX_COLUMNS: usize = 1024;
 /// # Errors
 ///
 /// If it is not an array of at least three columns of `f4` or `f8`, or is cut off.
-pub fn parse_npy(bytes: &[u8]) -> Result<PointCloud, String> {
+pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let not_npy = "is no .npy file, or is cut off within its header";
     let (&[major, _], rest) =
         bytes.strip_prefix(b"\x93NUMPY").and_then(|it| it.split_first_chunk::<2>()).ok_or(not_npy)?;
@@ -68,7 +67,7 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PointCloud, String> {
         byte_order,
         data,
     }
-    .cloud()
+    .positioned()
 }
 
 /// What the header says about `key`; nothing if it says nothing.
@@ -118,7 +117,7 @@ mod tests {
             [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25_f64].iter().flat_map(|it| it.to_be_bytes()).collect();
         let doubles = file("{'descr': '>f8', 'fortran_order': False, 'shape': (2, 4)}", &doubles);
         for bytes in [rows, columns, doubles] {
-            let cloud = parse_npy(&bytes).unwrap();
+            let (cloud, _) = parse_npy(&bytes).unwrap().into_parts();
             assert!(cloud.positions_m().eq([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), "{cloud:?}");
             assert_eq!(cloud.intensity(), [0.5, 0.25]);
         }

@@ -1,9 +1,8 @@
 //! PCD, the format of the Point Cloud Library: a header in text, then points as text, as rows of bytes, or compressed field by
 //! field.
 
-use detector::PointCloud;
-
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// A point has fewer fields than this.
 const MAX_FIELDS: usize = 256;
@@ -26,14 +25,14 @@ struct Header<'a> {
 /// # Errors
 ///
 /// If the header is not one, or there are fewer points than it says.
-pub fn parse_pcd(bytes: &[u8]) -> Result<PointCloud, String> {
+pub fn parse_pcd(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let (header, data) = parse_header(bytes)?;
     match header.encoding {
         "ascii" => parse_text(&header, data),
-        "binary" => packed(&header, data).cloud(),
+        "binary" => packed(&header, data).positioned(),
         "binary_compressed" => {
             let rows = decompressed_rows(&header, data)?;
-            packed(&header, &rows).cloud()
+            packed(&header, &rows).positioned()
         }
         other => Err(format!("has points encoded as {other:?}, which is not known")),
     }
@@ -123,9 +122,8 @@ fn fields_of(
             (kind, size) => return Err(format!("has a field {name:?} of type {kind} and size {size}")),
         };
         let count = counts.get(field_idx).copied().unwrap_or(1);
-        // Points of no bytes: any number of them would be there.
         if count == 0 {
-            return Err(format!("has a field {name:?} of 0 numbers"));
+            return Err(format!("has a field {name:?} of no numbers"));
         }
         fields.push((PackedField { name: (*name).to_owned(), offset, number }, count));
         let n_bytes = number.n_bytes().checked_mul(count);
@@ -134,7 +132,7 @@ fn fields_of(
     Ok((fields, offset))
 }
 
-fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PointCloud, String> {
+fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, String> {
     let text = std::str::from_utf8(data).map_err(|_| "has points that are not text")?;
     let place = |name: &str| {
         let mut place = 0_usize;
@@ -154,23 +152,24 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PointCloud, String> {
     );
     let intensity = place("intensity");
     // Not as many as announced: that is only a claim.
-    let mut cloud = PointCloud::default();
+    let mut points = PositionedPoints::default();
     for (line_idx, line) in
         text.lines().filter(|line| !line.trim().is_empty()).take(header.n_points).enumerate()
     {
         let words: Vec<&str> = line.split_whitespace().collect();
-        let number = |place: usize| -> Result<f32, String> {
+        let number = |place: usize| -> Result<f64, String> {
             let word = words
                 .get(place)
                 .ok_or_else(|| format!("has point {line_idx} with {} numbers", words.len()))?;
             word.parse().map_err(|_| format!("has point {line_idx} with {word:?}, which is not a number"))
         };
-        cloud.push([number(x)?, number(y)?, number(z)?], intensity.map_or(Ok(0.0), number)?);
+        let intensity = intensity.map_or(Ok(0.0), number)? as f32;
+        points.push([number(x)?, number(y)?, number(z)?], intensity)?;
     }
-    if cloud.len() < header.n_points {
-        return Err(format!("announces {} points and holds {}", header.n_points, cloud.len()));
+    if points.n_in_file() < header.n_points {
+        return Err(format!("announces {} points and holds {}", header.n_points, points.n_in_file()));
     }
-    Ok(cloud)
+    Ok(points)
 }
 
 /// The points as rows: compressed points are stored field by field.
@@ -190,6 +189,7 @@ fn decompressed_rows(header: &Header<'_>, data: &[u8]) -> Result<Vec<u8>, String
     let columns = decompress_lzf(compressed, n_plain)?;
     let mut rows = vec![0; n_plain];
     let mut column_begin = 0;
+    // Every field has bytes, so that there are no more points than bytes.
     for (field, count) in &header.fields {
         let n_bytes = field.number.n_bytes() * count;
         for point_idx in 0..header.n_points {
@@ -242,7 +242,7 @@ mod tests {
 
     #[track_caller]
     fn check(bytes: &[u8]) {
-        let cloud = parse_pcd(bytes).unwrap();
+        let (cloud, _) = parse_pcd(bytes).unwrap().into_parts();
         assert!(cloud.positions_m().eq([[1.5, 2.0, -3.0], [4.0, 5.0, 6.0]]), "{cloud:?}");
         assert_eq!(cloud.intensity(), [7.0, 300.0]);
     }
@@ -310,6 +310,11 @@ mod tests {
             "holds 41 bytes",
         );
         check_refused(format!("{HEADER}DATA zip\n").as_bytes(), "\"zip\"");
+        for data in ["ascii", "binary", "binary_compressed"] {
+            let endless = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\nPOINTS 18446744073709551615\n";
+            let bytes = [format!("{endless}DATA {data}\n").as_bytes(), &[0; 8]].concat();
+            check_refused(&bytes, "has a field \"x\" of no numbers");
+        }
         check_refused(HEADER.as_bytes(), "no line DATA");
         check_refused(b"", "no line DATA");
         let claim = HEADER.replace("POINTS 2", "POINTS 4294967295");
@@ -323,11 +328,6 @@ mod tests {
             format!("{}DATA binary\n", HEADER.replace("SIZE 4 8", "SIZE 4")).as_bytes(),
             "5 fields, 4 sizes",
         );
-        let empty = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\nPOINTS 18446744073709551615\n";
-        for encoding in ["ascii", "binary", "binary_compressed"] {
-            let file = [empty.as_bytes(), format!("DATA {encoding}\n").as_bytes(), &[0; 8]].concat();
-            check_refused(&file, "a field \"x\" of 0 numbers");
-        }
         let without_x = format!("{}DATA binary\n", HEADER.replace("y x", "y w"));
         check_refused(&[without_x.as_bytes(), &rows()].concat(), "without x");
     }

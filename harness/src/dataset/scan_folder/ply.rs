@@ -1,8 +1,7 @@
 //! PLY: a header in text that names the properties of a vertex, then vertices as text or as rows of bytes.
 
-use detector::PointCloud;
-
 use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// A vertex has fewer properties than this.
 const MAX_PROPERTIES: usize = 256;
@@ -12,7 +11,7 @@ const MAX_PROPERTIES: usize = 256;
 /// # Errors
 ///
 /// If the header is not one, vertices do not come first, have lists, or are fewer than it says.
-pub fn parse_ply(bytes: &[u8]) -> Result<PointCloud, String> {
+pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let mut rest = bytes.strip_prefix(b"ply").ok_or("is no PLY file, it begins otherwise")?;
     let (mut format, mut n_points) = (None, None);
     let (mut fields, mut point_step, mut is_vertex) = (Vec::new(), 0, false);
@@ -54,8 +53,8 @@ pub fn parse_ply(bytes: &[u8]) -> Result<PointCloud, String> {
         data: rest,
     };
     match format {
-        Some("binary_little_endian") => packed(ByteOrder::Little).cloud(),
-        Some("binary_big_endian") => packed(ByteOrder::Big).cloud(),
+        Some("binary_little_endian") => packed(ByteOrder::Little).positioned(),
+        Some("binary_big_endian") => packed(ByteOrder::Big).positioned(),
         Some("ascii") => parse_text(&fields, n_points, rest),
         other => Err(format!("has vertices in the format {:?}", other.unwrap_or_default())),
     }
@@ -76,7 +75,7 @@ fn number_type(kind: &str) -> Result<NumberType, String> {
 }
 
 /// Lines of numbers, turned into rows of `f64`.
-fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<PointCloud, String> {
+fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<PositionedPoints, String> {
     let text = std::str::from_utf8(data).map_err(|_| "has vertices that are not text")?;
     let (mut rows, mut n_rows) = (Vec::new(), 0);
     for line in text.lines().filter(|line| !line.trim().is_empty()).take(n_points) {
@@ -108,7 +107,7 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
         byte_order: ByteOrder::Little,
         data: &rows,
     }
-    .cloud()
+    .positioned()
 }
 
 #[cfg(test)]
@@ -147,7 +146,7 @@ mod tests {
             [header("binary_little_endian").as_bytes(), &rows(|it| it), &[3; 9]].concat(),
             [header("binary_big_endian").as_bytes(), &rows(reversed)].concat(),
         ] {
-            let cloud = parse_ply(&bytes).unwrap();
+            let (cloud, _) = parse_ply(&bytes).unwrap().into_parts();
             assert!(cloud.positions_m().eq([[1.0, 2.0, -3.0], [4.0, 5.0, 6.0]]), "{cloud:?}");
             assert_eq!(cloud.intensity(), [9.0, 200.0]);
         }

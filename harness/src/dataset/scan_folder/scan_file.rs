@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use detector::PointCloud;
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// The endings of names of scans.
 pub const SCAN_EXTENSIONS: [&str; 6] = ["bin", "pcd", "ply", "npy", "las", "laz"];
@@ -11,7 +11,7 @@ pub const SCAN_EXTENSIONS: [&str; 6] = ["bin", "pcd", "ply", "npy", "las", "laz"
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanPoints {
     /// In metres from `origin_m`.
-    pub cloud: PointCloud,
+    pub points: PositionedPoints,
     /// The point in the coordinates of the file that has become the origin: theirs, unless the points are far from it.
     pub origin_m: [f64; 3],
 }

@@ -7,14 +7,15 @@
 //! ```
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Isometry3;
 
-use super::ground_truth::label_scan;
+use super::ground_truth::{class_of_number, label_scan};
 use super::label_file::parse_label_file;
 use super::pose_file::{parse_camera_from_sensor, parse_poses, parse_times};
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::split_folder::SplitFolder;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
@@ -33,6 +34,7 @@ pub struct SemanticKitti {
     description: DatasetDescription,
     scan_ids: Vec<ScanId>,
     sequences: BTreeMap<String, Sequence>,
+    classes: ClassRules,
 }
 
 /// When and where the sensor was, by number of the scan; empty where the files do not say.
@@ -75,8 +77,9 @@ pub fn open_semantic_kitti(
     if scan_ids.is_empty() {
         return Err(DatasetError::NoScans { path: folder.path_of(SEQUENCES) });
     }
+    let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::SemanticKitti, folder.finish());
-    Ok(SemanticKitti { description, scan_ids, sequences: opened })
+    Ok(SemanticKitti { description, scan_ids, sequences: opened, classes })
 }
 
 impl Dataset for SemanticKitti {
@@ -92,11 +95,16 @@ impl Dataset for SemanticKitti {
         let id = self.scan_ids[scan_idx].clone();
         let root = self.description.root.as_deref().expect("it was recorded");
         let sequence = root.join(SEQUENCES).join(&id.sequence);
-        let cloud = read_velodyne_bin(&numbered_file(&sequence.join(SCANS), id.index, "bin"))?;
-        let path = numbered_file(&sequence.join(LABELS), id.index, "label");
+        let points = read_velodyne_bin(&numbered_file(&sequence.join(SCANS), id.index, "bin"))?;
+        let path = self.label_file(&id);
         let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
-        let labels = parse_label_file(&path, &bytes, cloud.len())?;
-        label_scan(id, cloud, &labels, &path)
+        let labels = parse_label_file(&path, &bytes, points.n_in_file())?;
+        let mut classes = ClassReader::new(&self.classes, &[]);
+        let scan = label_scan(id, points, (&labels, &path), &mut classes);
+        if !classes.unknown().is_empty() {
+            self.all_unknown_classes().refuse(&self.description.id)?;
+        }
+        Ok(scan)
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -107,6 +115,28 @@ impl Dataset for SemanticKitti {
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let id = &self.scan_ids[scan_idx];
         Ok(self.sequences[&id.sequence].world_from_sensor.get(id.index as usize).copied())
+    }
+}
+
+impl SemanticKitti {
+    fn label_file(&self, id: &ScanId) -> PathBuf {
+        let root = self.description.root.as_deref().expect("it was recorded");
+        numbered_file(&root.join(SEQUENCES).join(&id.sequence).join(LABELS), id.index, "label")
+    }
+
+    /// Of all labels that can be read, so that they are said at once.
+    fn all_unknown_classes(&self) -> UnknownClasses {
+        let mut classes = ClassReader::new(&self.classes, &[]);
+        for path in self.scan_ids.iter().map(|id| self.label_file(id)) {
+            // What cannot be read is said when its scan is read.
+            let bytes = std::fs::read(&path).unwrap_or_default();
+            let (labels, _) = bytes.as_chunks::<4>();
+            for (point_idx, &[low, high, _, _]) in labels.iter().enumerate() {
+                let place = || format!("{path:?}, point {point_idx}");
+                class_of_number(u16::from_le_bytes([low, high]), &mut classes, place);
+            }
+        }
+        classes.unknown().clone()
     }
 }
 

@@ -2,10 +2,9 @@
 //!
 //! Where packets carry two returns of every laser, the last is taken.
 
-use detector::PointCloud;
-
 use super::calibration_file::DISTANCE_STEP_M;
 use super::laser_table::{Laser, VelodyneModel};
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// The port that data packets go to.
 pub const DATA_PORT: u16 = 2368;
@@ -116,8 +115,18 @@ impl<'a> DataPacket<'a> {
         if step > MAX_STEP { 0.0 } else { f32::from(step) }
     }
 
-    /// Appends the points of the blocks from `first` on, up to without `end`. Measurements without a return are left out.
-    pub fn append_points(&self, first: usize, end: usize, lasers: &[Laser], cloud: &mut PointCloud) {
+    /// Appends the points of the blocks from `first` on, up to without `end`. Measurements without a return are none.
+    ///
+    /// # Errors
+    ///
+    /// If a calibration puts a point too far off; the rest of a sentence about the file.
+    pub fn append_points(
+        &self,
+        first: usize,
+        end: usize,
+        lasers: &[Laser],
+        points: &mut PositionedPoints,
+    ) -> Result<(), String> {
         for block in (first..end.min(N_BLOCKS)).filter(|it| self.is_taken(*it)) {
             let begin = block * N_BLOCK_BYTES;
             let is_second_bank = self.bytes[begin..begin + 2] == SECOND_BANK.to_le_bytes();
@@ -134,10 +143,11 @@ impl<'a> DataPacket<'a> {
                     let hundredths = azimuth + step * self.share_of_step(place);
                     let azimuth_rad = (hundredths / 100.0).to_radians();
                     let position_m = position_m(laser, azimuth_rad, f32::from(distance) * DISTANCE_STEP_M);
-                    cloud.push(position_m, f32::from(intensity) / 255.0);
+                    points.push(position_m.map(f64::from), f32::from(intensity) / 255.0)?;
                 }
             }
         }
+        Ok(())
     }
 
     /// When a laser fires, as a share of the time from one column to the next.
@@ -197,11 +207,11 @@ mod tests {
         bytes
     }
 
-    fn points(bytes: &[u8; N_PACKET_BYTES]) -> PointCloud {
+    fn points(bytes: &[u8; N_PACKET_BYTES]) -> detector::PointCloud {
         let packet = DataPacket::parse(bytes).unwrap();
-        let mut cloud = PointCloud::default();
-        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut cloud);
-        cloud
+        let mut points = PositionedPoints::default();
+        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut points).unwrap();
+        points.into_parts().0
     }
 
     #[test]

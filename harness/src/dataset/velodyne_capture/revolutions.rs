@@ -11,15 +11,14 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use detector::PointCloud;
-
 use super::calibration_file::parse_calibration_file;
 use super::capture_file::{Payload, is_capture, walk_payloads};
 use super::data_packet::{DATA_PORT, DataPacket, FULL_TURN, N_BLOCKS, N_PACKET_BYTES};
 use super::laser_table::{Laser, VelodyneModel, lasers_of};
-use crate::annotation::{LabeledScan, PointRegion, ScanId};
+use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::{DamagePolicy, DatasetSource, StatedBy};
 use crate::dataset::text_file::read_text_file;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError};
@@ -122,9 +121,11 @@ impl Dataset for VelodyneCapture {
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let cloud = self.read_cloud(&self.revolutions[scan_idx])?;
+        let (cloud, points_left_out) = self.read_points(&self.revolutions[scan_idx])?.into_parts();
         let point_regions = vec![PointRegion::Outside; cloud.len()];
-        Ok(LabeledScan { id: self.scan_ids[scan_idx].clone(), cloud, annotations: Vec::new(), point_regions })
+        let (id, labeled_area) = (self.scan_ids[scan_idx].clone(), LabeledArea::AsPoints);
+        let annotations = Vec::new();
+        Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
@@ -137,11 +138,11 @@ impl Dataset for VelodyneCapture {
 }
 
 impl VelodyneCapture {
-    fn read_cloud(&self, revolution: &Revolution) -> Result<PointCloud, DatasetError> {
+    fn read_points(&self, revolution: &Revolution) -> Result<PositionedPoints, DatasetError> {
         let io_error = |source| DatasetError::Io { path: self.path.clone(), source };
         let damaged = |problem| DatasetError::Damaged { path: self.path.clone(), problem };
         let mut file = File::open(&self.path).map_err(io_error)?;
-        let mut cloud = PointCloud::default();
+        let mut points = PositionedPoints::default();
         let mut bytes = [0; N_PACKET_BYTES];
         for packet_idx in revolution.first_packet..=revolution.last_packet {
             file.seek(SeekFrom::Start(self.payloads[packet_idx].offset)).map_err(io_error)?;
@@ -150,12 +151,9 @@ impl VelodyneCapture {
             let end = if packet_idx == revolution.last_packet { revolution.end_block } else { N_BLOCKS };
             // Read before, unless the file has changed since.
             let packet = DataPacket::parse(&bytes).map_err(damaged)?;
-            packet.append_points(first, end, &self.lasers, &mut cloud);
+            packet.append_points(first, end, &self.lasers, &mut points).map_err(damaged)?;
         }
-        if cloud.is_empty() {
-            return Err(DatasetError::NoPoints { path: self.path.clone() });
-        }
-        Ok(cloud)
+        points.not_empty(&self.path)
     }
 }
 

@@ -14,6 +14,7 @@ min_iou = 0.5
 max_centre_distance_m = 2.0
 min_points = 20
 max_range_m = 80.0
+tall_above_ground_m = 3.1
 "#;
 
 #[derive(Deserialize)]
@@ -24,6 +25,7 @@ struct MatchingTable {
     max_centre_distance_m: f64,
     min_points: usize,
     max_range_m: f64,
+    tall_above_ground_m: f64,
 }
 
 #[derive(Deserialize)]
@@ -43,12 +45,17 @@ pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
     check_range("min_iou", table.min_iou, [0.01, 1.0], "0.01 to 1")?;
     check_range("max_centre_distance_m", table.max_centre_distance_m, [0.01, 100.0], "0.01 to 100 m")?;
     check_range("max_range_m", table.max_range_m, [1.0, 1000.0], "1 to 1000 m")?;
+    check_range("tall_above_ground_m", table.tall_above_ground_m, [0.1, 1000.0], "0.1 to 1000 m")?;
     let criterion = match table.criterion {
         CriterionTable::Points => Criterion::Points { min_iou: table.min_iou },
         CriterionTable::BevIou => Criterion::BevIou { min_iou: table.min_iou },
         CriterionTable::Iou3d => Criterion::Iou3d { min_iou: table.min_iou },
         CriterionTable::Centre => Criterion::Centre { max_distance_m: table.max_centre_distance_m },
     };
-    let eligibility = EligibilityParams { min_points: table.min_points, max_range_m: table.max_range_m };
+    let eligibility = EligibilityParams {
+        min_points: table.min_points,
+        max_range_m: table.max_range_m,
+        tall_above_ground_m: table.tall_above_ground_m,
+    };
     Ok(MatchingParams { criterion, eligibility })
 }

@@ -2,12 +2,24 @@
 
 use std::path::Path;
 
-use toml::Table;
 use toml::de::DeTable;
+use toml::{Table, Value};
 
 use super::error::{ConfigError, ConfigPlace};
 use super::parameter_tree::set;
 use super::value_problem::ValueProblem;
+use crate::dataset::class_table::{ClassTable, class_of_word};
+
+/// The table of names of classes, which are no parameters.
+const CLASSES: &str = "classes";
+
+/// What a document says besides values of parameters.
+pub(super) struct Applied {
+    /// Whether there is a density curve among the values.
+    pub(super) gives_density_curve: bool,
+    /// What names of classes in labels stand for.
+    pub(super) classes: ClassTable,
+}
 
 /// The document that overrides values, for error messages.
 pub(super) struct OverrideFile<'a> {
@@ -16,13 +28,36 @@ pub(super) struct OverrideFile<'a> {
 }
 
 impl OverrideFile<'_> {
-    /// Puts the values of the document into `table`, and returns whether there is a density curve among them.
-    pub(super) fn apply(&self, table: &mut Table) -> Result<bool, ConfigError> {
-        let values = self.parse()?;
+    /// Puts the values of the document into `table`, and returns what it says besides.
+    pub(super) fn apply(&self, table: &mut Table) -> Result<Applied, ConfigError> {
+        let mut values = self.parse()?;
+        let classes = values.remove(CLASSES).map_or(Ok(ClassTable::default()), |it| self.classes_in(it))?;
         let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
-        let gives_curve = curve.is_some();
+        let gives_density_curve = curve.is_some();
         set(table, values, &mut Vec::new(), &|keys| self.place_of(keys))?;
-        Ok(gives_curve)
+        Ok(Applied { gives_density_curve, classes })
+    }
+
+    fn classes_in(&self, written: Value) -> Result<ClassTable, ConfigError> {
+        let wrong_type = |keys: &[String], found: &Value, expected| {
+            let (place, key) = (self.place_of(keys), keys.join("."));
+            ConfigError::WrongType { place, key, found: found.type_str(), expected }
+        };
+        let Value::Table(written) = written else {
+            return Err(wrong_type(&[CLASSES.to_owned()], &written, "table"));
+        };
+        let mut classes = ClassTable::default();
+        for (name, word) in written {
+            let keys = [CLASSES.to_owned(), name];
+            let Value::String(word) = word else { return Err(wrong_type(&keys, &word, "string")) };
+            let class = class_of_word(&word).map_err(|problem| ConfigError::Value {
+                place: self.place_of(&keys),
+                key: keys.join("."),
+                problem: format!(": {problem}"),
+            })?;
+            classes.insert(&keys[1], class);
+        }
+        Ok(classes)
     }
 
     /// Says where in the document the value stands that makes a problem.

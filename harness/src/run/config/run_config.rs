@@ -14,6 +14,7 @@ use super::override_option::{OverrideOption, OverrideOptions};
 use super::parameter_tree::parameters;
 use super::value_problem::ValueProblem;
 use super::vehicle_model_table::{VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
+use crate::dataset::class_table::ClassTable;
 use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
 
@@ -28,6 +29,8 @@ pub struct RunConfig {
     pub matching: MatchingParams,
     /// What tells vehicles; their size if there is nothing.
     pub vehicle_models: Option<VehicleModels>,
+    /// What names of classes in labels stand for, as the file says.
+    pub classes: ClassTable,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
@@ -112,7 +115,8 @@ impl RunConfig {
         let options = OverrideOptions::resolve(options, &self.resolved, own)?;
         let mut resolved = self.resolved.clone();
         options.apply(&mut resolved)?;
-        self.changed_to(resolved).map_err(|problem| options.value_error(problem))
+        let config = self.changed_to(resolved).map_err(|problem| options.value_error(problem))?;
+        Ok(Self { classes: self.classes.clone(), ..config })
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -133,13 +137,16 @@ impl RunConfig {
     fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {
         let file = OverrideFile { path, text: overrides };
         let mut resolved = shipped();
-        if !file.apply(&mut resolved)?
+        let applied = file.apply(&mut resolved)?;
+        if !applied.gives_density_curve
             && let Some(Value::Table(weighting)) = resolved["hierarchical"].get_mut("density_weighting")
         {
             weighting.remove("curve");
         }
         let vehicle_models = vehicle_models_of(&resolved).map_err(|problem| file.value_error(problem))?;
-        Self::from_resolved(resolved, vehicle_models).map_err(|problem| file.value_error(problem))
+        let config =
+            Self::from_resolved(resolved, vehicle_models).map_err(|problem| file.value_error(problem))?;
+        Ok(Self { classes: applied.classes, ..config })
     }
 
     /// The parameters `resolved`, with the models that are here already if they are the same.
@@ -150,10 +157,7 @@ impl RunConfig {
         Self::from_resolved(resolved, vehicle_models)
     }
 
-    fn from_resolved(
-        resolved: Table,
-        vehicle_models: Option<VehicleModels>,
-    ) -> Result<Self, ValueProblem> {
+    fn from_resolved(resolved: Table, vehicle_models: Option<VehicleModels>) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         // A curve that is not given is the sensor's; until that is known, the paper's stands in.
         let of_paper = HierarchicalParams::paper_table();
@@ -175,6 +179,7 @@ impl RunConfig {
             matching: matching_from(&matching)
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
             vehicle_models,
+            classes: ClassTable::default(),
             resolved,
         })
     }
@@ -206,6 +211,7 @@ fn number(table: &Table, name: &str) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::annotation::AnnotationClass;
     use crate::matching::eligibility::EligibilityParams;
 
     fn resolve(text: &str) -> Result<RunConfig, ConfigError> {
@@ -315,6 +321,24 @@ mod tests {
         );
         check_refused("kd_tree.foreground = \"blue\"", "line 1: kd_tree.foreground: unknown variant `blue`");
         check_refused("[pca.grid]\ncell_size_m = 0", "line 2: pca.grid.cell_size_m = 0 is outside of");
+    }
+
+    #[test]
+    fn names_of_classes_are_no_parameters() {
+        let config = resolve("[classes]\nforklift = \"misc\"\n[kd_tree]\ntolerance_m = 0.7").unwrap();
+        assert_eq!(config.classes.get("Forklift"), Some(AnnotationClass::Misc));
+        assert_eq!((config.resolved.get("classes"), config.baselines.kd_tree.tolerance_m), (None, 0.7));
+        let option = "hierarchical.grid.xi=2".parse().unwrap();
+        assert_eq!(config.overridden(&[option], &[]).unwrap().classes, config.classes);
+        check_refused(
+            "[classes]\nforklift = \"mics\"",
+            "line 2: classes.forklift: \"mics\" is no class; there are car",
+        );
+        check_refused(
+            "[classes]\nforklift = 3",
+            "line 2: classes.forklift is of type integer, expected string",
+        );
+        check_refused("classes = 3", "line 1: classes is of type integer, expected table");
     }
 
     #[test]

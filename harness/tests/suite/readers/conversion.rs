@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use detector::PointCloud;
+use harness::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use harness::conversion::ConversionError;
 use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
@@ -172,75 +173,160 @@ fn semantic_kitti_keeps_which_point_is_of_which_object() {
     }
 }
 
-/// Class and points of every annotation, and a number that tells its object from the others of its drive.
-fn objects(scans: &[LabeledScan]) -> Vec<Vec<(AnnotationClass, Vec<u32>, Option<usize>)>> {
-    let mut first_seen = BTreeMap::new();
-    let of_scan = |scan: &LabeledScan| {
+/// Tracks of scans, each given the number of the first object that has it.
+fn renumbered(scans: &[LabeledScan]) -> Vec<Vec<(AnnotationClass, Vec<u32>, Option<usize>)>> {
+    let mut first_of: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut in_order = Vec::new();
+    for scan in scans {
+        // By their points, since tracks say nothing about the order.
         let mut annotations: Vec<&Annotation> = scan.annotations.iter().collect();
-        annotations.sort_by_key(|it| &it.point_indices);
-        let object = |it: &&Annotation| {
-            let n_seen = first_seen.len();
-            let object = it.track.map(|track| *first_seen.entry((it.class, track)).or_insert(n_seen));
-            (it.class, it.point_indices.clone(), object)
+        annotations.sort_by_key(|it| it.point_indices.clone());
+        let number = |track: u32, first_of: &mut BTreeMap<u32, usize>| {
+            let next = first_of.len();
+            *first_of.entry(track).or_insert(next)
         };
-        annotations.iter().map(object).collect()
-    };
-    scans.iter().map(of_scan).collect()
+        let annotation = |it: &Annotation, first_of: &mut BTreeMap<u32, usize>| {
+            (it.class, it.point_indices.clone(), it.track.map(|track| number(track, first_of)))
+        };
+        in_order.push(annotations.into_iter().map(|it| annotation(it, &mut first_of)).collect());
+    }
+    in_order
 }
 
 #[needs_test_data("data/semantic_kitti")]
-fn semantic_kitti_in_semantic_kitti_is_the_same() {
+fn semantic_kitti_written_again_has_the_same_annotations() {
     let folder = test_data!("data/semantic_kitti");
     let workplace = Workplace::new();
     let dataset = open(&folder);
-    let written = open(&converted(&*dataset, &workplace, OutputFormat::SemanticKitti));
-    let (found, expected) = (scans(&*written), scans(&*dataset));
-    let cars = |scans: &[LabeledScan]| {
+    let again = open(&converted(&*dataset, &workplace, OutputFormat::SemanticKitti));
+    let (expected, found) = (scans(&*dataset), scans(&*again));
+    // The same objects keep the same track through all scans, whatever its number.
+    assert_eq!(renumbered(&found), renumbered(&expected));
+    let n_cars = |scans: &[LabeledScan]| {
         let annotations = scans.iter().flat_map(|it| &it.annotations);
         annotations.filter(|it| it.class == AnnotationClass::Car).count()
     };
-    assert_eq!((cars(&found), cars(&expected)), (39, 39));
-    assert_eq!(objects(&found), objects(&expected));
+    assert_eq!((n_cars(&expected), n_cars(&found)), (39, 39));
     for (found, expected) in found.iter().zip(&expected) {
         assert_eq!((&found.cloud, &found.point_regions), (&expected.cloud, &expected.point_regions));
     }
+    let third = workplace.path("third");
+    write(&*again, OutputFormat::SemanticKitti, ChunkCompression::Lz4, &third);
+    assert_eq!(scans(&*open(&third)), found);
 }
 
-/// A drive of one scan of two points, of which the first is a car.
-struct TwoDrives(DatasetDescription, [ScanId; 2]);
+/// Scans in which every point is an object of its own class and track.
+struct Drawn {
+    description: DatasetDescription,
+    ids: Vec<ScanId>,
+    objects: Vec<Vec<(AnnotationClass, Option<u32>)>>,
+}
 
-impl Dataset for TwoDrives {
+impl Drawn {
+    fn new(objects: Vec<Vec<(AnnotationClass, Option<u32>)>>) -> Self {
+        let description = street().description().clone();
+        let ids = (0..objects.len() as u32).map(|index| ScanId { sequence: "drawn".to_owned(), index });
+        Self { description, ids: ids.collect(), objects }
+    }
+}
+
+impl Dataset for Drawn {
     fn description(&self) -> &DatasetDescription {
-        &self.0
+        &self.description
     }
 
     fn scan_ids(&self) -> &[ScanId] {
-        &self.1
+        &self.ids
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let cloud = [[5.0 + scan_idx as f32, 0.0, 0.0], [9.0, 0.0, 0.0]].into_iter().collect();
-        let mut scan = street().read_scan(0)?;
-        let car = scan.annotations.swap_remove(0);
-        let car = Annotation { point_indices: vec![0], track: Some(70_000 + scan_idx as u32), ..car };
-        let id = self.1[scan_idx].clone();
-        Ok(LabeledScan { id, cloud, annotations: vec![car], point_regions: vec![PointRegion::Labeled; 2] })
+        let objects = &self.objects[scan_idx];
+        // Two metres apart, so that poles do not hang together.
+        let cloud: PointCloud =
+            (0..objects.len()).map(|it| [2.0 * (it % 500) as f32, 2.0 * (it / 500) as f32, 0.0]).collect();
+        let annotation = |(place, &(class, track)): (usize, &(AnnotationClass, Option<u32>))| Annotation {
+            class,
+            bounding_box: None,
+            point_indices: vec![place as u32],
+            track,
+            occlusion: None,
+            truncation: None,
+        };
+        Ok(LabeledScan {
+            id: self.ids[scan_idx].clone(),
+            annotations: objects.iter().enumerate().map(annotation).collect(),
+            point_regions: vec![PointRegion::Labeled; cloud.len()],
+            cloud,
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        })
     }
 }
 
 #[test]
-fn drives_whose_names_are_alike_stay_apart() {
-    let ids = ["a/b", "a_b"].map(|name| ScanId { sequence: name.to_owned(), index: 0 });
-    let drives = TwoDrives(street().description().clone(), ids);
-    for format in [OutputFormat::SemanticKitti, OutputFormat::KittiTracking] {
-        let workplace = Workplace::new();
-        let written = open(&converted(&drives, &workplace, format));
-        let names: Vec<&str> = written.scan_ids().iter().map(|it| it.sequence.as_str()).collect();
-        assert_eq!(names, ["a%2Fb", "a_b"]);
-        for scan_idx in 0..2 {
-            let scan = written.read_scan(scan_idx).unwrap();
-            assert_eq!(scan.cloud.position_m(0), [5.0 + scan_idx as f32, 0.0, 0.0]);
-            assert_eq!(scan.annotations.len(), 1);
-        }
-    }
+fn two_objects_never_become_one_in_semantic_kitti() {
+    use AnnotationClass::{Car, Pole, Truck, Van};
+    let workplace = Workplace::new();
+    // Tracks that are the same in their lower 16 bits, one track in two classes, none, and one twice in a scan.
+    let drawn = Drawn::new(vec![
+        vec![
+            (Car, Some(10 | 1 << 16)),
+            (Car, Some(10 | 2 << 16)),
+            (Truck, Some(7)),
+            (Car, Some(7)),
+            (Van, Some(7)),
+        ],
+        vec![
+            (Car, None),
+            (Car, Some(7)),
+            (Car, Some(10 | 2 << 16)),
+            (Car, None),
+            (Pole, None),
+            (Pole, Some(0)),
+        ],
+        vec![(Car, Some(7)), (Car, Some(7)), (Car, None), (Car, Some(0)), (Pole, None)],
+    ]);
+    let written = scans(&*open(&converted(&drawn, &workplace, OutputFormat::SemanticKitti)));
+    let tracks: Vec<Vec<Option<u32>>> = written
+        .iter()
+        .map(|scan| {
+            let mut by_point: Vec<_> =
+                scan.annotations.iter().map(|it| (it.point_indices[0], it.track)).collect();
+            by_point.sort_unstable();
+            by_point.into_iter().map(|(_, track)| track.map(|it| it >> 16)).collect()
+        })
+        .collect();
+    let expected: [&[Option<u32>]; 3] = [
+        &[Some(1), Some(2), Some(3), Some(4), Some(5)],
+        // Objects without a track are others in each scan; poles are told apart without one.
+        &[Some(6), Some(4), Some(2), Some(7), None, Some(8)],
+        &[Some(4), Some(9), Some(10), Some(11), None],
+    ];
+    assert_eq!(tracks, expected);
+}
+
+#[test]
+fn more_objects_than_semantic_kitti_has_numbers_for_are_refused() {
+    let workplace = Workplace::new();
+    let path = workplace.path("drive");
+    let output =
+        Output { path: &path, format: OutputFormat::SemanticKitti, compression: ChunkCompression::Lz4 };
+    let convert = |n_objects: [usize; 2]| {
+        let objects = n_objects.map(|n| vec![(AnnotationClass::Car, None); n]);
+        convert(
+            &Drawn::new(objects.to_vec()),
+            &[0, 1],
+            output,
+            |_, error| Err(error),
+            || Ok::<(), ConversionError>(()),
+        )
+    };
+    let error = convert([65_000, 536]).expect_err("one too many").to_string();
+    assert!(
+        error.contains("drive \"drawn\" has at least 65536 objects") && error.contains("65535"),
+        "{error}"
+    );
+    assert_eq!(workplace.top_names(), [""; 0]);
+    convert([65_000, 535]).unwrap();
+    assert_eq!(scans(&*open(&path)).iter().map(|it| it.annotations.len()).sum::<usize>(), 65_535);
 }

@@ -8,6 +8,8 @@ use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::{Dataset, DatasetError};
 
 mod argoverse2;
+mod bounds;
+mod class_names;
 mod commands;
 mod conversion;
 mod kitti_raw;
@@ -15,7 +17,9 @@ mod las;
 mod made;
 mod mcap;
 mod mutations;
+mod names;
 mod nuscenes;
+mod positions;
 mod prelabel;
 mod results_recording;
 mod scan_folder;

@@ -18,7 +18,7 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 
 use super::super::{Stream, StreamEnding};
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::matching::mistake::{Mistake, MistakeKind};
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason};
 use crate::metrics::counts::FalseDetections;
@@ -47,6 +47,8 @@ pub fn scan(index: u32) -> LabeledScan {
         cloud: (0..N_POINTS).map(|it| [it as f32, 0.5, 0.5]).collect(),
         annotations: vec![annotation(Some(unit_box(0.0)), vec![0]), annotation(None, vec![2, 3])],
         point_regions: vec![PointRegion::Labeled; N_POINTS],
+        labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
     }
 }
 
@@ -105,6 +107,7 @@ pub fn one_of_each(task: Task) -> Assignment {
             DetectionOutcome::Matched { annotation_idx: 0, cost: 0.1 },
             DetectionOutcome::False(FalseReason::Fragment),
         ],
+        found_tall: Vec::new(),
     }
 }
 

@@ -1,0 +1,323 @@
+//! What the names of classes in labels stand for, as the user says and as is known, and which do not.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::class_name::{class_named, plain_name};
+use super::{AnnotatedClasses, DatasetError};
+use crate::annotation::AnnotationClass;
+
+/// More names than this are not listed.
+const MAX_LISTED: usize = 50;
+
+/// The classes that the user gave names of labels; has the last word about each of them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ClassTable {
+    // By the name without what spellings differ in: the name as written, and its class.
+    by_name: BTreeMap<String, (String, AnnotationClass)>,
+}
+
+impl ClassTable {
+    /// Lets `name`, in any spelling, stand for `class`.
+    pub fn insert(&mut self, name: &str, class: AnnotationClass) {
+        self.by_name.insert(plain_name(name), (name.to_owned(), class));
+    }
+
+    /// This table, and what `other` says beyond it.
+    #[must_use]
+    pub fn or(&self, other: &Self) -> Self {
+        let mut both = other.clone();
+        both.by_name.extend(self.by_name.clone());
+        both
+    }
+
+    /// The class of `name`, if the user gave it one.
+    pub fn get(&self, name: &str) -> Option<AnnotationClass> {
+        self.by_name.get(&plain_name(name)).map(|(_, class)| *class)
+    }
+
+    /// The names as they were written, each with the name of its class.
+    pub fn written(&self) -> BTreeMap<String, String> {
+        self.by_name.values().map(|(name, class)| (name.clone(), class.name().to_owned())).collect()
+    }
+}
+
+/// The class that a user calls `word`. Errors say which there are.
+///
+/// # Errors
+///
+/// If none is called so.
+pub fn class_of_word(word: &str) -> Result<AnnotationClass, String> {
+    class_named(word).ok_or_else(|| format!("{word:?} is no class; there are {}", all_classes()))
+}
+
+fn all_classes() -> String {
+    AnnotationClass::ALL.map(AnnotationClass::name).join(", ")
+}
+
+/// What becomes of names that stand for nothing known.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum UnknownNames {
+    /// They are errors, all at once.
+    #[default]
+    Refuse,
+    /// They are *misc*, where classes do not matter.
+    TakeAsMisc,
+}
+
+/// How a reader makes classes of names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClassRules {
+    /// What the user says.
+    pub table: ClassTable,
+    /// What becomes of names that nobody knows.
+    pub unknown: UnknownNames,
+    /// The classes that the catalogue says are labelled.
+    pub catalogued: AnnotatedClasses,
+}
+
+impl Default for ClassRules {
+    fn default() -> Self {
+        let catalogued = AnnotatedClasses::EveryObject;
+        Self { table: ClassTable::default(), unknown: UnknownNames::default(), catalogued }
+    }
+}
+
+/// For where classes do not matter: no name is refused.
+pub fn whatever_classes() -> ClassRules {
+    ClassRules { unknown: UnknownNames::TakeAsMisc, ..ClassRules::default() }
+}
+
+/// Names of a format that mean something else than the plain word.
+pub type Vocabulary = [(&'static str, AnnotationClass)];
+
+impl ClassRules {
+    /// The class of `name`: the user's word for it counts first, then that of the format, then what is known of all formats.
+    pub fn class_of(&self, name: &str, vocabulary: &Vocabulary) -> Option<AnnotationClass> {
+        let plain = plain_name(name);
+        let of_format = || vocabulary.iter().find(|(it, _)| plain_name(it) == plain).map(|(_, class)| *class);
+        let known = self.table.get(name).or_else(of_format).or_else(|| class_named(name));
+        known.or_else(|| (self.unknown == UnknownNames::TakeAsMisc).then_some(AnnotationClass::Misc))
+    }
+}
+
+/// Makes classes of the names in labels, and keeps those that stand for nothing known.
+#[derive(Debug, Clone)]
+pub struct ClassReader<'a> {
+    rules: &'a ClassRules,
+    vocabulary: &'a Vocabulary,
+    unknown: UnknownClasses,
+}
+
+impl<'a> ClassReader<'a> {
+    /// A reader of labels in a format with this vocabulary.
+    pub fn new(rules: &'a ClassRules, vocabulary: &'a Vocabulary) -> Self {
+        Self { rules, vocabulary, unknown: UnknownClasses::default() }
+    }
+
+    /// The class of `name`, which stands at `place`; `None` if it stands for nothing known, which is noted.
+    pub fn class_of(&mut self, name: &str, place: impl FnOnce() -> String) -> Option<AnnotationClass> {
+        let class = self.rules.class_of(name, self.vocabulary);
+        if class.is_none() {
+            self.unknown.add(name, place);
+        }
+        class
+    }
+
+    /// Whether the catalogue says that `class` is not labelled.
+    pub fn contradicts_catalogue(&self, class: AnnotationClass) -> bool {
+        matches!(&self.rules.catalogued, AnnotatedClasses::Only(classes) if !classes.contains(&class))
+    }
+
+    /// Whether the user gave any name a class.
+    pub fn has_own_classes(&self) -> bool {
+        !self.rules.table.by_name.is_empty()
+    }
+
+    /// The class that the user gave `name`, whatever else it stands for.
+    pub fn own_class_of(&self, name: &str) -> Option<AnnotationClass> {
+        self.rules.table.get(name)
+    }
+
+    /// What was met and stands for nothing known.
+    pub fn unknown(&self) -> &UnknownClasses {
+        &self.unknown
+    }
+}
+
+/// Names that stand for nothing known, with how often and where each was met.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct UnknownClasses {
+    by_name: BTreeMap<String, Unknown>,
+    n_others: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Unknown {
+    written: String,
+    n: u64,
+    first: String,
+}
+
+impl UnknownClasses {
+    /// Notes that `name` was met at `place`, such as `"a.txt", line 3`.
+    pub fn add(&mut self, name: &str, place: impl FnOnce() -> String) {
+        let plain = plain_name(name);
+        if let Some(unknown) = self.by_name.get_mut(&plain) {
+            unknown.n += 1;
+        } else if self.by_name.len() < MAX_LISTED {
+            self.by_name.insert(plain, Unknown { written: name.to_owned(), n: 1, first: place() });
+        } else {
+            self.n_others += 1;
+        }
+    }
+
+    /// Notes what `other` met as well.
+    pub fn append(&mut self, other: &Self) {
+        self.n_others += other.n_others;
+        for (plain, unknown) in &other.by_name {
+            if let Some(known) = self.by_name.get_mut(plain) {
+                known.n += unknown.n;
+            } else if self.by_name.len() < MAX_LISTED {
+                self.by_name.insert(plain.clone(), unknown.clone());
+            } else {
+                self.n_others += unknown.n;
+            }
+        }
+    }
+
+    /// Whether all names are known.
+    pub fn is_empty(&self) -> bool {
+        self.by_name.is_empty()
+    }
+
+    /// Nothing if all names are known, else the error that lists those that are not, with the lines that would map them. `id` is the data set.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::UnknownClasses`].
+    pub fn refuse(&self, id: &str) -> Result<(), DatasetError> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        Err(DatasetError::UnknownClasses {
+            id: id.to_owned(),
+            n_names: self.by_name.len(),
+            listing: self.listing(),
+        })
+    }
+
+    fn listing(&self) -> String {
+        const ENDLESS: &str = "a string takes all that is written";
+        let mut text = String::new();
+        let quoted: Vec<String> = self.by_name.values().map(|it| format!("{:?}", it.written)).collect();
+        let width = quoted.iter().map(|it| it.chars().count()).max().unwrap_or(0);
+        for (name, Unknown { n, first, .. }) in quoted.iter().zip(self.by_name.values()) {
+            writeln!(text, "  {name:<width$}  {n:>6} times, first in {first}").expect(ENDLESS);
+        }
+        if self.n_others > 0 {
+            writeln!(text, "  and others, {} times in all", self.n_others).expect(ENDLESS);
+        }
+        let options: Vec<String> = self
+            .by_name
+            .values()
+            .filter_map(|it| Some(format!("--class {}", option_of(&it.written)?)))
+            .collect();
+        writeln!(text, "say what each is, in place of misc, by options\n  {}", options.join(" "))
+            .expect(ENDLESS);
+        writeln!(text, "or in the file of -c, or as classes of the entry in the catalogue\n  [classes]")
+            .expect(ENDLESS);
+        for Unknown { written, .. } in self.by_name.values() {
+            // A string in JSON is one in TOML.
+            let key = serde_json::Value::from(written.as_str());
+            writeln!(text, "  {key} = \"misc\"").expect(ENDLESS);
+        }
+        write!(text, "classes are {}; misc is neither right nor wrong among vehicles", all_classes())
+            .expect(ENDLESS);
+        text
+    }
+}
+
+/// `name=misc` as a word for a shell; `None` if the name cannot be typed.
+fn option_of(name: &str) -> Option<String> {
+    if name.chars().any(char::is_control) {
+        return None;
+    }
+    let is_plain = |it: char| it.is_ascii_alphanumeric() || matches!(it, '-' | '_' | '.');
+    let option = format!("{name}=misc");
+    let is_word = name.chars().all(is_plain);
+    Some(if is_word { option } else { format!("'{}'", option.replace('\'', "'\\''")) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_user_has_the_last_word_then_the_format() {
+        let mut rules = ClassRules::default();
+        let vocabulary = [("Person", AnnotationClass::SittingPerson)];
+        assert_eq!(rules.class_of("PERSON", &vocabulary), Some(AnnotationClass::SittingPerson));
+        assert_eq!(rules.class_of("person", &[]), Some(AnnotationClass::Pedestrian));
+        assert_eq!(rules.class_of("Fork Lift", &vocabulary), None);
+        rules.table.insert("fork_lift", AnnotationClass::Truck);
+        rules.table.insert("person", AnnotationClass::Cyclist);
+        assert_eq!(rules.class_of("Fork Lift", &vocabulary), Some(AnnotationClass::Truck));
+        assert_eq!(rules.class_of("Person", &vocabulary), Some(AnnotationClass::Cyclist));
+        rules.unknown = UnknownNames::TakeAsMisc;
+        assert_eq!(rules.class_of("unicorn", &vocabulary), Some(AnnotationClass::Misc));
+    }
+
+    #[test]
+    fn of_two_tables_the_first_counts() {
+        let table = |class| {
+            let mut table = ClassTable::default();
+            table.insert("forklift", class);
+            table
+        };
+        let mut other = table(AnnotationClass::Truck);
+        other.insert("cart", AnnotationClass::Trailer);
+        let both = table(AnnotationClass::Misc).or(&other);
+        assert_eq!(both.get("Forklift"), Some(AnnotationClass::Misc));
+        assert_eq!(both.get("cart"), Some(AnnotationClass::Trailer));
+    }
+
+    #[test]
+    fn unknown_names_are_listed_at_once_with_the_lines_that_map_them() {
+        let mut unknown = UnknownClasses::default();
+        assert!(unknown.refuse("drive").is_ok());
+        for name in ["forklift", "cart \"a\"", "Forklift", "it's"] {
+            unknown.add(name, || "\"a.txt\", line 3".to_owned());
+        }
+        let message = unknown.refuse("drive").expect_err("unknown").to_string();
+        for line in [
+            "  \"forklift\"          2 times, first in \"a.txt\", line 3",
+            "  --class 'cart \"a\"=misc' --class forklift=misc --class 'it'\\''s=misc'",
+            "  \"cart \\\"a\\\"\" = \"misc\"",
+            "  \"forklift\" = \"misc\"",
+        ] {
+            assert!(message.lines().any(|it| it == line), "{line}\n{message}");
+        }
+        assert!(message.starts_with("\"drive\" has labels of 3 classes that are not known"), "{message}");
+        let table: toml::Table = message
+            .lines()
+            .skip_while(|it| *it != "  [classes]")
+            .take(4)
+            .collect::<Vec<_>>()
+            .join("\n")
+            .parse()
+            .expect("what is to be pasted is TOML");
+        assert_eq!(table["classes"].as_table().unwrap().len(), 3);
+    }
+
+    #[test]
+    fn a_flood_of_names_is_counted() {
+        let mut unknown = UnknownClasses::default();
+        (0..1000).for_each(|it| unknown.add(&format!("n{it}"), String::new));
+        let message = unknown.refuse("drive").expect_err("unknown").to_string();
+        assert!(
+            message.contains("and others, 950 times in all") && message.lines().count() < 120,
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,188 @@
+//! The points of a file that have a position: one rule for the readers of all formats.
+//!
+//! A point with a coordinate that is NaN or infinite was not measured. It is left out, and its place in the file is kept, so that whatever the file
+//! says point by point still finds its point. A coordinate that is a number and lies beyond what any sensor sees is damage. An intensity that is no
+//! number becomes 0.
+
+use std::path::Path;
+
+use detector::PointCloud;
+
+use super::DatasetError;
+
+/// A coordinate farther from the origin than this, in metres, is damage.
+pub const MAX_COORDINATE_M: f64 = 10_000.0;
+
+/// Points of a file, taken in its order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PositionedPoints {
+    // Invariant: `left_out` ascends and is below `n_in_file`.
+    cloud: PointCloud,
+    left_out: Vec<u32>,
+}
+
+impl PositionedPoints {
+    /// No points yet, with room for `capacity`.
+    pub fn with_capacity(capacity: usize) -> Self {
+        Self { cloud: PointCloud::with_capacity(capacity), left_out: Vec::new() }
+    }
+
+    /// Takes the next point of the file, in metres. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If a coordinate is a number beyond [`MAX_COORDINATE_M`].
+    pub fn push(&mut self, position_m: [f64; 3], intensity: f32) -> Result<(), String> {
+        // False for what is not a number.
+        if position_m.iter().all(|it| it.abs() <= MAX_COORDINATE_M) {
+            let intensity = if intensity.is_finite() { intensity } else { 0.0 };
+            self.cloud.push(position_m.map(|it| it as f32), intensity);
+            return Ok(());
+        }
+        let point_idx = self.n_in_file();
+        if !position_m.iter().all(|it| it.is_finite()) {
+            let place = u32::try_from(point_idx).map_err(|_| "has more points than can be counted")?;
+            self.left_out.push(place);
+            return Ok(());
+        }
+        let too_far = ["x", "y", "z"].into_iter().zip(position_m).find(|(_, it)| it.abs() > MAX_COORDINATE_M);
+        let (axis, value_m) = too_far.unwrap_or(("x", position_m[0]));
+        let value = if value_m.abs() < 1e9 { format!("{value_m:.3}") } else { format!("{value_m:e}") };
+        Err(format!(
+            "has point {point_idx} at {axis} = {value} m, beyond {MAX_COORDINATE_M} m from the origin"
+        ))
+    }
+
+    /// How many points were taken, with and without a position.
+    pub fn n_in_file(&self) -> usize {
+        self.cloud.len() + self.left_out.len()
+    }
+
+    /// Those that have a position.
+    pub fn cloud(&self) -> &PointCloud {
+        &self.cloud
+    }
+
+    /// Of values that the file has for all its points, those of the points with a position.
+    pub fn values_of_kept<T: Copy>(&self, of_all: &[T]) -> Vec<T> {
+        values_of_kept(of_all, &self.left_out)
+    }
+
+    /// The cloud, and the places in the file of the points that are not in it, ascending.
+    pub fn into_parts(self) -> (PointCloud, Vec<u32>) {
+        (self.cloud, self.left_out)
+    }
+
+    /// These, if there are any; `path` is named in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::NoPoints`] if there are none; [`DatasetError::Damaged`] if none has a position.
+    pub fn not_empty(self, path: &Path) -> Result<Self, DatasetError> {
+        if !self.cloud.is_empty() {
+            return Ok(self);
+        }
+        let path = path.to_path_buf();
+        match self.left_out.len() {
+            0 => Err(DatasetError::NoPoints { path }),
+            n => Err(DatasetError::Damaged {
+                path,
+                problem: format!("holds {n} points, none with a position"),
+            }),
+        }
+    }
+}
+
+/// Of values for all points of a file, those of the points that are not at the places `left_out`, which ascend.
+pub fn values_of_kept<T: Copy>(of_all: &[T], left_out: &[u32]) -> Vec<T> {
+    let mut left_out = left_out.iter().copied().peekable();
+    let kept = (0_u32..).zip(of_all).filter(|(place, _)| left_out.next_if_eq(place).is_none());
+    kept.map(|(_, value)| *value).collect()
+}
+
+/// For each point of a file the value of `of_kept`, which has one for each point with a position; `None` at the places
+/// `left_out`.
+pub fn values_of_file<T: Copy>(of_kept: &[T], left_out: &[u32]) -> Vec<Option<T>> {
+    let mut left_out = left_out.iter().copied().peekable();
+    let mut of_kept = of_kept.iter();
+    let next = |place: u32| match left_out.next_if_eq(&place) {
+        Some(_) => Some(None),
+        None => of_kept.next().map(|value| Some(*value)),
+    };
+    (0..).map_while(next).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn points(x_m: &[f64]) -> Result<PositionedPoints, String> {
+        let mut points = PositionedPoints::default();
+        x_m.iter().try_for_each(|x_m| points.push([1.0, *x_m, 2.0], 0.5))?;
+        Ok(points)
+    }
+
+    #[test]
+    fn points_without_a_position_are_left_out_by_their_places() {
+        let points = points(&[f64::NAN, 1.0, f64::NEG_INFINITY, f64::INFINITY, 2.0]).unwrap();
+        assert_eq!((points.n_in_file(), points.cloud().y_m()), (5, &[1.0, 2.0][..]));
+        assert_eq!(points.values_of_kept(b"abcde"), b"be");
+        let (cloud, left_out) = points.into_parts();
+        assert_eq!((cloud.len(), &left_out[..]), (2, &[0, 2, 3][..]));
+        assert_eq!(values_of_file(b"be", &left_out), [None, Some(b'b'), None, None, Some(b'e')]);
+    }
+
+    #[test]
+    fn a_number_that_no_sensor_measures_is_damage_with_its_place_and_value() {
+        assert_eq!(points(&[10_000.0, -10_000.0]).unwrap().cloud().len(), 2);
+        for (value, shown) in [(10_000.1, "10000.100"), (-1e300, "-1e300")] {
+            let problem = points(&[f64::NAN, 0.0, value]).expect_err("too far");
+            assert!(problem.starts_with(&format!("has point 2 at y = {shown}")), "{problem}");
+            assert!(problem.ends_with("beyond 10000 m from the origin"), "{problem}");
+        }
+        // What was not measured says nothing, whatever its other coordinates are.
+        let mut points = PositionedPoints::default();
+        points.push([f64::NAN, 1e9, 0.0], 0.0).unwrap();
+        assert_eq!(points.n_in_file(), 1);
+    }
+
+    #[test]
+    fn an_intensity_that_is_no_number_becomes_0() {
+        let mut points = PositionedPoints::default();
+        for intensity in [f32::NAN, f32::INFINITY, 0.25] {
+            points.push([0.0; 3], intensity).unwrap();
+        }
+        assert_eq!(points.cloud().intensity(), [0.0, 0.0, 0.25]);
+    }
+
+    #[test]
+    fn none_and_none_with_a_position_are_told_apart() {
+        let message = |x_m: &[f64]| {
+            points(x_m).unwrap().not_empty(Path::new("a.bin")).expect_err("nothing to look at").to_string()
+        };
+        assert_eq!(message(&[]), "\"a.bin\" holds no points");
+        assert_eq!(message(&[f64::NAN; 3]), "\"a.bin\" holds 3 points, none with a position");
+    }
+
+    proptest! {
+        #[test]
+        fn every_point_is_kept_or_left_out(
+            has_position in prop::collection::vec(any::<bool>(), 0..100),
+        ) {
+            let x_m: Vec<f64> =
+                (0..).zip(&has_position).map(|(it, has)| if *has { f64::from(it) } else { f64::NAN }).collect();
+            let points = points(&x_m).unwrap();
+            prop_assert_eq!(points.n_in_file(), x_m.len());
+            let kept: Vec<f64> = points.values_of_kept(&x_m);
+            prop_assert!(kept.iter().map(|it| *it as f32).eq(points.cloud().y_m().iter().copied()));
+            let (_, left_out) = points.into_parts();
+            let of_file = values_of_file(&kept, &left_out);
+            prop_assert_eq!(of_file.len(), x_m.len());
+            for (found, expected) in of_file.iter().zip(&x_m) {
+                prop_assert_eq!(found.is_none(), expected.is_nan());
+                prop_assert!(found.is_none_or(|it| it == *expected));
+            }
+        }
+    }
+}

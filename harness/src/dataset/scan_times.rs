@@ -1,0 +1,92 @@
+//! When the scans of a data set were taken.
+
+use std::collections::HashMap;
+
+use super::Dataset;
+use crate::annotation::ScanId;
+
+/// Seconds from one scan number to the next where a data set does not say when scans were taken.
+const SECONDS_PER_NUMBER: f64 = 0.1;
+
+/// When each scan of `dataset` was taken, in seconds since the first scan of its drive, in whole milliseconds: by the time
+/// stamps of the data set or, of a drive without, a tenth of a second for each scan number.
+pub fn scan_times_s(dataset: &dyn Dataset) -> Vec<f64> {
+    let scan_ids = dataset.scan_ids();
+    let stamps_ns: Vec<Option<u64>> = (0..scan_ids.len()).map(|it| dataset.scan_time_ns(it)).collect();
+    // Of each drive; `None` once one of its scans has no time.
+    let mut starts_ns: HashMap<&str, Option<u64>> = HashMap::new();
+    for (id, stamp_ns) in scan_ids.iter().zip(&stamps_ns) {
+        let start_ns = starts_ns.entry(id.sequence.as_str()).or_insert(*stamp_ns);
+        *start_ns = start_ns.zip(*stamp_ns).map(|(start_ns, stamp_ns)| start_ns.min(stamp_ns));
+    }
+    let time_s =
+        |(id, stamp_ns): (&ScanId, &Option<u64>)| match starts_ns[id.sequence.as_str()].zip(*stamp_ns) {
+            Some((start_ns, stamp_ns)) => ((stamp_ns - start_ns) / 1_000_000) as f64 / 1000.0,
+            None => (f64::from(id.index) * SECONDS_PER_NUMBER * 1000.0).round() / 1000.0,
+        };
+    scan_ids.iter().zip(&stamps_ns).map(time_s).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::annotation::LabeledScan;
+    use crate::dataset::{DatasetDescription, DatasetError};
+
+    struct Stamped {
+        scan_ids: Vec<ScanId>,
+        stamps_ns: Vec<Option<u64>>,
+    }
+
+    impl Dataset for Stamped {
+        fn description(&self) -> &DatasetDescription {
+            unreachable!("nobody asks")
+        }
+
+        fn scan_ids(&self) -> &[ScanId] {
+            &self.scan_ids
+        }
+
+        fn read_scan(&self, _: usize) -> Result<LabeledScan, DatasetError> {
+            unreachable!("nobody asks")
+        }
+
+        fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+            self.stamps_ns[scan_idx]
+        }
+    }
+
+    #[track_caller]
+    fn check(scans: &[(&str, u32, Option<u64>)], expected_s: &[f64]) {
+        let id = |(drive, index, _): &(&str, u32, _)| ScanId { sequence: (*drive).to_owned(), index: *index };
+        let stamps_ns = scans.iter().map(|it| it.2).collect();
+        let dataset = Stamped { scan_ids: scans.iter().map(id).collect(), stamps_ns };
+        assert_eq!(scan_times_s(&dataset), expected_s);
+    }
+
+    #[test]
+    fn time_runs_from_the_first_scan_of_each_drive() {
+        let start_ns = 1_532_402_927_647_951_000;
+        check(
+            &[
+                ("a", 0, Some(start_ns)),
+                ("a", 1, Some(start_ns + 500_499_999)),
+                ("b", 0, Some(7)),
+                ("b", 1, Some(103_735_907)),
+            ],
+            &[0.0, 0.5, 0.0, 0.103],
+        );
+        // Stamps that do not ascend are what they are.
+        check(&[("a", 0, Some(2_000_000_000)), ("a", 1, Some(1_000_000_000))], &[1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_drive_without_stamps_goes_by_numbers() {
+        check(
+            &[("a", 3, None), ("a", 29, None), ("b", 5, Some(9)), ("b", 6, Some(9))],
+            &[0.3, 2.9, 0.0, 0.0],
+        );
+        // One stamp missing, and the others say nothing about how far apart it is.
+        check(&[("a", 0, Some(0)), ("a", 1, None), ("a", 2, Some(900_000_000))], &[0.0, 0.1, 0.2]);
+    }
+}

@@ -1,0 +1,243 @@
+//! Which scans are drawn together when it is estimated how sure a number is.
+//!
+//! Scans of one drive show the same street and, close together, the same objects. So whole drives are drawn where a data set
+//! has enough of them; where it has not, seconds of its drives are.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Drives that a data set needs for whole drives to be drawn.
+pub const FEWEST_DRIVES: usize = 10;
+/// Blocks of one data set that it takes before anything may rest on an interval.
+pub const FEWEST_BLOCKS: u64 = 10;
+
+/// Scans of one drive that were taken within one second.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct DriveSecond {
+    drive: String,
+    second: i64,
+}
+
+impl DriveSecond {
+    /// The second of `drive` that a scan belongs to which was taken `time_s` after its start.
+    pub fn of(drive: &str, time_s: f64) -> Self {
+        // Times are whole milliseconds, and the same before and after they were written with three decimals.
+        let second = (time_s * 1000.0).round().div_euclid(1000.0) as i64;
+        Self { drive: drive.to_owned(), second }
+    }
+}
+
+/// What is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BlockKind {
+    /// Whole drives: an interval says how other drives of the kind would vary.
+    Drives,
+    /// Seconds of drives: an interval says how scans of these drives vary, not other drives.
+    Seconds,
+    /// Drives of one data set and seconds of another.
+    Both,
+    /// Single objects, each in all scans that show it, where a number is of objects and drives are too few.
+    Tracks,
+}
+
+impl BlockKind {
+    const ALL: [Self; 4] = [Self::Drives, Self::Seconds, Self::Both, Self::Tracks];
+
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Drives => "drives",
+            Self::Seconds => "seconds",
+            Self::Both => "drives and seconds",
+            Self::Tracks => "tracks",
+        }
+    }
+
+    /// The kind of this name; `None` if there is none.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|it| it.name() == name)
+    }
+}
+
+/// How many blocks something was drawn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BlockCount {
+    /// Number of blocks.
+    pub n_blocks: u64,
+    /// One less for each data set; 0 if one of them has a single block, which cannot tell how others would differ.
+    pub degrees_of_freedom: u64,
+    /// What they are.
+    pub kind: BlockKind,
+}
+
+impl BlockCount {
+    /// The blocks of one data set.
+    pub fn of_dataset(n_blocks: u64, kind: BlockKind) -> Self {
+        Self { n_blocks, degrees_of_freedom: n_blocks.saturating_sub(1), kind }
+    }
+
+    /// The blocks of several data sets, each of which is drawn from by itself.
+    pub fn with(self, other: Self) -> Self {
+        let is_known = self.degrees_of_freedom > 0 && other.degrees_of_freedom > 0;
+        let degrees_of_freedom = self.degrees_of_freedom + other.degrees_of_freedom;
+        Self {
+            n_blocks: self.n_blocks + other.n_blocks,
+            degrees_of_freedom: if is_known { degrees_of_freedom } else { 0 },
+            kind: if self.kind == other.kind { self.kind } else { BlockKind::Both },
+        }
+    }
+
+    /// What is to be said of an interval of these; `None` if nothing is.
+    pub fn caveat(self) -> Option<String> {
+        let what = match (self.kind, self.n_blocks) {
+            (BlockKind::Tracks, 1) => "object",
+            (BlockKind::Tracks, _) => "objects",
+            (_, 1) => "block of scans",
+            _ => "blocks of scans",
+        };
+        self.are_too_few().then(|| format!("of only {} {what}", self.n_blocks))
+    }
+
+    /// Whether these are too few for anything to rest on: fewer than [`FEWEST_BLOCKS`] of one data set, or as few degrees of
+    /// freedom of several.
+    pub fn are_too_few(self) -> bool {
+        self.degrees_of_freedom + 1 < FEWEST_BLOCKS
+    }
+}
+
+/// How sure a number is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Lower and upper end of the 95 % interval.
+    pub ends: [f64; 2],
+    /// The blocks that it was estimated from. Nothing may rest on it where these are too few.
+    pub blocks: BlockCount,
+}
+
+impl Interval {
+    /// What is to be said of it; `None` if nothing is.
+    pub fn caveat(&self) -> Option<String> {
+        self.blocks.caveat().map(|of_blocks| format!("interval {of_blocks}"))
+    }
+}
+
+/// The blocks of one data set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blocks {
+    place_of_second: BTreeMap<DriveSecond, usize>,
+    count: BlockCount,
+}
+
+impl Blocks {
+    /// The blocks that scans of these seconds are in: drives if there are [`FEWEST_DRIVES`] or more, else the seconds.
+    ///
+    /// Blocks are in the order of drives and times, whatever the order of `seconds`.
+    pub fn of(seconds: impl IntoIterator<Item = DriveSecond>) -> Self {
+        let seconds: BTreeSet<DriveSecond> = seconds.into_iter().collect();
+        let drives: BTreeSet<&str> = seconds.iter().map(|it| it.drive.as_str()).collect();
+        let place_of_drive: BTreeMap<&str, usize> = drives.into_iter().zip(0..).collect();
+        let n_drives = place_of_drive.len();
+        let (places, kind, n_blocks): (Vec<usize>, _, _) = if n_drives >= FEWEST_DRIVES {
+            let places = seconds.iter().map(|it| place_of_drive[it.drive.as_str()]);
+            (places.collect(), BlockKind::Drives, n_drives)
+        } else {
+            ((0..seconds.len()).collect(), BlockKind::Seconds, seconds.len())
+        };
+        let count = BlockCount::of_dataset(n_blocks as u64, kind);
+        Self { place_of_second: seconds.into_iter().zip(places).collect(), count }
+    }
+
+    /// The place of the block that holds these scans, from 0; `None` if they are none of the data set's.
+    pub fn place_of(&self, second: &DriveSecond) -> Option<usize> {
+        self.place_of_second.get(second).copied()
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> BlockCount {
+        self.count
+    }
+
+    /// How many there are, as a length.
+    pub fn len(&self) -> usize {
+        self.count.n_blocks as usize
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count.n_blocks == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The blocks of scans of `n_drives` drives, `n_scans` each, a tenth of a second apart.
+    fn blocks(n_drives: usize, n_scans: u32) -> Blocks {
+        let scans = (0..n_drives).flat_map(|drive| (0..n_scans).map(move |scan| (drive, scan)));
+        Blocks::of(scans.map(|(drive, scan)| DriveSecond::of(&format!("{drive:02}"), 0.1 * f64::from(scan))))
+    }
+
+    #[track_caller]
+    fn check(blocks: &Blocks, n_blocks: u64, kind: BlockKind) {
+        assert_eq!((blocks.count().n_blocks, blocks.count().kind), (n_blocks, kind));
+    }
+
+    #[test]
+    fn ten_drives_are_drawn_whole_and_nine_by_the_second() {
+        check(&blocks(10, 2), 10, BlockKind::Drives);
+        check(&blocks(9, 2), 9, BlockKind::Seconds);
+        check(&blocks(9, 11), 18, BlockKind::Seconds);
+        check(&blocks(40, 100), 40, BlockKind::Drives);
+        check(&blocks(0, 0), 0, BlockKind::Seconds);
+    }
+
+    #[test]
+    fn seconds_go_by_time_and_not_by_the_number_of_scans() {
+        let at = |times_s: &[f64]| Blocks::of(times_s.iter().map(|it| DriveSecond::of("drive", *it)));
+        // Two scans a second, and twenty.
+        check(&at(&[0.0, 0.5, 1.0, 1.5, 2.0]), 3, BlockKind::Seconds);
+        check(&at(&(0..40).map(|it| 0.05 * f64::from(it)).collect::<Vec<_>>()), 2, BlockKind::Seconds);
+        // 0.29 × 1000 is less than 290 in binary, 0.999 is no second, and time may run before the start.
+        check(&at(&[0.29, 0.999]), 1, BlockKind::Seconds);
+        check(&at(&[0.999, 1.0]), 2, BlockKind::Seconds);
+        check(&at(&[-0.001, 0.0]), 2, BlockKind::Seconds);
+    }
+
+    #[test]
+    fn blocks_of_several_data_sets_add_up_and_a_single_one_tells_nothing() {
+        let of = |n| BlockCount::of_dataset(n, BlockKind::Drives);
+        let three = of(10).with(of(10)).with(of(10));
+        assert_eq!((three.n_blocks, three.degrees_of_freedom, three.are_too_few()), (30, 27, false));
+        let alone = three.with(of(1));
+        assert_eq!((alone.n_blocks, alone.degrees_of_freedom, alone.are_too_few()), (31, 0, true));
+        assert_eq!(alone.with(of(30)).degrees_of_freedom, 0);
+        assert_eq!(of(10).with(BlockCount::of_dataset(4, BlockKind::Seconds)).kind, BlockKind::Both);
+        assert_eq!([9, 10].map(|n| of(n).are_too_few()), [true, false]);
+        // Ten blocks of five data sets leave five degrees of freedom.
+        let five = (1..5).fold(of(2), |sum, _| sum.with(of(2)));
+        assert!(five.n_blocks == 10 && five.are_too_few());
+    }
+
+    #[test]
+    fn kinds_are_found_by_their_names() {
+        assert!(BlockKind::ALL.into_iter().all(|it| BlockKind::from_name(it.name()) == Some(it)));
+        assert_eq!(BlockKind::from_name("scans"), None);
+    }
+
+    proptest! {
+        #[test]
+        fn every_scan_has_a_block_and_every_block_a_scan(
+            scans in prop::collection::vec((0_u8..14, 0_u32..50_000), 1..60),
+        ) {
+            let second =
+                |&(drive, ms): &(u8, u32)| DriveSecond::of(&drive.to_string(), f64::from(ms) / 1000.0);
+            let blocks = Blocks::of(scans.iter().map(second));
+            let places: BTreeSet<usize> =
+                scans.iter().map(|it| blocks.place_of(&second(it)).unwrap()).collect();
+            prop_assert_eq!(places, (0..blocks.len()).collect::<BTreeSet<_>>());
+            // Another order of the scans gives the same blocks.
+            prop_assert_eq!(&Blocks::of(scans.iter().rev().map(second)), &blocks);
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What a difference means for a gate.
+
+/// What a difference means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Finding {
+    /// Surely worse than tolerated.
+    Regression,
+    /// A number is missing on one side, so nothing can be said.
+    Incomparable,
+    /// Worse than tolerated, but it may be chance.
+    Inconclusive,
+    /// Not worse than tolerated.
+    Pass,
+}
+
+impl Finding {
+    /// The name used in files and on screens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Regression => "regression",
+            Self::Incomparable => "incomparable",
+            Self::Inconclusive => "inconclusive",
+            Self::Pass => "pass",
+        }
+    }
+
+    /// What it means that a number is worse by `worsening`, and surely by `sure` if anything can be sure.
+    pub(super) fn of(worsening: f64, sure: Option<f64>, tolerance: f64) -> Self {
+        if sure.is_some_and(|it| it > tolerance) {
+            Self::Regression
+        } else if worsening > tolerance {
+            Self::Inconclusive
+        } else {
+            Self::Pass
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_surely_worse_than_tolerated_is_a_regression() {
+        assert_eq!(Finding::of(0.3, Some(0.11), 0.1), Finding::Regression);
+        assert_eq!(Finding::of(0.3, Some(0.1), 0.1), Finding::Inconclusive);
+        assert_eq!(Finding::of(0.3, None, 0.1), Finding::Inconclusive);
+        assert_eq!(Finding::of(0.1, None, 0.1), Finding::Pass);
+        assert_eq!(Finding::of(-0.3, Some(-0.4), 0.0), Finding::Pass);
+    }
+}
