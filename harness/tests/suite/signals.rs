@@ -2,12 +2,15 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::io::Write as _;
-use std::process::{Child, Command, Stdio};
+#[cfg(feature = "rerun")]
+use std::process::Stdio;
+use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
+#[cfg(feature = "rerun")]
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
 
