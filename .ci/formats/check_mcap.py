@@ -54,8 +54,8 @@ uint32 count
 
 def check_written(scanbench, scratch: Path):
     """A simulated drive as a recording and as .bin and .label files: the libraries find the same points in both."""
-    scanbench("data", "simulate", "street-narrow", "--simulated-scans", "3", "-o", scratch / "narrow.mcap")
-    scanbench("data", "simulate", "street-narrow", "--simulated-scans", "3", "-o", scratch / "narrow", "--to", "kitti-tracking")
+    scanbench("data", "simulate", "training-narrow", "--simulated-scans", "3", "-o", scratch / "narrow.mcap")
+    scanbench("data", "simulate", "training-narrow", "--simulated-scans", "3", "-o", scratch / "narrow", "--to", "kitti-tracking")
     scans = sorted((scratch / "narrow/training/velodyne").rglob("*.bin"))
     labels = next((scratch / "narrow/training/label_02").iterdir()).read_text().splitlines()
     n_clouds = n_boxes = 0
@@ -94,7 +94,7 @@ def check_written(scanbench, scratch: Path):
 
 def check_results(scanbench, scratch: Path):
     """The recording of a run: as many messages and entities as rows of its CSV files, with the same outcomes and numbers."""
-    scanbench("run", "street-narrow", "--simulated-scans", "3", "--no-rrd", "--mcap", "-o", scratch / "run")
+    scanbench("run", "training-narrow", "--simulated-scans", "3", "--no-rrd", "--mcap", "-o", scratch / "run")
     with open(scratch / "run/scans.csv") as scans, open(scratch / "run/matches.csv") as matches:
         scans, matches = list(csv.DictReader(scans)), list(csv.DictReader(matches))
     key = lambda row: f"/{row['detector']}/{row['task']}"
