@@ -11,9 +11,9 @@ use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
 use harness::conversion::output_format::OutputFormat;
 use harness::dataset::Dataset;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::velodyne_bin::read_velodyne_bin;
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 
 #[path = "../tests/suite/readers/made/mod.rs"]
 #[allow(dead_code, unused_imports, reason = "the tests make more of it")]

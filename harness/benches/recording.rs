@@ -12,8 +12,6 @@ use std::time::{Duration, Instant};
 use harness::cli::{StreamArgs, TabName};
 use harness::commands::recording::{RecordedScan, Recording, RecordingPlan};
 use harness::dataset::Dataset;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::scan_selection::ScanSelection;
 use harness::matching::assign::MatchingParams;
 use harness::matching::criterion::Criterion;
@@ -22,6 +20,8 @@ use harness::run::config::RunConfig;
 use harness::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detectors_named};
 use harness::run::scores::DatasetScores;
 use harness::run::side_by_side::SideBySide;
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 use harness::task::Task;
 
 const TO_THE_FILE_ALONE: StreamArgs = StreamArgs {

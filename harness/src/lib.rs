@@ -4,10 +4,10 @@
 
 pub mod annotation;
 pub mod task;
-pub mod simulator;
 pub mod dataset;
 pub mod conversion;
 pub mod data_check;
+pub mod simulator;
 pub mod matching;
 pub mod metrics;
 pub mod object_box;

@@ -13,9 +13,9 @@ mod numbers_of_points;
 mod two_threads;
 
 use detector::PointCloud;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::scan_selection::ScanSelection;
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 
 /// How often everything is measured on every scan.
 const N_ROUNDS: usize = 20;

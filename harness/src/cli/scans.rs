@@ -24,7 +24,7 @@ pub struct CatalogueArgs {
 #[derive(Debug, Clone, Args)]
 pub struct DatasetArgs {
     /// Ids of the catalogue, or paths of data sets
-    #[arg(value_name = "DATASET", default_value = crate::dataset::open::DEFAULT_DATASETS)]
+    #[arg(value_name = "DATASET", default_value = crate::simulator::catalogue::DEFAULT_DATASETS)]
     pub datasets: Vec<String>,
     /// Which scans, by place in each data set, from 0: `7`, `0..500` (without 500), `0..500:5` (every fifth), or several
     /// of these by comma

@@ -8,10 +8,12 @@ use crate::cli::HashArgs;
 use crate::commands::failure::Usage;
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::standard_streams::print_result;
-use crate::dataset::catalogue::{Catalogue, parse_catalogue};
+use crate::dataset::catalogue::parse_catalogue;
 use crate::dataset::class_table::whatever_classes;
-use crate::dataset::open::{OpenOptions, open_dataset};
 use crate::dataset::text_file::read_text_file;
+use crate::simulator::catalogue::Catalogue;
+use crate::simulator::open::{OpenOptions, open_dataset};
+use crate::simulator::simulated_street::StreetDrive;
 
 /// Prints the checksums of data sets, and writes them into the catalogue if asked to.
 ///
@@ -75,7 +77,7 @@ fn with_checksum(text: &str, id: &str, checksum: &str) -> Option<String> {
 fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     use std::io::Write as _;
     // What was edited is still a catalogue.
-    parse_catalogue(&path.display().to_string(), text)?;
+    parse_catalogue::<StreetDrive>(&path.display().to_string(), text)?;
     let mut file = WholeFile::create(path)?;
     file.write_all(text.as_bytes())?;
     file.finish()?;

@@ -4,7 +4,7 @@ use crate::cli::CatalogueArgs;
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::standard_streams::print_result;
 use crate::dataset::class_table::whatever_classes;
-use crate::dataset::open::{OpenOptions, open_dataset};
+use crate::simulator::open::{OpenOptions, open_dataset};
 
 /// Prints every data set of the catalogue, and for each whether it is there and how many scans it has.
 ///

@@ -24,6 +24,7 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::class_table::ClassTable;
 use crate::realism::comparison::compare;
 use crate::realism::survey::{SurveyedScan, survey};
+use crate::simulator::simulated_street::StreetDrive;
 
 /// One row for every bin of every statistic.
 const REALISM_CSV: &str = "realism.csv";
@@ -103,7 +104,7 @@ fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> anyhow::Resul
 fn name_of(side: &[OpenedDataset]) -> String {
     let descriptions = || side.iter().map(|it| it.dataset.description());
     let ids: Vec<&str> = descriptions().map(|it| it.id.as_str()).collect();
-    let seeds: BTreeSet<Option<u64>> = descriptions().map(|it| Some(it.simulation.as_ref()?.seed)).collect();
+    let seeds: BTreeSet<Option<u64>> = descriptions().map(|it| Some(StreetDrive::of(it)?.seed)).collect();
     let n_simulated = descriptions().filter(|it| it.is_simulated()).count();
     let simulated = match (n_simulated, seeds.first()) {
         (0, _) => String::new(),

@@ -22,6 +22,7 @@ use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::dataset::class_table::ClassTable;
 use crate::density_survey::{count_rings, density_curves};
+use crate::simulator::simulated_street::StreetDrive;
 
 /// One row for every ring of both figures.
 const DENSITY_CSV: &str = "density.csv";
@@ -80,7 +81,7 @@ fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> anyhow::Result<C
     Ok(CurveOrigin {
         sensor: (*sensor).to_owned(),
         datasets: descriptions().map(|it| it.id.clone()).collect(),
-        seeds: descriptions().filter_map(|it| Some(it.simulation.as_ref()?.seed)).collect(),
+        seeds: descriptions().filter_map(|it| Some(StreetDrive::of(it)?.seed)).collect(),
         command: reproducible_command("fit-density", arguments, &[]),
     })
 }

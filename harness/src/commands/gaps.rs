@@ -13,11 +13,11 @@ use crate::commands::experiment::Experiment;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::dataset::simulated_street::sensor_named;
 use crate::metrics::pair_separation::SEPARATED;
 use crate::run::gap_experiment::{GAPS_DM, GapExperiment, RANGES_M};
 use crate::run::gap_picture::gap_picture;
 use crate::simulator::object_pair::{PairKind, PairLayout};
+use crate::simulator::simulated_street::sensor_named;
 
 /// The ablation, the method, its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];

@@ -11,14 +11,15 @@ use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
-use crate::dataset::catalogue::{Catalogue, built_in_catalogue, read_catalogue};
+use crate::dataset::catalogue::read_catalogue;
 use crate::dataset::class_table::{ClassRules, ClassTable};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::mcap::topics::TopicChoice;
-use crate::dataset::open::{OpenOptions, open_dataset};
 use crate::dataset::scan_selection::ScanSelection;
 use crate::dataset::source::DamagePolicy;
 use crate::dataset::{Dataset, DatasetError};
+use crate::simulator::catalogue::{Catalogue, built_in_catalogue};
+use crate::simulator::open::{OpenOptions, open_dataset};
 
 /// A data set and the scans that are asked for.
 pub struct OpenedDataset {
@@ -167,7 +168,7 @@ pub fn open_datasets_past_damage(
             scan_indices,
             skipped: RefCell::new(left_out.into_iter().collect()),
             points_left_out,
-            classes: options.classes_of(name, &catalogue).table,
+            classes: options.of_files().classes_of(name, &catalogue).table,
         });
     }
     // What was simulated and written to disk is what it is.

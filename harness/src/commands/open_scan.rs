@@ -12,10 +12,10 @@ use crate::dataset::catalogue::KITTI_SENSOR;
 use crate::dataset::class_table::ClassTable;
 use crate::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use crate::dataset::mcap::recording::is_mcap;
-use crate::dataset::open::open_dataset;
 use crate::dataset::scan_folder::any_scan_file::read_scan_file;
 use crate::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, scan_extension};
 use crate::dataset::velodyne_capture::revolutions::is_velodyne_capture;
+use crate::simulator::open::open_dataset;
 
 /// A scan without ground truth.
 pub struct OpenedScan {

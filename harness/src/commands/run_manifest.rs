@@ -11,12 +11,12 @@ use crate::cli::DatasetArgs;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::dataset;
-use crate::dataset::simulated_street::StreetDrive;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
 use crate::simulator::SIMULATOR_VERSION;
+use crate::simulator::simulated_street::StreetDrive;
 use crate::simulator::street_conditions::StreetConditions;
 
 /// What was run, and how.
@@ -98,7 +98,7 @@ pub fn criterion_in_words(criterion: Criterion) -> String {
 /// The seeds of the simulated ones among `datasets`, by their ids.
 pub fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
     let descriptions = datasets.iter().map(|it| it.dataset.description());
-    descriptions.filter_map(|it| Some((it.id.clone(), it.simulation.as_ref()?.seed))).collect()
+    descriptions.filter_map(|it| Some((it.id.clone(), StreetDrive::of(it)?.seed))).collect()
 }
 
 /// What a manifest says of a data set that was opened as `arguments` say.
@@ -124,7 +124,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),
         licence: description.licence.clone(),
-        simulation: description.simulation.as_ref().map(simulation),
+        simulation: StreetDrive::of(description).as_ref().map(simulation),
     }
 }
 

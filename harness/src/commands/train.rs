@@ -28,6 +28,7 @@ use crate::dataset::Dataset;
 use crate::dataset::class_table::ClassTable;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::detectors_named;
+use crate::simulator::simulated_street::StreetDrive;
 use crate::training::candidates::{Candidate, CandidateBoxes, CandidateSource, collect_candidates};
 use crate::training::described_object::{CandidateDescriber, DescribedObject, fit_model};
 use crate::training::evaluation::evaluate;
@@ -213,7 +214,7 @@ fn provenance(
     ]);
     let name = |it: &OpenedDataset| {
         let description = it.dataset.description();
-        match &description.simulation {
+        match StreetDrive::of(description) {
             Some(drive) => format!("{} (simulated, seeds from {})", description.id, drive.seed),
             None => description.id.clone(),
         }

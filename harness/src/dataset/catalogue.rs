@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path};
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::Spanned;
 
 use super::class_table::{ClassTable, class_of_word};
@@ -11,32 +12,34 @@ use super::dataset_format::DatasetFormat;
 use super::mcap::topics::TopicChoice;
 use super::root_template::RootTemplate;
 use super::shown_name::is_printable;
-use super::simulated_street::StreetDrive;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
-use crate::simulator::rain::RAIN_RATES_MM_PER_H;
-
-/// How high a simulated sensor may be mounted above the road, in metres.
-const SENSOR_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.3..=5.0;
-
-/// The catalogue that is part of the program.
-const BUILT_IN: &str = include_str!("../../../datasets.toml");
 
 /// The sensor of the KITTI recordings.
 pub const KITTI_SENSOR: &str = "hdl-64e-s2";
 
-/// What data sets there are, by id.
+/// What a catalogue says of a simulated data set, in the simulator's own words.
+pub trait SimulatedEntry: DeserializeOwned {
+    /// Says what cannot be simulated.
+    ///
+    /// # Errors
+    ///
+    /// The field and its value.
+    fn check(&self) -> Result<(), String>;
+}
+
+/// What data sets there are, by id; `S` is what is said of a simulated one.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Catalogue {
+pub struct Catalogue<S> {
     /// Data sets on disk.
     pub recorded: BTreeMap<String, CatalogueEntry>,
-    /// Drives through simulated streets.
-    pub simulated: BTreeMap<String, StreetDrive>,
+    /// Data sets that are simulated when they are read.
+    pub simulated: BTreeMap<String, S>,
     /// Names for several data sets that are run one after the other.
     pub groups: BTreeMap<String, Vec<String>>,
 }
 
-impl Catalogue {
+impl<S> Catalogue<S> {
     /// The ids of all data sets, simulated ones first.
     pub fn ids(&self) -> impl Iterator<Item = &String> {
         self.simulated.keys().chain(self.recorded.keys())
@@ -144,21 +147,12 @@ impl CataloguedParts {
     }
 }
 
-/// The catalogue that is part of the program.
-///
-/// # Errors
-///
-/// [`DatasetError::Catalogue`] if its file was broken when the program was compiled.
-pub fn built_in_catalogue() -> Result<Catalogue, DatasetError> {
-    parse_catalogue("built-in datasets.toml", BUILT_IN)
-}
-
 /// Reads the catalogue at `path`.
 ///
 /// # Errors
 ///
 /// [`DatasetError::Io`], [`DatasetError::NotText`], or [`DatasetError::Catalogue`] with the line of the first mistake.
-pub fn read_catalogue(path: &Path) -> Result<Catalogue, DatasetError> {
+pub fn read_catalogue<S: SimulatedEntry>(path: &Path) -> Result<Catalogue<S>, DatasetError> {
     parse_catalogue(&path.display().to_string(), &read_text_file(path)?)
 }
 
@@ -167,14 +161,14 @@ pub fn read_catalogue(path: &Path) -> Result<Catalogue, DatasetError> {
 /// # Errors
 ///
 /// [`DatasetError::Catalogue`] with the line of the first mistake.
-pub fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
+pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Catalogue<S>, DatasetError> {
     let source = CatalogueText { name, text };
-    let written: WrittenCatalogue = toml::from_str(text)
+    let written: WrittenCatalogue<S> = toml::from_str(text)
         .map_err(|error| source.error(error.span().map_or(0, |it| it.start), error.message().to_owned()))?;
     let mut catalogue =
         Catalogue { recorded: BTreeMap::new(), simulated: BTreeMap::new(), groups: BTreeMap::new() };
     for (id, drive) in written.simulated {
-        check_drive(drive.get_ref()).map_err(|problem| source.error(drive.span().start, problem))?;
+        drive.get_ref().check().map_err(|problem| source.error(drive.span().start, problem))?;
         let drive = drive.into_inner();
         catalogue.simulated.insert(checked_id(&id, &source)?, drive);
     }
@@ -209,42 +203,13 @@ fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String
     Err(source.error(id.span().start, problem))
 }
 
-fn check_drive(drive: &StreetDrive) -> Result<(), String> {
-    let &StreetDrive { n_scans, turns_per_scan, scans_per_drive, .. } = drive;
-    if scans_per_drive == Some(0) {
-        return Err("0 scans per drive is no drive".to_owned());
-    }
-    if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
-        return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
-    }
-    if let Some(mm_per_h) = drive.rain_mm_per_h
-        && !RAIN_RATES_MM_PER_H.contains(&mm_per_h)
-    {
-        let (least, most) = (RAIN_RATES_MM_PER_H.start(), RAIN_RATES_MM_PER_H.end());
-        return Err(format!("rain_mm_per_h is {mm_per_h}, which is not within {least} to {most}"));
-    }
-    if let Some(height_m) = drive.sensor_height_m
-        && !SENSOR_HEIGHTS_M.contains(&height_m)
-    {
-        let (least, most) = (SENSOR_HEIGHTS_M.start(), SENSOR_HEIGHTS_M.end());
-        return Err(format!("sensor_height_m is {height_m}, which is not within {least} to {most}"));
-    }
-    drive.conditions.check()?;
-    if let Some(limit_deg) = drive.labeled_to_either_side_deg
-        && !(0.0..=180.0).contains(&limit_deg)
-    {
-        return Err(format!("labeled_to_either_side_deg is {limit_deg}, but a turn has 180 to either side"));
-    }
-    Ok(())
-}
-
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WrittenCatalogue {
+#[serde(deny_unknown_fields, bound(deserialize = "S: DeserializeOwned"))]
+struct WrittenCatalogue<S> {
     #[serde(default)]
     recorded: BTreeMap<Spanned<String>, WrittenEntry>,
     #[serde(default)]
-    simulated: BTreeMap<Spanned<String>, Spanned<StreetDrive>>,
+    simulated: BTreeMap<Spanned<String>, Spanned<S>>,
     #[serde(default)]
     groups: BTreeMap<Spanned<String>, Spanned<Vec<String>>>,
 }
@@ -380,8 +345,23 @@ fn is_sha256(text: &str) -> bool {
 mod tests {
     use super::*;
     use crate::annotation::AnnotationClass;
-    use crate::dataset::kitti::label::KITTI_CLASSES;
     use proptest::prelude::*;
+
+    #[derive(Debug, Clone, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Town {
+        n_houses: u32,
+    }
+
+    impl SimulatedEntry for Town {
+        fn check(&self) -> Result<(), String> {
+            if self.n_houses == 0 { Err("n_houses is 0".to_owned()) } else { Ok(()) }
+        }
+    }
+
+    fn parse(text: &str) -> Result<Catalogue<Town>, DatasetError> {
+        parse_catalogue("my.toml", text)
+    }
 
     const ENTRY: &str = r#"
 [recorded.my-drive]
@@ -398,7 +378,7 @@ url = "https://example.org"
     fn check_refused(from: &str, to: &str, line: usize, problem: &str) {
         let text = ENTRY.replace(from, to);
         assert_ne!(text, ENTRY, "nothing replaced");
-        let error = parse_catalogue("my.toml", &text).expect_err("a mistake");
+        let error = parse(&text).expect_err("a mistake");
         let message = error.to_string();
         assert!(
             message.starts_with(&format!("my.toml, line {line}: ")) && message.contains(problem),
@@ -409,7 +389,7 @@ url = "https://example.org"
 
     #[test]
     fn an_entry_is_read() {
-        let catalogue = parse_catalogue("my.toml", ENTRY).unwrap();
+        let catalogue = parse(ENTRY).unwrap();
         let expected = CatalogueEntry {
             parts: CataloguedParts::KittiTracking {
                 sequences: Some(BTreeSet::from(["0001".to_owned(), "0003".to_owned()])),
@@ -429,21 +409,8 @@ url = "https://example.org"
     #[test]
     fn a_data_set_may_annotate_every_object() {
         let text = ENTRY.replace(r#"["van", "car"]"#, r#""every-object""#);
-        let catalogue = parse_catalogue("my.toml", &text).unwrap();
+        let catalogue = parse(&text).unwrap();
         assert_eq!(catalogue.recorded["my-drive"].annotated, AnnotatedClasses::EveryObject);
-    }
-
-    #[test]
-    fn the_built_in_catalogue_knows_what_kitti_annotates() {
-        let catalogue = built_in_catalogue().unwrap();
-        let ids: Vec<&String> = catalogue.recorded.keys().collect();
-        let expected =
-            ["argoverse2", "kitti-object", "kitti-raw", "kitti-tracking", "nuscenes", "semantic-kitti"];
-        assert_eq!(ids, expected);
-        for id in &ids[1..4] {
-            let entry = &catalogue.recorded[*id];
-            assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
-        }
     }
 
     #[test]
@@ -483,12 +450,12 @@ url = "https://example.org"
     #[test]
     fn a_group_stands_for_its_members() {
         let text = format!("{ENTRY}\n[groups]\nmine = [\"my-drive\"]");
-        let catalogue = parse_catalogue("my.toml", &text).unwrap();
+        let catalogue = parse(&text).unwrap();
         assert_eq!(catalogue.members(&"mine".to_owned()), ["my-drive"]);
         assert_eq!(catalogue.members(&"other".to_owned()), ["other"]);
         let refused = |group: &str, problem: &str| {
             let text = format!("{ENTRY}\n[groups]\n{group}");
-            let message = parse_catalogue("my.toml", &text).expect_err("a mistake").to_string();
+            let message = parse(&text).expect_err("a mistake").to_string();
             assert!(message.starts_with("my.toml, line 12: ") && message.contains(problem), "{message}");
         };
         refused("mine = [\"your-drive\"]", "no data set \"your-drive\"");
@@ -497,41 +464,20 @@ url = "https://example.org"
     }
 
     #[test]
-    fn it_rains_as_hard_as_it_can() {
-        let parse = |rain: &str| {
-            let text = format!(
-                "[simulated.wet]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
-                 sensor = \"vlp-16\"\n{rain}"
-            );
-            parse_catalogue("my.toml", &text).map(|it| it.simulated["wet"].rain_mm_per_h)
+    fn a_simulated_data_set_is_checked_by_its_simulator() {
+        let text = format!("{ENTRY}\n[simulated.town]\nn_houses = 3");
+        assert_eq!(
+            parse(&text).unwrap().simulated,
+            BTreeMap::from([("town".to_owned(), Town { n_houses: 3 })])
+        );
+        let refused = |from: &str, to: &str, line: usize, problem: &str| {
+            let message = parse(&text.replace(from, to)).expect_err("a mistake").to_string();
+            assert!(message.starts_with(&format!("my.toml, line {line}: ")), "{message}");
+            assert!(message.contains(problem), "{message}");
         };
-        assert_eq!(parse("rain_mm_per_h = 10.0").unwrap(), Some(10.0));
-        assert_eq!(parse("").unwrap(), None);
-        for refused in ["0.0", "-1.0", "nan", "1000.0"] {
-            let message = parse(&format!("rain_mm_per_h = {refused}")).expect_err("no rain").to_string();
-            assert!(message.contains("0.1 to 150"), "{message}");
-        }
-    }
-
-    #[test]
-    fn a_drive_may_have_conditions_that_can_be() {
-        let parse = |conditions: &str| {
-            let text = format!(
-                "[simulated.steep]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
-                 sensor = \"vlp-16\"\n{conditions}"
-            );
-            parse_catalogue("my.toml", &text).map(|it| it.simulated["steep"].clone())
-        };
-        let steep = parse("sensor_height_m = 2.5\n[simulated.steep.conditions]\ngradient = 0.1").unwrap();
-        assert_eq!((steep.sensor_height_m, steep.conditions.gradient), (Some(2.5), Some(0.1)));
-        for (refused, part) in [
-            ("sensor_height_m = 0.0", "0.3 to 5"),
-            ("[simulated.steep.conditions]\ngradient = 1.0", "-0.2 to 0.2"),
-            ("[simulated.steep.conditions]\nslope = 0.1", "unknown field `slope`"),
-        ] {
-            let message = parse(refused).expect_err("no such street").to_string();
-            assert!(message.contains(part), "{message}");
-        }
+        refused("= 3", "= 0", 11, "n_houses is 0");
+        refused("n_houses", "n_homes", 12, "unknown field `n_homes`");
+        refused("simulated.town", "simulated.my-drive", 2, "is a simulated data set already");
     }
 
     #[test]
@@ -544,7 +490,7 @@ url = "https://example.org"
         let recording = ENTRY
             .replace("kitti-tracking", "mcap")
             .replace("sequences = [\"0003\", \"0001\"]", "topic = \"/top\"\nannotation_topic = \"/labels\"");
-        let catalogue = parse_catalogue("my.toml", &recording).unwrap();
+        let catalogue = parse(&recording).unwrap();
         let choice = TopicChoice { cloud: Some("/top".to_owned()), annotations: Some("/labels".to_owned()) };
         assert_eq!(catalogue.recorded["my-drive"].parts, CataloguedParts::Mcap(choice));
         check_refused("url", "topic = \"/top\"\nurl", 9, "topic cannot be chosen");
@@ -558,12 +504,12 @@ url = "https://example.org"
     proptest! {
         #[test]
         fn any_text_gives_a_catalogue_or_an_error(text in "(?s).{0,200}") {
-            let _ = parse_catalogue("my.toml", &text);
+            let _ = parse(&text);
         }
 
         #[test]
         fn any_damage_gives_a_catalogue_or_an_error(start in 0..ENTRY.len(), replaced in "\\PC{0,5}") {
-            let _ = parse_catalogue("my.toml", &format!("{}{replaced}{}", &ENTRY[..start], &ENTRY[start + 1..]));
+            let _ = parse(&format!("{}{replaced}{}", &ENTRY[..start], &ENTRY[start + 1..]));
         }
     }
 }

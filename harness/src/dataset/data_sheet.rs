@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::shown_name::is_printable;
-use super::simulated_street::StreetDrive;
+use super::simulation::Simulation;
 use super::text_file::read_text_file;
 use super::{AnnotatedClasses, DatasetError};
 
@@ -29,7 +29,7 @@ pub struct DataSheet {
     #[serde(default)]
     pub labeled_region: LabeledRegion,
     /// What a simulation was asked for, if it made the scans.
-    pub simulation: Option<StreetDrive>,
+    pub simulation: Option<Simulation>,
     /// Id and checksum of the data set that it was made from.
     pub made_from: Option<String>,
 }

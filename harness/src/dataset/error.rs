@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use super::shown_name::shown;
-use crate::simulator::sensor::SensorModelError;
 
 /// Why labelled scans cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +37,7 @@ pub enum DatasetError {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        source: SensorModelError,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// The format asked for is not the catalogue's.
     #[error("the catalogue says that {id:?} is {catalogued}, so it cannot be read as {asked_for}")]

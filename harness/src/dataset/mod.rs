@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use nalgebra::Isometry3;
 
-use self::simulated_street::StreetDrive;
+use self::simulation::Simulation;
 use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
 use crate::task::Task;
 
@@ -24,7 +24,7 @@ pub mod checksum;
 pub mod class_name;
 pub mod class_table;
 mod written_classes;
-pub mod simulated_street;
+pub mod simulation;
 pub mod data_sheet;
 pub mod dataset_format;
 pub mod source;
@@ -122,7 +122,7 @@ pub struct DatasetDescription {
     /// seed of a simulation.
     pub checksum: Option<String>,
     /// What a simulation was asked for; `None` for what was recorded.
-    pub simulation: Option<StreetDrive>,
+    pub simulation: Option<Simulation>,
 }
 
 impl DatasetDescription {

@@ -26,26 +26,16 @@ use super::root_template::UnsetVariable;
 use super::scan_folder::folder::open_scan_folder;
 use super::semantic_kitti::sequence::open_semantic_kitti;
 use super::shown_name::is_printable;
-use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::{DamagePolicy, DatasetSource, StatedBy};
 use super::velodyne_capture::revolutions::open_velodyne_capture;
 use super::{AnnotatedClasses, Dataset, DatasetError};
 use crate::annotation::AnnotationClass;
 
-/// The group of the built-in catalogue that is run when no data set is asked for.
-pub const DEFAULT_DATASETS: &str = "streets";
-
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Default)]
-pub struct OpenOptions {
+pub struct ReadOptions {
     /// The format of a data set at a path; the files tell otherwise.
     pub format: Option<DatasetFormat>,
-    /// The seed of a simulation.
-    pub seed: Option<u64>,
-    /// The number of scans of a simulation.
-    pub n_simulated_scans: Option<u32>,
-    /// The sensor of a simulation: an id, or the path of a description.
-    pub sensor: Option<String>,
     /// The topics of a recording; the catalogue's or the only ones are taken else.
     pub topics: TopicChoice,
     /// What becomes of damaged parts that others do not depend on.
@@ -54,16 +44,16 @@ pub struct OpenOptions {
     pub classes: ClassRules,
 }
 
-impl OpenOptions {
+impl ReadOptions {
     /// What the user says about the names of classes in the data set that is called `id_or_path`, here and in the catalogue.
-    pub fn classes_of(&self, id_or_path: &str, catalogue: &Catalogue) -> ClassRules {
+    pub fn classes_of<S>(&self, id_or_path: &str, catalogue: &Catalogue<S>) -> ClassRules {
         let of_entry = catalogue.recorded.get(id_or_path).map(|entry| &entry.classes);
         let table = of_entry.map_or_else(|| self.classes.table.clone(), |it| self.classes.table.or(it));
         ClassRules { table, ..self.classes.clone() }
     }
 }
 
-/// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path.
+/// Opens the data set on disk that the catalogue calls `id_or_path`, or else the one at that path.
 ///
 /// A folder that has the name of a catalogued data set is reached as `./name`. At a path the format is detected unless
 /// `format` says what to look for; what the files do not say (the classes and the height of the sensor) is taken to be
@@ -72,10 +62,10 @@ impl OpenOptions {
 /// # Errors
 ///
 /// [`DatasetError`] if there is no such data set, it is damaged or not the one of the catalogue, or two of its scans have one name.
-pub fn open_dataset(
+pub fn open_recorded<S>(
     id_or_path: &str,
-    options: &OpenOptions,
-    catalogue: &Catalogue,
+    options: &ReadOptions,
+    catalogue: &Catalogue<S>,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let dataset = open_named(id_or_path, options, catalogue)?;
     check_names(&*dataset)?;
@@ -104,32 +94,16 @@ fn check_names(dataset: &dyn Dataset) -> Result<(), DatasetError> {
     Ok(())
 }
 
-fn open_named(
+fn open_named<S>(
     id_or_path: &str,
-    options: &OpenOptions,
-    catalogue: &Catalogue,
+    options: &ReadOptions,
+    catalogue: &Catalogue<S>,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
-    if let Some(drive) = catalogue.simulated.get(id_or_path) {
-        if let Some(asked_for) = options.format {
-            return Err(DatasetError::FormatContradictsCatalogue {
-                id: id_or_path.to_owned(),
-                catalogued: "simulated".to_owned(),
-                asked_for: asked_for.to_string(),
-            });
-        }
-        let drive = StreetDrive {
-            seed: options.seed.unwrap_or(drive.seed),
-            n_scans: options.n_simulated_scans.unwrap_or(drive.n_scans),
-            sensor: options.sensor.clone().unwrap_or_else(|| drive.sensor.clone()),
-            ..drive.clone()
-        };
-        return open_simulated_street(id_or_path, &drive);
-    }
     match catalogue.recorded.get(id_or_path) {
         Some(entry) => {
             let catalogued = entry.annotated.clone();
             let classes = ClassRules { catalogued, ..options.classes_of(id_or_path, catalogue) };
-            open_catalogued(id_or_path, entry, &OpenOptions { classes, ..options.clone() })
+            open_catalogued(id_or_path, entry, &ReadOptions { classes, ..options.clone() })
         }
         None => open_path(id_or_path, options, catalogue),
     }
@@ -138,7 +112,7 @@ fn open_named(
 fn open_catalogued(
     id: &str,
     entry: &CatalogueEntry,
-    options: &OpenOptions,
+    options: &ReadOptions,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let catalogued = entry.parts.format();
     if let Some(asked_for) = options.format
@@ -184,10 +158,10 @@ fn open_catalogued(
     }
 }
 
-fn open_path(
+fn open_path<S>(
     path: &str,
-    options: &OpenOptions,
-    catalogue: &Catalogue,
+    options: &ReadOptions,
+    catalogue: &Catalogue<S>,
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let is_a_word = !path.contains(std::path::is_separator);
     if is_a_word && !Path::new(path).exists() {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::class_table::ClassRules;
 use super::data_sheet::{DataSheet, LabeledRegion};
 use super::dataset_format::DatasetFormat;
-use super::simulated_street::StreetDrive;
+use super::simulation::Simulation;
 use super::{AnnotatedClasses, DatasetDescription};
 
 /// Where a data set lies, and what its files do not say.
@@ -28,7 +28,7 @@ pub struct DatasetSource {
     /// Where labels in KITTI's layouts say something.
     pub labeled_region: LabeledRegion,
     /// What a simulation was asked for, if it made the scans.
-    pub simulation: Option<StreetDrive>,
+    pub simulation: Option<Simulation>,
     /// What becomes of damaged parts that others do not depend on.
     pub damage: DamagePolicy,
     /// What the names of classes in its labels stand for.

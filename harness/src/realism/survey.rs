@@ -105,8 +105,8 @@ impl SurveyedScan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::catalogue::built_in_catalogue;
-    use crate::dataset::open::{OpenOptions, open_dataset};
+    use crate::simulator::catalogue::built_in_catalogue;
+    use crate::simulator::open::{OpenOptions, open_dataset};
 
     fn street() -> Box<dyn Dataset> {
         open_dataset("street-main-road", &OpenOptions::default(), &built_in_catalogue().unwrap()).unwrap()

@@ -144,8 +144,8 @@ mod tests {
 
     use super::*;
     use crate::annotation::LabeledScan;
-    use crate::dataset::catalogue::built_in_catalogue;
-    use crate::dataset::open::{OpenOptions, open_dataset};
+    use crate::simulator::catalogue::built_in_catalogue;
+    use crate::simulator::open::{OpenOptions, open_dataset};
 
     const SENSOR: &str = "hdl-32e";
 

@@ -9,13 +9,13 @@ use reports::condition_scores::{ConditionScores, DetectorCounts};
 use crate::annotation::LabeledScan;
 use crate::dataset::Dataset;
 use crate::dataset::DatasetError;
-use crate::dataset::simulated_street::{Shutter, StreetDrive, open_simulated_street};
 use crate::matching::assign::assign;
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
 use crate::run::side_by_side::RunError;
 use crate::simulator::StreetKind;
+use crate::simulator::simulated_street::{Shutter, StreetDrive, open_simulated_street};
 use crate::simulator::street_conditions::StreetConditions;
 use crate::task::Task;
 

@@ -43,4 +43,9 @@ pub mod street;
 pub mod staged_scene;
 pub mod object_pair;
 
+// Streets as data sets, beside those on disk.
+pub mod simulated_street;
+pub mod catalogue;
+pub mod open;
+
 pub use street::{EgoPose, SIMULATOR_VERSION, Street, StreetKind};

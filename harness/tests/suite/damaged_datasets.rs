@@ -4,9 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use harness::annotation::PointRegion;
-use harness::dataset::catalogue::{Catalogue, parse_catalogue};
-use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::dataset::catalogue::parse_catalogue;
 use harness::dataset::{AnnotatedClasses, Dataset, DatasetError};
+use harness::simulator::catalogue::Catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 use tempfile::TempDir;
 
 /// A camera at the sensor that looks along x.

@@ -7,9 +7,9 @@ use std::path::Path;
 use detector::OrientedBox;
 use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, points_inside};
 use harness::dataset::Dataset;
-use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::kitti::calibration::{KittiCalibration, parse_calibration};
-use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 use nalgebra::Vector4;
 use test_data::{needs_test_data, test_data};
 

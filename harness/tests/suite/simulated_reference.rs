@@ -1,8 +1,8 @@
 //! On simulated streets the hierarchical detector finds what the reference finds, to the bit.
 
 use detector::params::HierarchicalParams;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 
 use crate::reference::twins::Twins;
 

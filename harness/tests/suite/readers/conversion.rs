@@ -9,9 +9,9 @@ use harness::conversion::ConversionError;
 use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
 use harness::conversion::output_format::OutputFormat;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::{Dataset, DatasetDescription, DatasetError};
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 use test_data::{needs_test_data, test_data};
 
 use super::open;

@@ -8,10 +8,10 @@ use std::sync::Arc;
 use base64::Engine as _;
 use harness::annotation::{AnnotationClass, PointRegion};
 use harness::dataset::DatasetError;
-use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::mcap::topics::TopicChoice;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::source::DamagePolicy;
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 use mcap::{Channel, Compression, Message, Schema, WriteOptions};
 
 use super::{check_damaged, open, try_open};

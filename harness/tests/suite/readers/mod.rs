@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::{Dataset, DatasetError};
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 
 mod argoverse2;
 mod bounds;

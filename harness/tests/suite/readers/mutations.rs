@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
-use harness::dataset::catalogue::{Catalogue, parse_catalogue};
+use harness::dataset::catalogue::parse_catalogue;
 use harness::dataset::mcap::recording::is_mcap;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::source::DamagePolicy;
+use harness::simulator::catalogue::Catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 

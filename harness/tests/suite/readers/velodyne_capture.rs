@@ -1,9 +1,9 @@
 //! Captures of Velodyne's packets, drawn: there are no real ones here.
 
 use harness::annotation::PointRegion;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::source::DamagePolicy;
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 
 use super::made::{calibration_of_64, packets, pcap, pcapng, steps_of, write};
 use super::{check_damaged, open};

@@ -5,8 +5,8 @@ use std::path::Path;
 use harness::annotation::LabeledScan;
 use harness::conversion::convert::sheet_of;
 use harness::dataset::Dataset;
-use harness::dataset::catalogue::built_in_catalogue;
-use harness::dataset::open::{OpenOptions, open_dataset};
+use harness::simulator::catalogue::built_in_catalogue;
+use harness::simulator::open::{OpenOptions, open_dataset};
 
 mod kitti_raw;
 mod las;

@@ -5,14 +5,15 @@ use std::path::Path;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-use super::checksum::sha256;
-use super::text_file::read_text_file;
-use super::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+use super::rain::Rain;
+use super::sensor::{EMBEDDED_SENSORS, SensorModel};
+use super::street_conditions::StreetConditions;
+use super::{Street, StreetKind};
 use crate::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
-use crate::simulator::rain::Rain;
-use crate::simulator::sensor::{EMBEDDED_SENSORS, SensorModel};
-use crate::simulator::street_conditions::StreetConditions;
-use crate::simulator::{Street, StreetKind};
+use crate::dataset::checksum::sha256;
+use crate::dataset::simulation::Simulation;
+use crate::dataset::text_file::read_text_file;
+use crate::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
 
 /// Which street is driven through, and which scans are taken.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -108,12 +109,18 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         sensor: drive.sensor.clone(),
         licence: None,
         checksum: Some(sha256(&made_of)),
-        simulation: Some(drive.clone()),
+        simulation: Some(Simulation::of(drive)),
     };
     Ok(Box::new(SimulatedStreet { description, drive: drive.clone(), sensor, seeds, scan_ids }))
 }
 
 impl StreetDrive {
+    /// The drive that a data set was simulated on; `None` for what was recorded.
+    pub fn of(dataset: &DatasetDescription) -> Option<Self> {
+        // Whatever else is said to be simulated was refused when it was opened.
+        dataset.simulation.as_ref()?.read().ok()
+    }
+
     /// The street of this seed, in the weather of the drive.
     fn draw(&self, seed: u64) -> Street {
         let dry = Street::under(self.street, seed, &self.conditions);
@@ -196,7 +203,7 @@ pub fn sensor_named(id_or_path: &str) -> Result<SensorModel, DatasetError> {
         return Err(DatasetError::UnknownSensor { name: id_or_path.to_owned(), known });
     }
     let described = SensorModel::from_toml(&read_text_file(path)?);
-    described.map_err(|source| DatasetError::Sensor { path: path.to_owned(), source })
+    described.map_err(|error| DatasetError::Sensor { path: path.to_owned(), source: error.into() })
 }
 
 /// Marks all points farther than `limit_deg` to either side of forward as outside of what is labelled, and takes away the
