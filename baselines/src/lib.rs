@@ -7,7 +7,6 @@ pub mod kd_tree_components;
 
 // Principal axes of what stands in an occupancy grid.
 pub mod occupancy_grid_components;
-pub mod principal_axes_box;
 pub mod symmetric_eigenvalues;
 pub mod neighborhood_shapes;
 pub mod pca_features;

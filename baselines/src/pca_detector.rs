@@ -2,6 +2,7 @@
 
 use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use detector::fit::principal_axes_box::principal_axes_box;
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid, NO_CELL};
 use detector::pipeline::vehicle_model::class_by_decision;
 use detector::segment::clusters::Clusters;
@@ -11,7 +12,6 @@ use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
 use crate::occupancy_grid_components::OccupancyGridComponents;
 use crate::params::{ClusterExtentParams, PcaParams};
 use crate::pca_vehicle_model::PcaVehicleModel;
-use crate::principal_axes_box::principal_axes_box;
 
 /// Objects as components of occupied cells, with boxes along their principal axes.
 ///

@@ -57,7 +57,7 @@ impl PcaVehicleModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::principal_axes_box::principal_axes_box;
+    use detector::fit::principal_axes_box::principal_axes_box;
 
     #[test]
     fn the_shipped_file_is_a_model_and_that_of_the_other_detector_is_none() {

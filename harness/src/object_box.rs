@@ -1,8 +1,8 @@
 //! The boxes that detectors put around the points of an object.
 
-use baselines::principal_axes_box::principal_axes_box;
 use detector::OrientedBox;
 use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::fit::principal_axes_box::principal_axes_box;
 
 /// A way to fit a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::scans::{DamageArgs, DatasetArgs};
 use crate::conversion::mcap_writer::ChunkCompression;
@@ -22,10 +22,57 @@ pub struct ConvertArgs {
     pub output: PathBuf,
     /// Format to write [default: mcap if the path ends in .mcap]
     #[arg(long, value_enum, value_name = "FORMAT")]
-    pub to: Option<OutputFormat>,
+    pub to: Option<FormatName>,
     /// How recordings are compressed
     #[arg(long, value_enum, value_name = "METHOD", default_value = "zstd")]
-    pub compression: ChunkCompression,
+    pub compression: CompressionName,
+}
+
+/// Formats to write by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FormatName {
+    /// One recording with clouds and scenes as Foxglove has them
+    Mcap,
+    /// KITTI tracking: drives with tracks
+    KittiTracking,
+    /// KITTI object: single scans
+    KittiObject,
+    /// `SemanticKITTI`: drives with a label for every point
+    SemanticKitti,
+}
+
+impl FormatName {
+    /// The format.
+    pub fn format(self) -> OutputFormat {
+        match self {
+            Self::Mcap => OutputFormat::Mcap,
+            Self::KittiTracking => OutputFormat::KittiTracking,
+            Self::KittiObject => OutputFormat::KittiObject,
+            Self::SemanticKitti => OutputFormat::SemanticKitti,
+        }
+    }
+}
+
+/// Ways to compress a recording by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CompressionName {
+    /// Smallest
+    Zstd,
+    /// Fastest to read of the compressed ones
+    Lz4,
+    /// Not at all
+    None,
+}
+
+impl CompressionName {
+    /// The way.
+    pub fn compression(self) -> ChunkCompression {
+        match self {
+            Self::Zstd => ChunkCompression::Zstd,
+            Self::Lz4 => ChunkCompression::Lz4,
+            Self::None => ChunkCompression::None,
+        }
+    }
 }
 
 pub(super) const CONVERT_EXAMPLES: &str = "\

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::detect::detector_help;
 use super::parameters::ConfigArgs;
@@ -31,10 +31,32 @@ pub struct PrelabelArgs {
     pub output: PathBuf,
     /// Annotation tool to write for
     #[arg(long, value_enum, value_name = "TOOL")]
-    pub to: ProposalFormat,
+    pub to: ToolName,
     /// Propose only vehicles with at least this score
     #[arg(long, value_name = "SCORE")]
     pub min_score: Option<f32>,
+}
+
+/// Annotation tools by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ToolName {
+    /// KITTI's object benchmark: `velodyne/*.bin`, `label_2/*.txt`
+    Kitti,
+    /// labelCloud: `pointclouds/*.bin`, `labels/*.json` in its format `centroid_rel`
+    Labelcloud,
+    /// `SUSTechPOINTS`: a scene with `lidar/*.pcd` and `label/*.json`
+    Sustechpoints,
+}
+
+impl ToolName {
+    /// The format that it reads.
+    pub fn format(self) -> ProposalFormat {
+        match self {
+            Self::Kitti => ProposalFormat::Kitti,
+            Self::Labelcloud => ProposalFormat::Labelcloud,
+            Self::Sustechpoints => ProposalFormat::Sustechpoints,
+        }
+    }
 }
 
 const PRELABEL_EXAMPLES: &str = "\

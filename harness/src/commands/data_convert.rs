@@ -49,7 +49,7 @@ fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Res
     let format = format_of(arguments, opened.len())?;
     let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
     for (opened, path) in opened.iter().zip(paths_of(arguments, format, opened)) {
-        let output = Output { path: &path, format, compression: arguments.compression };
+        let output = Output { path: &path, format, compression: arguments.compression.compression() };
         let n_scans = opened.scan_indices.len();
         let progress = progress_over_scans(n_scans, &opened.dataset.description().id);
         let mut n_done = 0;
@@ -75,7 +75,7 @@ fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Res
 fn format_of(arguments: &ConvertArgs, n_datasets: usize) -> Result<OutputFormat, Usage> {
     let says_mcap = arguments.output.extension().is_some_and(|it| it.eq_ignore_ascii_case("mcap"));
     match arguments.to {
-        Some(format) => Ok(format),
+        Some(name) => Ok(name.format()),
         None if says_mcap && n_datasets == 1 => Ok(OutputFormat::Mcap),
         None => Err(Usage(
             "say by --to in which format: mcap, kitti-tracking, kitti-object or semantic-kitti".to_owned(),

@@ -56,7 +56,7 @@ fn prelabel(
     warn_of_unknown_sensor(config, &description.sensor);
     let config = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
     let mut detector = listed.build(&config, description.sensor_height_m);
-    let mut writer = ProposalWriter::create(path, arguments.to, sheet_of(description))?;
+    let mut writer = ProposalWriter::create(path, arguments.to.format(), sheet_of(description))?;
     let n_scans = opened.scan_indices.len();
     let progress = progress_over_scans(n_scans, &description.id);
     let (mut output, mut n_done, mut n_proposals) = (DetectorOutput::default(), 0, 0);
@@ -92,6 +92,6 @@ fn prelabel(
     progress.finish_and_clear();
     opened.warn_of_points_left_out();
     let simulated = if description.is_simulated() { ", simulated" } else { "" };
-    let (path, tool) = (path.display(), arguments.to);
+    let (path, tool) = (path.display(), arguments.to.format());
     print_result(format_args!("{path}  {n_done} scans  {n_proposals} proposals  {tool}{simulated}"))
 }

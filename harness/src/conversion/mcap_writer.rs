@@ -38,13 +38,13 @@ const TRANSFORM_TOPIC: &str = "/tf";
 const WORLD_FRAME: &str = "map";
 
 /// How chunks are compressed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChunkCompression {
-    /// Smallest
+    /// Smallest.
     Zstd,
-    /// Fastest to read of the compressed ones
+    /// Fastest to read of the compressed ones.
     Lz4,
-    /// Not at all
+    /// Not at all.
     None,
 }
 

@@ -3,20 +3,20 @@
 use std::fmt;
 
 /// How scans are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutputFormat {
-    /// One recording with clouds and scenes as Foxglove has them
+    /// One recording with clouds and scenes as Foxglove has them.
     Mcap,
-    /// KITTI tracking: drives with tracks
+    /// KITTI tracking: drives with tracks.
     KittiTracking,
-    /// KITTI object: single scans
+    /// KITTI object: single scans.
     KittiObject,
-    /// `SemanticKITTI`: drives with a label for every point
+    /// `SemanticKITTI`: drives with a label for every point.
     SemanticKitti,
 }
 
 impl OutputFormat {
-    /// The name used on the command line.
+    /// The name used on screens.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mcap => "mcap",

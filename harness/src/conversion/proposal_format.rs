@@ -3,18 +3,18 @@
 use std::fmt;
 
 /// The tool that is to open them, by the files it reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProposalFormat {
-    /// KITTI's object benchmark: `velodyne/*.bin`, `label_2/*.txt`
+    /// KITTI's object benchmark: `velodyne/*.bin`, `label_2/*.txt`.
     Kitti,
-    /// labelCloud: `pointclouds/*.bin`, `labels/*.json` in its format `centroid_rel`
+    /// labelCloud: `pointclouds/*.bin`, `labels/*.json` in its format `centroid_rel`.
     Labelcloud,
-    /// `SUSTechPOINTS`: a scene with `lidar/*.pcd` and `label/*.json`
+    /// `SUSTechPOINTS`: a scene with `lidar/*.pcd` and `label/*.json`.
     Sustechpoints,
 }
 
 impl ProposalFormat {
-    /// The name used on the command line.
+    /// The name used on screens.
     pub fn name(self) -> &'static str {
         match self {
             Self::Kitti => "kitti",

@@ -1,7 +1,8 @@
 //! The upright box along the direction in which points scatter most.
 
-use detector::OrientedBox;
 use nalgebra::{Matrix2, SymmetricEigen};
+
+use crate::oriented_box::OrientedBox;
 
 /// The box around `positions_m` whose length lies along the first eigenvector of their covariance on the ground plan.
 ///
