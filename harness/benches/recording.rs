@@ -9,8 +9,6 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use harness::cli::{StreamArgs, TabName};
-use harness::commands::recording::{RecordedScan, Recording, RecordingPlan};
 use harness::dataset::Dataset;
 use harness::dataset::scan_selection::ScanSelection;
 use harness::matching::assign::MatchingParams;
@@ -18,22 +16,14 @@ use harness::matching::criterion::Criterion;
 use harness::matching::eligibility::EligibilityParams;
 use harness::run::config::RunConfig;
 use harness::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detectors_named};
+use harness::run::scan_recorder::{RecordedScan, ScanRecorder as _};
 use harness::run::scores::DatasetScores;
 use harness::run::side_by_side::SideBySide;
 use harness::simulator::catalogue::built_in_catalogue;
 use harness::simulator::open::{OpenOptions, open_dataset};
+use harness::stream::run_recording::{RunRecording, RunRecordingOptions};
+use harness::stream::{FirstTab, Opening, StreamOptions, ViewerChoice};
 use harness::task::Task;
-
-const TO_THE_FILE_ALONE: StreamArgs = StreamArgs {
-    save_rrd: None,
-    no_rrd: false,
-    connect: None,
-    spawn: false,
-    serve: None,
-    rerun_every: 1,
-    rerun_points: None,
-    blueprint: TabName::Compare,
-};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cargo starts benchmarks in the folder of their package; paths are meant from the root.
@@ -83,16 +73,23 @@ fn record(
     let mut detectors: Vec<_> =
         listed.iter().map(|it| it.build(&config, description.sensor_height_m)).collect();
     let mut scores = DatasetScores::new(description, &names);
-    let mut recording = Recording::begin(&RecordingPlan {
-        arguments: &TO_THE_FILE_ALONE,
-        default_file: file.to_owned(),
-        name: "benchmark",
-        shown_task: Task::Objects,
-        detectors: &names,
-        datasets: &[],
-        at_the_start: false,
-    })?
-    .ok_or("a recording was asked for")?;
+    let options = RunRecordingOptions {
+        stream: StreamOptions {
+            name: "benchmark".to_owned(),
+            file: file.to_owned(),
+            viewer: ViewerChoice::None,
+            opening: Opening {
+                shown_task: Task::Objects,
+                first_tab: FirstTab::Compare,
+                has_poses: false,
+                at_the_start: false,
+            },
+            max_points: None,
+        },
+        elsewhere: None,
+        every: 1,
+    };
+    let mut recording = RunRecording::begin(options, &names)?;
     let criterion = Criterion::POINTS;
     let side_by_side = SideBySide {
         dataset,
@@ -104,14 +101,14 @@ fn record(
         interrupted: &AtomicBool::new(false),
     };
     let (mut times, mut n_points) = (Vec::new(), 0);
-    side_by_side.run(&mut detectors, |results| -> anyhow::Result<()> {
+    side_by_side.run(&mut detectors, |results| -> Result<(), Box<dyn std::error::Error>> {
         scores.add(results.results);
         n_points += results.scan.cloud.len();
         let scan_idx = scan_indices[results.run_idx];
         let recorded =
             RecordedScan { results: &results, scores: &scores, dataset, scan_idx, criterion, marks: &[] };
         let started = Instant::now();
-        recording.log(&recorded)?;
+        recording.record(&recorded)?;
         times.push(started.elapsed());
         Ok(())
     })?;

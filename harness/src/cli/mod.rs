@@ -5,7 +5,6 @@ mod detectors;
 mod output;
 mod parameters;
 mod timing;
-#[cfg(feature = "rerun")]
 mod stream;
 mod run;
 mod detect;
@@ -48,7 +47,6 @@ pub use robustness::RobustnessArgs;
 pub use run::RunArgs;
 pub use scans::{CatalogueArgs, ClassOption, DamageArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
-#[cfg(feature = "rerun")]
 pub use stream::{StreamArgs, TabName};
 pub use sweep::SweepArgs;
 pub use timing::TimingArgs;

@@ -8,7 +8,6 @@ use super::detectors::detectors_help;
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
 use super::scans::{DamageArgs, DatasetArgs};
-#[cfg(feature = "rerun")]
 use super::stream::StreamArgs;
 use super::timing::TimingArgs;
 use crate::run::detector_list::DEFAULT_DETECTORS;
@@ -47,7 +46,6 @@ pub struct RunArgs {
     #[arg(long, value_name = "N", default_value = "1", value_parser = repeats)]
     pub repeats: NonZeroUsize,
     /// What is streamed to Rerun.
-    #[cfg(feature = "rerun")]
     #[command(flatten)]
     pub stream: StreamArgs,
 }
@@ -58,7 +56,6 @@ fn repeats(text: &str) -> Result<NonZeroUsize, String> {
     number.ok_or_else(|| "not a number from 1 to 1000".to_owned())
 }
 
-#[cfg(feature = "rerun")]
 const RUN_EXAMPLES: &str = "\
 Examples:
   scanbench run
@@ -74,19 +71,3 @@ manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
 table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
 report.html, figures/ and, unless --no-rrd, run.rrd for the Rerun viewer; with --mcap
 run.mcap for Foxglove.";
-
-#[cfg(not(feature = "rerun"))]
-const RUN_EXAMPLES: &str = "\
-Examples:
-  scanbench run
-  scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
-  scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
-  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
-  scanbench run street-narrow --mcap
-  scanbench run --repeats 5                     times for a gate
-
-Leaves in the run directory, which runs/latest points at unless -o names it:
-manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
-report.html and figures/; with --mcap run.mcap for Foxglove. This program was built
-without Rerun.";

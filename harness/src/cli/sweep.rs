@@ -48,7 +48,6 @@ pub struct SweepArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub timed_scans: u32,
     /// Write no Rerun recording
-    #[cfg(feature = "rerun")]
     #[arg(long)]
     pub no_rrd: bool,
 }

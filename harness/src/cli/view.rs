@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-#[cfg(feature = "rerun")]
 use super::stream::StreamArgs;
 use crate::task::Task;
 
@@ -31,7 +30,6 @@ pub struct ViewArgs {
     #[arg(long, value_name = "CLASS")]
     pub class: Option<String>,
     /// What is streamed to Rerun.
-    #[cfg(feature = "rerun")]
     #[command(flatten)]
     pub stream: StreamArgs,
 }
@@ -64,7 +62,6 @@ pub enum OutcomeName {
     False,
 }
 
-#[cfg(feature = "rerun")]
 const VIEW_EXAMPLES: &str = "\
 Examples:
   scanbench view runs/latest
@@ -75,13 +72,3 @@ Lists the mistakes with most points first, and why each is one. The scans they a
 run again, as the manifest of the run says, and recorded alone, the worst first:
 in worst.rrd of the run directory unless --save-rrd=FILE or --no-rrd says otherwise.
 Paths of data are taken from the run: start it in the same folder.";
-
-#[cfg(not(feature = "rerun"))]
-const VIEW_EXAMPLES: &str = "\
-Examples:
-  scanbench view runs/latest
-  scanbench view runs/latest --worst 30 --outcome missed --class van
-  scanbench view runs/latest -d pca --task objects
-
-Lists the mistakes with most points first, and why each is one. This program was built
-without Rerun and records nothing.";

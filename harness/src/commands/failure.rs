@@ -1,5 +1,7 @@
 //! How the program ends when something is wrong.
 
+use std::error::Error;
+use std::fmt;
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -71,6 +73,27 @@ pub struct DamagedRun {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Usage(pub String);
+
+/// An error of which it is known what kind of ending it is.
+#[derive(Debug)]
+pub struct Classified {
+    /// Which.
+    pub failure: Failure,
+    /// What happened.
+    pub error: Box<dyn Error + Send + Sync>,
+}
+
+impl fmt::Display for Classified {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.error.fmt(formatter)
+    }
+}
+
+impl Error for Classified {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.error.source()
+    }
+}
 
 /// Does `work` and returns the exit code, having told stderr why if it is not 0.
 ///
@@ -149,7 +172,7 @@ impl Failure {
         if let Some(error) = error.downcast_ref::<ArchiveError>() {
             return Self::of_archive(error);
         }
-        Self::of_stream(error)
+        error.downcast_ref::<Classified>().map_or(Self::Internal, |it| it.failure)
     }
 
     /// `None` if `error` is none of comparing runs.
@@ -219,7 +242,7 @@ impl Failure {
     }
 
     /// Whether the place to write to was badly chosen, or fails although it was not.
-    fn of_writing(kind: ErrorKind) -> Self {
+    pub fn of_writing(kind: ErrorKind) -> Self {
         match kind {
             ErrorKind::NotFound
             | ErrorKind::NotADirectory
@@ -230,26 +253,6 @@ impl Failure {
             | ErrorKind::InvalidFilename => Self::Usage,
             _ => Self::Internal,
         }
-    }
-
-    #[cfg(feature = "rerun")]
-    fn of_stream(error: &anyhow::Error) -> Self {
-        use crate::stream::StreamError;
-        match error.downcast_ref::<StreamError>() {
-            Some(
-                StreamError::BadUrl { .. }
-                | StreamError::SwitchedOff
-                | StreamError::ViewerNotInstalled { .. }
-                | StreamError::ViewerFailed { .. },
-            ) => Self::Usage,
-            Some(StreamError::Create { source, .. }) => Self::of_writing(source.kind()),
-            _ => Self::Internal,
-        }
-    }
-
-    #[cfg(not(feature = "rerun"))]
-    fn of_stream(_: &anyhow::Error) -> Self {
-        Self::Internal
     }
 }
 

@@ -13,8 +13,7 @@ pub mod run_directory;
 pub mod run_rows;
 pub mod plan_cells;
 pub mod run_manifest;
-#[cfg(feature = "rerun")]
-pub mod recording;
+pub mod recorder;
 pub mod run;
 pub mod ablation;
 pub mod result_file;
@@ -26,8 +25,6 @@ pub mod boxes;
 pub mod robustness;
 pub mod sweep_identity;
 pub mod sweep_files;
-#[cfg(feature = "rerun")]
-pub mod sweep_recording;
 pub mod sweep;
 pub mod data_list;
 pub mod data_check;
@@ -43,8 +40,7 @@ pub mod train;
 pub mod open_run;
 pub mod compare;
 pub mod report;
-#[cfg(feature = "rerun")]
-pub mod view_recording;
+pub mod worst_scans;
 pub mod view;
 pub mod gate;
 pub mod dispatch;

@@ -67,6 +67,12 @@ impl OpenedDataset {
         }
     }
 
+    /// Whether the poses of the sensor are known.
+    pub fn has_poses(&self) -> bool {
+        let first = self.scan_indices.first();
+        first.is_some_and(|&scan_idx| matches!(self.dataset.world_from_sensor(scan_idx), Ok(Some(_))))
+    }
+
     /// Reads all scans and goes on without those that cannot be read, each with a warning.
     ///
     /// # Errors

@@ -34,8 +34,7 @@ use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_d
 use crate::commands::plan_cells::plan_cells;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
-#[cfg(feature = "rerun")]
-use crate::commands::recording::{RecordedScan, Recording, RecordingPlan, serve_until_interrupted};
+use crate::commands::recorder::{self, Recorder, RecordingPlan, report_ending, serve_until_interrupted};
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_rows::{match_rows, scan_row};
@@ -50,10 +49,10 @@ use crate::metrics::counts::SCORING_VERSION;
 use crate::results_recording::recording::{DetectorResult, ResultsRecording};
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
+use crate::run::scan_recorder::{RecordedScan, ScanRecorder as _, Served};
 use crate::run::scores::{DatasetScores, overall_time_rows};
 use crate::run::side_by_side::{ScanResults, SideBySide};
-#[cfg(feature = "rerun")]
-use crate::{stream::ServedRecording, task::Task};
+use crate::task::Task;
 
 /// What is to be run.
 struct Plan<'a> {
@@ -113,9 +112,8 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let written = directory.finish()?;
     let (standings, speeds) = (standings(&tally, &manifest, &report), speeds(&manifest, &report));
     print(&tables, &times, (&standings, &speeds), &written)?;
-    #[cfg(feature = "rerun")]
     if let Some(served) = finished.served {
-        serve_until_interrupted(&served, interrupted);
+        serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
 }
@@ -143,16 +141,14 @@ struct Archive<'a> {
     // Of the data set at hand, as is what follows.
     times_s: Vec<f64>,
     mcap: Option<ResultsRecording<'a>>,
-    #[cfg(feature = "rerun")]
-    recording: Option<Recording>,
+    recording: Option<Recorder>,
 }
 
 /// What is left of an archive once its files are written.
 struct FinishedArchive {
     tally: Tally,
     worst: WorstPlaces<PlanCells>,
-    #[cfg(feature = "rerun")]
-    served: Option<ServedRecording>,
+    served: Option<Box<dyn Served>>,
 }
 
 impl Archive<'_> {
@@ -165,7 +161,6 @@ impl Archive<'_> {
             worst: WorstPlaces::default(),
             times_s: Vec::new(),
             mcap: None,
-            #[cfg(feature = "rerun")]
             recording: begin_recording(plan, directory)?,
         })
     }
@@ -202,7 +197,6 @@ impl Archive<'_> {
                 }
             }
         }
-        #[cfg(feature = "rerun")]
         if let Some(recording) = &mut self.recording {
             let recorded = RecordedScan {
                 results,
@@ -212,12 +206,10 @@ impl Archive<'_> {
                 criterion: self.criterion,
                 marks: &[],
             };
-            if let Some(warning) = recording.log(&recorded)? {
+            if let Some(warning) = recording.record(&recorded)? {
                 warn(progress, &warning);
             }
         }
-        #[cfg(not(feature = "rerun"))]
-        let _ = scores;
         if is_said(Verbosity::Verbose) {
             progress.suspend(|| print_detail(scan_line(dataset, results)));
         }
@@ -228,22 +220,8 @@ impl Archive<'_> {
     fn finish(self) -> anyhow::Result<FinishedArchive> {
         self.scans.finish()?;
         self.matches.finish()?;
-        #[cfg(feature = "rerun")]
-        let served = match self.recording.map(Recording::finish).transpose()? {
-            Some(ending) => {
-                if let Some(warning) = ending.warning {
-                    print_diagnostic(format_args!("warning: {warning}"));
-                }
-                ending.served
-            }
-            None => None,
-        };
-        Ok(FinishedArchive {
-            tally: self.tally,
-            worst: self.worst,
-            #[cfg(feature = "rerun")]
-            served,
-        })
+        let ending = self.recording.map(Recorder::finish).transpose()?;
+        Ok(FinishedArchive { tally: self.tally, worst: self.worst, served: ending.and_then(report_ending) })
     }
 }
 
@@ -281,25 +259,23 @@ fn scan_line(dataset: &DatasetDescription, results: &ScanResults<'_>) -> String 
 }
 
 /// Not through the bar itself, which says nothing where it is hidden.
-#[cfg(feature = "rerun")]
 fn warn(progress: &ProgressBar, warning: &str) {
     progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
 }
 
-#[cfg(feature = "rerun")]
-fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Option<Recording>> {
+fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Option<Recorder>> {
     // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
     let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
     let shown_task = if plan.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy();
     let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
-    Recording::begin(&RecordingPlan {
+    recorder::begin(&RecordingPlan {
         arguments: &plan.arguments.stream,
         default_file: directory.path_of("run.rrd"),
         name: &name,
         shown_task,
         detectors: &detectors,
-        datasets: &plan.datasets,
+        has_poses: plan.datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: false,
     })
 }

@@ -10,6 +10,7 @@ use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRul
 use crate::cli::DatasetArgs;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
+use crate::commands::recorder::rerun_version;
 use crate::dataset;
 use crate::matching::criterion::Criterion;
 use crate::metrics::counts::SCORING_VERSION;
@@ -143,13 +144,4 @@ fn simulation(drive: &StreetDrive) -> Simulation {
             .then(|| serde_json::to_value(drive.conditions).expect("conditions are numbers")),
         labeled_to_either_side_deg: drive.labeled_to_either_side_deg,
     }
-}
-
-/// The version of Rerun that recordings are made with, if the program can make them.
-fn rerun_version() -> Option<String> {
-    #[cfg(feature = "rerun")]
-    let version = Some(crate::stream::rerun_version());
-    #[cfg(not(feature = "rerun"))]
-    let version = None;
-    version
 }

@@ -16,13 +16,12 @@ use crate::commands::interruption::{interruption_flag, set_last_words};
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::compact_utc;
+use crate::commands::recorder::record_sweep;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::sweep_files::write_sweep;
 use crate::commands::sweep_identity::sweep_identity;
-#[cfg(feature = "rerun")]
-use crate::commands::sweep_recording::record_sweep;
 use crate::dataset::source::DamagePolicy;
 use crate::run::detector_list::detectors_named;
 use crate::sweep::journal::{Journal, JournalEntry, JournalError, OtherJournal};
@@ -79,7 +78,6 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
     let directory = RunDirectory::begin(claimed)?;
     directory.write_file(MANIFEST_JSON, sweep.manifest().as_bytes())?;
     let printed = write_sweep(&directory, &scores)?;
-    #[cfg(feature = "rerun")]
     if !arguments.no_rrd {
         record_sweep(&directory, &results, &scores)?;
     }

@@ -6,8 +6,7 @@ use crate::cli::{OutcomeName, ViewArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::standard_streams::print_bytes;
-#[cfg(feature = "rerun")]
-use crate::commands::view_recording::record;
+use crate::commands::worst_scans::record;
 
 /// Lists the worst mistakes of a detector, and records the scans they are in.
 ///
@@ -36,8 +35,5 @@ pub fn view(arguments: &ViewArgs) -> anyhow::Result<()> {
         return Err(NothingEvaluated { reason: "the run has no such mistakes".to_owned() }.into());
     }
     print_bytes(worst_to_terminal(&mistakes).as_bytes())?;
-    // A program that was built without Rerun only lists them.
-    #[cfg(feature = "rerun")]
-    record(arguments, &run.manifest, &mistakes)?;
-    Ok(())
+    record(arguments, &run.manifest, &mistakes)
 }

@@ -10,5 +10,5 @@ pub mod gap_picture;
 pub mod robustness;
 pub mod box_study;
 pub mod scores;
-pub mod drive_frame;
+pub mod scan_recorder;
 pub mod ablation;

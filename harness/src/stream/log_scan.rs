@@ -5,9 +5,10 @@ use rerun::{Arrows3D, Radius, RecordingStream};
 
 use super::drawn_points::DrawnPoints;
 use super::error::StreamError;
-use super::scan_views::{Mark, ScanView};
+use super::scan_views::ScanView;
 use super::{archetypes, entity_paths, legend, palette, recording};
 use crate::annotation::Annotation;
+use crate::run::scan_recorder::Mark;
 
 /// Radius of a point, in pixels of a screen of normal density.
 const POINT_RADIUS_PX: f32 = 1.1;

@@ -29,10 +29,13 @@ mod log_outcomes;
 mod log_mistakes;
 mod log_series;
 pub mod session;
+mod drive_frame;
+pub mod run_recording;
+pub mod sweep_recording;
 
 pub use error::StreamError;
 pub use recording_axis::RecordingAxis;
-pub use scan_views::{DetectorView, Mark, ScanView, TaskView};
+pub use scan_views::{DetectorView, ScanView, TaskView};
 pub use session::{Stream, StreamEnding};
 pub use stream_options::{FirstTab, Opening, StreamOptions};
 pub use viewer::{ServedRecording, ViewerChoice, ViewerState, ViewerUrl};

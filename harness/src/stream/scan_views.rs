@@ -9,6 +9,7 @@ use crate::annotation::LabeledScan;
 use crate::matching::mistake::Mistake;
 use crate::matching::outcome::Assignment;
 use crate::metrics::counts::FalseDetections;
+use crate::run::scan_recorder::Mark;
 
 /// A scan of a recording.
 #[derive(Debug, Clone, Copy)]
@@ -51,13 +52,4 @@ pub struct TaskView<'a> {
     pub mistakes: Vec<Mistake>,
     /// The F-rate over the scans so far, 0 to 1; `None` while its denominator is zero.
     pub f_rate_so_far: Option<f64>,
-}
-
-/// A place that is pointed at.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
-    /// On the ground plan of the sensor, in metres.
-    pub place_m: [f32; 2],
-    /// What is there.
-    pub text: String,
 }

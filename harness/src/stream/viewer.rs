@@ -17,6 +17,7 @@ use rerun::grpc_server::GrpcServerSink;
 use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink, SinkFlushError};
 
 use super::error::StreamError;
+use crate::run::scan_recorder::Served;
 
 /// So long a viewer may take nothing before it is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -99,6 +100,12 @@ pub struct ServedRecording {
     /// Where.
     pub url: String,
     _queue: SyncSender<Parcel>,
+}
+
+impl Served for ServedRecording {
+    fn url(&self) -> &str {
+        &self.url
+    }
 }
 
 /// Where messages go.

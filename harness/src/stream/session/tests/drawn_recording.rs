@@ -22,8 +22,9 @@ use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, P
 use crate::matching::mistake::{Mistake, MistakeKind};
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason};
 use crate::metrics::counts::FalseDetections;
+use crate::run::scan_recorder::Mark;
 use crate::stream::{
-    DetectorView, FirstTab, Mark, Opening, ScanView, StreamError, StreamOptions, TaskView, ViewerChoice,
+    DetectorView, FirstTab, Opening, ScanView, StreamError, StreamOptions, TaskView, ViewerChoice,
 };
 use crate::task::Task;
 

@@ -1,32 +1,26 @@
-//! The Rerun recording of a run, where the program was built with Rerun.
+//! The recording of a run, scan by scan.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use reports::unfinished::{Kind, Unfinished};
 use tempfile::NamedTempFile;
 
-use crate::cli::{StreamArgs, TabName};
-use crate::commands::open_datasets::OpenedDataset;
-use crate::commands::standard_streams::print_diagnostic;
-use crate::dataset::{Dataset, DatasetDescription};
-use crate::matching::criterion::Criterion;
+use super::drive_frame::DriveFrame;
+use super::error::StreamError;
+use super::scan_views::{DetectorView, ScanView, TaskView};
+use super::session::Stream;
+use super::stream_options::StreamOptions;
+use super::viewer::ViewerState;
+use crate::dataset::{DatasetDescription, DatasetError};
 use crate::matching::mistake::Evidence;
 use crate::matching::outcome::Assignment;
 use crate::metrics::counts::FalseDetections;
-use crate::run::drive_frame::DriveFrame;
-use crate::run::scores::DatasetScores;
-use crate::run::side_by_side::{DetectorScan, ScanResults};
-use crate::stream::{
-    DetectorView, FirstTab, Mark, Opening, ScanView, ServedRecording, Stream, StreamError, StreamOptions,
-    TaskView, ViewerChoice, ViewerState,
-};
-use crate::task::Task;
+use crate::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder, Served};
+use crate::run::side_by_side::DetectorScan;
 
 /// An open recording that follows a run.
 #[must_use = "a recording that is not finished may be incomplete without anyone knowing"]
-pub struct Recording {
+pub struct RunRecording {
     stream: Stream,
     elsewhere: Option<RecordingElsewhere>,
     every: u32,
@@ -35,102 +29,60 @@ pub struct Recording {
     viewer_was_lost: bool,
 }
 
-/// What a recording is about.
-pub struct RecordingPlan<'a> {
-    /// What was asked for.
-    pub arguments: &'a StreamArgs,
-    /// Where it is written unless the arguments say otherwise.
-    pub default_file: PathBuf,
-    /// Its name in the viewer.
-    pub name: &'a str,
-    /// The task that it shows at first.
-    pub shown_task: Task,
-    /// The detectors.
-    pub detectors: &'a [&'a str],
-    /// Where the scans come from.
-    pub datasets: &'a [OpenedDataset],
-    /// Whether it opens at its first scan, and not at the last.
-    pub at_the_start: bool,
+/// Where a run is recorded, and which of its scans.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunRecordingOptions {
+    /// How it is streamed, to a file in the directory of the run unless it goes elsewhere.
+    pub stream: StreamOptions,
+    /// A file of the user's choice that is written instead, and appears once it is complete.
+    pub elsewhere: Option<PathBuf>,
+    /// Every so many scans are recorded.
+    pub every: u32,
 }
 
-/// A scan that is recorded.
-pub struct RecordedScan<'a> {
-    /// What the detectors made of it.
-    pub results: &'a ScanResults<'a>,
-    /// The scores of its data set so far.
-    pub scores: &'a DatasetScores,
-    /// Its data set.
-    pub dataset: &'a dyn Dataset,
-    /// Which of the data set's scans it is.
-    pub scan_idx: usize,
-    /// How it was judged.
-    pub criterion: Criterion,
-    /// Places in it that are pointed at.
-    pub marks: &'a [Mark],
+/// Why a run cannot be recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// The recording cannot be made.
+    #[error(transparent)]
+    Stream(#[from] StreamError),
+    /// What is to be recorded cannot be read.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
 }
 
-/// How a recording ended.
-#[derive(Debug)]
-pub struct RecordingEnding {
-    /// What went wrong with the viewer, if it has not been said before.
-    pub warning: Option<String>,
-    /// The server that still has the recording.
-    pub served: Option<ServedRecording>,
-}
-
-impl Recording {
-    /// Begins the recording of `plan`; `None` if none is wanted.
+impl RunRecording {
+    /// Begins the recording of `detectors`.
     ///
     /// # Errors
     ///
-    /// If the file cannot be written, or the viewer or the server not be started.
-    pub fn begin(plan: &RecordingPlan<'_>) -> anyhow::Result<Option<Self>> {
-        let arguments = plan.arguments;
-        if arguments.no_rrd {
-            return Ok(None);
+    /// [`StreamError`] if the file cannot be written, or the viewer or the server not be started.
+    pub fn begin(options: RunRecordingOptions, detectors: &[&str]) -> Result<Self, StreamError> {
+        let RunRecordingOptions { mut stream, elsewhere, every } = options;
+        let elsewhere = elsewhere.as_deref().map(RecordingElsewhere::begin).transpose()?;
+        if let Some(elsewhere) = &elsewhere {
+            elsewhere.path().clone_into(&mut stream.file);
         }
-        let viewer = match (&arguments.connect, arguments.spawn, arguments.serve) {
-            (Some(url), _, _) => ViewerChoice::Connect(url.parse()?),
-            (None, true, _) => ViewerChoice::Spawn,
-            (None, false, Some(port)) => ViewerChoice::Serve { port },
-            (None, false, None) => ViewerChoice::None,
-        };
-        let elsewhere = arguments.save_rrd.as_ref().and_then(Option::as_deref);
-        let elsewhere = elsewhere.map(RecordingElsewhere::begin).transpose()?;
-        let file = elsewhere.as_ref().map_or_else(|| plan.default_file.clone(), |it| it.path().to_owned());
-        let opening = Opening {
-            shown_task: plan.shown_task,
-            first_tab: match arguments.blueprint {
-                TabName::Compare => FirstTab::Compare,
-                TabName::Stages => FirstTab::Stages,
-                TabName::Drive => FirstTab::Drive,
-            },
-            has_poses: plan.datasets.iter().any(has_poses),
-            at_the_start: plan.at_the_start,
-        };
-        let (name, max_points) = (plan.name.to_owned(), arguments.rerun_points);
-        let options = StreamOptions { name, file, viewer, opening, max_points };
-        let stream = Stream::open(&options, plan.detectors)?;
-        if let Some(url) = stream.served_at() {
-            print_diagnostic(format_args!("The recording is served: rerun {url}"));
-        }
-        Ok(Some(Self {
-            stream,
+        Ok(Self {
+            stream: Stream::open(&stream, detectors)?,
             elsewhere,
-            every: arguments.rerun_every,
+            every,
             n_scans: 0,
             drive: DriveFrame::default(),
             viewer_was_lost: false,
-        }))
+        })
     }
 
-    /// Logs one scan, if it is its turn, and what all detectors made of it. Returns a warning the first time the viewer is
-    /// lost.
-    ///
-    /// # Errors
-    ///
-    /// If the file cannot be written.
-    pub fn log(&mut self, recorded: &RecordedScan<'_>) -> anyhow::Result<Option<String>> {
+    /// Where viewers can connect to, if the recording is served.
+    pub fn served_at(&self) -> Option<&str> {
+        self.stream.served_at()
+    }
+}
+
+impl ScanRecorder for RunRecording {
+    type Error = RecordingError;
+
+    fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, RecordingError> {
         let number = self.n_scans;
         self.n_scans += 1;
         if !number.is_multiple_of(self.every) {
@@ -167,12 +119,7 @@ impl Recording {
         }
     }
 
-    /// Writes the end of the file.
-    ///
-    /// # Errors
-    ///
-    /// If the file is not complete.
-    pub fn finish(self) -> anyhow::Result<RecordingEnding> {
+    fn finish(self) -> Result<RecordingEnding, RecordingError> {
         let ending = self.stream.finish()?;
         if let Some(elsewhere) = self.elsewhere {
             elsewhere.finish()?;
@@ -183,7 +130,8 @@ impl Recording {
             }
             _ => None,
         };
-        Ok(RecordingEnding { warning, served: ending.served })
+        let served = ending.served.map(|it| Box::new(it) as Box<dyn Served>);
+        Ok(RecordingEnding { warning, served })
     }
 }
 
@@ -201,19 +149,6 @@ pub fn task_views<'a>(
         f_rate_so_far,
     };
     result.assignments.iter().zip(f_rates_so_far).map(view).collect()
-}
-
-/// Goes on serving the recording, of which everything is written, until the user ends it.
-pub fn serve_until_interrupted(served: &ServedRecording, interrupted: &AtomicBool) {
-    print_diagnostic(format_args!("Serving the recording until Ctrl-C: rerun {}", served.url));
-    while !interrupted.load(Ordering::Relaxed) {
-        std::thread::sleep(Duration::from_millis(50));
-    }
-}
-
-fn has_poses(opened: &OpenedDataset) -> bool {
-    let first = opened.scan_indices.first();
-    first.is_some_and(|&scan_idx| matches!(opened.dataset.world_from_sensor(scan_idx), Ok(Some(_))))
 }
 
 /// A recording outside of the run directory.

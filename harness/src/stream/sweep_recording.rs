@@ -7,15 +7,18 @@ use reports::run_directory::RunDirectory;
 use reports::table::sweep_score::{SweepScore, SweepScores};
 use reports::table::task_table::Extent;
 
+use super::error::StreamError;
+use super::recording_axis::RecordingAxis;
+use super::run_recording::{RecordingError, task_views};
+use super::scan_views::{DetectorView, ScanView};
+use super::session::Stream;
+use super::stream_options::{FirstTab, Opening, StreamOptions};
+use super::viewer::ViewerChoice;
 use crate::annotation::LabeledScan;
-use crate::commands::recording::task_views;
 use crate::dataset::DatasetDescription;
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::mistake::Evidence;
 use crate::run::side_by_side::{DetectionTimes, DetectorScan};
-use crate::stream::{
-    DetectorView, FirstTab, Opening, RecordingAxis, ScanView, Stream, StreamOptions, ViewerChoice,
-};
 use crate::sweep::scan_at_point::of_sensor;
 use crate::sweep::summary::SweepResults;
 use crate::sweep::swept_values::SweptValues;
@@ -33,7 +36,7 @@ pub fn record_sweep(
     directory: &RunDirectory,
     results: &SweepResults<'_>,
     scores: &SweepScores,
-) -> anyhow::Result<()> {
+) -> Result<(), RecordingError> {
     let plan = results.plan;
     let swept = &results.datasets[0];
     let description = swept.dataset.description();
@@ -89,7 +92,7 @@ fn look_again(
     mut detector: Box<dyn Detector>,
     matching: &MatchingParams,
     f_rates: impl Iterator<Item = Option<f64>>,
-) -> anyhow::Result<()> {
+) -> Result<(), StreamError> {
     let mut output = DetectorOutput::default();
     // Its buffers find their size.
     detector.detect(&scan.cloud, &mut output);
@@ -109,8 +112,7 @@ fn look_again(
         tasks: &task_views(&result, dataset, &evidence, f_rates),
         latency,
     };
-    stream.log_detector(scan, &view)?;
-    Ok(())
+    stream.log_detector(scan, &view)
 }
 
 fn of_name((name, value): (&String, &String)) -> String {

@@ -14,14 +14,16 @@ use crate::commands::failure::Usage;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
-use crate::commands::recording::{RecordedScan, Recording, RecordingPlan, serve_until_interrupted};
+use crate::commands::recorder::{
+    self, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
+};
 use crate::commands::run_manifest::{dataset_entry, seeds};
 use crate::commands::standard_streams::print_diagnostic;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::{ListedDetector, detectors_named};
+use crate::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use crate::run::scores::DatasetScores;
 use crate::run::side_by_side::SideBySide;
-use crate::stream::Mark;
 
 /// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
 ///
@@ -33,7 +35,7 @@ pub fn record(
     manifest: &Manifest,
     mistakes: &[ListedMistake<'_>],
 ) -> anyhow::Result<()> {
-    if arguments.stream.no_rrd {
+    if !is_wanted(&arguments.stream)? {
         return Ok(());
     }
     let interrupted = interruption_flag();
@@ -48,26 +50,23 @@ pub fn record(
     let written = stream.save_rrd.clone().flatten().unwrap_or_default();
     let names: Vec<&str> = again.detectors.iter().map(|it| it.name).collect();
     let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
-    let Some(mut recording) = Recording::begin(&RecordingPlan {
+    let Some(mut recording) = recorder::begin(&RecordingPlan {
         arguments: &stream,
         default_file: file,
         name: &name,
         shown_task: arguments.task.task(),
         detectors: &names,
-        datasets: &again.datasets,
+        has_poses: again.datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: true,
     })?
     else {
         return Ok(());
     };
     again.log(&scans, interrupted, &mut recording)?;
-    let ending = recording.finish()?;
-    if let Some(warning) = ending.warning {
-        print_diagnostic(format_args!("warning: {warning}"));
-    }
+    let served = report_ending(recording.finish()?);
     print_diagnostic(format_args!("Recording: {}", written.display()));
-    if let Some(served) = ending.served {
-        serve_until_interrupted(&served, interrupted);
+    if let Some(served) = served {
+        serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
 }
@@ -163,7 +162,7 @@ impl RunAgain {
         &self,
         scans: &[WorstScan],
         interrupted: &AtomicBool,
-        recording: &mut Recording,
+        recording: &mut Recorder,
     ) -> anyhow::Result<()> {
         let names: Vec<&'static str> = self.detectors.iter().map(|it| it.name).collect();
         // Detectors and rates so far of every data set that has had a scan.
@@ -198,7 +197,7 @@ impl RunAgain {
                     criterion: config.matching.criterion,
                     marks,
                 };
-                if let Some(warning) = recording.log(&recorded)? {
+                if let Some(warning) = recording.record(&recorded)? {
                     progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
                 }
                 Ok(())
