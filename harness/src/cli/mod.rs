@@ -45,7 +45,7 @@ pub use program::{Cli, Command};
 pub use report::ReportArgs;
 pub use robustness::RobustnessArgs;
 pub use run::RunArgs;
-pub use scans::{CatalogueArgs, ClassOption, DamageArgs, DatasetArgs, SourceArgs};
+pub use self::scans::{CatalogueArgs, ClassOption, DamageArgs, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 pub use stream::{StreamArgs, TabName};
 pub use sweep::SweepArgs;

@@ -9,7 +9,8 @@ use crate::commands::failure::{Classified, Failure};
 use crate::commands::standard_streams::print_diagnostic;
 use crate::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
 use crate::stream::run_recording::{RecordingError, RunRecording, RunRecordingOptions};
-use crate::stream::{self, FirstTab, Opening, StreamError, StreamOptions, ViewerChoice, sweep_recording};
+use crate::stream::sweep_recording;
+use crate::stream::{FirstTab, Opening, StreamError, StreamOptions, ViewerChoice};
 use crate::sweep::summary::SweepResults;
 
 /// An open recording of a run.
@@ -97,7 +98,7 @@ pub fn record_sweep(
 
 /// The version of Rerun that recordings are made with.
 pub fn rerun_version() -> Option<String> {
-    Some(stream::rerun_version())
+    Some(crate::stream::rerun_version())
 }
 
 fn classified(error: RecordingError) -> anyhow::Error {
