@@ -5,7 +5,6 @@
 
 use std::time::{Duration, Instant};
 
-use harness::metrics::latency::Latencies;
 use harness::simulator::rain::Rain;
 use harness::simulator::sensor::SensorModel;
 use harness::simulator::{Street, StreetKind};
@@ -37,8 +36,9 @@ fn measure(name: &str, street: &Street, sensor: &SensorModel) {
             started.elapsed()
         })
         .collect();
-    let latencies = Latencies::new(durations);
-    let ms = |percent| latencies.percentile(percent).map_or(f64::NAN, |it| it.as_secs_f64() * 1e3);
-    let fps = latencies.fps_mean().unwrap_or(f64::NAN);
-    println!("{name:<32} {:>12} {:>10.1} {:>10.1} {fps:>8.2}", n_points / N_SCANS as usize, ms(50), ms(90));
+    let fps = f64::from(N_SCANS) / durations.iter().sum::<Duration>().as_secs_f64();
+    let mut sorted = durations;
+    sorted.sort_unstable();
+    let [p50, p90] = [50, 90].map(|percent| sorted[sorted.len() * percent / 100].as_secs_f64() * 1e3);
+    println!("{name:<32} {:>12} {p50:>10.1} {p90:>10.1} {fps:>8.2}", n_points / N_SCANS as usize);
 }
