@@ -27,6 +27,7 @@ mod fit_density;
 mod train;
 mod program;
 
+pub use self::scans::{CatalogueArgs, ClassOption, DatasetArgs, SourceArgs};
 pub use ablation::AblationArgs;
 pub use boxes::BoxesArgs;
 pub use compare::CompareArgs;
@@ -45,7 +46,6 @@ pub use program::{Cli, Command};
 pub use report::ReportArgs;
 pub use robustness::RobustnessArgs;
 pub use run::RunArgs;
-pub use self::scans::{CatalogueArgs, ClassOption, DatasetArgs, SourceArgs};
 pub use selftest::SelftestArgs;
 pub use stream::{StreamArgs, TabName};
 pub use sweep::SweepArgs;

@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 pub struct StreamArgs {
     /// Save the Rerun recording as `run.rrd` in the run directory (the default), or as FILE
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    #[allow(clippy::option_option, reason = "both the option and its value may be left out")]
     pub save_rrd: Option<Option<PathBuf>>,
     /// Write no Rerun recording
     #[arg(

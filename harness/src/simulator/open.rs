@@ -53,7 +53,9 @@ pub fn open_dataset(
     }
     let dataset = open_recorded(id_or_path, &options.of_files(), catalogue)?;
     let description = dataset.description();
-    if let Some(Err(error)) = description.simulation.as_ref().map(|it| it.read::<StreetDrive>()) {
+    if let Some(simulation) = &description.simulation
+        && let Err(error) = simulation.read::<StreetDrive>()
+    {
         let path = description.root.clone().unwrap_or_default();
         return Err(DatasetError::Damaged { path, problem: format!("is of an unknown simulation: {error}") });
     }

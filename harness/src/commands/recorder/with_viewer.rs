@@ -22,7 +22,7 @@ pub struct Recorder(RunRecording);
 /// # Errors
 ///
 /// None here.
-#[expect(clippy::unnecessary_wraps, reason = "without the viewer there is an error")]
+#[allow(clippy::unnecessary_wraps, reason = "without the viewer there is an error")]
 pub fn is_wanted(arguments: &StreamArgs) -> anyhow::Result<bool> {
     Ok(!arguments.no_rrd)
 }
@@ -97,6 +97,7 @@ pub fn record_sweep(
 }
 
 /// The version of Rerun that recordings are made with.
+#[allow(clippy::unnecessary_wraps, reason = "without the viewer there is none")]
 pub fn rerun_version() -> Option<String> {
     Some(crate::stream::rerun_version())
 }

@@ -58,7 +58,7 @@ impl ScanRecorder for Recorder {
 /// # Errors
 ///
 /// None here.
-#[expect(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
+#[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
 pub fn record_sweep(_: &RunDirectory, _: &SweepResults<'_>, _: &SweepScores) -> anyhow::Result<()> {
     Ok(())
 }
