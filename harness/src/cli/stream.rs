@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 /// What is streamed to Rerun.
 #[derive(Debug, Clone, Args)]
+#[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct StreamArgs {
     /// Save the Rerun recording as `run.rrd` in the run directory (the default), or as FILE
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]

@@ -21,6 +21,7 @@ mod without_viewer;
 pub use without_viewer::{Recorder, begin, is_wanted, record_sweep, rerun_version};
 
 /// What a recording is about.
+#[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct RecordingPlan<'a> {
     /// What was asked for.
     pub arguments: &'a StreamArgs,
