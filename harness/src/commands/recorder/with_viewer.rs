@@ -4,7 +4,7 @@ use reports::run_directory::RunDirectory;
 use reports::table::sweep_score::SweepScores;
 
 use super::RecordingPlan;
-use crate::cli::{StreamArgs, TabName};
+use crate::cli::stream::{StreamArgs, TabName};
 use crate::commands::failure::{Classified, Failure};
 use crate::commands::standard_streams::print_diagnostic;
 use crate::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
