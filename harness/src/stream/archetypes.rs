@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use detector::OrientedBox;
 use detector::stage_product::{ProductLink, ProductSphere};
-use rerun::components::ClassId;
-use rerun::datatypes::Rgba32;
+use re_sdk_types::archetypes::{Boxes3D, Ellipsoids3D, LineStrips3D, Points2D, Points3D};
+use re_sdk_types::components::ClassId;
+use re_sdk_types::components::{FillMode, Radius};
+use re_sdk_types::datatypes::Quaternion;
+use re_sdk_types::datatypes::Rgba32;
 use rerun::external::arrow::array::{ArrayRef, FixedSizeListArray, Float32Array, UInt16Array};
 use rerun::external::arrow::datatypes::{DataType, Field};
-use rerun::{
-    Boxes3D, Component as _, ComponentDescriptor, ComponentIdentifier, Ellipsoids3D, FillMode, LineStrips3D,
-    Points2D, Points3D, Quaternion, Radius, SerializedComponentBatch,
-};
+use rerun::{Component as _, ComponentDescriptor, ComponentIdentifier, SerializedComponentBatch};
 
 /// Cells are drawn at least this high, so that a flat one can be seen.
 const MIN_CELL_HEIGHT_M: f32 = 0.04;

@@ -1,7 +1,7 @@
 //! What the class ids of a recording mean.
 
 use detector::stage_product::{LinkFate, SurfaceClass};
-use rerun::datatypes::{ClassDescription, Rgba32};
+use re_sdk_types::datatypes::{ClassDescription, Rgba32};
 
 use super::palette::{self, Rgb};
 

@@ -1,6 +1,8 @@
 //! Logs what was missed or is false, and why, in words.
 
-use rerun::{RecordingStream, TextLog, TextLogLevel};
+use re_sdk_types::archetypes::TextLog;
+use re_sdk_types::components::TextLogLevel;
+use rerun::RecordingStream;
 
 use super::error::StreamError;
 use super::{entity_paths, legend, palette, recording};

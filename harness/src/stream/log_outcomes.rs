@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use detector::{Detection, Detections, OrientedBox};
-use rerun::{EntityPath, Radius, RecordingStream};
+use re_sdk_types::components::Radius;
+use rerun::{EntityPath, RecordingStream};
 
 use super::error::StreamError;
 use super::legend::OutcomeLayer;

@@ -1,7 +1,10 @@
 //! Logs where the sensor is in the world.
 
 use nalgebra::Isometry3;
-use rerun::{Clear, LineStrips3D, Quaternion, Radius, RecordingStream, Transform3D};
+use re_sdk_types::archetypes::{Clear, LineStrips3D, Transform3D};
+use re_sdk_types::components::Radius;
+use re_sdk_types::datatypes::Quaternion;
+use rerun::RecordingStream;
 
 use super::error::StreamError;
 use super::{entity_paths, legend, palette, recording};

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use detector::stage_product::{LinkFate, ProductCell, ProductLink, Shape, StageProduct, SurfaceClass};
-use rerun::{EntityPath, LineStrips3D, Radius, RecordingStream, SerializedComponentBatch};
+use re_sdk_types::archetypes::LineStrips3D;
+use re_sdk_types::components::Radius;
+use rerun::{EntityPath, RecordingStream, SerializedComponentBatch};
 
 use super::archetypes::Column;
 use super::drawn_points::DrawnPoints;

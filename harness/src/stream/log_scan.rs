@@ -1,7 +1,9 @@
 //! Logs what every detector is given: the points and the labelled objects.
 
 use detector::{OrientedBox, PointCloud};
-use rerun::{Arrows3D, Radius, RecordingStream};
+use re_sdk_types::archetypes::Arrows3D;
+use re_sdk_types::components::Radius;
+use rerun::RecordingStream;
 
 use super::drawn_points::DrawnPoints;
 use super::error::StreamError;

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use detector::{DetectedClass, Detection, Detections};
-use rerun::{EntityPath, Radius, RecordingStream};
+use re_sdk_types::components::Radius;
+use rerun::{EntityPath, RecordingStream};
 
 use super::error::StreamError;
 use super::{archetypes, entity_paths, legend, palette, recording};

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use detector::detector::StageTime;
-use rerun::{RecordingStream, Scalars, SeriesLines};
+use re_sdk_types::archetypes::{Scalars, SeriesLines};
+use rerun::RecordingStream;
 
 use super::error::StreamError;
 use super::palette::Rgb;

@@ -1,6 +1,8 @@
 //! Logs what holds for the whole recording.
 
-use rerun::{AnnotationContext, Arrows3D, LineStrips3D, Points2D, Radius, RecordingStream, ViewCoordinates};
+use re_sdk_types::archetypes::{AnnotationContext, Arrows3D, LineStrips3D, Points2D, ViewCoordinates};
+use re_sdk_types::components::Radius;
+use rerun::RecordingStream;
 
 use super::error::StreamError;
 use super::legend::LegendDot;

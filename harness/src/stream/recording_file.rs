@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use rerun::external::re_build_info::CrateVersion;
 use rerun::external::re_log_encoding::{EncodeError, Encoder, EncodingOptions};
 use rerun::external::re_log_types::LogMsg;
 use rerun::sink::{LogSink, SinkFlushError};
@@ -39,7 +38,7 @@ impl RecordingFile {
         let file =
             File::create(path).map_err(|source| StreamError::Create { path: path.to_owned(), source })?;
         let options = EncodingOptions::PROTOBUF_COMPRESSED;
-        let mut encoder = Encoder::new_eager(CrateVersion::LOCAL, options, BufWriter::new(file))
+        let mut encoder = Encoder::new_eager(rerun::build_info().version, options, BufWriter::new(file))
             .map_err(|error| write_error(path, &error))?;
         // The header sits in the buffer until now; a full disk shows here and not after the first scans.
         encoder.flush_blocking().map_err(|error| write_error(path, &error))?;

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use re_sdk_types::archetypes::Clear;
 use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
-use rerun::{Clear, EntityPath, RecordingStream, RecordingStreamBuilder};
+use rerun::{EntityPath, RecordingStream, RecordingStreamBuilder};
 
 use super::blueprint::{RecordingLayout, send_blueprint};
 use super::drawn_points::DrawnPoints;

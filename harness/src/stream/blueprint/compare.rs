@@ -1,16 +1,14 @@
 //! Detectors side by side: where each is right and wrong, and why.
 
+use re_sdk_types::blueprint::archetypes::{PlotLegend, ScalarAxis, TextLogColumns, VisualBounds2D};
+use re_sdk_types::blueprint::components::{Corner2D, TextLogColumn};
+use re_sdk_types::blueprint::datatypes;
+use re_sdk_types::blueprint::datatypes::TextLogColumnKind;
+use re_sdk_types::datatypes::{Range1D, Range2D};
 use rerun::EntityPath;
 use rerun::blueprint::{
     ContainerLike, Horizontal, Spatial2DView, Tabs, TextLogView, TimeSeriesView, Vertical,
 };
-use rerun::datatypes::{Range1D, Range2D};
-use rerun::external::re_sdk_types::blueprint::archetypes::{
-    PlotLegend, ScalarAxis, TextLogColumns, VisualBounds2D,
-};
-use rerun::external::re_sdk_types::blueprint::components::{Corner2D, TextLogColumn};
-use rerun::external::re_sdk_types::blueprint::datatypes;
-use rerun::external::re_sdk_types::blueprint::datatypes::TextLogColumnKind;
 
 use super::RecordingLayout;
 use super::scene::{Eye, Property, Scene, ScenePoints, add, hide, plain_background};

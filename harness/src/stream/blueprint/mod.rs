@@ -1,8 +1,8 @@
 //! How a recording opens: tabs for three tasks, of which one is in front.
 
+use re_sdk_types::blueprint::components::{PanelState, PlayState};
 use rerun::blueprint::{Blueprint, BlueprintActivation, BlueprintPanel, SelectionPanel, Tabs, TimePanel};
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
-use rerun::external::re_sdk_types::blueprint::components::{PanelState, PlayState};
 use rerun::{RecordingStream, RecordingStreamBuilder};
 
 use self::compare::compare;

@@ -1,13 +1,12 @@
 //! Views of the scene in three dimensions, and properties of views.
 
+use re_sdk_types::Visualizer;
+use re_sdk_types::archetypes::Points3D;
+use re_sdk_types::blueprint::archetypes::{Background, EntityBehavior, EyeControls3D, LineGrid3D};
+use re_sdk_types::blueprint::components::{BackgroundKind, VisualizerComponentMapping};
+use re_sdk_types::blueprint::datatypes;
 use rerun::blueprint::{ContainerLike, Spatial3DView};
-use rerun::external::re_sdk_types::Visualizer;
-use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, EntityBehavior, EyeControls3D, LineGrid3D,
-};
-use rerun::external::re_sdk_types::blueprint::components::{BackgroundKind, VisualizerComponentMapping};
-use rerun::external::re_sdk_types::blueprint::datatypes;
-use rerun::{AsComponents, ComponentIdentifier, EntityPath, Points3D};
+use rerun::{AsComponents, ComponentIdentifier, EntityPath};
 
 use crate::stream::{entity_paths, legend, palette};
 

@@ -141,7 +141,7 @@ fn fewer_points_are_drawn_than_there_are_if_so_asked() {
         let logged = chunks.iter().find_map(|chunk| chunk.components().get_array(component)).unwrap();
         logged.value(0).len()
     };
-    assert_eq!(n_rows(rerun::Points3D::descriptor_positions().component), 2);
+    assert_eq!(n_rows(re_sdk_types::archetypes::Points3D::descriptor_positions().component), 2);
     assert_eq!(n_rows(entity_paths::label_column("grid", &products()[2])), 2);
     let title = chunks.iter().find(|it| it.entity_path() == &entity_paths::LEGEND_SCAN.into()).unwrap();
     assert!(format!("{title}").contains("2 of 6 points drawn"), "{title}");
