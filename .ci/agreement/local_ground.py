@@ -1,6 +1,6 @@
 """How high objects reach above the ground around them.
 
-Written from the documentation of `harness/src/matching/height_above_ground.rs`.
+Written from the documentation of `harness/evaluation/src/matching/height_above_ground.rs`.
 """
 
 import math

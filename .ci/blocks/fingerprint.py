@@ -17,28 +17,28 @@ GROUPS = {
     "detector": (["detector/src/", "baselines/src/"], []),
     "models": (["detector/src/", "baselines/src/"], []),
     "simulator": (
-        ["harness/src/simulator/", "harness/src/dataset/simulated_street.rs", "datasets.toml"],
+        ["harness/simulator/src/", "datasets.toml"],
         [],
     ),
     "judging": (
         [
-            "harness/src/annotation.rs",
-            "harness/src/task.rs",
-            "harness/src/object_box.rs",
-            "harness/src/matching",
-            "harness/src/metrics",
-            "harness/src/run",
-            "harness/src/sweep",
+            "harness/scans/src/annotation.rs",
+            "harness/scans/src/task.rs",
+            "harness/evaluation/src/object_box.rs",
+            "harness/evaluation/src/matching",
+            "harness/evaluation/src/metrics",
+            "harness/evaluation/src/run",
+            "harness/evaluation/src/sweep",
             "reports/src/",
         ],
         ["reports/src/plot", "reports/src/html", "reports/src/gate", "reports/src/palette.rs"],
     ),
-    "realism": (["harness/src/realism", "reports/src/curve_pair.rs"], []),
-    "training": (["harness/src/training", "harness/src/commands/train"], []),
-    "readers": (["harness/src/dataset/"], ["harness/src/dataset/simulated_street.rs"]),
+    "realism": (["harness/evaluation/src/realism", "reports/src/curve_pair.rs"], []),
+    "training": (["harness/evaluation/src/training", "harness/scanbench/src/commands/train"], []),
+    "readers": (["harness/scans/src/dataset/"], []),
     "plots": (["reports/src/plot", "reports/src/palette.rs"], []),
     "page": (["reports/src/html", "reports/src/plot", "reports/src/palette.rs"], []),
-    "recording": (["harness/src/stream", "reports/src/palette.rs"], []),
+    "recording": (["harness/viewer/src", "reports/src/palette.rs"], []),
 }
 
 # Parameters that people choose; what else is no program below detector/ and baselines/ was trained or fitted.
@@ -127,10 +127,10 @@ def fingerprint(root: Path, group: str) -> str:
 
 
 def scoring_version(root: Path) -> str:
-    for path in sorted((root / "harness/src").rglob("*.rs")):
+    for path in sorted((root / "harness").rglob("*.rs")):
         if found := re.search(r"\bconst SCORING_VERSION: u32 = (\d+);", path.read_text()):
             return found[1]
-    raise ValueError("SCORING_VERSION is nowhere below harness/src")
+    raise ValueError("SCORING_VERSION is nowhere below harness")
 
 
 def made_of(root: Path, commands: list[str], shows: list[str]) -> dict[str, str]:

@@ -59,11 +59,11 @@ def checkout(test):
         "detector/src/params/model.toml": "x = 1\n",
         "detector/src/params/paper.toml": "cell_size_m = 0.6\n",
         "datasets.toml": "seed = 1\n",
-        "harness/src/metrics/counts.rs": "pub const SCORING_VERSION: u32 = 7;\n",
-        "harness/src/realism/survey.rs": "fn survey() {}\n",
-        "harness/src/training/select.rs": "fn select() {}\n",
-        "harness/src/dataset/kitti.rs": "fn kitti() {}\n",
-        "harness/src/stream/log.rs": "fn log() {}\n",
+        "harness/evaluation/src/metrics/counts.rs": "pub const SCORING_VERSION: u32 = 7;\n",
+        "harness/evaluation/src/realism/survey.rs": "fn survey() {}\n",
+        "harness/evaluation/src/training/select.rs": "fn select() {}\n",
+        "harness/scans/src/dataset/kitti.rs": "fn kitti() {}\n",
+        "harness/viewer/src/log.rs": "fn log() {}\n",
         "reports/src/plot/gap_plot.rs": "fn plot() {}\n",
         "reports/src/html/page.rs": "fn page() {}\n",
         "docs/page.md": PAGE,
@@ -155,11 +155,11 @@ class Staleness(unittest.TestCase):
         root = checkout(self)
         block = self.made(root)
         self.assertEqual(docs.why_stale(root, block), [])
-        changed(root, "harness/src/stream/log.rs", "fn other() {}\n")
+        changed(root, "harness/viewer/src/log.rs", "fn other() {}\n")
         self.assertEqual(docs.why_stale(root, block), [])
         changed(root, "detector/src/cells.rs", "fn other() {}\n")
         self.assertEqual(docs.why_stale(root, block), ["detector"])
-        changed(root, "harness/src/metrics/counts.rs", "pub const SCORING_VERSION: u32 = 8;\n")
+        changed(root, "harness/evaluation/src/metrics/counts.rs", "pub const SCORING_VERSION: u32 = 8;\n")
         self.assertEqual(docs.why_stale(root, block), ["scoring 7 → 8", "detector", "judging"])
         block.body = "| 2 |"
         self.assertIn("edited by hand", docs.why_stale(root, block))

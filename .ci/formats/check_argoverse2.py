@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy
 from pyarrow import feather
 
-SAMPLES = Path(__file__).parents[2] / "harness/tests/data/argoverse2"
+SAMPLES = Path(__file__).parents[2] / "harness/scans/tests/data/argoverse2"
 
 
 def check_read(scanbench, scratch: Path):

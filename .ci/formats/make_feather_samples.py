@@ -1,6 +1,6 @@
-"""Makes the small log in harness/tests/data/argoverse2, of drawn points, with pyarrow.
+"""Makes the small log in harness/scans/tests/data/argoverse2, of drawn points, with pyarrow.
 
-    python .ci/formats/make_feather_samples.py harness/tests/data/argoverse2
+    python .ci/formats/make_feather_samples.py harness/scans/tests/data/argoverse2
 """
 
 import sys

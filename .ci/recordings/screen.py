@@ -20,7 +20,7 @@ from rerun.experimental import RrdReader, ViewerClient
 PATIENCE_S = float(os.environ.get("SCREEN_PATIENCE_S", "60"))
 SIZE = "1600x900"
 
-# harness/src/stream/palette.rs
+# harness/viewer/src/palette.rs
 MATCHED, MISSED, FALSE = (0, 158, 115), (240, 228, 66), (213, 94, 0)
 OUTCOMES = {"matched": MATCHED, "missed": MISSED, "false": FALSE}
 TABS = 1

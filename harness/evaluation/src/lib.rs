@@ -1,0 +1,14 @@
+//! Detectors over labelled scans, from what they find to what became of every object: matching, metrics, runs, sweeps,
+//! training.
+//!
+//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+
+pub mod matching;
+pub mod metrics;
+pub mod object_box;
+pub mod realism;
+pub mod density_survey;
+pub mod training;
+pub mod run;
+pub mod results_recording;
+pub mod sweep;

@@ -1,0 +1,172 @@
+//! What counts, and what is neither right nor wrong.
+
+use detector::DetectedClass;
+use scans::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, range_m};
+use scans::task::Task;
+
+use crate::matching::criterion::Criterion;
+use crate::matching::height_above_ground::heights_above_ground_m;
+use crate::matching::outcome::{AnnotationOutcome, IgnoredAnnotation};
+
+/// In the task *objects* what reaches higher above the ground is tall, unless it is a vehicle, in metres.
+///
+/// Paper: HG, whose objects are short street objects, as vehicles, pedestrians and mail boxes; signs, walls and lamp posts are
+/// tall, from 3.10 m on (section 3.1).
+pub const TALL_ABOVE_GROUND_M: f64 = 3.10;
+
+/// Which annotations are too poor to be judged. The same for every detector.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EligibilityParams {
+    /// Annotations with fewer points are ignored.
+    pub min_points: usize,
+    /// Annotations and points beyond this distance on the ground plan are ignored, in metres.
+    pub max_range_m: f64,
+    /// Annotations that reach higher above the ground are ignored in the task *objects*, in metres: see [`may_be_tall`].
+    pub tall_above_ground_m: f64,
+}
+
+impl EligibilityParams {
+    /// 20 points, 80 m and 3.10 m.
+    pub const STANDARD: Self =
+        Self { min_points: 20, max_range_m: 80.0, tall_above_ground_m: TALL_ABOVE_GROUND_M };
+}
+
+/// What `task` makes of a class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Role {
+    /// To be found.
+    Target,
+    /// Neither right nor wrong.
+    Ambiguous,
+    /// Not to be found.
+    Background,
+}
+
+fn role(task: Task, class: AnnotationClass) -> Role {
+    use AnnotationClass as Class;
+    match (task, class) {
+        (Task::Objects, _) | (Task::Vehicles, Class::Car | Class::Van | Class::Truck | Class::Bus) => {
+            Role::Target
+        }
+        (Task::Vehicles, Class::Tram | Class::Trailer | Class::Misc) => Role::Ambiguous,
+        (Task::Vehicles, _) => Role::Background,
+    }
+}
+
+/// Whether an annotation of this class is to be found in the task *vehicles*.
+pub fn counts_as_vehicle(class: AnnotationClass) -> bool {
+    role(Task::Vehicles, class) == Role::Target
+}
+
+/// Whether it cannot be said of this class if it is to be found in the task *vehicles*.
+pub fn may_be_vehicle(class: AnnotationClass) -> bool {
+    role(Task::Vehicles, class) == Role::Ambiguous
+}
+
+/// Whether an annotation of this class may be too tall for the task *objects*: vehicles, trams, trailers, people and cycles
+/// count whatever their height.
+pub fn may_be_tall(class: AnnotationClass) -> bool {
+    use AnnotationClass as Class;
+    match class {
+        Class::Pole | Class::Tree | Class::Hedge | Class::Fence | Class::StreetFurniture | Class::Misc => {
+            true
+        }
+        Class::Car
+        | Class::Van
+        | Class::Truck
+        | Class::Bus
+        | Class::Tram
+        | Class::Trailer
+        | Class::Pedestrian
+        | Class::SittingPerson
+        | Class::Cyclist
+        | Class::ParkedCycle => false,
+    }
+}
+
+/// Whether `task` asks for detections of this class.
+pub fn asks_for(task: Task, class: DetectedClass) -> bool {
+    match task {
+        Task::Objects => true,
+        Task::Vehicles => class == DetectedClass::Vehicle,
+    }
+}
+
+/// For every annotation of `scan` why it takes no part in the matching; `None` if it does.
+///
+/// Of several reasons the first counts: too few points, beyond the range, unscorable, without a box where `criterion` needs
+/// one, tall. So what is tall would count but for its height. A labelled object counts wherever its points lie, also outside
+/// the labelled region.
+pub fn exclusions(
+    scan: &LabeledScan,
+    task: Task,
+    criterion: Criterion,
+    params: &EligibilityParams,
+) -> Vec<Option<AnnotationOutcome>> {
+    let mut exclusions: Vec<Option<AnnotationOutcome>> = scan
+        .annotations
+        .iter()
+        .map(|it| exclusion(scan, it, task, params).or_else(|| without_box(it, criterion)))
+        .collect();
+    if task == Task::Objects {
+        let may_be_tall = |&annotation_idx: &usize| {
+            exclusions[annotation_idx].is_none() && may_be_tall(scan.annotations[annotation_idx].class)
+        };
+        let asked: Vec<usize> = (0..exclusions.len()).filter(may_be_tall).collect();
+        for (annotation_idx, height_m) in asked.iter().zip(heights_above_ground_m(scan, &asked)) {
+            if height_m.is_some_and(|it| it > params.tall_above_ground_m) {
+                exclusions[*annotation_idx] = Some(AnnotationOutcome::Ignored(IgnoredAnnotation::Tall));
+            }
+        }
+    }
+    exclusions
+}
+
+fn exclusion(
+    scan: &LabeledScan,
+    annotation: &Annotation,
+    task: Task,
+    params: &EligibilityParams,
+) -> Option<AnnotationOutcome> {
+    let ignored = |reason| Some(AnnotationOutcome::Ignored(reason));
+    match role(task, annotation.class) {
+        Role::Background => return Some(AnnotationOutcome::NotAsked),
+        Role::Ambiguous => return ignored(IgnoredAnnotation::AmbiguousClass),
+        Role::Target => {}
+    }
+    let n_points = annotation.point_indices.len();
+    if n_points < params.min_points || n_points == 0 {
+        return ignored(IgnoredAnnotation::TooFewPoints);
+    }
+    if annotation.center_m(&scan.cloud).is_some_and(|it| range_m(it) > params.max_range_m) {
+        return ignored(IgnoredAnnotation::BeyondRange);
+    }
+    if 2 * n_points_in(scan, annotation, PointRegion::Unscorable) >= n_points {
+        return ignored(IgnoredAnnotation::Unscorable);
+    }
+    None
+}
+
+fn without_box(annotation: &Annotation, criterion: Criterion) -> Option<AnnotationOutcome> {
+    let is_unboxed = criterion.needs_boxes() && annotation.bounding_box.is_none();
+    is_unboxed.then_some(AnnotationOutcome::Ignored(IgnoredAnnotation::NoBox))
+}
+
+/// How many points of `annotation` lie in such a region.
+pub fn n_points_in(scan: &LabeledScan, annotation: &Annotation, region: PointRegion) -> usize {
+    let is_there = |point_idx: &&u32| scan.point_regions[**point_idx as usize] == region;
+    annotation.point_indices.iter().filter(is_there).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vehicles_people_and_cycles_are_never_tall() {
+        use AnnotationClass::{Fence, Hedge, Misc, Pole, StreetFurniture, Tree};
+        let tall: Vec<_> = AnnotationClass::ALL.into_iter().filter(|it| may_be_tall(*it)).collect();
+        assert_eq!(tall, [Pole, Tree, Hedge, Fence, StreetFurniture, Misc]);
+        assert!(!tall.iter().any(|it| counts_as_vehicle(*it)));
+    }
+}

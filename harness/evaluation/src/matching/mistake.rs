@@ -1,0 +1,467 @@
+//! Every mistake in words: what was missed or is false, and why.
+
+use std::collections::BTreeMap;
+
+use detector::stage_product::{Shape, SurfaceClass};
+use detector::{Detections, StageProduct};
+use scans::annotation::{LabeledScan, range_m};
+
+use crate::matching::box_overlap::{bev_iou, iou_3d};
+use crate::matching::criterion::Criterion;
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason};
+use crate::matching::point_overlap::PointOverlap;
+
+/// A mistake, in a sentence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mistake {
+    /// Which kind.
+    pub kind: MistakeKind,
+    /// Points of the annotation or the detection.
+    pub n_points: usize,
+    /// Which object, and why.
+    pub text: String,
+}
+
+/// The two kinds of mistakes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MistakeKind {
+    /// An annotation that nothing found.
+    Missed,
+    /// A detection of nothing.
+    False,
+}
+
+/// What tells why a detector is wrong on a scan.
+pub struct Evidence<'a> {
+    scan: &'a LabeledScan,
+    detections: &'a Detections,
+    criterion: Criterion,
+    overlap: PointOverlap,
+    is_detected: Vec<bool>,
+    surfaces: Option<&'a [SurfaceClass]>,
+    // For every point the size of its cluster, 0 for points of none.
+    cluster_size: Vec<u32>,
+}
+
+/// No more other objects than this are named.
+const MAX_NAMED: usize = 3;
+
+impl<'a> Evidence<'a> {
+    /// Gathers it from `detections` in `scan` and from what the detector's stages left behind.
+    pub fn gather(
+        scan: &'a LabeledScan,
+        detections: &'a Detections,
+        products: &'a [StageProduct],
+        criterion: Criterion,
+    ) -> Self {
+        let mut is_detected = vec![false; scan.cloud.len()];
+        for detection in detections.iter() {
+            for &point_idx in detection.point_indices {
+                is_detected[point_idx as usize] = true;
+            }
+        }
+        let mut surfaces = None;
+        let mut cluster_size = vec![0; scan.cloud.len()];
+        for product in products {
+            match &product.shape {
+                Shape::LabeledPoints(classes) => surfaces = Some(&classes[..]),
+                Shape::Clusters(cluster_of_point) => add_sizes(cluster_of_point, &mut cluster_size),
+                _ => {}
+            }
+        }
+        let overlap = PointOverlap::count(scan, detections);
+        Self { scan, detections, criterion, overlap, is_detected, surfaces, cluster_size }
+    }
+
+    /// The mistakes of `assignment`: what was missed, then what is false, most points first.
+    pub fn mistakes(&self, assignment: &Assignment) -> Vec<Mistake> {
+        let missed = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
+            let AnnotationOutcome::Missed(reason) = outcome else { return None };
+            let n_points = self.n_annotation_points(annotation_idx);
+            let why = self.why_missed(assignment, annotation_idx, *reason);
+            let (name, range) = (self.name(annotation_idx), self.range(annotation_idx));
+            let text = format!("{name}: {why} ({n_points} points, {range})");
+            Some(Mistake { kind: MistakeKind::Missed, n_points, text })
+        });
+        let false_ones = assignment.detections.iter().enumerate().filter_map(|(detection_idx, outcome)| {
+            let DetectionOutcome::False(reason) = outcome else { return None };
+            let detection = self.detections.get(detection_idx);
+            let n_points = detection.point_indices.len();
+            let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
+            let why = self.why_false(detection_idx, *reason);
+            let class = detection.class.name();
+            let range_m = detection.bounding_box.range_m();
+            let text = format!(
+                "detection {detection_idx}: {why} ({class}{score}, {n_points} points, {range_m:.0} m)"
+            );
+            Some(Mistake { kind: MistakeKind::False, n_points, text })
+        });
+        let mut mistakes: Vec<Mistake> = missed.chain(false_ones).collect();
+        mistakes.sort_by_key(|it| (it.kind, std::cmp::Reverse(it.n_points)));
+        mistakes
+    }
+
+    fn why_missed(&self, assignment: &Assignment, annotation_idx: usize, reason: MissReason) -> String {
+        let parts = self.overlap.of_annotation(annotation_idx);
+        let Some(&(detection_idx, n_shared)) = parts.iter().max_by_key(|(_, n_shared)| *n_shared) else {
+            return match reason {
+                MissReason::NothingThere => format!("in no detection: {}", self.losses(annotation_idx)),
+                // By boxes or centres, which need no common point.
+                _ => format!("{}, by a detection without a point of it", reason.name()),
+            };
+        };
+        let agreement = self.agreement(annotation_idx, detection_idx);
+        match reason {
+            MissReason::WrongClass => {
+                let detection = self.detections.get(detection_idx);
+                let score = detection.score.map_or("by its size".to_owned(), |it| format!("score {it:.2}"));
+                format!("detection {detection_idx} is taken for background, {score}")
+            }
+            MissReason::MergedWithOthers => {
+                let others = self.others(detection_idx, annotation_idx);
+                format!("merged with {others} in detection {detection_idx}; {agreement}")
+            }
+            MissReason::Split => {
+                let mut sizes: Vec<usize> = parts.iter().map(|(_, n_shared)| *n_shared).collect();
+                sizes.sort_unstable_by(|a, b| b.cmp(a));
+                let sizes: Vec<String> = sizes.iter().take(MAX_NAMED).map(usize::to_string).collect();
+                let etc = if parts.len() > MAX_NAMED { ", …" } else { "" };
+                format!("split into {} of {}{etc} points; best {agreement}", parts.len(), sizes.join(", "))
+            }
+            MissReason::NothingThere | MissReason::PartlyFound => {
+                let losses = self.losses(annotation_idx);
+                format!("detection {detection_idx} has {n_shared} points of it; {agreement}; {losses}")
+            }
+            MissReason::TakenByAnother => {
+                let of_annotation = |it: &usize| match assignment.annotations[*it] {
+                    AnnotationOutcome::Matched { detection_idx, .. } => {
+                        parts.iter().any(|part| part.0 == detection_idx)
+                    }
+                    _ => false,
+                };
+                let takers: Vec<String> = (0..assignment.annotations.len())
+                    .filter(of_annotation)
+                    .map(|annotation_idx| self.name(annotation_idx))
+                    .collect();
+                format!("detection {detection_idx} is needed for {}", listed(&takers))
+            }
+        }
+    }
+
+    fn why_false(&self, detection_idx: usize, reason: FalseReason) -> String {
+        let mut shared: Vec<(usize, usize)> = self.overlap.of_detection(detection_idx).to_vec();
+        shared.sort_by_key(|&(_, n_shared)| std::cmp::Reverse(n_shared));
+        let Some(&(annotation_idx, n_shared)) = shared.first() else {
+            return "nothing is annotated there".to_owned();
+        };
+        let name = self.name(annotation_idx);
+        let n_annotation = self.n_annotation_points(annotation_idx);
+        let agreement = self.agreement(annotation_idx, detection_idx);
+        match reason {
+            FalseReason::NothingThere => {
+                format!("only {n_shared} points are annotated, of {name}; {agreement}")
+            }
+            FalseReason::WrongClass => format!("it is {name}, which is none"),
+            FalseReason::Fragment => {
+                format!("a part of {name}, {n_shared} of {n_annotation} points; {agreement}")
+            }
+            FalseReason::JoinsSeveral => {
+                let names: Vec<String> = shared.iter().map(|it| self.name(it.0)).collect();
+                format!("joins {}; best {agreement}", listed(&names))
+            }
+            FalseReason::TooLarge => {
+                let n_points = self.detections.get(detection_idx).point_indices.len();
+                format!("holds {name} and {} other points; {agreement}", n_points - n_shared)
+            }
+        }
+    }
+
+    /// Where the points of an annotation that are in no detection were lost.
+    fn losses(&self, annotation_idx: usize) -> String {
+        let mut n_lost: BTreeMap<&'static str, usize> = BTreeMap::new();
+        let mut largest = 0;
+        for &point_idx in &self.scan.annotations[annotation_idx].point_indices {
+            let point_idx = point_idx as usize;
+            if self.is_detected[point_idx] {
+                continue;
+            }
+            let surface = self.surfaces.map_or(SurfaceClass::Short, |it| it[point_idx]);
+            let size = self.cluster_size[point_idx];
+            let place = match surface {
+                _ if size > 0 => "in clusters of the wrong size",
+                SurfaceClass::Unseen => "outside of the grid",
+                SurfaceClass::Clutter => "clutter, too sparse",
+                SurfaceClass::Ground => "taken for ground",
+                SurfaceClass::Tall => "taken for tall",
+                SurfaceClass::Short => "in no object",
+            };
+            largest = largest.max(size);
+            *n_lost.entry(place).or_default() += 1;
+        }
+        let mut places: Vec<(&str, usize)> = n_lost.into_iter().collect();
+        places.sort_by_key(|&(_, n_points)| std::cmp::Reverse(n_points));
+        let mut said: Vec<String> =
+            places.iter().map(|(place, n_points)| format!("{n_points} {place}")).collect();
+        if largest > 0 {
+            said.push(format!("largest such cluster {largest}"));
+        }
+        said.join(", ")
+    }
+
+    /// The other annotations of a detection, or how much else it holds.
+    fn others(&self, detection_idx: usize, annotation_idx: usize) -> String {
+        let mut others: Vec<(usize, usize)> = self
+            .overlap
+            .of_detection(detection_idx)
+            .iter()
+            .copied()
+            .filter(|it| it.0 != annotation_idx)
+            .collect();
+        others.sort_by_key(|&(_, n_shared)| std::cmp::Reverse(n_shared));
+        if others.is_empty() {
+            let own = self.overlap.of_annotation(annotation_idx).iter();
+            let n_own: usize = own.filter(|it| it.0 == detection_idx).map(|it| it.1).sum();
+            let n_points = self.detections.get(detection_idx).point_indices.len();
+            return format!("{} points of nothing annotated", n_points - n_own);
+        }
+        listed(&others.iter().map(|it| self.name(it.0)).collect::<Vec<_>>())
+    }
+
+    /// By what the pair agrees, against the gate.
+    fn agreement(&self, annotation_idx: usize, detection_idx: usize) -> String {
+        let annotation = &self.scan.annotations[annotation_idx];
+        let detection = self.detections.get(detection_idx);
+        let of_boxes = |iou: fn(&_, &_) -> f64| {
+            annotation.bounding_box.map_or(0.0, |labelled| iou(&labelled, &detection.bounding_box))
+        };
+        let (iou, min_iou) = match self.criterion {
+            Criterion::Points { min_iou } => {
+                let shared = self.overlap.of_annotation(annotation_idx).iter();
+                let n_shared: usize = shared.filter(|it| it.0 == detection_idx).map(|it| it.1).sum();
+                let n_union = annotation.point_indices.len() + detection.point_indices.len() - n_shared;
+                (n_shared as f64 / n_union as f64, min_iou)
+            }
+            Criterion::BevIou { min_iou } => (of_boxes(bev_iou), min_iou),
+            Criterion::Iou3d { min_iou } => (of_boxes(iou_3d), min_iou),
+            Criterion::Centre { max_distance_m } => {
+                let found_m = detection.bounding_box.center_m;
+                let distance_m = annotation.center_m(&self.scan.cloud).map_or(f64::INFINITY, |at_m| {
+                    let apart_m = |axis: usize| f64::from(found_m[axis]) - f64::from(at_m[axis]);
+                    apart_m(0).hypot(apart_m(1))
+                });
+                return format!("centres {distance_m:.1} m apart, less than {max_distance_m:.1} m needed");
+            }
+        };
+        if iou < min_iou {
+            format!("IoU {iou:.2} < {min_iou:.2}")
+        } else {
+            format!("IoU {iou:.2}, but another fits better")
+        }
+    }
+
+    fn name(&self, annotation_idx: usize) -> String {
+        self.scan.annotations[annotation_idx].label()
+    }
+
+    fn range(&self, annotation_idx: usize) -> String {
+        let at_m = self.scan.annotations[annotation_idx].center_m(&self.scan.cloud);
+        at_m.map_or("nowhere".to_owned(), |it| format!("{:.0} m", range_m(it)))
+    }
+
+    fn n_annotation_points(&self, annotation_idx: usize) -> usize {
+        self.scan.annotations[annotation_idx].point_indices.len()
+    }
+}
+
+/// Writes the size of each point's cluster, where there is one.
+fn add_sizes(cluster_of_point: &[Option<u32>], cluster_size: &mut [u32]) {
+    let n_clusters = cluster_of_point.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+    let mut sizes = vec![0; n_clusters];
+    for cluster in cluster_of_point.iter().flatten() {
+        sizes[*cluster as usize] += 1;
+    }
+    for (cluster, size) in cluster_of_point.iter().zip(cluster_size) {
+        if let Some(cluster) = cluster {
+            *size = sizes[*cluster as usize];
+        }
+    }
+}
+
+/// The first few of `names`, and how many more there are.
+fn listed(names: &[String]) -> String {
+    let first = names.iter().take(MAX_NAMED).cloned().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MAX_NAMED) {
+        0 => first,
+        n_more => format!("{first} and {n_more} more"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::Range;
+
+    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+
+    use super::*;
+    use crate::matching::assign::{MatchingParams, assign};
+    use crate::matching::eligibility::EligibilityParams;
+    use scans::annotation::AnnotationClass::{self, Car, Pedestrian};
+    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
+    use scans::dataset::AnnotatedClasses;
+    use scans::task::Task;
+
+    const N_POINTS: u32 = 200;
+
+    fn boxed(range: &Range<u32>) -> OrientedBox {
+        let center_m = [(range.start + range.end - 1) as f32 * 0.05, 0.0, 0.0];
+        OrientedBox { center_m, length_width_height_m: [1.0; 3], yaw_rad: 0.0 }
+    }
+
+    /// Points along x, 10 cm apart; annotations, detections, dropped clusters and surfaces are ranges of them.
+    #[track_caller]
+    fn check_by(
+        criterion: Criterion,
+        annotations: &[(AnnotationClass, Range<u32>)],
+        detections: &[(DetectedClass, Range<u32>)],
+        lost: &[(SurfaceClass, Range<u32>)],
+        expected: &[&str],
+    ) {
+        let annotation = |(number, (class, range)): (u32, &(AnnotationClass, Range<u32>))| Annotation {
+            class: *class,
+            bounding_box: Some(boxed(range)),
+            point_indices: range.clone().collect(),
+            track: Some(number),
+            occlusion: None,
+            truncation: None,
+        };
+        let scan = LabeledScan {
+            id: ScanId { sequence: "drawn".into(), index: 0 },
+            cloud: (0..N_POINTS).map(|step| [step as f32 * 0.1, 0.0, 0.0]).collect::<PointCloud>(),
+            annotations: (0..).zip(annotations).map(annotation).collect(),
+            point_regions: vec![PointRegion::Labeled; N_POINTS as usize],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        };
+        let mut all = Detections::default();
+        for (class, range) in detections {
+            let point_indices: Vec<u32> = range.clone().collect();
+            let (bounding_box, score) = (boxed(range), Some(-0.25));
+            all.push(Detection { point_indices: &point_indices, bounding_box, class: *class, score });
+        }
+        let mut surfaces = vec![SurfaceClass::Short; N_POINTS as usize];
+        let mut clusters = vec![None; N_POINTS as usize];
+        for (class, range) in lost {
+            let range = range.start as usize..range.end as usize;
+            surfaces[range.clone()].fill(*class);
+            if *class == SurfaceClass::Short {
+                clusters[range.clone()].fill(Some(range.start as u32));
+            }
+        }
+        let product = |name, shape| StageProduct { stage: "drawn", name, shape };
+        let products = [
+            product("points", Shape::LabeledPoints(surfaces)),
+            product("clusters", Shape::Clusters(clusters)),
+        ];
+        let params = MatchingParams { criterion, eligibility: EligibilityParams::STANDARD };
+        let annotated = AnnotatedClasses::EveryObject;
+        let assignment = assign(&scan, &all, Task::Vehicles, &annotated, &params);
+        let evidence = Evidence::gather(&scan, &all, &products, criterion);
+        let found: Vec<String> = evidence.mistakes(&assignment).into_iter().map(|it| it.text).collect();
+        assert_eq!(found, expected);
+    }
+
+    #[track_caller]
+    fn check(
+        annotations: &[(AnnotationClass, Range<u32>)],
+        detections: &[(DetectedClass, Range<u32>)],
+        lost: &[(SurfaceClass, Range<u32>)],
+        expected: &[&str],
+    ) {
+        check_by(Criterion::POINTS, annotations, detections, lost, expected);
+    }
+
+    use DetectedClass::{Object, Vehicle};
+
+    #[test]
+    fn where_points_were_lost_is_said() {
+        use SurfaceClass::{Clutter, Ground, Short, Tall, Unseen};
+        let lost = [(Ground, 0..20), (Tall, 20..32), (Short, 32..41), (Clutter, 41..45), (Unseen, 45..47)];
+        let expected = "car 0: in no detection: 20 taken for ground, \
+            12 taken for tall, 9 in clusters of the wrong size, 4 clutter, too sparse, 3 in no object, \
+            2 outside of the grid, largest such cluster 9 (50 points, 2 m)";
+        check(&[(Car, 0..50)], &[], &lost, &[expected]);
+        let partly = "car 0: detection 0 has 20 points of it; IoU 0.40 < 0.50; \
+            30 taken for ground (50 points, 2 m)";
+        let fragment = "detection 0: a part of car 0, 20 of 50 points; IoU 0.40 < 0.50 \
+            (vehicle -0.25, 20 points, 1 m)";
+        check(&[(Car, 0..50)], &[(Vehicle, 0..20)], &[(Ground, 20..50)], &[partly, fragment]);
+    }
+
+    #[test]
+    fn what_it_was_merged_with_is_named() {
+        check(
+            &[(Car, 0..40), (Car, 40..80)],
+            &[(Vehicle, 0..90)],
+            &[],
+            &[
+                "car 0: merged with car 1 in detection 0; IoU 0.44 < 0.50 (40 points, 2 m)",
+                "car 1: merged with car 0 in detection 0; IoU 0.44 < 0.50 (40 points, 6 m)",
+                "detection 0: joins car 0, car 1; best IoU 0.44 < 0.50 (vehicle -0.25, 90 points, 4 m)",
+            ],
+        );
+        check(
+            &[(Car, 0..40)],
+            &[(Vehicle, 0..90)],
+            &[],
+            &[
+                "car 0: merged with 50 points of nothing annotated in detection 0; \
+                    IoU 0.44 < 0.50 (40 points, 2 m)",
+                "detection 0: holds car 0 and 50 other points; IoU 0.44 < 0.50 \
+                    (vehicle -0.25, 90 points, 4 m)",
+            ],
+        );
+        check(
+            &[(Car, 0..40), (Car, 40..80)],
+            &[(Vehicle, 0..80)],
+            &[],
+            &["car 1: detection 0 is needed for car 0 (40 points, 6 m)"],
+        );
+    }
+
+    #[test]
+    fn splits_classes_and_empty_places_are_told() {
+        check(
+            &[(Car, 0..60)],
+            &[(Object, 0..25), (Object, 25..50)],
+            &[],
+            &["car 0: split into 2 of 25, 25 points; best IoU 0.42 < 0.50 (60 points, 3 m)"],
+        );
+        check(
+            &[(Car, 0..40), (Pedestrian, 50..90)],
+            &[(Object, 0..40), (Vehicle, 50..90), (Vehicle, 100..120)],
+            &[],
+            &[
+                "car 0: detection 0 is taken for background, score -0.25 (40 points, 2 m)",
+                "detection 1: it is pedestrian 1, which is none (vehicle -0.25, 40 points, 7 m)",
+                "detection 2: nothing is annotated there (vehicle -0.25, 20 points, 11 m)",
+            ],
+        );
+    }
+
+    #[test]
+    fn the_gate_is_that_of_the_criterion() {
+        let off = [(Vehicle, 25..60)];
+        check_by(
+            Criterion::CENTRE,
+            &[(Car, 0..40)],
+            &off,
+            &[],
+            &[
+                "car 0: detection 0 has 15 points of it; centres 2.3 m apart, less than 2.0 m needed; \
+                    25 in no object (40 points, 2 m)",
+                "detection 0: only 15 points are annotated, of car 0; \
+                    centres 2.3 m apart, less than 2.0 m needed (vehicle -0.25, 35 points, 4 m)",
+            ],
+        );
+    }
+}

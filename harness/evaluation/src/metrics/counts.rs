@@ -1,0 +1,129 @@
+//! What was found, missed and false, and the ratios of these.
+
+use scans::dataset::AnnotatedClasses;
+use scans::task::Task;
+use serde::{Deserialize, Serialize};
+
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
+
+/// Bumped whenever the same detections would score differently.
+pub const SCORING_VERSION: u32 = 2;
+
+/// Counts of one task over any number of scans. Sums first, ratios last: a ratio of sums, never a mean of ratios.
+///
+/// Paper: HG section 5 (NO, MO, FO).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Counts {
+    /// Annotations that count (NO).
+    pub n_annotations: u64,
+    /// Annotations that were found (TP).
+    pub n_matched: u64,
+    /// Detections that are false (FO), of those about which it can be known.
+    pub n_false: u64,
+    /// Detections of which it cannot be known whether they are false.
+    pub n_unknowable: u64,
+    /// Annotations that are neither found nor missed.
+    pub n_ignored_annotations: u64,
+    /// Detections that are neither right nor false.
+    pub n_ignored_detections: u64,
+}
+
+/// Whether every detection that matches nothing is known to be false.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FalseDetections {
+    /// Everything that a detection could rightly be is annotated.
+    Known,
+    /// There may be objects without annotations.
+    Unknowable,
+}
+
+impl FalseDetections {
+    /// What `annotated` tells about `task`.
+    pub fn of(annotated: &AnnotatedClasses, task: Task) -> Self {
+        if annotated.covers(task) { Self::Known } else { Self::Unknowable }
+    }
+}
+
+impl Counts {
+    /// Counts one scan.
+    pub fn of(assignment: &Assignment) -> Self {
+        let mut counts = Self::default();
+        for outcome in &assignment.annotations {
+            match outcome {
+                AnnotationOutcome::NotAsked => {}
+                AnnotationOutcome::Ignored(_) => counts.n_ignored_annotations += 1,
+                AnnotationOutcome::Matched { .. } => {
+                    counts.n_annotations += 1;
+                    counts.n_matched += 1;
+                }
+                AnnotationOutcome::Missed(_) => counts.n_annotations += 1,
+            }
+        }
+        for outcome in &assignment.detections {
+            match outcome {
+                DetectionOutcome::NotAsked | DetectionOutcome::Matched { .. } => {}
+                DetectionOutcome::Ignored(_) => counts.n_ignored_detections += 1,
+                DetectionOutcome::False(_) => counts.n_false += 1,
+                DetectionOutcome::Unknowable => counts.n_unknowable += 1,
+            }
+        }
+        counts
+    }
+
+    /// The counts that rates are made of; `false_detections` says whether the false ones are all known.
+    pub fn scored(&self, false_detections: FalseDetections) -> reports::counts::Counts {
+        let n_false = (false_detections == FalseDetections::Known).then_some(self.n_false);
+        reports::counts::Counts::new(self.n_annotations, self.n_matched, n_false)
+            .expect("a matched annotation is counted as one")
+    }
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.n_annotations += other.n_annotations;
+        self.n_matched += other.n_matched;
+        self.n_false += other.n_false;
+        self.n_unknowable += other.n_unknowable;
+        self.n_ignored_annotations += other.n_ignored_annotations;
+        self.n_ignored_detections += other.n_ignored_detections;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matching::outcome::{FalseReason, MissReason};
+
+    fn scan(n_matched: usize, n_missed: usize, n_false: usize) -> Counts {
+        let matched = |idx| AnnotationOutcome::Matched { detection_idx: idx, cost: 0.2 };
+        let missed = AnnotationOutcome::Missed(MissReason::NothingThere);
+        let right = |idx| DetectionOutcome::Matched { annotation_idx: idx, cost: 0.2 };
+        let wrong = DetectionOutcome::False(FalseReason::NothingThere);
+        Counts::of(&Assignment {
+            task: Task::Objects,
+            annotations: (0..n_matched).map(matched).chain((0..n_missed).map(|_| missed)).collect(),
+            detections: (0..n_matched).map(right).chain((0..n_false).map(|_| wrong)).collect(),
+            found_tall: Vec::new(),
+        })
+    }
+
+    #[test]
+    fn rates_are_of_sums_and_not_means_of_rates() {
+        let mut all = scan(3, 1, 1);
+        all += scan(0, 4, 0);
+        // TP 3, MO 5, FO 1: the mean of the two F-rates would be 0.375.
+        let scored = all.scored(FalseDetections::Known);
+        assert_eq!((scored.no(), scored.mo(), scored.fo()), (8, 5, Some(1)));
+        assert_eq!(
+            (scored.recall(), scored.precision(), scored.f_rate()),
+            (Some(0.375), Some(0.75), Some(0.5))
+        );
+    }
+
+    #[test]
+    fn unknowable_false_detections_are_not_zero() {
+        let scored = scan(3, 1, 0).scored(FalseDetections::Unknowable);
+        assert_eq!((scored.fo(), scored.f_rate(), scored.recall()), (None, None, Some(0.75)));
+    }
+}

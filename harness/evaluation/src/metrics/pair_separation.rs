@@ -1,0 +1,151 @@
+//! Whether two objects next to each other were told apart.
+
+use crate::matching::assign::{MatchingParams, assign};
+use crate::matching::outcome::AnnotationOutcome;
+use crate::matching::point_overlap::PointOverlap;
+use detector::Detections;
+use scans::annotation::LabeledScan;
+use scans::dataset::AnnotatedClasses;
+use scans::task::Task;
+
+/// What became of a pair of objects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PairOutcome {
+    /// One of the two has too few points to be judged, or none: hidden by the other, or too thin.
+    NotSeen,
+    /// Each has a detection of its own, matched as in any run, and no detection joins the two.
+    Separated,
+    /// A detection holds more than [`JOINING_SHARE`] of the points of each.
+    Joined,
+    /// Neither: at least one of them was lost or torn apart.
+    Lost,
+}
+
+/// A detection with more than this share of the points of both objects joins them.
+pub const JOINING_SHARE: f64 = 0.1;
+
+/// What *separated* means, for tables and pages.
+pub const SEPARATED: &str = "Separated: each of the two objects is matched with a detection of its own (points, IoU at \
+    least 0.5), and no detection holds more than a tenth of the points of each. Pairs of which an object has fewer than \
+    20 points are not judged.";
+
+/// Judges the pairs of `scan`, each given by the tracks of its two objects. Whether an object is judged at all and when
+/// it is matched is as in the task *objects*.
+pub fn judge_pairs(
+    scan: &LabeledScan,
+    detections: &Detections,
+    pairs: &[[u32; 2]],
+    matching: &MatchingParams,
+) -> Vec<PairOutcome> {
+    let assignment = assign(scan, detections, Task::Objects, &AnnotatedClasses::EveryObject, matching);
+    let overlap = PointOverlap::count(scan, detections);
+    let judge = |tracks: &[u32; 2]| {
+        let place = |track: u32| scan.annotations.iter().position(|it| it.track == Some(track));
+        let [Some(one), Some(other)] = tracks.map(place) else { return PairOutcome::NotSeen };
+        let outcomes = [one, other].map(|annotation_idx| assignment.annotations[annotation_idx]);
+        let is_judged = |it: &AnnotationOutcome| {
+            matches!(it, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_))
+        };
+        if !outcomes.iter().all(is_judged) {
+            PairOutcome::NotSeen
+        } else if is_joined(scan, &overlap, [one, other]) {
+            PairOutcome::Joined
+        } else if outcomes.iter().all(|it| matches!(it, AnnotationOutcome::Matched { .. })) {
+            PairOutcome::Separated
+        } else {
+            PairOutcome::Lost
+        }
+    };
+    pairs.iter().map(judge).collect()
+}
+
+fn is_joined(scan: &LabeledScan, overlap: &PointOverlap, pair: [usize; 2]) -> bool {
+    let [held, held_of_other] = pair.map(|annotation_idx| {
+        let least = JOINING_SHARE * scan.annotations[annotation_idx].point_indices.len() as f64;
+        let holding = overlap.of_annotation(annotation_idx).iter().filter(move |(_, n)| *n as f64 > least);
+        holding.map(|(detection_idx, _)| *detection_idx).collect::<Vec<_>>()
+    });
+    held.iter().any(|detection_idx| held_of_other.contains(detection_idx))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matching::criterion::Criterion;
+    use crate::matching::eligibility::EligibilityParams;
+    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+
+    /// Ten points a letter: each letter of a drawing is one object, a dot is no object.
+    fn points_of(drawing: &str, letter: char) -> Vec<u32> {
+        let letters = drawing.chars().flat_map(|it| std::iter::repeat_n(it, 10));
+        letters.zip(0..).filter(|&(it, _)| it == letter).map(|(_, point_idx)| point_idx).collect()
+    }
+
+    /// Judges the pair of the objects `a` and `b`.
+    #[track_caller]
+    fn check(objects: &str, detections: &str, expected: PairOutcome) {
+        let annotations = "ab".chars().zip(0..).map(|(letter, track)| Annotation {
+            class: AnnotationClass::Pedestrian,
+            bounding_box: None,
+            point_indices: points_of(objects, letter),
+            track: Some(track),
+            occlusion: None,
+            truncation: None,
+        });
+        let n_points = 10 * objects.len();
+        let scan = LabeledScan {
+            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
+            cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
+            annotations: annotations.filter(|it| !it.point_indices.is_empty()).collect(),
+            point_regions: vec![PointRegion::Labeled; n_points],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        };
+        let mut found = Detections::default();
+        for letter in "xyz".chars() {
+            let bounding_box =
+                OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+            let point_indices = points_of(detections, letter);
+            found.push(Detection {
+                point_indices: &point_indices,
+                bounding_box,
+                class: DetectedClass::Object,
+                score: None,
+            });
+        }
+        let matching =
+            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        assert_eq!(judge_pairs(&scan, &found, &[[0, 1]], &matching), [expected], "{objects}\n{detections}");
+    }
+
+    #[test]
+    fn a_detection_for_each_separates() {
+        check("aaaa.bbbb", "xxxx.yyyy", PairOutcome::Separated);
+        check("aaaa.bbbb", "xxxxxyyyz", PairOutcome::Separated);
+    }
+
+    #[test]
+    fn one_detection_for_both_joins() {
+        check("aaaa.bbbb", "xxxxxxxxx", PairOutcome::Joined);
+        check("aaaa.bb", "xxxxxxx", PairOutcome::Joined);
+    }
+
+    #[test]
+    fn a_tenth_of_the_other_does_not_join_and_more_does() {
+        check("aaaaaaaaaabbbbbbbbbb", "xxxxxxxxxxxyyyyyyyyy", PairOutcome::Separated);
+        check("aaaaaaaaaabbbbbbbbbb", "xxxxxxxxxxxxyyyyyyyy", PairOutcome::Joined);
+    }
+
+    #[test]
+    fn who_misses_one_does_not_separate() {
+        check("aaaa.bbbb", "xxxx.....", PairOutcome::Lost);
+        check("aaaa.bbbb", "xxyz.xxxx".replace("xxxx", "....").as_str(), PairOutcome::Lost);
+    }
+
+    #[test]
+    fn what_is_hidden_is_not_judged() {
+        check("aaaa.....", "xxxx.....", PairOutcome::NotSeen);
+        check("aaaa.b...", "xxxx.y...", PairOutcome::NotSeen);
+    }
+}

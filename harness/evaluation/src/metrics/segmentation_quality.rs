@@ -1,0 +1,224 @@
+//! How often, and how far, objects are torn apart or run together, whether or not the pieces match.
+//!
+//! The entropies are those of Oh et al.: TRAVEL, 2022. Points without a detection, or without an annotation, give no term.
+
+use detector::Detections;
+use scans::annotation::LabeledScan;
+
+use crate::matching::outcome::{AnnotationOutcome, Assignment};
+use crate::matching::point_overlap::PointOverlap;
+
+/// Over- and under-segmentation over any number of scans.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SegmentationQuality {
+    /// Annotations that count.
+    pub n_annotations: u64,
+    /// Of these, those of which at least two detections each hold a tenth of the points or more.
+    pub n_split: u64,
+    /// Detections that hold more than half of the points of at least one annotation that counts.
+    pub n_holding: u64,
+    /// Of these, those that do so for several annotations.
+    pub n_joining: u64,
+    /// Detections that hold a point of an annotation that counts.
+    pub n_touching: u64,
+    /// OSE, summed over annotations: −p ln p of every detection, where p is its share of the annotation's points.
+    pub over_entropy_nats: f64,
+    /// USE, summed over detections: −p ln p of every annotation that counts, where p is its share of the detection's points.
+    pub under_entropy_nats: f64,
+}
+
+impl SegmentationQuality {
+    /// Judges one scan. Detections of every class are looked at; annotations are those that `assignment` counts.
+    pub fn of(scan: &LabeledScan, detections: &Detections, assignment: &Assignment) -> Self {
+        let overlap = PointOverlap::count(scan, detections);
+        let mut quality = Self::default();
+        let (mut over_nats, mut under_nats) = (Vec::new(), Vec::new());
+        let mut n_held = vec![0_u32; detections.len()];
+        let mut is_touching = vec![false; detections.len()];
+        for (annotation_idx, outcome) in assignment.annotations.iter().enumerate() {
+            if !matches!(outcome, AnnotationOutcome::Matched { .. } | AnnotationOutcome::Missed(_)) {
+                continue;
+            }
+            let n_points = scan.annotations[annotation_idx].point_indices.len();
+            let shared = overlap.of_annotation(annotation_idx);
+            quality.n_annotations += 1;
+            over_nats.extend(shared.iter().map(|&(_, n_shared)| entropy_nats(n_shared, n_points)));
+            let n_pieces = shared.iter().filter(|&&(_, n_shared)| 10 * n_shared >= n_points).count();
+            quality.n_split += u64::from(n_pieces >= 2);
+            for &(detection_idx, _) in shared.iter().filter(|&&(_, n_shared)| 2 * n_shared > n_points) {
+                n_held[detection_idx] += 1;
+            }
+            for &(detection_idx, n_shared) in shared {
+                let n_points = detections.get(detection_idx).point_indices.len();
+                is_touching[detection_idx] = true;
+                under_nats.push(entropy_nats(n_shared, n_points));
+            }
+        }
+        quality.over_entropy_nats = sum_in_order(over_nats);
+        quality.under_entropy_nats = sum_in_order(under_nats);
+        quality.n_touching = is_touching.iter().filter(|&&it| it).count() as u64;
+        quality.n_holding = n_held.iter().filter(|&&n| n >= 1).count() as u64;
+        quality.n_joining = n_held.iter().filter(|&&n| n >= 2).count() as u64;
+        quality
+    }
+}
+
+/// The sum, the same to the bit in whatever order the terms come: that of detections is not to show.
+fn sum_in_order(mut terms: Vec<f64>) -> f64 {
+    terms.sort_by(f64::total_cmp);
+    terms.iter().sum()
+}
+
+/// −p ln p of the share `n` of `n_all`; `n` is not 0.
+fn entropy_nats(n: usize, n_all: usize) -> f64 {
+    let share = n as f64 / n_all as f64;
+    // Not minus the product: a share of 1 would give a negative zero.
+    share * (n_all as f64 / n as f64).ln()
+}
+
+impl std::ops::AddAssign for SegmentationQuality {
+    fn add_assign(&mut self, other: Self) {
+        self.n_annotations += other.n_annotations;
+        self.n_split += other.n_split;
+        self.n_holding += other.n_holding;
+        self.n_joining += other.n_joining;
+        self.n_touching += other.n_touching;
+        self.over_entropy_nats += other.over_entropy_nats;
+        self.under_entropy_nats += other.under_entropy_nats;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matching::assign::{MatchingParams, assign};
+    use crate::matching::criterion::Criterion;
+    use crate::matching::eligibility::EligibilityParams;
+    use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use scans::dataset::AnnotatedClasses;
+    use scans::task::Task;
+
+    const UNIT: OrientedBox =
+        OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };
+
+    /// Twenty points a letter: each letter of `annotations` and `detections` is one object, a dot is no object.
+    fn quality(annotations: &str, detections: &str) -> SegmentationQuality {
+        const N_POINTS_PER_LETTER: usize = 20;
+        assert_eq!(annotations.len(), detections.len());
+        let points_of = |drawing: &str, letter: char| -> Vec<u32> {
+            let letters = drawing.chars().flat_map(|it| std::iter::repeat_n(it, N_POINTS_PER_LETTER));
+            letters.zip(0..).filter(|&(it, _)| it == letter).map(|(_, point_idx)| point_idx).collect()
+        };
+        let letters_of = |drawing: &str| -> Vec<char> {
+            let letters: std::collections::BTreeSet<char> = drawing.chars().filter(|&it| it != '.').collect();
+            letters.into_iter().collect()
+        };
+        let annotation = |letter: char| Annotation {
+            class: AnnotationClass::Car,
+            bounding_box: None,
+            point_indices: points_of(annotations, letter),
+            track: None,
+            occlusion: None,
+            truncation: None,
+        };
+        let n_points = annotations.len() * N_POINTS_PER_LETTER;
+        let scan = LabeledScan {
+            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
+            cloud: (0..n_points).map(|step| [step as f32 * 0.01, 0.0, 0.0]).collect::<PointCloud>(),
+            annotations: letters_of(annotations).into_iter().map(annotation).collect(),
+            point_regions: vec![PointRegion::Labeled; n_points],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        };
+        let mut found = Detections::default();
+        for letter in letters_of(detections) {
+            let point_indices = points_of(detections, letter);
+            let class = DetectedClass::Vehicle;
+            found.push(Detection { point_indices: &point_indices, bounding_box: UNIT, class, score: None });
+        }
+        let params =
+            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        let assignment = assign(&scan, &found, Task::Vehicles, &AnnotatedClasses::EveryObject, &params);
+        SegmentationQuality::of(&scan, &found, &assignment)
+    }
+
+    /// Compares the number of annotations, of those split, of detections that hold one, and of those that hold several.
+    #[track_caller]
+    fn check(annotations: &str, detections: &str, expected: [u64; 4]) {
+        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining, .. } =
+            quality(annotations, detections);
+        assert_eq!([n_annotations, n_split, n_holding, n_joining], expected, "{annotations}\n{detections}");
+    }
+
+    #[test]
+    fn one_detection_for_each_annotation_is_neither_split_nor_joined() {
+        check("aaaa.bbbb", "xxxx.yyyy", [2, 0, 2, 0]);
+    }
+
+    #[test]
+    fn an_annotation_in_two_pieces_is_split() {
+        check("aaaaaaaaaa", "xxxxxyyyyy", [1, 1, 0, 0]);
+        // The second piece holds exactly a tenth.
+        check("aaaaaaaaaa", "xxxxxxxxxy", [1, 1, 1, 0]);
+    }
+
+    #[test]
+    fn less_than_a_tenth_is_no_piece() {
+        check("aaaaaaaaaaa", "xxxxxxxxxxy", [1, 0, 1, 0]);
+    }
+
+    #[test]
+    fn a_detection_that_holds_two_annotations_joins_them() {
+        check("aaaa.bbbb", "xxxxxxxxx", [2, 0, 1, 1]);
+    }
+
+    #[test]
+    fn half_of_an_annotation_is_not_held() {
+        check("aaaa.bbbb", "xxxxxxx..", [2, 0, 1, 0]);
+    }
+
+    #[test]
+    fn what_nobody_found_and_what_is_on_nothing_say_nothing() {
+        check("aaaa....", "....xxxx", [1, 0, 0, 0]);
+    }
+
+    /// Compares OSE and USE, and the number of detections with a point of an annotation.
+    #[track_caller]
+    fn check_entropies(annotations: &str, detections: &str, expected_nats: [f64; 2], n_touching: u64) {
+        let found = quality(annotations, detections);
+        let nats = [found.over_entropy_nats, found.under_entropy_nats];
+        let is_close = nats.iter().zip(expected_nats).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(is_close, "{nats:?}\n{annotations}\n{detections}");
+        assert_eq!(found.n_touching, n_touching, "{annotations}\n{detections}");
+    }
+
+    #[test]
+    fn entropies_are_zero_where_nothing_is_torn_or_joined() {
+        check_entropies("aaaa.bbbb", "xxxx.yyyy", [0.0, 0.0], 2);
+        check_entropies("aaaa.....", ".....xxxx", [0.0, 0.0], 0);
+    }
+
+    #[test]
+    fn two_halves_are_an_entropy_of_ln_2() {
+        let ln_2 = std::f64::consts::LN_2;
+        check_entropies("aaaa", "xxyy", [ln_2, 0.0], 2);
+        check_entropies("aabb", "xxxx", [0.0, ln_2], 1);
+        check_entropies("aaaa.bbcc", "xxyy.zzzz", [ln_2, ln_2], 3);
+    }
+
+    #[test]
+    fn points_of_nothing_give_no_term() {
+        // Half found by one detection, half by none: one term of a half.
+        check_entropies("aaaa", "xx..", [0.5 * std::f64::consts::LN_2, 0.0], 1);
+        check_entropies("aa..", "xxxx", [0.0, 0.5 * std::f64::consts::LN_2], 1);
+    }
+
+    #[test]
+    fn scans_add_up() {
+        let mut all = quality("aaaa.bbbb", "xxxxxxxxx");
+        all += quality("aaaaaaaaaa", "xxxxxxxxxy");
+        let SegmentationQuality { n_annotations, n_split, n_holding, n_joining, n_touching, .. } = all;
+        assert_eq!([n_annotations, n_split, n_holding, n_joining, n_touching], [3, 1, 2, 1, 3]);
+    }
+}

@@ -1,0 +1,79 @@
+//! A scan small enough to count its points: a level road with a car and a post on it, and a façade and a scrap aside.
+//!
+//! Everything but the road is one cell wide. Cells of the grid have their centres at multiples of 0.6 m from 0.7 m.
+
+use detector::detector::StageClock;
+use detector::params::HierarchicalParams;
+use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::{OrientedBox, PointCloud};
+use scans::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+
+const SENSOR_HEIGHT_M: f32 = 1.73;
+const N_ROAD_CELLS: u64 = 40 * 20;
+/// Four points a cell.
+pub const N_ROAD: u64 = 4 * N_ROAD_CELLS;
+/// Points of the car, those inside its box.
+pub const N_CAR: u64 = 12;
+const N_POST: u64 = 10;
+const N_FACADE: u64 = 10;
+const N_SCRAP: u64 = 2;
+/// All points.
+pub const N_POINTS: u64 = N_ROAD + N_CAR + N_POST + N_FACADE + N_SCRAP;
+/// Occupied cells: car and post stand on the road, façade and scrap beside it.
+pub const N_CELLS: u64 = N_ROAD_CELLS + 2;
+/// How far ahead the box of the car is.
+pub const CAR_RANGE_M: f64 = 10.0;
+
+/// The scan, with the car annotated; the annotation claims ten points only.
+pub fn scan() -> LabeledScan {
+    let cloud = cloud();
+    let first_of_car = N_ROAD as u32;
+    let car = Annotation {
+        class: AnnotationClass::Car,
+        bounding_box: Some(OrientedBox {
+            center_m: [CAR_RANGE_M as f32, 0.0, -0.75],
+            length_width_height_m: [4.0, 1.8, 1.5],
+            yaw_rad: 0.0,
+        }),
+        point_indices: (first_of_car..first_of_car + 10).collect(),
+        track: None,
+        occlusion: None,
+        truncation: None,
+    };
+    LabeledScan {
+        id: ScanId { sequence: "drawn".to_owned(), index: 0 },
+        point_regions: vec![PointRegion::Labeled; cloud.len()],
+        labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
+        cloud,
+        annotations: vec![car],
+    }
+}
+
+/// The stages after they ran on the scan.
+pub fn stages() -> ForegroundStages {
+    let mut stages = ForegroundStages::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    stages.run(&cloud(), &mut StageClock::start(), &mut Vec::new());
+    stages
+}
+
+fn cloud() -> PointCloud {
+    let center_m = |step: i32| 0.7 + 0.6 * step as f32;
+    let mut cloud = PointCloud::default();
+    for (along, across) in (-10..30).flat_map(|along| (-10..10).map(move |across| (along, across))) {
+        for (dx_m, dy_m) in [(-0.15, -0.15), (-0.15, 0.15), (0.15, -0.15), (0.15, 0.15)] {
+            cloud.push([center_m(along) + dx_m, center_m(across) + dy_m, -SENSOR_HEIGHT_M], 0.0);
+        }
+    }
+    let mut column = |along: i32, across: i32, n_points: u64, [low_m, high_m]: [f32; 2]| {
+        for step in 0..n_points {
+            let z_m = low_m + (high_m - low_m) * step as f32 / (n_points - 1) as f32;
+            cloud.push([center_m(along), center_m(across), z_m], 0.0);
+        }
+    };
+    column(15, -1, N_CAR, [-1.3, -0.4]);
+    column(20, 5, N_POST, [-1.4, 0.6]);
+    column(5, 15, N_FACADE, [-0.5, 2.5]);
+    column(5, -15, N_SCRAP, [-0.9, -0.8]);
+    cloud
+}

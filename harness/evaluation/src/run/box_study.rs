@@ -1,0 +1,250 @@
+//! Boxes of different fits around the same clusters, beside the annotated ones.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use detector::{Detector, DetectorOutput, OrientedBox};
+use rayon::prelude::*;
+use reports::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
+use reports::box_errors::{BoxError, BoxErrorLine};
+use scans::annotation::{AnnotationClass, LabeledScan, Occlusion, ScanId};
+use scans::dataset::Dataset;
+use scans::task::Task;
+
+use crate::matching::assign::assign;
+use crate::matching::eligibility::counts_as_vehicle;
+use crate::matching::outcome::AnnotationOutcome;
+use crate::metrics::box_errors::BoxErrors;
+use crate::metrics::median_interval::median_within;
+use crate::object_box::ObjectBox;
+use crate::realism::survey::SurveyError;
+use crate::run::config::RunConfig;
+use crate::run::detector_list::ListedDetector;
+
+/// Ranges of the annotations, from and to in metres.
+pub const RANGES_M: [[f64; 2]; 4] = [[0.0, 15.0], [15.0, 30.0], [30.0, 50.0], [50.0, 80.0]];
+/// Occlusions, as annotated.
+const OCCLUSIONS: [Option<Occlusion>; 4] =
+    [Some(Occlusion::None), Some(Occlusion::Partly), Some(Occlusion::Largely), None];
+/// Seed of the resampling.
+pub const RESAMPLING_SEED: u64 = 1;
+
+/// An annotated vehicle with a matched cluster, and what boxes around that are off by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoxPair {
+    /// The scan.
+    pub scan: ScanId,
+    /// What it is.
+    pub class: AnnotationClass,
+    /// Its number within the drive.
+    pub track: Option<u32>,
+    /// How much of it is hidden.
+    pub occlusion: Option<Occlusion>,
+    /// Distance of its annotation from the sensor on the ground plan, in metres.
+    pub range_m: f64,
+    /// Points of the cluster.
+    pub n_points: usize,
+    /// The errors of the fits, as [`ObjectBox::ALL`] has them.
+    pub errors: [BoxErrors; 2],
+}
+
+/// All pairs of the scans `scan_indices` of `dataset`, in their order: clusters that `listed` finds with `config`, matched
+/// as objects, so that it does not matter what the detector takes them for.
+///
+/// `on_scan` is called after every scan, from several threads.
+///
+/// # Errors
+///
+/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+pub fn box_pairs(
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
+    (listed, config): (&ListedDetector, &RunConfig),
+    interrupted: &AtomicBool,
+    on_scan: impl Fn() + Sync,
+) -> Result<Vec<BoxPair>, SurveyError> {
+    let description = dataset.description();
+    let new_detector = || listed.build(config, description.sensor_height_m);
+    let of_scan = |detector: &mut Box<dyn Detector>, &scan_idx: &usize| {
+        if interrupted.load(Ordering::Relaxed) {
+            let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
+            return Err(SurveyError::Interrupted { dataset, n_scans });
+        }
+        let scan = dataset.read_scan(scan_idx)?;
+        let mut output = DetectorOutput::default();
+        detector.detect(&scan.cloud, &mut output);
+        let detections = &output.detections;
+        let assignment = assign(&scan, detections, Task::Objects, &description.annotated, &config.matching);
+        let pairs = assignment.annotations.iter().enumerate().filter_map(|(annotation_idx, outcome)| {
+            let AnnotationOutcome::Matched { detection_idx, .. } = *outcome else { return None };
+            box_pair(&scan, annotation_idx, detections.get(detection_idx).point_indices)
+        });
+        let pairs: Vec<BoxPair> = pairs.collect();
+        on_scan();
+        Ok(pairs)
+    };
+    // Collected before it is looked through for errors, so that the first in order is reported.
+    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_detector, of_scan).collect();
+    let of_scans: Vec<Vec<BoxPair>> = of_scans.into_iter().collect::<Result<_, _>>()?;
+    Ok(of_scans.into_iter().flatten().collect())
+}
+
+/// `None` if the annotation is no vehicle, or has no box.
+fn box_pair(scan: &LabeledScan, annotation_idx: usize, point_indices: &[u32]) -> Option<BoxPair> {
+    let annotation = &scan.annotations[annotation_idx];
+    let annotated = annotation.bounding_box.filter(|_| counts_as_vehicle(annotation.class))?;
+    let positions_m: Vec<[f32; 3]> =
+        point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+    let errors_of = |fit: ObjectBox| -> Option<BoxErrors> {
+        let fitted: OrientedBox = fit.around(&positions_m)?;
+        Some(BoxErrors::of(&fitted, &annotated))
+    };
+    let [hull, pca] = ObjectBox::ALL.map(errors_of);
+    Some(BoxPair {
+        scan: scan.id.clone(),
+        class: annotation.class,
+        track: annotation.track,
+        occlusion: annotation.occlusion,
+        range_m: annotated.range_m().into(),
+        n_points: positions_m.len(),
+        errors: [hull?, pca?],
+    })
+}
+
+/// What pairs are sliced by, the slice, and its pairs with the ids of their data sets.
+type PairSlice<'a> = (&'a str, String, Vec<&'a (&'a str, BoxPair)>);
+
+/// The medians of all errors over `pairs`, each with the id of its data set: over all, by occlusion and by range. `data`
+/// says what they are of.
+pub fn box_error_lines(pairs: &[(&str, BoxPair)], data: &str, is_simulated: bool) -> Vec<BoxErrorLine> {
+    let mut slices: Vec<PairSlice<'_>> = vec![("all", String::new(), pairs.iter().collect())];
+    for occlusion in OCCLUSIONS {
+        let of_slice: Vec<_> = pairs.iter().filter(|it| it.1.occlusion == occlusion).collect();
+        // Where all is annotated, nothing is said of what is not.
+        if occlusion.is_some() || !of_slice.is_empty() {
+            slices.push(("occlusion", occlusion.map_or("not said", Occlusion::name).to_owned(), of_slice));
+        }
+    }
+    for [from_m, to_m] in RANGES_M {
+        let of_slice = pairs.iter().filter(|it| (from_m..to_m).contains(&it.1.range_m)).collect();
+        slices.push(("range", format!("{from_m}–{to_m} m"), of_slice));
+    }
+    let drives: BTreeSet<(&str, &str)> = pairs.iter().map(|it| (it.0, it.1.scan.sequence.as_str())).collect();
+    let kind = if drives.len() >= FEWEST_DRIVES { BlockKind::Drives } else { BlockKind::Tracks };
+    let lines_of = |(by, slice, pairs): &PairSlice<'_>| -> Vec<BoxErrorLine> {
+        let n_tracks = blocks(pairs, BlockKind::Tracks).1.n_blocks;
+        let (block_of_pair, count) = blocks(pairs, kind);
+        let line = |error: BoxError| {
+            let median = |fit_idx: usize| {
+                let errors = pairs.iter().map(|it| absolute(&it.1.errors[fit_idx], error));
+                let of_blocks: Vec<(f64, usize)> = errors.zip(block_of_pair.iter().copied()).collect();
+                median_within(&of_blocks, count, RESAMPLING_SEED)
+            };
+            BoxErrorLine {
+                data: data.to_owned(),
+                is_simulated,
+                by: (*by).to_owned(),
+                slice: slice.clone(),
+                error,
+                n_pairs: pairs.len() as u64,
+                n_tracks,
+                fits: (0..)
+                    .zip(ObjectBox::ALL)
+                    .map(|(idx, fit)| (fit.name().to_owned(), median(idx)))
+                    .collect(),
+            }
+        };
+        BoxError::ALL.map(line).to_vec()
+    };
+    slices.par_iter().flat_map_iter(lines_of).collect()
+}
+
+/// The drive or the track of each pair, numbered from 0, and how many there are. What has no track is one of its own.
+fn blocks(pairs: &[&(&str, BoxPair)], kind: BlockKind) -> (Vec<usize>, BlockCount) {
+    let mut numbers = BTreeMap::new();
+    let of_pairs = pairs.iter().enumerate().map(|(place, (dataset, pair))| {
+        let own_place = if pair.track.is_none() { Some(place) } else { None };
+        let within_drive = if kind == BlockKind::Drives { None } else { Some((pair.track, own_place)) };
+        let next = numbers.len();
+        *numbers.entry((*dataset, &pair.scan.sequence, within_drive)).or_insert(next)
+    });
+    let of_pairs: Vec<usize> = of_pairs.collect();
+    (of_pairs, BlockCount::of_dataset(numbers.len() as u64, kind))
+}
+
+fn absolute(errors: &BoxErrors, error: BoxError) -> f64 {
+    match error {
+        BoxError::Centre => errors.centre_m,
+        BoxError::Length => errors.length_m.abs(),
+        BoxError::Width => errors.width_m.abs(),
+        BoxError::Yaw => errors.yaw_rad.to_degrees(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair(sequence: &str, track: Option<u32>, range_m: f64, length_m: f64) -> (&'static str, BoxPair) {
+        let errors = |factor: f64| BoxErrors {
+            centre_m: factor,
+            length_m: factor * length_m,
+            width_m: 0.0,
+            yaw_rad: 0.0,
+        };
+        let scan = ScanId { sequence: sequence.to_owned(), index: 0 };
+        let occlusion = (range_m < 30.0).then_some(Occlusion::Partly);
+        let class = AnnotationClass::Car;
+        (
+            "street",
+            BoxPair {
+                scan,
+                class,
+                track,
+                occlusion,
+                range_m,
+                n_points: 30,
+                errors: [errors(1.0), errors(-2.0)],
+            },
+        )
+    }
+
+    #[test]
+    fn of_ten_drives_whole_drives_are_drawn() {
+        let names: Vec<String> = (0..10).map(|it| it.to_string()).collect();
+        let of = |n: usize| {
+            let pairs: Vec<_> =
+                (0..3 * n).map(|it| pair(&names[it / 3], Some(it as u32), 10.0, it as f64)).collect();
+            let lines = box_error_lines(&pairs, "street", true);
+            let all = lines.iter().find(|it| it.by == "all").unwrap();
+            (all.n_tracks, all.fits[0].1.unwrap().within.unwrap().blocks)
+        };
+        assert_eq!(of(10), (30, BlockCount::of_dataset(10, BlockKind::Drives)));
+        assert_eq!(of(9), (27, BlockCount::of_dataset(27, BlockKind::Tracks)));
+    }
+
+    #[test]
+    fn slices_hold_their_pairs_and_tracks_and_errors_have_no_sign() {
+        let pairs = [
+            pair("a", Some(1), 10.0, -1.0),
+            pair("a", Some(1), 14.9, -3.0),
+            pair("b", Some(1), 15.0, 2.0),
+            pair("b", None, 60.0, 5.0),
+            pair("b", None, 60.0, 5.0),
+        ];
+        let lines = box_error_lines(&pairs, "street", true);
+        let line = |by: &str, slice: &str| {
+            lines.iter().find(|it| it.by == by && it.slice == slice && it.error == BoxError::Length).unwrap()
+        };
+        let numbers = |by, slice| (line(by, slice).n_pairs, line(by, slice).n_tracks);
+        assert_eq!(numbers("all", ""), (5, 4));
+        assert_eq!(numbers("range", "0–15 m"), (2, 1));
+        assert_eq!(numbers("range", "15–30 m"), (1, 1));
+        assert_eq!(numbers("range", "30–50 m"), (0, 0));
+        assert_eq!(numbers("occlusion", "partly"), (3, 2));
+        assert_eq!(numbers("occlusion", "not said"), (2, 2));
+        let medians = line("all", "").fits.iter().map(|it| it.1.unwrap().median).collect::<Vec<_>>();
+        assert_eq!(medians, [3.0, 6.0]);
+        assert_eq!(line("range", "30–50 m").fits[0].1, None);
+    }
+}

@@ -1,0 +1,95 @@
+//! A TOML document that overrides parameters, and where in it something is wrong.
+
+use std::path::Path;
+
+use scans::dataset::class_table::{ClassTable, class_of_word};
+use toml::de::DeTable;
+use toml::{Table, Value};
+
+use super::error::{ConfigError, ConfigPlace};
+use super::parameter_tree::set;
+use super::value_problem::ValueProblem;
+
+/// The table of names of classes, which are no parameters.
+const CLASSES: &str = "classes";
+
+/// What a document says besides values of parameters.
+pub(super) struct Applied {
+    /// Whether there is a density curve among the values.
+    pub(super) gives_density_curve: bool,
+    /// What names of classes in labels stand for.
+    pub(super) classes: ClassTable,
+}
+
+/// The document that overrides values, for error messages.
+pub(super) struct OverrideFile<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
+}
+
+impl OverrideFile<'_> {
+    /// Puts the values of the document into `table`, and returns what it says besides.
+    pub(super) fn apply(&self, table: &mut Table) -> Result<Applied, ConfigError> {
+        let mut values = self.parse()?;
+        let classes = values.remove(CLASSES).map_or(Ok(ClassTable::default()), |it| self.classes_in(it))?;
+        let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
+        let gives_density_curve = curve.is_some();
+        set(table, values, &mut Vec::new(), &|keys| self.place_of(keys))?;
+        Ok(Applied { gives_density_curve, classes })
+    }
+
+    fn classes_in(&self, written: Value) -> Result<ClassTable, ConfigError> {
+        let wrong_type = |keys: &[String], found: &Value, expected| {
+            let (place, key) = (self.place_of(keys), keys.join("."));
+            ConfigError::WrongType { place, key, found: found.type_str(), expected }
+        };
+        let Value::Table(written) = written else {
+            return Err(wrong_type(&[CLASSES.to_owned()], &written, "table"));
+        };
+        let mut classes = ClassTable::default();
+        for (name, word) in written {
+            let keys = [CLASSES.to_owned(), name];
+            let Value::String(word) = word else { return Err(wrong_type(&keys, &word, "string")) };
+            let class = class_of_word(&word).map_err(|problem| ConfigError::Value {
+                place: self.place_of(&keys),
+                key: keys.join("."),
+                problem: format!(": {problem}"),
+            })?;
+            classes.insert(&keys[1], class);
+        }
+        Ok(classes)
+    }
+
+    /// Says where in the document the value stands that makes a problem.
+    pub(super) fn value_error(&self, problem: ValueProblem) -> ConfigError {
+        let ValueProblem { keys, problem } = problem;
+        ConfigError::Value { place: self.place_of(&keys), key: keys.join("."), problem }
+    }
+
+    fn parse(&self) -> Result<Table, ConfigError> {
+        self.text.parse().map_err(|error: toml::de::Error| ConfigError::Syntax {
+            place: self.place_at(error.span().map_or(0, |span| span.start)),
+            problem: error.message().to_owned(),
+        })
+    }
+
+    /// Where the key with these parents stands.
+    fn place_of(&self, keys: &[String]) -> ConfigPlace {
+        let document = DeTable::parse(self.text).expect("the document was parsed before");
+        let mut table = document.get_ref();
+        let mut offset = 0;
+        for key in keys {
+            let Some((key, value)) = table.get_key_value(key.as_str()) else { break };
+            offset = key.span().start;
+            let Some(inner) = value.get_ref().as_table() else { break };
+            table = inner;
+        }
+        self.place_at(offset)
+    }
+
+    fn place_at(&self, byte_offset: usize) -> ConfigPlace {
+        let before = self.text.as_bytes().iter().take(byte_offset);
+        let line = 1 + before.filter(|&&byte| byte == b'\n').count();
+        ConfigPlace::Line { path: self.path.to_owned(), line }
+    }
+}

@@ -1,0 +1,361 @@
+//! The parameters of everything that takes part in a run.
+
+use std::path::Path;
+
+use baselines::params::{BaselineParams, PARAMS_TOML};
+use detector::grid::density_curve::DensityCurve;
+use detector::params::HierarchicalParams;
+use scans::dataset::class_table::ClassTable;
+use toml::{Table, Value};
+
+use super::error::ConfigError;
+use super::matching_table::{MATCHING_TOML, matching_from};
+use super::override_file::OverrideFile;
+use super::override_option::{OverrideOption, OverrideOptions};
+use super::parameter_tree::parameters;
+use super::value_problem::ValueProblem;
+use super::vehicle_model_table::{VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
+use crate::matching::assign::MatchingParams;
+use crate::matching::criterion::Criterion;
+
+/// Parameters of everything that takes part in a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunConfig {
+    /// The hierarchical detector.
+    pub hierarchical: HierarchicalParams,
+    /// The baselines.
+    pub baselines: BaselineParams,
+    /// How detections are judged.
+    pub matching: MatchingParams,
+    /// What tells vehicles; their size if there is nothing.
+    pub vehicle_models: Option<VehicleModels>,
+    /// What names of classes in labels stand for, as the file says.
+    pub classes: ClassTable,
+    /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
+    pub resolved: Table,
+}
+
+/// The table that says what tells vehicles.
+const VEHICLE_MODEL: &str = "vehicle_model";
+
+/// All parameters there are, with the values they have unless overridden.
+fn shipped() -> Table {
+    let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
+    let mut all = parse(PARAMS_TOML);
+    all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
+    all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::paper_table()));
+    all.insert(VEHICLE_MODEL.to_owned(), Value::Table(parse(VEHICLE_MODEL_TOML)));
+    all
+}
+
+impl RunConfig {
+    /// The shipped parameters, with those that the TOML file at `overrides`, if any, gives other values.
+    ///
+    /// # Errors
+    ///
+    /// [`ConfigError`] if the file cannot be read, or holds what no detector knows or can work with.
+    pub fn load(overrides: Option<&Path>) -> Result<Self, ConfigError> {
+        let Some(path) = overrides else { return Self::resolve("", Path::new("built-in configuration")) };
+        let bytes =
+            std::fs::read(path).map_err(|source| ConfigError::Io { path: path.to_owned(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| ConfigError::NotText {
+            path: path.to_owned(),
+            byte_offset: error.utf8_error().valid_up_to(),
+        })?;
+        Self::resolve(&text, path)
+    }
+
+    /// The shipped parameters with vehicles told by their size; no model is looked at, so that those that come with the
+    /// program may be of another time.
+    ///
+    /// # Errors
+    ///
+    /// None that a test would not have found.
+    pub fn without_vehicle_models() -> Result<Self, ConfigError> {
+        Self::resolve("vehicle_model.enabled = false", Path::new("built-in configuration"))
+    }
+
+    /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
+    /// detector. A curve that the file gives stays.
+    pub fn for_sensor(&self, sensor: &str) -> Option<Self> {
+        let mut config = self.clone();
+        if !gives_density_curve(&self.resolved) {
+            config.hierarchical.density_weighting.curve = DensityCurve::shipped(sensor)?;
+        }
+        Some(config)
+    }
+
+    /// Judges by `criterion`, whatever the file says.
+    pub fn choose_criterion(&mut self, criterion: Criterion) {
+        self.matching.criterion = match (criterion, self.resolved.get("matching").and_then(Value::as_table)) {
+            (Criterion::Points { .. }, Some(table)) => {
+                Criterion::Points { min_iou: number(table, "min_iou") }
+            }
+            (Criterion::BevIou { .. }, Some(table)) => {
+                Criterion::BevIou { min_iou: number(table, "min_iou") }
+            }
+            (Criterion::Iou3d { .. }, Some(table)) => Criterion::Iou3d { min_iou: number(table, "min_iou") },
+            (Criterion::Centre { .. }, Some(table)) => {
+                Criterion::Centre { max_distance_m: number(table, "max_centre_distance_m") }
+            }
+            (criterion, None) => criterion,
+        };
+        if let Some(Value::Table(table)) = self.resolved.get_mut("matching") {
+            table.insert("criterion".to_owned(), Value::String(criterion.name().to_owned()));
+        }
+    }
+
+    /// These parameters with those of `options` given other values. A parameter of the tables `own` may be named by the end
+    /// of its name alone where that is clear.
+    ///
+    /// # Errors
+    ///
+    /// [`ConfigError`] if an option names nothing, or several parameters, or its value cannot be worked with.
+    pub fn overridden(&self, options: &[OverrideOption], own: &[&str]) -> Result<Self, ConfigError> {
+        let options = OverrideOptions::resolve(options, &self.resolved, own)?;
+        let mut resolved = self.resolved.clone();
+        options.apply(&mut resolved)?;
+        let config = self.changed_to(resolved).map_err(|problem| options.value_error(problem))?;
+        Ok(Self { classes: self.classes.clone(), ..config })
+    }
+
+    /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
+    ///
+    /// # Errors
+    ///
+    /// [`ConfigError`] if it names nothing, or several parameters.
+    pub fn full_name(&self, option: &OverrideOption, own: &[&str]) -> Result<String, ConfigError> {
+        Ok(option.keys(&parameters(&self.resolved), own)?.join("."))
+    }
+
+    /// The value of the parameter of this full name.
+    pub fn value_of(&self, full_name: &str) -> Option<&Value> {
+        let (first, rest) = full_name.split_once('.')?;
+        rest.split('.').try_fold(self.resolved.get(first)?, |table, key| table.get(key))
+    }
+
+    fn resolve(overrides: &str, path: &Path) -> Result<Self, ConfigError> {
+        let file = OverrideFile { path, text: overrides };
+        let mut resolved = shipped();
+        let applied = file.apply(&mut resolved)?;
+        if !applied.gives_density_curve
+            && let Some(Value::Table(weighting)) = resolved["hierarchical"].get_mut("density_weighting")
+        {
+            weighting.remove("curve");
+        }
+        let vehicle_models = vehicle_models_of(&resolved).map_err(|problem| file.value_error(problem))?;
+        let config =
+            Self::from_resolved(resolved, vehicle_models).map_err(|problem| file.value_error(problem))?;
+        Ok(Self { classes: applied.classes, ..config })
+    }
+
+    /// The parameters `resolved`, with the models that are here already if they are the same.
+    fn changed_to(&self, resolved: Table) -> Result<Self, ValueProblem> {
+        let are_here = resolved.get(VEHICLE_MODEL) == self.resolved.get(VEHICLE_MODEL);
+        let vehicle_models =
+            if are_here { self.vehicle_models.clone() } else { vehicle_models_of(&resolved)? };
+        Self::from_resolved(resolved, vehicle_models)
+    }
+
+    fn from_resolved(resolved: Table, vehicle_models: Option<VehicleModels>) -> Result<Self, ValueProblem> {
+        let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
+        // A curve that is not given is the sensor's; until that is known, the paper's stands in.
+        let of_paper = HierarchicalParams::paper_table();
+        let hierarchical = if gives_density_curve(&resolved) {
+            table("hierarchical")
+        } else {
+            with_density_curve(table("hierarchical"), &of_paper)
+        };
+        let (hierarchical, matching) = (hierarchical.to_string(), table("matching").to_string());
+        let of_others = ["matching", "hierarchical", VEHICLE_MODEL];
+        let of_baselines = resolved.iter().filter(|(name, _)| !of_others.contains(&name.as_str()));
+        let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
+        let baselines = baselines.to_string();
+        Ok(Self {
+            hierarchical: HierarchicalParams::from_toml(&hierarchical)
+                .map_err(|error| ValueProblem::new(&error, Some("hierarchical"), &hierarchical))?,
+            baselines: BaselineParams::from_toml(&baselines)
+                .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
+            matching: matching_from(&matching)
+                .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
+            vehicle_models,
+            classes: ClassTable::default(),
+            resolved,
+        })
+    }
+}
+
+fn vehicle_models_of(all: &Table) -> Result<Option<VehicleModels>, ValueProblem> {
+    vehicle_models_from(&all[VEHICLE_MODEL].as_table().cloned().unwrap_or_default().to_string())
+}
+
+fn gives_density_curve(all: &Table) -> bool {
+    let weighting = all.get("hierarchical").and_then(|it| it.get("density_weighting"));
+    weighting.is_some_and(|it| it.get("curve").is_some())
+}
+
+/// The parameters `hierarchical` with the density curve of `other`.
+fn with_density_curve(mut hierarchical: Table, other: &Table) -> Table {
+    let curve = other.get("density_weighting").and_then(|it| it.get("curve"));
+    if let (Some(Value::Table(weighting)), Some(curve)) = (hierarchical.get_mut("density_weighting"), curve) {
+        weighting.insert("curve".to_owned(), curve.clone());
+    }
+    hierarchical
+}
+
+/// A number of a table that has been checked to hold it.
+fn number(table: &Table, name: &str) -> f64 {
+    table.get(name).and_then(Value::as_float).expect("the table was read into parameters before")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matching::eligibility::EligibilityParams;
+    use scans::annotation::AnnotationClass;
+
+    fn resolve(text: &str) -> Result<RunConfig, ConfigError> {
+        RunConfig::resolve(text, Path::new("mine.toml"))
+    }
+
+    #[test]
+    fn nothing_overridden_is_the_standard() {
+        let config = resolve("").unwrap();
+        assert_eq!(config.hierarchical, HierarchicalParams::paper());
+        assert_eq!(config.baselines, BaselineParams::shipped());
+        let standard =
+            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        assert_eq!(config.matching, standard);
+    }
+
+    #[test]
+    fn a_value_is_overridden_alone() {
+        let config = resolve("[hierarchical.grid]\ncell_size_m = 1\n[kd_tree]\ntolerance_m = 0.7").unwrap();
+        assert_eq!((config.hierarchical.grid.cell_size_m, config.hierarchical.grid.xi), (1.0, 3));
+        assert_eq!(config.baselines.kd_tree.tolerance_m, 0.7);
+        let resolved = config.resolved["hierarchical"]["grid"]["cell_size_m"].as_float();
+        assert_eq!(resolved, Some(1.0));
+    }
+
+    #[test]
+    fn the_ends_of_a_range_are_within_it() {
+        assert_eq!(resolve("kd_tree.tolerance_m = 0.01").unwrap().baselines.kd_tree.tolerance_m, 0.01);
+        assert_eq!(
+            resolve("hierarchical.grid.cell_size_m = 0.05").unwrap().hierarchical.grid.cell_size_m,
+            0.05
+        );
+    }
+
+    #[test]
+    fn the_density_curve_is_that_of_the_sensor_unless_the_file_gives_one() {
+        let peak = |it: &RunConfig| it.hierarchical.density_weighting.curve.peak_points_per_m2;
+        let of = |sensor: &str| DensityCurve::shipped(sensor).unwrap().peak_points_per_m2;
+        let config = resolve("hierarchical.density_weighting.enabled = false").unwrap();
+        assert_eq!(peak(&config.for_sensor("vlp-16").unwrap()), of("vlp-16"));
+        assert_eq!(config.resolved["hierarchical"]["density_weighting"].get("curve"), None);
+        assert_eq!(config.for_sensor("mine.toml"), None);
+        let given = DensityCurve::shipped("os1-128").unwrap().to_toml();
+        let config = resolve(&given).unwrap();
+        for sensor in ["vlp-16", "mine.toml"] {
+            assert_eq!(peak(&config.for_sensor(sensor).unwrap()), of("os1-128"));
+        }
+        let resolved = &config.resolved["hierarchical"]["density_weighting"]["curve"]["sensor"];
+        assert_eq!(resolved.as_str(), Some("os1-128"));
+    }
+
+    #[test]
+    fn an_option_leaves_the_density_curve_to_the_sensor() {
+        let option = "hierarchical.grid.xi=2".parse().unwrap();
+        let config = resolve("").unwrap().overridden(&[option], &[]).unwrap();
+        let shipped = DensityCurve::shipped("vlp-16").unwrap();
+        assert_eq!(config.for_sensor("vlp-16").unwrap().hierarchical.density_weighting.curve, shipped);
+    }
+
+    #[track_caller]
+    fn check_refused(text: &str, message: &str) {
+        let error = resolve(text).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+
+    #[test]
+    fn what_nothing_reads_is_refused_with_its_line() {
+        check_refused(
+            "# mine\n[kd_tree]\ntolerence_m = 1.0",
+            "\"mine.toml\", line 3: unknown parameter kd_tree.tolerence_m",
+        );
+        check_refused(
+            "[hirarchical]",
+            "line 1: unknown parameter hirarchical; there are hierarchical, kd_tree, matching, pca, vehicle_model",
+        );
+        check_refused(
+            "[kd_tree]\ntolerance_m = \"far\"",
+            "line 2: kd_tree.tolerance_m is of type string, expected float",
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_worked_with_is_refused_with_its_line() {
+        check_refused(
+            "# mine\n[matching]\nmin_iou = 0.0",
+            "\"mine.toml\", line 3: matching.min_iou = 0 is outside of 0.01 to 1",
+        );
+        check_refused(
+            "[matching]\nmin_points = -1",
+            "line 2: matching.min_points: invalid value: integer `-1`",
+        );
+        check_refused(
+            "\n[hierarchical.grid]\ncell_size_m = 1.0\nxi = 9",
+            "line 4: hierarchical.grid.xi = 9 is outside of 1 to 8",
+        );
+        check_refused(
+            "hierarchical.grid.xi = -3",
+            "line 1: hierarchical.grid.xi: invalid value: integer `-3`, expected u32",
+        );
+        check_refused(
+            "[hierarchical.terrain]\nlow_quantile = 1.1",
+            "line 2: hierarchical.terrain.low_quantile = 1.1 is outside of 0 to 1",
+        );
+        check_refused(
+            "kd_tree.max_points = 9",
+            "line 1: kd_tree.max_points = 9 is less than kd_tree.min_points = 15",
+        );
+        check_refused("kd_tree.foreground = \"blue\"", "line 1: kd_tree.foreground: unknown variant `blue`");
+        check_refused("[pca.grid]\ncell_size_m = 0", "line 2: pca.grid.cell_size_m = 0 is outside of");
+    }
+
+    #[test]
+    fn names_of_classes_are_no_parameters() {
+        let config = resolve("[classes]\nforklift = \"misc\"\n[kd_tree]\ntolerance_m = 0.7").unwrap();
+        assert_eq!(config.classes.get("Forklift"), Some(AnnotationClass::Misc));
+        assert_eq!((config.resolved.get("classes"), config.baselines.kd_tree.tolerance_m), (None, 0.7));
+        let option = "hierarchical.grid.xi=2".parse().unwrap();
+        assert_eq!(config.overridden(&[option], &[]).unwrap().classes, config.classes);
+        check_refused(
+            "[classes]\nforklift = \"mics\"",
+            "line 2: classes.forklift: \"mics\" is no class; there are car",
+        );
+        check_refused(
+            "[classes]\nforklift = 3",
+            "line 2: classes.forklift is of type integer, expected string",
+        );
+        check_refused("classes = 3", "line 1: classes is of type integer, expected table");
+    }
+
+    #[test]
+    fn what_is_not_toml_is_refused_with_its_line() {
+        check_refused("# mine\n[kd_tree", "\"mine.toml\", line 2: unclosed table");
+    }
+
+    #[test]
+    fn the_chosen_criterion_keeps_the_gate_of_the_file() {
+        let mut config =
+            resolve("[matching]\ncriterion = \"centre\"\nmin_iou = 0.7\nmax_centre_distance_m = 1").unwrap();
+        assert_eq!(config.matching.criterion, Criterion::Centre { max_distance_m: 1.0 });
+        config.choose_criterion(Criterion::POINTS);
+        assert_eq!(config.matching.criterion, Criterion::Points { min_iou: 0.7 });
+        assert_eq!(config.resolved["matching"]["criterion"].as_str(), Some("points"));
+        config.choose_criterion(Criterion::CENTRE);
+        assert_eq!(config.matching.criterion, Criterion::Centre { max_distance_m: 1.0 });
+        assert_eq!(config.resolved["matching"]["criterion"].as_str(), Some("centre"));
+    }
+}

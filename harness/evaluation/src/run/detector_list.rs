@@ -1,0 +1,252 @@
+//! The detectors there are.
+
+use baselines::kd_tree_detector::KdTreeDetector;
+use baselines::pca_detector::PcaDetector;
+use baselines::simple_grid_detector::SimpleGridDetector;
+use detector::Detector;
+use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+
+use crate::run::config::RunConfig;
+
+/// A detector that can be asked for by name.
+#[derive(Debug, Clone, Copy)]
+pub struct ListedDetector {
+    /// The name on the command line.
+    pub name: &'static str,
+    /// Its table in the configuration.
+    pub table: &'static str,
+    /// Parameters of the table that it has whatever the configuration says, with their values.
+    pub fixed: &'static [(&'static str, &'static str)],
+    build: fn(&RunConfig, f32) -> Box<dyn Detector>,
+}
+
+/// Every detector, in the order of tables and pictures.
+pub const DETECTORS: &[ListedDetector] = &[
+    ListedDetector {
+        name: "hierarchical",
+        table: "hierarchical",
+        fixed: &[],
+        build: |config, sensor_height_m| {
+            let by_size = HierarchicalDetector::new(config.hierarchical.clone(), sensor_height_m);
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
+                None => Box::new(by_size),
+            }
+        },
+    },
+    // The next one like for like with the first, whose walls it has.
+    ListedDetector {
+        name: "kd-tree-same-walls",
+        table: "kd_tree",
+        fixed: &[("foreground", "refined")],
+        build: |config, sensor_height_m| {
+            let params = config.baselines.kd_tree.clone();
+            let by_size =
+                KdTreeDetector::with_same_walls(params, config.hierarchical.clone(), sensor_height_m);
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
+                None => Box::new(by_size),
+            }
+        },
+    },
+    ListedDetector {
+        name: "kd-tree",
+        table: "kd_tree",
+        fixed: &[],
+        build: |config, sensor_height_m| {
+            let params = config.baselines.kd_tree.clone();
+            let by_size = KdTreeDetector::new(params, config.hierarchical.clone(), sensor_height_m);
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
+                None => Box::new(by_size),
+            }
+        },
+    },
+    ListedDetector {
+        name: "pca",
+        table: "pca",
+        fixed: &[],
+        build: |config, _| {
+            let vehicle_size = config.hierarchical.vehicle_size.clone();
+            let by_size = PcaDetector::new(config.baselines.pca.clone(), vehicle_size);
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.pca())),
+                None => Box::new(by_size),
+            }
+        },
+    },
+    // The ablation of the first has its parameters.
+    ListedDetector {
+        name: "simple-grid",
+        table: "hierarchical",
+        fixed: &[],
+        build: |config, sensor_height_m| {
+            let by_size = SimpleGridDetector::new(config.hierarchical.clone(), sensor_height_m);
+            match &config.vehicle_models {
+                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
+                None => Box::new(by_size),
+            }
+        },
+    },
+];
+
+/// The detectors that run if none are asked for: the method, its rival with the same walls and as it is, and the other rival.
+/// Ablations, as cheap as they may be, would crowd the papers' tables and make recordings a quarter larger.
+pub const DEFAULT_DETECTORS: [&str; 4] = ["hierarchical", "kd-tree-same-walls", "kd-tree", "pca"];
+
+/// A name that is no detector's.
+#[derive(Debug, thiserror::Error)]
+pub enum DetectorListError {
+    /// No detector is called so.
+    #[error("there is no detector {name:?}; there are {}", DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>().join(", "))]
+    Unknown {
+        /// The name.
+        name: String,
+    },
+    /// A detector is asked for twice.
+    #[error("the detector {name:?} is asked for twice")]
+    Twice {
+        /// The name.
+        name: String,
+    },
+}
+
+impl ListedDetector {
+    /// Builds the detector for a sensor `sensor_height_m` above the road.
+    pub fn build(&self, config: &RunConfig, sensor_height_m: f32) -> Box<dyn Detector> {
+        (self.build)(config, sensor_height_m)
+    }
+}
+
+/// The detectors with these names, in this order.
+///
+/// # Errors
+///
+/// [`DetectorListError`] if a name is unknown or given twice.
+pub fn detectors_named(names: &[String]) -> Result<Vec<ListedDetector>, DetectorListError> {
+    let mut listed: Vec<ListedDetector> = Vec::new();
+    for name in names {
+        let unknown = || DetectorListError::Unknown { name: name.clone() };
+        let found = *DETECTORS.iter().find(|it| it.name == name).ok_or_else(unknown)?;
+        if listed.iter().any(|it| it.name == found.name) {
+            return Err(DetectorListError::Twice { name: name.clone() });
+        }
+        listed.push(found);
+    }
+    Ok(listed)
+}
+
+#[cfg(test)]
+mod tests {
+    use detector::detector::DetectorOutput;
+    use detector::stage_product::Shape;
+    use detector::{DetectedClass, Rule};
+
+    use super::*;
+    use scans::annotation::LabeledScan;
+    use simulator::catalogue::built_in_catalogue;
+    use simulator::open::{OpenOptions, open_dataset};
+
+    const SENSOR: &str = "hdl-32e";
+
+    fn scans() -> (Vec<LabeledScan>, f32) {
+        let options = OpenOptions {
+            n_simulated_scans: Some(12),
+            sensor: Some(SENSOR.to_owned()),
+            ..OpenOptions::default()
+        };
+        let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
+        let scans = (0..12).map(|scan_idx| street.read_scan(scan_idx).unwrap()).collect();
+        (scans, street.description().sensor_height_m)
+    }
+
+    /// The rules that a detector shows by what it does with `scans`.
+    fn rules_seen(detector: &mut dyn Detector, scans: &[LabeledScan], min_points: usize) -> Vec<Rule> {
+        let mut output = DetectorOutput::default();
+        let (mut has_walls, mut has_small, mut has_regrouped, mut has_completed) =
+            (false, false, false, false);
+        for scan in scans {
+            detector.detect(&scan.cloud, &mut output);
+            for product in detector.stage_products(&scan.cloud) {
+                has_walls |= matches!(&product.shape, Shape::Segments(it) if product.stage == "walls" && !it.is_empty());
+                let is_completion = product.stage == "completion";
+                // More points than were clustered.
+                if let (true, Shape::Clusters(completed)) = (is_completion, &product.shape) {
+                    let products = detector.stage_products(&scan.cloud);
+                    let foreground = products.iter().find_map(|it| match &it.shape {
+                        Shape::LabeledPoints(classes) => Some(classes.clone()),
+                        _ => None,
+                    });
+                    has_completed |= foreground.is_some_and(|classes| {
+                        let is_added = |point_idx: usize| {
+                            classes[point_idx] != detector::stage_product::SurfaceClass::Short
+                        };
+                        (0..completed.len()).any(|it| completed[it].is_some() && is_added(it))
+                    });
+                }
+            }
+            let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
+            has_small |= vehicles.into_iter().any(|it| it.point_indices.len() < min_points);
+            has_regrouped |= output.stage_times.iter().any(|it| it.stage == "regroup");
+        }
+        let seen = [
+            (has_walls, Rule::Walls),
+            (has_small, Rule::SmallVehicles { min_points: 10 }),
+            (has_regrouped, Rule::Regrouping),
+            (has_completed, Rule::Completion),
+        ];
+        seen.into_iter().filter_map(|(is_seen, rule)| is_seen.then_some(rule)).collect()
+    }
+
+    #[test]
+    fn rules_are_what_detectors_do() {
+        let config = RunConfig::load(None).unwrap().for_sensor(SENSOR).unwrap();
+        let (scans, sensor_height_m) = scans();
+        let mut n_rules = Vec::new();
+        for listed in DETECTORS {
+            let mut detector = listed.build(&config, sensor_height_m);
+            assert_eq!(detector.name(), listed.name);
+            let said: Vec<Rule> = detector.rules();
+            n_rules.push((listed.name, said.len()));
+            // Of the bounds nothing is to be seen from outside.
+            let to_be_seen: Vec<Rule> = said.into_iter().filter(|it| *it != Rule::SizeBounds).collect();
+            assert_eq!(rules_seen(&mut *detector, &scans, 15), to_be_seen, "{}", listed.name);
+        }
+        let expected =
+            [("hierarchical", 5), ("kd-tree-same-walls", 4), ("kd-tree", 3), ("pca", 0), ("simple-grid", 4)];
+        assert_eq!(n_rules, expected);
+    }
+
+    #[test]
+    fn bounds_that_are_switched_off_are_no_rule() {
+        let rules = |options: &[&str]| {
+            let options: Vec<_> = options.iter().map(|it| it.parse().unwrap()).collect();
+            let config = RunConfig::load(None).unwrap().overridden(&options, &["hierarchical"]).unwrap();
+            let listed = detectors_named(&["hierarchical".to_owned()]).unwrap()[0];
+            listed.build(&config.for_sensor(SENSOR).unwrap(), 1.73).rules()
+        };
+        assert!(rules(&[]).contains(&Rule::SizeBounds));
+        assert!(!rules(&["hierarchical.vehicle_bounds.enabled=false"]).contains(&Rule::SizeBounds));
+    }
+
+    #[test]
+    fn the_kd_tree_with_the_same_walls_differs_by_its_foreground_alone() {
+        let (scans, sensor_height_m) = scans();
+        let load = |options: &[&str]| {
+            let options: Vec<_> = options.iter().map(|it| it.parse().unwrap()).collect();
+            RunConfig::load(None).unwrap().overridden(&options, &["kd_tree"]).unwrap()
+        };
+        let found = |name: &str, config: &RunConfig| {
+            let listed = detectors_named(&[name.to_owned()]).unwrap()[0];
+            let mut output = DetectorOutput::default();
+            listed.build(config, sensor_height_m).detect(&scans[0].cloud, &mut output);
+            output.detections
+        };
+        for more in [&[][..], &["tolerance_m=0.7"], &["min_points=40", "max_points=3000"]] {
+            let config = load(more);
+            let of_refined = found("kd-tree", &load(&[more, &["foreground=refined"]].concat()));
+            assert_eq!(found("kd-tree-same-walls", &config), of_refined, "{more:?}");
+            assert_ne!(found("kd-tree", &config), of_refined, "{more:?}");
+        }
+    }
+}

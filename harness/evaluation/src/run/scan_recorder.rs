@@ -1,0 +1,69 @@
+//! What records a run scan by scan, and what it is told of each scan.
+
+use std::fmt;
+
+use scans::dataset::Dataset;
+
+use super::scores::DatasetScores;
+use super::side_by_side::ScanResults;
+use crate::matching::criterion::Criterion;
+
+/// A scan that is recorded.
+pub struct RecordedScan<'a> {
+    /// What the detectors made of it.
+    pub results: &'a ScanResults<'a>,
+    /// The scores of its data set so far.
+    pub scores: &'a DatasetScores,
+    /// Its data set.
+    pub dataset: &'a dyn Dataset,
+    /// Which of the data set's scans it is.
+    pub scan_idx: usize,
+    /// How it was judged.
+    pub criterion: Criterion,
+    /// Places in it that are pointed at.
+    pub marks: &'a [Mark],
+}
+
+/// A place that is pointed at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// On the ground plan of the sensor, in metres.
+    pub place_m: [f32; 2],
+    /// What is there.
+    pub text: String,
+}
+
+/// Records scans while a run goes on.
+pub trait ScanRecorder {
+    /// Why it cannot.
+    type Error;
+
+    /// Records one scan, if it is its turn. Returns a warning the first time that something is lost.
+    ///
+    /// # Errors
+    ///
+    /// If the recording cannot be written.
+    fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, Self::Error>;
+
+    /// Ends the recording, which is complete then.
+    ///
+    /// # Errors
+    ///
+    /// If it is not complete.
+    fn finish(self) -> Result<RecordingEnding, Self::Error>;
+}
+
+/// How a recording ended.
+#[derive(Debug)]
+pub struct RecordingEnding {
+    /// What was lost, if it has not been said before.
+    pub warning: Option<String>,
+    /// The server that still has the recording.
+    pub served: Option<Box<dyn Served>>,
+}
+
+/// A recording that is complete and can be connected to until this is dropped.
+pub trait Served: fmt::Debug {
+    /// Where.
+    fn url(&self) -> &str;
+}

@@ -1,0 +1,148 @@
+//! All scans at all points, several scans at once: what is counted does not depend on what runs beside it.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use scans::dataset::{Dataset, DatasetError};
+
+use crate::sweep::journal::{Journal, JournalEntry, JournalError};
+use crate::sweep::scan_at_point::{ScanAtPoint, look_at_points};
+use crate::sweep::sweep_plan::SweepPlan;
+
+/// A data set and the scans that are taken from it.
+#[derive(Clone, Copy)]
+pub struct SweptDataset<'a> {
+    /// The data set.
+    pub dataset: &'a dyn Dataset,
+    /// Which of its scans, as indices into [`Dataset::scan_ids`].
+    pub scan_indices: &'a [usize],
+}
+
+/// What is run, and what is told of it.
+#[derive(Clone, Copy)]
+pub struct SweepPass<'a> {
+    /// The points and detectors.
+    pub plan: &'a SweepPlan,
+    /// The scans.
+    pub datasets: &'a [SweptDataset<'a>],
+    /// Where results are kept.
+    pub journal: &'a Journal,
+    /// Ends the sweep at the next point once it is set.
+    pub interrupted: &'a AtomicBool,
+    /// Called whenever a scan has been looked at, at one point.
+    pub on_done: &'a (dyn Fn() + Sync),
+}
+
+/// Why a sweep ended early. What is in the journal stays.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// A scan could not be read.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// A result could not be kept.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// No more threads.
+    #[error("cannot start {n_jobs} threads")]
+    Threads {
+        /// How many were asked for.
+        n_jobs: usize,
+        /// What the operating system said.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The user asked for it.
+    #[error("interrupted after {} of {n_results} results", n_results - n_left)]
+    Interrupted {
+        /// Pairs of a scan and a point that were not done.
+        n_left: usize,
+        /// All of them.
+        n_results: usize,
+    },
+    /// The user asked for it when all was counted.
+    #[error("interrupted while times were taken")]
+    InterruptedWhileTimed,
+}
+
+impl SweepPass<'_> {
+    /// Does what is missing in `results`, and returns all, in the order of data sets, scans and points.
+    ///
+    /// A scan is read once for all points that are missing, by one of `n_jobs` threads.
+    ///
+    /// # Errors
+    ///
+    /// [`SweepError`] if a scan cannot be read, a result cannot be kept, or the sweep is interrupted.
+    pub fn count(&self, results: Vec<ScanAtPoint>, n_jobs: usize) -> Result<Vec<ScanAtPoint>, SweepError> {
+        let done: BTreeSet<_> = results.iter().map(ScanAtPoint::key).collect();
+        let missing: Vec<MissingScan> = self.missing(&done);
+        let n_left = AtomicUsize::new(missing.iter().map(|it| it.point_idxs.len()).sum());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_jobs).build();
+        let pool = pool.map_err(|source| SweepError::Threads { n_jobs, source })?;
+        let look = |missing: &MissingScan| self.look(missing, &n_left);
+        let added: Vec<Result<Vec<ScanAtPoint>, SweepError>> =
+            pool.install(|| missing.par_iter().with_max_len(1).map(look).collect());
+        let mut all = results;
+        // Collected before it is looked through for errors, so that the first in order is reported.
+        for of_scan in added {
+            all.extend(of_scan?);
+        }
+        all.sort_unstable_by_key(ScanAtPoint::key);
+        Ok(all)
+    }
+
+    /// Pairs of a scan and a point.
+    pub fn n_results(&self) -> usize {
+        self.datasets.iter().map(|it| it.scan_indices.len()).sum::<usize>() * self.plan.points.len()
+    }
+
+    fn missing(&self, done: &BTreeSet<[usize; 3]>) -> Vec<MissingScan> {
+        let scans = self.datasets.iter().enumerate().flat_map(|(dataset_idx, it)| {
+            (0..it.scan_indices.len()).map(move |scan_idx| (dataset_idx, scan_idx))
+        });
+        let missing = scans.map(|(dataset_idx, scan_idx)| {
+            let is_missing = |point_idx: &usize| !done.contains(&[dataset_idx, scan_idx, *point_idx]);
+            let point_idxs = (0..self.plan.points.len()).filter(is_missing).collect();
+            MissingScan { dataset_idx, scan_idx, point_idxs }
+        });
+        missing.filter(|it| !it.point_idxs.is_empty()).collect()
+    }
+
+    fn look(&self, missing: &MissingScan, n_left: &AtomicUsize) -> Result<Vec<ScanAtPoint>, SweepError> {
+        let &MissingScan { dataset_idx, scan_idx, ref point_idxs } = missing;
+        let SweptDataset { dataset, scan_indices } = self.datasets[dataset_idx];
+        self.check_interrupted(n_left)?;
+        let scan = dataset.read_scan(scan_indices[scan_idx])?;
+        let mut results = Vec::new();
+        look_at_points(self.plan, dataset.description(), &scan, point_idxs, |point_idx, detectors| {
+            let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors };
+            self.journal.add(&JournalEntry::Quality(result.clone()))?;
+            results.push(result);
+            n_left.fetch_sub(1, Ordering::Relaxed);
+            (self.on_done)();
+            self.check_interrupted(n_left)
+        })?;
+        Ok(results)
+    }
+
+    fn check_interrupted(&self, n_left: &AtomicUsize) -> Result<(), SweepError> {
+        let n_left = n_left.load(Ordering::Relaxed);
+        if self.interrupted.load(Ordering::Relaxed) && n_left > 0 {
+            return Err(SweepError::Interrupted { n_left, n_results: self.n_results() });
+        }
+        Ok(())
+    }
+}
+
+impl ScanAtPoint {
+    /// The order of results.
+    fn key(&self) -> [usize; 3] {
+        [self.dataset_idx, self.scan_idx, self.point_idx]
+    }
+}
+
+/// A scan, and the points at which it has not been looked at.
+struct MissingScan {
+    dataset_idx: usize,
+    scan_idx: usize,
+    point_idxs: Vec<usize>,
+}

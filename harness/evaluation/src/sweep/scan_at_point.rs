@@ -1,0 +1,109 @@
+//! What is kept of one scan at one point of a sweep.
+
+use detector::DetectorOutput;
+use detector::grid::cell_fitness::CellTally;
+use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use scans::annotation::LabeledScan;
+use scans::dataset::DatasetDescription;
+use scans::task::Task;
+use serde::{Deserialize, Serialize};
+
+use crate::matching::assign::assign;
+use crate::metrics::counts::Counts;
+use crate::run::config::RunConfig;
+use crate::run::detector_list::ListedDetector;
+use crate::sweep::sweep_plan::SweepPlan;
+
+/// One scan at one point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScanAtPoint {
+    /// Place of the data set among those of the sweep.
+    pub dataset_idx: usize,
+    /// Place of the scan among those taken from the data set.
+    pub scan_idx: usize,
+    /// Place of the point in the plan.
+    pub point_idx: usize,
+    /// What each detector made of it, in the order of the plan.
+    pub detectors: Vec<DetectorAtPoint>,
+}
+
+/// What one detector made of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DetectorAtPoint {
+    /// For each of [`Task::ALL`].
+    pub counts: Vec<Counts>,
+    /// The cells of its grid, if it starts from one.
+    pub cells: Option<CellTally>,
+}
+
+/// Lets all detectors look at `scan` with the parameters of the points `point_idxs`; `on_point` is given what they made of it
+/// at one point after the other, until it returns an error.
+///
+/// # Errors
+///
+/// What `on_point` returns.
+pub fn look_at_points<E>(
+    plan: &SweepPlan,
+    dataset: &DatasetDescription,
+    scan: &LabeledScan,
+    point_idxs: &[usize],
+    mut on_point: impl FnMut(usize, Vec<DetectorAtPoint>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut output = DetectorOutput::default();
+    let mut cells = CellsOfScan::default();
+    for &point_idx in point_idxs {
+        let config = of_sensor(&plan.points[point_idx].config, dataset);
+        let mut looked = Vec::new();
+        for listed in &plan.detectors {
+            listed.build(&config, dataset.sensor_height_m).detect(&scan.cloud, &mut output);
+            let counts = Task::ALL.iter().map(|&task| {
+                Counts::of(&assign(scan, &output.detections, task, &dataset.annotated, &config.matching))
+            });
+            let counts = counts.collect();
+            let cells = grid_of(listed, &config).map(|grid| cells.tally(scan, &grid, &config));
+            looked.push(DetectorAtPoint { counts, cells });
+        }
+        on_point(point_idx, looked)?;
+    }
+    Ok(())
+}
+
+/// The parameters for scans of `dataset`. Whose density is not known is taken for the paper's sensor, as in any run.
+pub fn of_sensor(config: &RunConfig, dataset: &DatasetDescription) -> RunConfig {
+    config.for_sensor(&dataset.sensor).unwrap_or_else(|| config.clone())
+}
+
+/// The grid that a detector starts from; `None` if the cells of its clusters are no parameter of it.
+fn grid_of(listed: &ListedDetector, config: &RunConfig) -> Option<GridParams> {
+    match listed.table {
+        "hierarchical" => Some(GridParams { xi: 1, ..config.hierarchical.grid.clone() }),
+        "pca" => {
+            let grid = &config.baselines.pca.grid;
+            Some(GridParams { cell_size_m: grid.cell_size_m, xi: 1, extent_m: grid.extent_m })
+        }
+        _ => None,
+    }
+}
+
+/// The cells of a scan on one grid after another. Most sweeps have the same grid at several points or in several detectors.
+#[derive(Default)]
+struct CellsOfScan {
+    counted: Vec<(GridParams, f32, CellTally)>,
+}
+
+impl CellsOfScan {
+    fn tally(&mut self, scan: &LabeledScan, params: &GridParams, config: &RunConfig) -> CellTally {
+        let ground_extent_m = config.hierarchical.ground.max_ground_extent_m;
+        let same = |it: &&(GridParams, f32, CellTally)| it.0 == *params && it.1 == ground_extent_m;
+        if let Some((_, _, tally)) = self.counted.iter().find(same) {
+            return *tally;
+        }
+        let mut grid = HierarchicalGrid::new(params.clone());
+        grid.fill(&scan.cloud);
+        let tally = CellTally::of(&grid, ground_extent_m);
+        self.counted.push((params.clone(), ground_extent_m, tally));
+        tally
+    }
+}

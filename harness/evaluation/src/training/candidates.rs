@@ -1,0 +1,204 @@
+//! The objects that a vehicle model is trained on and judged by.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use detector::classify::regrouping_params::RegroupingParams;
+use detector::describe::surroundings::{ObjectRaster, Surroundings};
+use detector::detector::StageClock;
+use detector::params::HierarchicalParams;
+use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::{Detector, DetectorOutput, OrientedBox};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use scans::annotation::LabeledScan;
+use scans::dataset::Dataset;
+
+use crate::object_box::ObjectBox;
+use crate::realism::survey::SurveyError;
+use crate::training::candidate_kind::CandidateKind;
+use crate::training::regroupings::regroupings;
+use crate::training::vehicle_labels::VehicleLabels;
+
+/// Rectangles that are cut out of the foreground of a scan.
+const N_CUTS: usize = 4;
+/// Their sides, from that of a motor cycle to that of a van.
+const CUT_LENGTH_M: std::ops::Range<f32> = 2.0..7.0;
+const CUT_WIDTH_M: std::ops::Range<f32> = 0.6..2.6;
+
+/// An object to train with or to judge by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The drive it was seen on.
+    pub sequence: String,
+    /// What it is.
+    pub kind: CandidateKind,
+    /// The box around what is seen of it.
+    pub bounding_box: OrientedBox,
+    /// The ground below it, and what stands around it.
+    pub surroundings: Surroundings,
+    /// Whether it is no object of the detector, but what regrouping might make of one or two.
+    pub is_regrouped: bool,
+    /// Its points, in the sensor frame.
+    pub positions_m: Vec<[f32; 3]>,
+}
+
+/// Where candidates come from.
+pub struct CandidateSource<'a> {
+    /// Makes the detector whose clusters they are.
+    pub new_detector: &'a (dyn Fn() -> Box<dyn Detector> + Sync),
+    /// The box around them; the detector's own if it has it from the same fit.
+    pub boxes: CandidateBoxes,
+    /// How the ground below them is found.
+    pub ground: &'a HierarchicalParams,
+    /// Candidates of fewer points are left out: the detector takes them for nothing.
+    pub min_points: usize,
+    /// How clusters may be regrouped; `None` if they are not.
+    pub regrouping: Option<&'a RegroupingParams>,
+    /// What regions are cut out is drawn from it.
+    pub seed: u64,
+}
+
+/// The boxes around candidates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CandidateBoxes {
+    /// Clusters have those that the detector put around them, which are fitted like this.
+    OfDetector(ObjectBox),
+    /// All are fitted like this.
+    Fitted(ObjectBox),
+}
+
+/// What every thread looks at its scans with.
+type State = (Box<dyn Detector>, ForegroundStages, ObjectRaster);
+
+/// The candidates of the scans `scan_indices` of `dataset`, in their order: what the detector of `source` finds in them,
+/// and regions cut out of it.
+///
+/// `on_scan` is called after every scan, from several threads.
+///
+/// # Errors
+///
+/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+///
+/// Paper: VM section 6, training set; background regions are cut out as there.
+pub fn collect_candidates(
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
+    source: &CandidateSource<'_>,
+    interrupted: &AtomicBool,
+    on_scan: impl Fn() + Sync,
+) -> Result<Vec<Candidate>, SurveyError> {
+    let sensor_height_m = dataset.description().sensor_height_m;
+    let new_state = || {
+        let ground = ForegroundStages::new(source.ground.clone(), sensor_height_m);
+        ((source.new_detector)(), ground, ObjectRaster::new(source.ground.grid.extent_m))
+    };
+    let of_scan = |(detector, ground, raster): &mut State, &scan_idx: &usize| {
+        if interrupted.load(Ordering::Relaxed) {
+            let (dataset, n_scans) = (dataset.description().id.clone(), scan_indices.len());
+            return Err(SurveyError::Interrupted { dataset, n_scans });
+        }
+        let scan = dataset.read_scan(scan_idx)?;
+        let mut output = DetectorOutput::default();
+        detector.detect(&scan.cloud, &mut output);
+        ground.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
+        // A stream for every scan, so that the order in which they are looked at does not matter.
+        let mut rng = ChaCha8Rng::seed_from_u64(source.seed);
+        rng.set_stream(scan_idx as u64);
+        let mut found = clusters(&scan, &output, source);
+        found.extend(cut_regions(&scan, &output, source, &mut rng));
+        if let Some(params) = source.regrouping {
+            found.extend(regrouped(&scan, &output, source, params));
+        }
+        let on_objects = output.detections.iter().flat_map(|it| it.point_indices.iter());
+        raster.fill(on_objects.map(|&it| scan.cloud.position_m(it as usize)));
+        for Candidate { bounding_box, surroundings, .. } in &mut found {
+            *surroundings = raster.around(bounding_box, ground.ground_below_m(bounding_box));
+        }
+        on_scan();
+        Ok(found)
+    };
+    // Collected before it is looked through for errors, so that the first in order is reported.
+    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_state, of_scan).collect();
+    let of_scans: Vec<Vec<Candidate>> = of_scans.into_iter().collect::<Result<_, _>>()?;
+    Ok(of_scans.into_iter().flatten().collect())
+}
+
+fn clusters(scan: &LabeledScan, output: &DetectorOutput, source: &CandidateSource<'_>) -> Vec<Candidate> {
+    let labels = VehicleLabels::of(scan);
+    let of_detection = |detection: detector::Detection<'_>| {
+        if detection.point_indices.len() < source.min_points {
+            return None;
+        }
+        let kind = labels.kind_of(detection.point_indices)?;
+        let bounding_box = match source.boxes {
+            CandidateBoxes::OfDetector(_) => Some(detection.bounding_box),
+            CandidateBoxes::Fitted(_) => None,
+        };
+        candidate(scan, kind, (bounding_box, source.boxes), detection.point_indices)
+    };
+    output.detections.iter().filter_map(of_detection).collect()
+}
+
+/// What regrouping might make of the clusters: parts of them, and pairs.
+fn regrouped(
+    scan: &LabeledScan,
+    output: &DetectorOutput,
+    source: &CandidateSource<'_>,
+    params: &RegroupingParams,
+) -> Vec<Candidate> {
+    let labels = VehicleLabels::of(scan);
+    let of_points = |point_indices: Vec<u32>| {
+        if point_indices.len() < source.min_points {
+            return None;
+        }
+        let it = candidate(scan, labels.kind_of(&point_indices)?, (None, source.boxes), &point_indices)?;
+        Some(Candidate { is_regrouped: true, ..it })
+    };
+    regroupings(&scan.cloud, &output.detections, params).into_iter().filter_map(of_points).collect()
+}
+
+fn cut_regions(
+    scan: &LabeledScan,
+    output: &DetectorOutput,
+    source: &CandidateSource<'_>,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Candidate> {
+    let labels = VehicleLabels::of(scan);
+    let mut of_clusters: Vec<u32> =
+        output.detections.iter().flat_map(|it| it.point_indices.iter().copied()).collect();
+    of_clusters.sort_unstable();
+    let mut found = Vec::new();
+    for _ in 0..N_CUTS {
+        if of_clusters.is_empty() {
+            break;
+        }
+        let around = of_clusters[rng.random_range(0..of_clusters.len())];
+        let rectangle = OrientedBox {
+            center_m: scan.cloud.position_m(around as usize),
+            length_width_height_m: [rng.random_range(CUT_LENGTH_M), rng.random_range(CUT_WIDTH_M), 100.0],
+            yaw_rad: rng.random_range(0.0..std::f32::consts::PI),
+        };
+        let is_inside = |&point_idx: &u32| rectangle.contains(scan.cloud.position_m(point_idx as usize));
+        let inside: Vec<u32> = of_clusters.iter().copied().filter(is_inside).collect();
+        if inside.len() >= source.min_points && labels.kind_of(&inside) == Some(CandidateKind::Cluster) {
+            found.extend(candidate(scan, CandidateKind::CutRegion, (None, source.boxes), &inside));
+        }
+    }
+    found
+}
+
+/// The candidate of these points, in the box it was found in or else a fitted one. `None` without points.
+fn candidate(
+    scan: &LabeledScan,
+    kind: CandidateKind,
+    (found_in, boxes): (Option<OrientedBox>, CandidateBoxes),
+    point_indices: &[u32],
+) -> Option<Candidate> {
+    let positions_m: Vec<[f32; 3]> =
+        point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+    let (CandidateBoxes::OfDetector(fit) | CandidateBoxes::Fitted(fit)) = boxes;
+    let bounding_box = found_in.or_else(|| fit.around(&positions_m))?;
+    let (sequence, surroundings) = (scan.id.sequence.clone(), Surroundings::default());
+    Some(Candidate { sequence, kind, bounding_box, surroundings, is_regrouped: false, positions_m })
+}

@@ -1,0 +1,87 @@
+//! What the labels of a scan say of any points of it.
+
+use scans::annotation::{Annotation, LabeledScan, PointRegion};
+
+use super::candidate_kind::CandidateKind;
+use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, may_be_vehicle};
+
+/// Annotations of fewer points show no vehicle: they are not judged in a run either.
+const LEAST_ANNOTATED_POINTS: usize = EligibilityParams::STANDARD.min_points;
+/// Least intersection over union of the points of a cluster and the vehicle it shows.
+const LEAST_IOU: f64 = 0.5;
+/// Background has no larger share of its points on vehicles, or on what may be one; what has more and shows none of them
+/// is a fragment.
+const MOST_ON_VEHICLES: f64 = 0.05;
+
+/// The labels of one scan.
+pub struct VehicleLabels<'a> {
+    scan: &'a LabeledScan,
+    /// For every point whether it is on a vehicle, or on something of which the task does not say whether it is one.
+    is_on_vehicle: Vec<bool>,
+}
+
+impl<'a> VehicleLabels<'a> {
+    /// Those of `scan`.
+    pub fn of(scan: &'a LabeledScan) -> Self {
+        let mut is_on_vehicle = vec![false; scan.cloud.len()];
+        for annotation in &scan.annotations {
+            if counts_as_vehicle(annotation.class) || may_be_vehicle(annotation.class) {
+                for &point_idx in &annotation.point_indices {
+                    is_on_vehicle[point_idx as usize] = true;
+                }
+            }
+        }
+        Self { scan, is_on_vehicle }
+    }
+
+    /// What these points show. `None` if the labels do not tell.
+    pub fn kind_of(&self, point_indices: &[u32]) -> Option<CandidateKind> {
+        let n_points = point_indices.len();
+        if !self.is_labeled(point_indices) {
+            return None;
+        }
+        let shared = self.shared(point_indices);
+        let fits = |&&(annotation, n_shared): &&(&Annotation, usize)| {
+            let n_annotated = annotation.point_indices.len();
+            let iou = n_shared as f64 / (n_points + n_annotated - n_shared) as f64;
+            counts_as_vehicle(annotation.class) && n_annotated >= LEAST_ANNOTATED_POINTS && iou >= LEAST_IOU
+        };
+        match shared.iter().find(fits) {
+            Some(&(&Annotation { class, bounding_box, occlusion, .. }, _)) => {
+                Some(CandidateKind::Vehicle { class, whole: bounding_box, occlusion })
+            }
+            None if self.is_background(point_indices) => Some(CandidateKind::Cluster),
+            None if is_unscorable(&shared, n_points) => None,
+            None => Some(CandidateKind::Fragment),
+        }
+    }
+
+    /// The annotations that these points share some of theirs with, and how many.
+    fn shared(&self, point_indices: &[u32]) -> Vec<(&'a Annotation, usize)> {
+        let with_number = |annotation: &'a Annotation| {
+            let is_shared = |point_idx: &&u32| annotation.point_indices.binary_search(point_idx).is_ok();
+            (annotation, point_indices.iter().filter(is_shared).count())
+        };
+        self.scan.annotations.iter().map(with_number).filter(|&(_, n_shared)| n_shared > 0).collect()
+    }
+
+    fn is_background(&self, point_indices: &[u32]) -> bool {
+        let n_on_vehicles = point_indices.iter().filter(|&&it| self.is_on_vehicle[it as usize]).count();
+        n_on_vehicles as f64 <= MOST_ON_VEHICLES * point_indices.len() as f64
+    }
+
+    /// Whether the labels say something about most of these points.
+    fn is_labeled(&self, point_indices: &[u32]) -> bool {
+        let labeled = |&&it: &&u32| self.scan.point_regions[it as usize] == PointRegion::Labeled;
+        2 * point_indices.iter().filter(labeled).count() > point_indices.len()
+    }
+}
+
+/// Whether half of the points lie on what is not judged: vehicles of few points, and what may be one.
+fn is_unscorable(shared: &[(&Annotation, usize)], n_points: usize) -> bool {
+    let on_unscorable = shared.iter().filter(|(annotation, _)| {
+        let too_few = annotation.point_indices.len() < LEAST_ANNOTATED_POINTS;
+        too_few || may_be_vehicle(annotation.class)
+    });
+    2 * on_unscorable.map(|&(_, n_shared)| n_shared).sum::<usize>() >= n_points
+}

@@ -1,0 +1,12 @@
+//! The names of detectors.
+
+use evaluation::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
+
+pub(super) fn detectors_help() -> String {
+    let names: Vec<&str> = DETECTORS.iter().map(|it| it.name).collect();
+    format!("Detectors, by comma, of {} [default: {}]", names.join(", "), DEFAULT_DETECTORS.join(","))
+}
+
+pub(super) fn detector_names() -> Vec<&'static str> {
+    DETECTORS.iter().map(|it| it.name).collect()
+}

@@ -1,0 +1,165 @@
+//! `scanbench boxes`.
+
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use evaluation::metrics::box_errors::BoxErrors;
+use evaluation::object_box::ObjectBox;
+use evaluation::run::box_study::{BoxPair, box_error_lines, box_pairs};
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::{ListedDetector, detectors_named};
+use jiff::Timestamp;
+use reports::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
+use reports::box_errors::BoxErrorLine;
+use reports::csv_rows::CsvRowWriter;
+use reports::plot::box_plot::box_plot;
+use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
+use reports::table::box_table::{boxes_to_markdown, boxes_to_terminal};
+use scans::annotation::Occlusion;
+
+use crate::cli::BoxesArgs;
+use crate::commands::config::{judging_config, warn_of_unknown_sensor};
+use crate::commands::failure::NothingEvaluated;
+use crate::commands::interruption::interruption_flag;
+use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
+use crate::commands::progress::progress_over_scans;
+use crate::commands::provenance::compact_utc;
+use crate::commands::run_directory::begin_run_directory;
+use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
+use crate::commands::standard_streams::{print_diagnostic, print_result};
+
+/// What has to be said of the numbers.
+const NOTES: [&str; 2] = [
+    "Medians of absolute errors with their 95 % intervals. pairs: clusters of the \
+     hierarchical detector that match an annotated car, van, truck or bus; both boxes are fitted to the same points of \
+     these. centre: distance on the ground plan; yaw: modulo 180 degrees, so at most 90.",
+    "Annotated boxes hold the whole vehicle, also what the sensor does not see of it; a box around what is seen is shorter \
+     or narrower even if it is right.",
+];
+
+/// Fits boxes of two kinds to the same matched clusters, and writes and prints how far they are from annotated ones.
+///
+/// # Errors
+///
+/// If anything asked for is not there, no vehicle is matched, or the output cannot be written; nothing is left behind then.
+pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
+    let interrupted = interruption_flag();
+    let started = Timestamp::now();
+    let detectors = detectors_named(&["hierarchical".to_owned()])?;
+    let mut config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+    // What clusters are taken for does not matter.
+    config.vehicle_models = None;
+    let opened = open_datasets(&arguments.data, &config.classes)?;
+    let unnamed = format!("{}-boxes-{}", compact_utc(started), ids_of(&opened));
+    let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
+    let groups = collect_all(&opened, &detectors[0], &config, interrupted)?;
+    if groups.iter().all(|it| it.pairs.is_empty()) {
+        return Err(NothingEvaluated { reason: "no annotated vehicle is matched".to_owned() }.into());
+    }
+    let lines: Vec<Vec<BoxErrorLine>> =
+        groups.iter().map(|it| box_error_lines(&it.pairs, &it.name, it.is_simulated)).collect();
+    let manifest = run_manifest(RunSettings {
+        data: &arguments.data,
+        n_warmup: 0,
+        n_repeats: NonZeroUsize::MIN,
+        config: &config,
+        detectors: detector_entries(&detectors, &config),
+        datasets: &opened,
+        started,
+    });
+    directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+    write_pairs(&directory, &groups)?;
+    for (group, lines) in groups.iter().zip(&lines) {
+        let title =
+            format!("Box errors of matched vehicles, {}: medians and 95 % intervals", group.file_stem());
+        directory
+            .write_file(&format!("boxes_{}.svg", group.file_stem()), box_plot(lines, &title).as_bytes())?;
+    }
+    let lines = lines.concat();
+    write_lines(&directory, &lines)?;
+    let finished = directory.finish()?;
+    let printed = print_result(boxes_to_terminal(&lines, &NOTES));
+    // Also where nobody takes the table: it is there.
+    print_diagnostic(format_args!("Tables and plots: {}", finished.display()));
+    printed
+}
+
+/// Pairs that are looked at together: all simulated ones, or those of a recorded data set.
+struct Group<'a> {
+    name: String,
+    is_simulated: bool,
+    /// With the ids of their data sets.
+    pairs: Vec<(&'a str, BoxPair)>,
+}
+
+impl Group<'_> {
+    fn file_stem(&self) -> &str {
+        if self.is_simulated { "simulated" } else { &self.name }
+    }
+}
+
+fn collect_all<'a>(
+    opened: &'a [OpenedDataset],
+    listed: &ListedDetector,
+    config: &RunConfig,
+    interrupted: &AtomicBool,
+) -> anyhow::Result<Vec<Group<'a>>> {
+    let mut groups: Vec<Group<'a>> = Vec::new();
+    for it in opened {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
+        let description = dataset.description();
+        warn_of_unknown_sensor(config, &description.sensor);
+        let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
+        let progress = progress_over_scans(scan_indices.len(), &description.id);
+        let found =
+            box_pairs(&**dataset, scan_indices, (listed, &of_sensor), interrupted, || progress.inc(1))?;
+        progress.finish_and_clear();
+        it.warn_of_points_left_out();
+        let found = found.into_iter().map(|it| (description.id.as_str(), it));
+        let is_simulated = description.is_simulated();
+        match groups.iter_mut().find(|it| is_simulated && it.is_simulated) {
+            Some(group) => {
+                group.name = format!("{}, {}", group.name, description.id);
+                group.pairs.extend(found);
+            }
+            None => groups.push(Group { name: description.id.clone(), is_simulated, pairs: found.collect() }),
+        }
+    }
+    Ok(groups)
+}
+
+fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> anyhow::Result<()> {
+    let mut rows = CsvRowWriter::new(directory.begin_file("boxes.csv")?)?;
+    for group in groups {
+        for (dataset, pair) in &group.pairs {
+            let scan = pair.scan.to_string();
+            let vehicle = MatchedVehicle {
+                data: dataset,
+                is_simulated: group.is_simulated,
+                scan: &scan,
+                class: pair.class.name(),
+                track: pair.track,
+                occlusion: pair.occlusion.map(Occlusion::name),
+                range_m: pair.range_m,
+                n_points: pair.n_points,
+            };
+            for (fit, errors) in ObjectBox::ALL.iter().zip(&pair.errors) {
+                let BoxErrors { centre_m, length_m, width_m, yaw_rad } = *errors;
+                let errors = [centre_m, length_m, width_m, yaw_rad.to_degrees()];
+                rows.write(&FittedBoxRow::new(vehicle, fit.name(), errors))?;
+            }
+        }
+    }
+    rows.finish()?;
+    Ok(())
+}
+
+fn write_lines(directory: &RunDirectory, lines: &[BoxErrorLine]) -> anyhow::Result<()> {
+    let mut rows = CsvRowWriter::new(directory.begin_file("box_errors.csv")?)?;
+    for row in lines.iter().flat_map(BoxErrorRow::of) {
+        rows.write(&row)?;
+    }
+    rows.finish()?;
+    directory.write_file("box_errors.md", boxes_to_markdown(lines, &NOTES).as_bytes())?;
+    Ok(())
+}

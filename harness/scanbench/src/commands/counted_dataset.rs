@@ -1,0 +1,74 @@
+//! A data set that counts which points its scans lack, whoever reads them.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use nalgebra::Isometry3;
+use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::{Dataset, DatasetDescription, DatasetError};
+
+/// How many points without a position each scan has, of the scans that were read and have any.
+#[derive(Debug, Clone, Default)]
+pub struct PointsLeftOut(Arc<Mutex<BTreeMap<usize, usize>>>);
+
+impl PointsLeftOut {
+    /// The number of points, the number of scans, and the first of them, by its place in the data set; `None` if there are none.
+    pub fn sum(&self) -> Option<(usize, usize, usize)> {
+        let by_scan = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (first, _) = by_scan.first_key_value()?;
+        Some((by_scan.values().sum(), by_scan.len(), *first))
+    }
+
+    fn note(&self, scan_idx: usize, n_points: usize) {
+        if n_points > 0 {
+            // A scan may be read several times.
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(scan_idx, n_points);
+        }
+    }
+}
+
+/// A data set with that count.
+pub struct CountedDataset {
+    dataset: Box<dyn Dataset>,
+    points_left_out: PointsLeftOut,
+}
+
+impl CountedDataset {
+    /// `dataset`, and the count that grows with the scans that are read.
+    pub fn new(dataset: Box<dyn Dataset>) -> (Self, PointsLeftOut) {
+        let points_left_out = PointsLeftOut::default();
+        (Self { dataset, points_left_out: points_left_out.clone() }, points_left_out)
+    }
+}
+
+impl Dataset for CountedDataset {
+    fn description(&self) -> &DatasetDescription {
+        self.dataset.description()
+    }
+
+    fn scan_ids(&self) -> &[ScanId] {
+        self.dataset.scan_ids()
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let scan = self.dataset.read_scan(scan_idx)?;
+        self.points_left_out.note(scan_idx, scan.points_left_out.len());
+        Ok(scan)
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        self.dataset.scan_time_ns(scan_idx)
+    }
+
+    fn oddities(&self) -> Result<Vec<String>, DatasetError> {
+        self.dataset.oddities()
+    }
+
+    fn left_out(&self) -> Option<&str> {
+        self.dataset.left_out()
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        self.dataset.world_from_sensor(scan_idx)
+    }
+}

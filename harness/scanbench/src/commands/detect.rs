@@ -1,0 +1,161 @@
+//! `scanbench detect`.
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::time::Duration;
+
+use detector::DetectedClass;
+use evaluation::metrics::latency::Latencies;
+use evaluation::run::detector_list::detectors_named;
+use evaluation::run::single_scan::{SingleScan, clusters_of_points, detect_repeatedly};
+use reports::box_row::BoxRow;
+use reports::cluster_of_point;
+use reports::csv_rows::to_csv_bytes;
+use scans::dataset::positioned_points::values_of_file;
+
+use crate::cli::DetectArgs;
+use crate::commands::config::{detector_config, warn_of_unknown_sensor};
+use crate::commands::failure::Usage;
+use crate::commands::interruption::interruption_flag;
+use crate::commands::open_scan::{OpenedScan, open_scan};
+use crate::commands::result_file::{Destination, write_results};
+use crate::commands::run_rows::detection_facts;
+use crate::commands::standard_streams::{print_diagnostic, print_result};
+
+/// Runs one detector on one scan, writes clusters and boxes where they are asked for, and prints a summary.
+///
+/// # Errors
+///
+/// If anything asked for is not there, the scan is damaged, or the output cannot be written; nothing is left behind then.
+pub fn detect(arguments: &DetectArgs) -> anyhow::Result<()> {
+    let interrupted = interruption_flag();
+    let destinations = Destinations::new(arguments)?;
+    let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
+    let config = detector_config(&arguments.config, &detectors)?;
+    destinations.check()?;
+    let mut scan =
+        open_scan(&arguments.input, arguments.scan.as_deref(), &arguments.source, &config.classes)?;
+    scan.sensor_height_m = arguments.sensor_height.unwrap_or(scan.sensor_height_m);
+    warn_of_unknown_sensor(&config, &scan.sensor);
+    let config = config.for_sensor(&scan.sensor).unwrap_or(config);
+    let mut detector = detectors[0].build(&config, scan.sensor_height_m);
+    let result = detect_repeatedly(&mut *detector, &scan.cloud, arguments.repeat as usize, interrupted)?;
+    write_results(&destinations.contents(&scan, &result)?)?;
+    let summary = summary(&scan, detectors[0].name, &result);
+    if destinations.take_stdout() {
+        print_diagnostic(summary.trim_end());
+        Ok(())
+    } else {
+        print_result(summary.trim_end())
+    }
+}
+
+/// Where the results go.
+struct Destinations {
+    clusters: Option<Destination>,
+    boxes: Option<Destination>,
+}
+
+impl Destinations {
+    fn new(arguments: &DetectArgs) -> Result<Self, Usage> {
+        let destination = |written: &Option<_>, extensions: &[&str]| {
+            written.as_deref().map(|it: &Path| Destination::new(it, extensions)).transpose()
+        };
+        let clusters = destination(&arguments.output, &["csv", "u32"])?;
+        let boxes = destination(&arguments.boxes, &["csv"])?;
+        if clusters.is_some() && clusters == boxes {
+            return Err(Usage("clusters and boxes go to different places".to_owned()));
+        }
+        Ok(Self { clusters, boxes })
+    }
+
+    fn check(&self) -> anyhow::Result<()> {
+        for destination in self.clusters.iter().chain(&self.boxes) {
+            destination.check()?;
+        }
+        Ok(())
+    }
+
+    fn take_stdout(&self) -> bool {
+        self.clusters.iter().chain(&self.boxes).any(|it| *it == Destination::Stdout)
+    }
+
+    fn contents(
+        &self,
+        scan: &OpenedScan,
+        result: &SingleScan,
+    ) -> anyhow::Result<Vec<(Destination, Vec<u8>)>> {
+        let mut contents = Vec::new();
+        let detections = &result.output.detections;
+        if let Some(destination) = &self.clusters {
+            // One for every point of the file; those without a position are of no cluster.
+            let clusters = clusters_of_points(detections, scan.cloud.len());
+            let clusters: Vec<Option<u32>> =
+                values_of_file(&clusters, &scan.points_left_out).into_iter().map(Option::flatten).collect();
+            let is_binary =
+                matches!(destination, Destination::File(path) if path.extension() == Some("u32".as_ref()));
+            let content = if is_binary {
+                cluster_of_point::to_u32_le(&clusters)
+            } else {
+                cluster_of_point::to_csv(&clusters).into_bytes()
+            };
+            contents.push((destination.clone(), content));
+        }
+        if let Some(destination) = &self.boxes {
+            let rows = detections.iter().enumerate().map(|(idx, it)| BoxRow::new(&detection_facts(idx, &it)));
+            contents.push((destination.clone(), to_csv_bytes(&rows.collect::<Vec<_>>())?));
+        }
+        Ok(contents)
+    }
+}
+
+fn summary(scan: &OpenedScan, detector: &str, result: &SingleScan) -> String {
+    let detections = &result.output.detections;
+    let n_in_clusters: usize = detections.iter().map(|it| it.point_indices.len()).sum();
+    let n_vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle).count();
+    let left_out = match scan.points_left_out.len() {
+        0 => String::new(),
+        n => format!(" and {n} without a position, which are left out"),
+    };
+    let mut text = format!(
+        "{}: {} points{left_out}, sensor {} m above the road\n\
+         {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} of them vehicles; {} more dropped for \
+         their size\n\n",
+        scan.name,
+        scan.cloud.len(),
+        scan.sensor_height_m,
+        detections.len(),
+        result.output.dropped_clusters.len(),
+    );
+    write_times(&mut text, result);
+    text
+}
+
+/// A line for each stage and one for all: a single time in milliseconds, or the least and the median of several.
+fn write_times(text: &mut String, result: &SingleScan) {
+    const STAGE: &str = "stage";
+    const WHOLE: &str = "whole";
+    const ENDLESS: &str = "a string takes all that is written";
+    let names = result.stages.iter().map(|(stage, _)| *stage).chain([STAGE, WHOLE]);
+    let width = names.map(str::len).max().unwrap_or(0);
+    let mut write_line = |name: &str, cells: &[String]| {
+        write!(text, "{name:<width$}").expect(ENDLESS);
+        for cell in cells {
+            write!(text, "  {cell:>9}").expect(ENDLESS);
+        }
+        text.push('\n');
+    };
+    let is_single = result.whole.n() == 1;
+    let heads: &[&str] = if is_single { &["ms"] } else { &["min ms", "p50 ms"] };
+    write_line(STAGE, &heads.iter().map(ToString::to_string).collect::<Vec<_>>());
+    let in_ms =
+        |time: Option<Duration>| time.map_or_else(String::new, |it| format!("{:.3}", it.as_secs_f64() * 1e3));
+    let cells = |times: &Latencies| {
+        let percents: &[u32] = if is_single { &[50] } else { &[0, 50] };
+        percents.iter().map(|&percent| in_ms(times.percentile(percent))).collect::<Vec<_>>()
+    };
+    for (stage, times) in &result.stages {
+        write_line(stage, &cells(times));
+    }
+    write_line(WHOLE, &cells(&result.whole));
+}

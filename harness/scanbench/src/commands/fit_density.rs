@@ -1,0 +1,130 @@
+//! `scanbench fit-density`.
+
+use std::collections::BTreeSet;
+use std::io::Write as _;
+use std::path::Path;
+
+use detector::grid::density_curve::{CurveOrigin, DensityCurve};
+use detector::grid::ring_density::RingCounts;
+use evaluation::density_survey::{count_rings, density_curves};
+use reports::archive::ArchiveError;
+use reports::csv_rows::CsvRowWriter;
+use reports::curve_pair::Sides;
+use reports::curve_row::CurveRow;
+use reports::plot::curve_plot::curve_plot;
+use reports::whole_file::{WholeFile, write_whole};
+use scans::dataset::class_table::ClassTable;
+use simulator::simulated_street::StreetDrive;
+
+use crate::cli::{DatasetArgs, FitDensityArgs};
+use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::interruption::interruption_flag;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets};
+use crate::commands::progress::progress_over_scans;
+use crate::commands::reproducible_command::reproducible_command;
+use crate::commands::standard_streams::{print_diagnostic, print_result};
+
+/// One row for every ring of both figures.
+const DENSITY_CSV: &str = "density.csv";
+
+/// Learns how the density of points falls with the range, and writes it for `scanbench run --config`.
+///
+/// # Errors
+///
+/// If anything asked for is not there, data are damaged or too few, or the output cannot be written; there is no file
+/// then, and no figures unless it is the disk that gave up on them.
+pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
+    let interrupted = interruption_flag();
+    let path = arguments.output.as_path();
+    for target in [Some(path), arguments.figures.as_deref()].into_iter().flatten() {
+        anyhow::ensure!(
+            arguments.overwrite || !target.exists(),
+            Usage(format!("{} exists; choose another name or replace it with --overwrite", target.display()))
+        );
+    }
+    let opened = open_datasets(&arguments.data, &ClassTable::default())?;
+    let origin = origin(&opened, &arguments.data)?;
+    // Now, so that a folder that is not there is not found out after all scans are read.
+    let mut file = WholeFile::create(path)?;
+    let mut scans = Vec::new();
+    for it in &opened {
+        let OpenedDataset { dataset, scan_indices, .. } = it;
+        let progress = progress_over_scans(scan_indices.len(), &dataset.description().id);
+        scans.extend(count_rings(&**dataset, scan_indices, interrupted, || progress.inc(1))?);
+        progress.finish_and_clear();
+        it.warn_of_points_left_out();
+    }
+    let curve =
+        DensityCurve::fit(&scans, origin).map_err(|error| NothingEvaluated { reason: error.to_string() })?;
+    if let Some(folder) = &arguments.figures {
+        write_figures(folder, &curve, &scans, &name_of(&opened, scans.len()))?;
+    }
+    let written = file.write_all(curve.to_toml().as_bytes());
+    written.map_err(|source| ArchiveError::Write { path: path.to_owned(), source })?;
+    file.finish()?;
+    let printed = print_result(summary(&curve));
+    print_diagnostic(format_args!("Density curve: {}", path.display()));
+    printed
+}
+
+/// What the curve is learned from. All scans have to be of one sensor.
+fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> anyhow::Result<CurveOrigin> {
+    let descriptions = || opened.iter().map(|it| it.dataset.description());
+    let sensors: BTreeSet<&str> = descriptions().map(|it| it.sensor.as_str()).collect();
+    let one_sensor = sensors.first().filter(|_| sensors.len() == 1);
+    let Some(sensor) = one_sensor else {
+        let names = sensors.into_iter().collect::<Vec<_>>().join(", ");
+        return Err(
+            Usage(format!("a density curve is that of one sensor, but the scans are of {names}")).into()
+        );
+    };
+    Ok(CurveOrigin {
+        sensor: (*sensor).to_owned(),
+        datasets: descriptions().map(|it| it.id.clone()).collect(),
+        seeds: descriptions().filter_map(|it| Some(StreetDrive::of(it)?.seed)).collect(),
+        command: reproducible_command("fit-density", arguments, &[]),
+    })
+}
+
+fn name_of(opened: &[OpenedDataset], n_scans: usize) -> String {
+    let of_one = |it: &OpenedDataset| {
+        let description = it.dataset.description();
+        let simulated = if description.is_simulated() { " (simulated)" } else { "" };
+        format!("{}{simulated}", description.id)
+    };
+    let names: Vec<String> = opened.iter().map(of_one).collect();
+    format!("measured, {}, {n_scans} scans", names.join(" + "))
+}
+
+fn write_figures(
+    folder: &Path,
+    curve: &DensityCurve,
+    scans: &[RingCounts],
+    name: &str,
+) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|source| ArchiveError::Write { path: folder.to_owned(), source })?;
+    let names = Sides { left: name, right: "fitted, exponential of a polynomial of the sixth degree" };
+    let mut rows = CsvRowWriter::new(WholeFile::create(&folder.join(DENSITY_CSV))?)?;
+    for pair in density_curves(curve, scans) {
+        for row in CurveRow::of_curves(&pair, names) {
+            rows.write(&row)?;
+        }
+        let plot = folder.join(format!("{}.svg", pair.statistic));
+        write_whole(&plot, curve_plot(&pair, names).as_bytes())?;
+    }
+    rows.finish()?;
+    Ok(())
+}
+
+/// The curve at a few ranges.
+fn summary(curve: &DensityCurve) -> String {
+    let mut lines = vec![
+        format!("Sensor {}, {} scans", curve.sensor, curve.n_scans),
+        format!("Densest ring: {} points/m² a scan", curve.peak_points_per_m2),
+    ];
+    let weights =
+        [5, 10, 20, 40, 80].map(|range_m| format!("{:.2e} at {range_m} m", curve.weight(f64::from(range_m))));
+    lines.push(format!("Weight: {}", weights.join(", ")));
+    lines.join("\n")
+}

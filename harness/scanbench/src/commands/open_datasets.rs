@@ -1,0 +1,229 @@
+//! From the names on the command line to data sets and the scans taken from them.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::str::FromStr as _;
+
+use reports::manifest::SkippedScan;
+use scans::annotation::ScanId;
+use scans::dataset::catalogue::read_catalogue;
+use scans::dataset::class_table::{ClassRules, ClassTable};
+use scans::dataset::dataset_format::DatasetFormat;
+use scans::dataset::mcap::topics::TopicChoice;
+use scans::dataset::scan_selection::ScanSelection;
+use scans::dataset::source::DamagePolicy;
+use scans::dataset::{Dataset, DatasetError};
+use simulator::catalogue::{Catalogue, built_in_catalogue};
+use simulator::open::{OpenOptions, open_dataset};
+
+use crate::cli::{DatasetArgs, SourceArgs};
+use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
+use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::standard_streams::{print_detail, print_diagnostic};
+
+/// A data set and the scans that are asked for.
+pub struct OpenedDataset {
+    /// The data set.
+    pub dataset: Box<dyn Dataset>,
+    /// Which of its scans, as indices into [`Dataset::scan_ids`].
+    pub scan_indices: Vec<usize>,
+    /// What was left out because it is damaged: when it was opened, and later.
+    pub skipped: RefCell<Vec<SkippedScan>>,
+    /// Points without a position in the scans that have been read.
+    pub points_left_out: PointsLeftOut,
+    /// What the user said names of classes in its labels stand for.
+    pub classes: ClassTable,
+}
+
+impl OpenedDataset {
+    /// What becomes of scan `id`, which cannot be read: the error, or a note and a warning if damage is to be skipped.
+    ///
+    /// # Errors
+    ///
+    /// `error`, unless damage is to be skipped.
+    pub fn on_damage(
+        &self,
+        policy: DamagePolicy,
+        id: &ScanId,
+        error: DatasetError,
+    ) -> Result<(), DatasetError> {
+        if policy == DamagePolicy::Refuse || error.is_usage_error() {
+            return Err(error);
+        }
+        let reason = format!("{:#}", anyhow::Error::from(error));
+        print_diagnostic(format_args!("warning: scan {id} is left out: {reason}"));
+        self.skipped.borrow_mut().push(SkippedScan { scan: id.to_string(), reason });
+        Ok(())
+    }
+
+    /// Says how many points without a position the scans had that have been read, if any had.
+    pub fn warn_of_points_left_out(&self) {
+        if let Some((n_points, n_scans, first)) = self.points_left_out.sum() {
+            print_diagnostic(format_args!(
+                "warning: {n_points} points without a position are left out of {n_scans} of the scans of {:?}, the first is {}",
+                self.dataset.description().id,
+                self.dataset.scan_ids()[first]
+            ));
+        }
+    }
+
+    /// Whether the poses of the sensor are known.
+    pub fn has_poses(&self) -> bool {
+        let first = self.scan_indices.first();
+        first.is_some_and(|&scan_idx| matches!(self.dataset.world_from_sensor(scan_idx), Ok(Some(_))))
+    }
+
+    /// Reads all scans and goes on without those that cannot be read, each with a warning.
+    ///
+    /// # Errors
+    ///
+    /// [`NothingEvaluated`] if none is left.
+    pub fn leave_out_damaged(&mut self) -> anyhow::Result<()> {
+        let mut sound = Vec::with_capacity(self.scan_indices.len());
+        for &scan_idx in &self.scan_indices {
+            match self.dataset.read_scan(scan_idx) {
+                Ok(_) => sound.push(scan_idx),
+                Err(error) => {
+                    self.on_damage(DamagePolicy::Skip, &self.dataset.scan_ids()[scan_idx], error)?;
+                }
+            }
+        }
+        if sound.is_empty() {
+            let reason = format!("every scan of {:?} is damaged", self.dataset.description().id);
+            return Err(NothingEvaluated { reason }.into());
+        }
+        self.scan_indices = sound;
+        Ok(())
+    }
+}
+
+/// The catalogue at `path`, or the built-in one.
+///
+/// # Errors
+///
+/// [`Usage`] if it cannot be read.
+pub fn open_catalogue(path: Option<&Path>) -> anyhow::Result<Catalogue> {
+    let Some(path) = path else { return Ok(built_in_catalogue()?) };
+    read_catalogue(path).map_err(|error| {
+        let is_usage_error = error.is_usage_error();
+        let error = anyhow::Error::from(error);
+        // Where data are missing this would be another exit code, but a catalogue is none.
+        if is_usage_error { error } else { error.context(Usage("the catalogue cannot be used".to_owned())) }
+    })
+}
+
+/// Opens all data sets before anything is run, so that a misspelled last one costs nothing. `of_config` is what the configuration says about names of
+/// classes.
+///
+/// # Errors
+///
+/// If one of them does not exist, is damaged, or has no scan that is asked for.
+pub fn open_datasets(arguments: &DatasetArgs, of_config: &ClassTable) -> anyhow::Result<Vec<OpenedDataset>> {
+    open_datasets_past_damage(arguments, DamagePolicy::Refuse, of_config)
+}
+
+/// As [`open_datasets`], but what is damaged is treated by this policy.
+///
+/// # Errors
+///
+/// As [`open_datasets`].
+pub fn open_datasets_past_damage(
+    arguments: &DatasetArgs,
+    damage: DamagePolicy,
+    of_config: &ClassTable,
+) -> anyhow::Result<Vec<OpenedDataset>> {
+    let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
+    let options = OpenOptions { damage, ..open_options(&arguments.source, of_config)? };
+    let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
+    let mut opened: Vec<OpenedDataset> = Vec::new();
+    for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
+        let dataset = open_dataset(name, &options, &catalogue)?;
+        let id = &dataset.description().id;
+        anyhow::ensure!(
+            opened.iter().all(|it| it.dataset.description().id != *id),
+            Usage(format!(
+                "two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"
+            ))
+        );
+        let n_scans = dataset.scan_ids().len();
+        let scan_indices = match &selection {
+            Some(selection) => selection.positions(n_scans)?,
+            None => (0..n_scans).collect(),
+        };
+        if scan_indices.is_empty() {
+            return Err(NothingEvaluated { reason: format!("{id:?} has no scans") }.into());
+        }
+        let description = dataset.description();
+        let root =
+            description.root.as_ref().map_or_else(|| "simulated".to_owned(), |it| it.display().to_string());
+        print_detail(format_args!(
+            "{id}: {} of {n_scans} scans, sensor {}, {root}",
+            scan_indices.len(),
+            description.sensor
+        ));
+        let left_out = dataset.left_out().map(|reason| {
+            print_diagnostic(format_args!(
+                "warning: the end of {:?} is left out: it {reason}",
+                dataset.description().id
+            ));
+            SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
+        });
+        let (dataset, points_left_out) = CountedDataset::new(dataset);
+        opened.push(OpenedDataset {
+            dataset: Box::new(dataset),
+            scan_indices,
+            skipped: RefCell::new(left_out.into_iter().collect()),
+            points_left_out,
+            classes: options.of_files().classes_of(name, &catalogue).table,
+        });
+    }
+    // What was simulated and written to disk is what it is.
+    if opened.iter().all(|it| it.dataset.description().root.is_some()) {
+        refuse_simulation(&arguments.source)?;
+    }
+    Ok(opened)
+}
+
+/// How data sets are to be opened; `source` has the last word over `of_config` about names of classes.
+///
+/// # Errors
+///
+/// If there is no such format.
+pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> anyhow::Result<OpenOptions> {
+    let mut own = ClassTable::default();
+    source.classes.iter().for_each(|it| own.insert(&it.name, it.class));
+    Ok(OpenOptions {
+        classes: ClassRules { table: own.or(of_config), ..ClassRules::default() },
+        format: source.format.as_deref().map(DatasetFormat::from_str).transpose()?,
+        seed: source.seed,
+        n_simulated_scans: source.simulated_scans,
+        sensor: source.sensor.clone(),
+        topics: TopicChoice { cloud: source.topic.clone(), annotations: source.annotation_topic.clone() },
+        damage: DamagePolicy::Refuse,
+    })
+}
+
+/// For where nothing is simulated.
+///
+/// # Errors
+///
+/// [`Usage`] if `source` says how to simulate.
+pub fn refuse_simulation(source: &SourceArgs) -> anyhow::Result<()> {
+    let for_simulated = [
+        ("--seed", source.seed.is_some()),
+        ("--simulated-scans", source.simulated_scans.is_some()),
+        ("--sensor", source.sensor.is_some()),
+    ];
+    match for_simulated.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            let problem = format!("{option} is for simulated data sets, and none is asked for");
+            Err(Usage(problem).into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// The ids of `datasets`, joined by `+`.
+pub fn ids_of(datasets: &[OpenedDataset]) -> String {
+    datasets.iter().map(|it| it.dataset.description().id.as_str()).collect::<Vec<_>>().join("+")
+}

@@ -1,0 +1,155 @@
+//! From the command line to a single scan.
+
+use std::path::Path;
+
+use detector::PointCloud;
+use scans::annotation::ScanId;
+use scans::dataset::catalogue::KITTI_SENSOR;
+use scans::dataset::class_table::ClassTable;
+use scans::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
+use scans::dataset::mcap::recording::is_mcap;
+use scans::dataset::scan_folder::any_scan_file::read_scan_file;
+use scans::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, scan_extension};
+use scans::dataset::velodyne_capture::revolutions::is_velodyne_capture;
+use simulator::open::open_dataset;
+
+use crate::cli::SourceArgs;
+use crate::commands::failure::Usage;
+use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation};
+
+/// A scan without ground truth.
+pub struct OpenedScan {
+    /// What it is called on screens, with a word about whether it is simulated.
+    pub name: String,
+    /// Its points.
+    pub cloud: PointCloud,
+    /// Places in the file of the points that are not in `cloud` since they have no position, ascending.
+    pub points_left_out: Vec<u32>,
+    /// Height of the sensor above the road, in metres, as far as the files say.
+    pub sensor_height_m: f32,
+    /// The sensor: its id, or the file that describes it.
+    pub sensor: String,
+}
+
+/// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says about names of classes.
+///
+/// # Errors
+///
+/// [`Usage`] if it is not said which scan, or there is none so called;
+/// [`DatasetError`](scans::dataset::DatasetError) if anything is missing or damaged.
+pub fn open_scan(
+    input: &str,
+    id: Option<&str>,
+    source: &SourceArgs,
+    of_config: &ClassTable,
+) -> anyhow::Result<OpenedScan> {
+    let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
+    let path = Path::new(input);
+    if let Some(members) = catalogue.groups.get(input) {
+        let problem = format!("{input:?} is several data sets; take one of {}", members.join(", "));
+        return Err(Usage(problem).into());
+    }
+    let is_catalogued = catalogue.ids().any(|it| it == input);
+    if !is_catalogued && !path.is_dir() {
+        if scan_extension(path).is_some() {
+            return open_file(input, id, source);
+        }
+        anyhow::ensure!(
+            !path.is_file() || is_mcap(path) || is_velodyne_capture(path),
+            Usage(format!(
+                "{input:?} is not read: a scan is a file whose name ends in .{}, or one of an MCAP recording or a \
+                 capture of packets",
+                SCAN_EXTENSIONS.join(", .")
+            ))
+        );
+    }
+    let dataset = open_dataset(input, &open_options(source, of_config)?, &catalogue)?;
+    let description = dataset.description();
+    if !description.is_simulated() {
+        refuse_simulation(source)?;
+    }
+    let scan_idx = find_scan(id, dataset.scan_ids(), &description.id)?;
+    let scan = dataset.read_scan(scan_idx)?;
+    let simulated = if description.is_simulated() { " (simulated)" } else { "" };
+    Ok(OpenedScan {
+        name: format!("{}{simulated}, scan {}", description.id, scan.id),
+        cloud: scan.cloud,
+        points_left_out: scan.points_left_out,
+        sensor_height_m: description.sensor_height_m,
+        sensor: description.sensor.clone(),
+    })
+}
+
+fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Result<OpenedScan> {
+    let for_datasets = [("--scan", id.is_some()), ("--format", source.format.is_some())];
+    if let Some((option, _)) = for_datasets.iter().find(|(_, is_given)| *is_given) {
+        return Err(Usage(format!("{option} is for data sets, and {input:?} is a scan")).into());
+    }
+    refuse_simulation(source)?;
+    let (cloud, points_left_out) = read_scan_file(Path::new(input))?.points.into_parts();
+    Ok(OpenedScan {
+        name: input.to_owned(),
+        cloud,
+        points_left_out,
+        sensor_height_m: KITTI_SENSOR_HEIGHT_M,
+        sensor: KITTI_SENSOR.to_owned(),
+    })
+}
+
+/// The place among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.
+fn find_scan(id: Option<&str>, scan_ids: &[ScanId], dataset: &str) -> Result<usize, Usage> {
+    let extent = match scan_ids {
+        [] => "it has none".to_owned(),
+        [only] => format!("it has {only} only"),
+        [first, .., last] => format!("it has {} from {first} to {last}", scan_ids.len()),
+    };
+    let Some(id) = id else {
+        return Err(Usage(format!("say by --scan which scan of {dataset:?}: {extent}")));
+    };
+    let (sequence, number) = match id.rsplit_once('/') {
+        Some((sequence, number)) => (Some(sequence), number),
+        None => (None, id),
+    };
+    let is_meant = |it: &ScanId| {
+        number.parse() == Ok(it.index) && sequence.is_none_or(|sequence| sequence == it.sequence)
+    };
+    let meant: Vec<usize> = (0..scan_ids.len()).filter(|&scan_idx| is_meant(&scan_ids[scan_idx])).collect();
+    match meant[..] {
+        [scan_idx] => Ok(scan_idx),
+        [] => Err(Usage(format!("{dataset:?} has no scan {id:?}: {extent}"))),
+        [first, second, ..] => {
+            let (first, second) = (&scan_ids[first], &scan_ids[second]);
+            Err(Usage(format!("{dataset:?} has several scans {id:?}, such as {first} and {second}")))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(id: Option<&str>, expected: Result<usize, &str>) {
+        let scan_id = |sequence: &str, index| ScanId { sequence: sequence.to_owned(), index };
+        let scan_ids = [scan_id("0000", 0), scan_id("0000", 7), scan_id("0001", 0)];
+        let found = find_scan(id, &scan_ids, "drive").map_err(|error| error.to_string());
+        assert_eq!(found, expected.map_err(str::to_owned));
+    }
+
+    #[test]
+    fn a_scan_is_found_by_drive_and_number_or_by_a_number_that_is_its_own() {
+        check(Some("0001/000000"), Ok(2));
+        check(Some("0000/7"), Ok(1));
+        check(Some("000007"), Ok(1));
+    }
+
+    #[test]
+    fn what_is_no_scan_or_several_is_refused() {
+        check(None, Err("say by --scan which scan of \"drive\": it has 3 from 0000/000000 to 0001/000000"));
+        check(Some("0"), Err("\"drive\" has several scans \"0\", such as 0000/000000 and 0001/000000"));
+        for id in ["8", "0001/7", "first", "", "/", "-1", "0000/"] {
+            let expected = format!("\"drive\" has no scan {id:?}: it has 3 from 0000/000000 to 0001/000000");
+            check(Some(id), Err(&expected));
+        }
+    }
+}

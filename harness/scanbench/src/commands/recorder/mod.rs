@@ -1,0 +1,57 @@
+//! What records runs and sweeps for Rerun, or, in a program that was built without the viewer, what stands in for it.
+//!
+//! Both have the same items; nothing else asks what was built in.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use evaluation::run::scan_recorder::{RecordingEnding, Served};
+use scans::task::Task;
+
+use crate::cli::StreamArgs;
+use crate::commands::standard_streams::print_diagnostic;
+
+#[cfg(feature = "viewer")]
+mod with_viewer;
+#[cfg(feature = "viewer")]
+pub use with_viewer::{Recorder, begin, is_wanted, record_sweep, rerun_version};
+#[cfg(not(feature = "viewer"))]
+mod without_viewer;
+#[cfg(not(feature = "viewer"))]
+pub use without_viewer::{Recorder, begin, is_wanted, record_sweep, rerun_version};
+
+/// What a recording is about.
+#[allow(dead_code, reason = "read by the viewer, where there is one")]
+pub struct RecordingPlan<'a> {
+    /// What was asked for.
+    pub arguments: &'a StreamArgs,
+    /// Where it is written unless the arguments say otherwise.
+    pub default_file: PathBuf,
+    /// Its name in the viewer.
+    pub name: &'a str,
+    /// The task that it shows at first.
+    pub shown_task: Task,
+    /// The detectors.
+    pub detectors: &'a [&'a str],
+    /// Whether the poses of the sensor are known for some scans at least.
+    pub has_poses: bool,
+    /// Whether it opens at its first scan, and not at the last.
+    pub at_the_start: bool,
+}
+
+/// Says what went wrong at the end, and returns what still serves the recording.
+pub fn report_ending(ending: RecordingEnding) -> Option<Box<dyn Served>> {
+    if let Some(warning) = ending.warning {
+        print_diagnostic(format_args!("warning: {warning}"));
+    }
+    ending.served
+}
+
+/// Goes on serving the recording, of which everything is written, until the user ends it.
+pub fn serve_until_interrupted(served: &dyn Served, interrupted: &AtomicBool) {
+    print_diagnostic(format_args!("Serving the recording until Ctrl-C: rerun {}", served.url()));
+    while !interrupted.load(Ordering::Relaxed) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}

@@ -1,0 +1,69 @@
+//! What stands in for recordings in a program that was built without the viewer: there are none.
+
+use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
+use evaluation::sweep::summary::SweepResults;
+use reports::run_directory::RunDirectory;
+use reports::table::sweep_score::SweepScores;
+
+use super::RecordingPlan;
+use crate::cli::StreamArgs;
+use crate::commands::failure::Usage;
+
+/// There is none.
+pub enum Recorder {}
+
+/// Whether a recording is asked for: never.
+///
+/// # Errors
+///
+/// [`Usage`] if `arguments` say where it is to go.
+pub fn is_wanted(arguments: &StreamArgs) -> anyhow::Result<bool> {
+    let for_recordings = [
+        ("--save-rrd", arguments.save_rrd.is_some()),
+        ("--connect", arguments.connect.is_some()),
+        ("--spawn", arguments.spawn),
+        ("--serve", arguments.serve.is_some()),
+    ];
+    match for_recordings.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => {
+            Err(Usage(format!("{option} needs Rerun, and this program was built without it")).into())
+        }
+        None => Ok(false),
+    }
+}
+
+/// Begins no recording.
+///
+/// # Errors
+///
+/// [`Usage`] if one is asked for.
+pub fn begin(plan: &RecordingPlan<'_>) -> anyhow::Result<Option<Recorder>> {
+    is_wanted(plan.arguments).map(|_| None)
+}
+
+impl ScanRecorder for Recorder {
+    type Error = anyhow::Error;
+
+    fn record(&mut self, _: &RecordedScan<'_>) -> anyhow::Result<Option<String>> {
+        match *self {}
+    }
+
+    fn finish(self) -> anyhow::Result<RecordingEnding> {
+        match self {}
+    }
+}
+
+/// Records nothing.
+///
+/// # Errors
+///
+/// None here.
+#[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
+pub fn record_sweep(_: &RunDirectory, _: &SweepResults<'_>, _: &SweepScores) -> anyhow::Result<()> {
+    Ok(())
+}
+
+/// None: no recordings are made.
+pub fn rerun_version() -> Option<String> {
+    None
+}

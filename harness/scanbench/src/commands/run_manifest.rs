@@ -1,0 +1,147 @@
+//! What `manifest.json` says of a run.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+
+use evaluation::matching::criterion::Criterion;
+use evaluation::metrics::counts::SCORING_VERSION;
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::ListedDetector;
+use jiff::Timestamp;
+use reports::archive::SCHEMA;
+use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation};
+use scans::dataset;
+use simulator::SIMULATOR_VERSION;
+use simulator::simulated_street::StreetDrive;
+use simulator::street_conditions::StreetConditions;
+
+use crate::cli::DatasetArgs;
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
+use crate::commands::recorder::rerun_version;
+
+/// What was run, and how.
+pub struct RunSettings<'a> {
+    /// How the data sets were chosen.
+    pub data: &'a DatasetArgs,
+    /// Detections that were thrown away before any was timed.
+    pub n_warmup: u16,
+    /// How often each detector looked at each scan.
+    pub n_repeats: NonZeroUsize,
+    /// The parameters.
+    pub config: &'a RunConfig,
+    /// What took part, in the order of the tables.
+    pub detectors: Vec<DetectorEntry>,
+    /// The data sets.
+    pub datasets: &'a [OpenedDataset],
+    /// When it began.
+    pub started: Timestamp,
+}
+
+/// Everything that decides the numbers of a run.
+pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
+    let matching = &settings.config.matching;
+    Manifest {
+        schema: SCHEMA,
+        scoring_version: SCORING_VERSION,
+        scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
+        created: rfc3339_utc(settings.started),
+        argv: command_line(),
+        seeds: seeds(settings.datasets),
+        n_warmup_detections: settings.n_warmup.into(),
+        n_repeats: settings.n_repeats.get() as u32,
+        matching_criterion: criterion_in_words(matching.criterion),
+        ignored: IgnoreRule {
+            min_points: matching.eligibility.min_points as u32,
+            max_range_m: matching.eligibility.max_range_m,
+        },
+        datasets: settings.datasets.iter().map(|it| dataset_entry(it, settings.data)).collect(),
+        detectors: settings.detectors,
+        config: json(&settings.config.resolved),
+        git: git_state(),
+        rustc_version: rustc_version(),
+        rerun_version: rerun_version(),
+        machine: machine(),
+    }
+}
+
+/// What a manifest says of `detectors` with the parameters of `config`.
+pub fn detector_entries(detectors: &[ListedDetector], config: &RunConfig) -> Vec<DetectorEntry> {
+    detectors.iter().map(|it| detector_entry(it.name, it, config)).collect()
+}
+
+/// What a manifest says of `listed` under the name `name`.
+pub fn detector_entry(name: &str, listed: &ListedDetector, config: &RunConfig) -> DetectorEntry {
+    let mut parameters = json(&config.resolved)[listed.table].take();
+    for (parameter, value) in listed.fixed {
+        parameters[*parameter] = (*value).into();
+    }
+    // Rules do not depend on the height.
+    let rules = listed.build(config, 0.0).rules();
+    let rules = rules.iter().map(ToString::to_string).collect();
+    DetectorEntry { name: name.to_owned(), parameters, rules }
+}
+
+fn json(resolved: &toml::Table) -> serde_json::Value {
+    serde_json::to_value(resolved).expect("a configuration has text keys only")
+}
+
+/// When a detection matches an annotation.
+pub fn criterion_in_words(criterion: Criterion) -> String {
+    match criterion {
+        Criterion::Points { min_iou } => format!("points, IoU at least {min_iou}"),
+        Criterion::BevIou { min_iou } => format!("boxes on the ground plan, IoU at least {min_iou}"),
+        Criterion::Iou3d { min_iou } => format!("boxes in space, IoU at least {min_iou}"),
+        Criterion::Centre { max_distance_m } => format!("centre, closer than {max_distance_m} m"),
+    }
+}
+
+/// The seeds of the simulated ones among `datasets`, by their ids.
+pub fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
+    let descriptions = datasets.iter().map(|it| it.dataset.description());
+    descriptions.filter_map(|it| Some((it.id.clone(), StreetDrive::of(it)?.seed))).collect()
+}
+
+/// What a manifest says of a data set that was opened as `arguments` say.
+pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> DatasetEntry {
+    let description = opened.dataset.description();
+    DatasetEntry {
+        id: description.id.clone(),
+        format: description.format.clone(),
+        root: description.root.as_ref().map(|it| it.display().to_string()),
+        simulated: description.is_simulated(),
+        annotated: match &description.annotated {
+            dataset::AnnotatedClasses::EveryObject => AnnotatedClasses::EveryObject,
+            dataset::AnnotatedClasses::Only(classes) => {
+                AnnotatedClasses::Only(classes.iter().map(|it| it.name().to_owned()).collect())
+            }
+        },
+        checksum: description.checksum.clone(),
+        n_scans: opened.scan_indices.len() as u64,
+        skipped_scans: opened.skipped.borrow().clone(),
+        classes: opened.classes.written(),
+        n_points_left_out: opened.points_left_out.sum().map_or(0, |(n_points, ..)| n_points as u64),
+        selection: arguments.scans.clone(),
+        sensor_height_m: description.sensor_height_m,
+        sensor: description.sensor.clone(),
+        licence: description.licence.clone(),
+        simulation: StreetDrive::of(description).as_ref().map(simulation),
+    }
+}
+
+fn simulation(drive: &StreetDrive) -> Simulation {
+    Simulation {
+        simulator_version: SIMULATOR_VERSION,
+        street: drive.street.name().to_owned(),
+        n_drive_scans: drive.n_scans,
+        turns_per_scan: drive.turns_per_scan,
+        scans_per_drive: drive.scans_per_drive,
+        sensor: drive.sensor.clone(),
+        shutter: drive.shutter.name().to_owned(),
+        rain_mm_per_h: drive.rain_mm_per_h,
+        sensor_height_m: drive.sensor_height_m,
+        conditions: (drive.conditions != StreetConditions::default())
+            .then(|| serde_json::to_value(drive.conditions).expect("conditions are numbers")),
+        labeled_to_either_side_deg: drive.labeled_to_either_side_deg,
+    }
+}

@@ -1,0 +1,311 @@
+//! From what became of a scan to rows of the archive.
+
+use std::time::Duration;
+
+use detector::detector::DropReason;
+use detector::{Detection, OrientedBox};
+use evaluation::matching::eligibility::n_points_in;
+use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, IgnoredAnnotation};
+use evaluation::metrics::counts::{Counts, FalseDetections};
+use evaluation::metrics::segmentation_quality::SegmentationQuality;
+use evaluation::run::side_by_side::DetectorScan;
+use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use reports::match_row::MatchRow;
+use reports::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use scans::annotation::{LabeledScan, Occlusion, PointRegion};
+use scans::dataset::DatasetDescription;
+
+/// The row of one scan, detector and task in `scans.csv`; the scan comes with the time it was taken at, in seconds since the first
+/// of its drive.
+pub fn scan_row(
+    dataset: &DatasetDescription,
+    (scan, time_s): (&LabeledScan, f64),
+    result: &DetectorScan,
+    assignment: &Assignment,
+) -> ScanRow {
+    let counts = Counts::of(assignment);
+    let segmentation = SegmentationQuality::of(scan, &result.output.detections, assignment);
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
+    let n_dropped = |reasons: &[DropReason]| {
+        let dropped = result.output.dropped_clusters.iter();
+        dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
+    };
+    ScanRow {
+        dataset: dataset.id.clone(),
+        sequence: scan.id.sequence.clone(),
+        scan: scan.id.index,
+        time_s,
+        detector: result.detector.to_owned(),
+        task: assignment.task.name().to_owned(),
+        outcome: ScanOutcome::Evaluated(ScanNumbers {
+            n_points: scan.cloud.len() as u64,
+            latency_ms: Some(ms(result.times.first)),
+            least_latency_ms: Some(ms(result.times.least)),
+            reference_ms: result.times.reference.map(ms),
+            counts: counts.scored(FalseDetections::of(&dataset.annotated, assignment.task)),
+            n_ignored_annotations: counts.n_ignored_annotations,
+            n_ignored_detections: counts.n_ignored_detections,
+            n_unknowable_detections: counts.n_unknowable,
+            segmentation: SegmentationNumbers {
+                n_split: segmentation.n_split,
+                n_holding: segmentation.n_holding,
+                n_joining: segmentation.n_joining,
+                n_touching: segmentation.n_touching,
+                over_entropy_nats: segmentation.over_entropy_nats,
+                under_entropy_nats: segmentation.under_entropy_nats,
+            },
+            n_dropped_too_small: n_dropped(&[DropReason::TooFewPoints]),
+            n_dropped_too_large: n_dropped(&[DropReason::TooManyPoints, DropReason::TooLarge]),
+        }),
+    }
+}
+
+/// The rows of one scan, detector and task in `matches.csv`: annotations with what found them, then the detections
+/// that found none. A tall annotation stands in one row with the detection that found it all the same.
+pub fn match_rows(
+    dataset: &DatasetDescription,
+    criterion: &str,
+    scan: &LabeledScan,
+    result: &DetectorScan,
+    assignment: &Assignment,
+) -> Vec<MatchRow> {
+    let annotation = |idx: usize| annotation_facts(scan, idx);
+    let detection = |idx: usize| detection_facts(idx, &result.output.detections.get(idx));
+    let of_annotations = assignment.annotations.iter().enumerate().filter_map(|(idx, outcome)| {
+        Some(match *outcome {
+            AnnotationOutcome::NotAsked => return None,
+            AnnotationOutcome::Ignored(IgnoredAnnotation::Tall) => {
+                let found = assignment.found_tall.iter().find(|it| it.annotation_idx == idx);
+                let found_by =
+                    found.map(|it| FoundBy { detection: detection(it.detection_idx), cost: it.cost });
+                MatchOutcome::Tall { annotation: annotation(idx), found_by }
+            }
+            AnnotationOutcome::Ignored(reason) => MatchOutcome::IgnoredAnnotation {
+                annotation: annotation(idx),
+                reason: reason.name().to_owned(),
+            },
+            AnnotationOutcome::Matched { detection_idx, cost } => {
+                let (annotation, detection) = (annotation(idx), detection(detection_idx));
+                MatchOutcome::Matched { annotation, detection, cost }
+            }
+            AnnotationOutcome::Missed(reason) => {
+                MatchOutcome::Missed { annotation: annotation(idx), reason: reason.name().to_owned() }
+            }
+        })
+    });
+    let mut is_told = vec![false; assignment.detections.len()];
+    for found in &assignment.found_tall {
+        is_told[found.detection_idx] = true;
+    }
+    let untold = assignment.detections.iter().enumerate().filter(|(idx, _)| !is_told[*idx]);
+    let of_detections = untold.filter_map(|(idx, outcome)| {
+        Some(match outcome {
+            DetectionOutcome::NotAsked | DetectionOutcome::Matched { .. } => return None,
+            DetectionOutcome::Ignored(reason) => {
+                MatchOutcome::IgnoredDetection { detection: detection(idx), reason: reason.name().to_owned() }
+            }
+            DetectionOutcome::False(reason) => {
+                MatchOutcome::False { detection: detection(idx), reason: reason.name().to_owned() }
+            }
+            DetectionOutcome::Unknowable => MatchOutcome::Unknowable { detection: detection(idx) },
+        })
+    });
+    let row = |outcome| MatchRow {
+        dataset: dataset.id.clone(),
+        sequence: scan.id.sequence.clone(),
+        scan: scan.id.index,
+        detector: result.detector.to_owned(),
+        task: assignment.task.name().to_owned(),
+        criterion: criterion.to_owned(),
+        outcome,
+    };
+    of_annotations.chain(of_detections).map(row).collect()
+}
+
+fn annotation_facts(scan: &LabeledScan, annotation_idx: usize) -> AnnotationFacts {
+    let annotation = &scan.annotations[annotation_idx];
+    AnnotationFacts {
+        id: annotation_idx as u64,
+        track: annotation.track,
+        class: annotation.class.name().to_owned(),
+        occlusion: annotation.occlusion.map(Occlusion::name).map(str::to_owned),
+        n_points: annotation.point_indices.len() as u64,
+        n_points_outside: n_points_in(scan, annotation, PointRegion::Outside) as u64,
+        bounding_box: annotation.bounding_box.as_ref().map(box_facts),
+        centroid_m: match annotation.bounding_box {
+            Some(_) => None,
+            None => annotation.center_m(&scan.cloud),
+        },
+    }
+}
+
+/// What files say of a detection; its id is its place among those of the scan.
+pub fn detection_facts(detection_idx: usize, detection: &Detection<'_>) -> DetectionFacts {
+    DetectionFacts {
+        id: detection_idx as u64,
+        class: detection.class.name().to_owned(),
+        score: detection.score,
+        n_points: detection.point_indices.len() as u64,
+        bounding_box: box_facts(&detection.bounding_box),
+    }
+}
+
+fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
+    BoxFacts {
+        center_m: bounding_box.center_m,
+        length_width_height_m: bounding_box.length_width_height_m,
+        yaw_rad: bounding_box.yaw_rad,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    use detector::{DetectedClass, DetectorOutput, PointCloud};
+    use reports::metric::Metric;
+    use reports::tally::Tally;
+
+    use evaluation::matching::assign::{MatchingParams, assign};
+    use evaluation::matching::criterion::Criterion;
+    use evaluation::matching::eligibility::EligibilityParams;
+    use evaluation::run::side_by_side::DetectionTimes;
+    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, ScanId};
+    use scans::dataset::AnnotatedClasses;
+    use scans::task::Task;
+
+    /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
+    fn scan_without_boxes() -> LabeledScan {
+        let heaps = [(AnnotationClass::Car, 5.0, 0.05), (AnnotationClass::Car, 20.0, 0.05)];
+        let heaps =
+            heaps.into_iter().chain([(AnnotationClass::Car, 40.0, 0.05), (AnnotationClass::Tree, 60.0, 0.2)]);
+        let mut cloud = PointCloud::default();
+        let annotations = heaps.map(|(class, x_m, step_m)| {
+            let first = cloud.len() as u32;
+            (0..30_u8).for_each(|it| cloud.push([x_m, 0.0, step_m * f32::from(it)], 0.0));
+            let point_indices = (first..first + 30).collect();
+            Annotation {
+                class,
+                bounding_box: None,
+                point_indices,
+                track: None,
+                occlusion: None,
+                truncation: None,
+            }
+        });
+        let annotations = annotations.collect();
+        (0..30_u8).for_each(|it| cloud.push([25.0, 0.1 * f32::from(it), 0.0], 0.0));
+        LabeledScan {
+            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
+            annotations,
+            point_regions: vec![PointRegion::Labeled; cloud.len()],
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+            cloud,
+        }
+    }
+
+    fn dataset() -> DatasetDescription {
+        DatasetDescription {
+            id: "drawn".to_owned(),
+            format: "drawn".to_owned(),
+            root: None,
+            annotated: AnnotatedClasses::EveryObject,
+            sensor_height_m: 1.7,
+            sensor: "drawn".to_owned(),
+            licence: None,
+            checksum: None,
+            simulation: None,
+        }
+    }
+
+    /// What comes of detections of these points, each with a box at `x_m`.
+    fn rows_of(scan: &LabeledScan, detections: &[(std::ops::Range<u32>, f32)]) -> (ScanRow, Vec<MatchRow>) {
+        let mut output = DetectorOutput::default();
+        for (points, x_m) in detections {
+            let point_indices: Vec<u32> = points.clone().collect();
+            output.detections.push(Detection {
+                point_indices: &point_indices,
+                bounding_box: OrientedBox {
+                    center_m: [*x_m, 0.0, 0.0],
+                    length_width_height_m: [1.0; 3],
+                    yaw_rad: 0.0,
+                },
+                class: DetectedClass::Object,
+                score: None,
+            });
+        }
+        let params =
+            MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
+        let assignment =
+            assign(scan, &output.detections, Task::Objects, &AnnotatedClasses::EveryObject, &params);
+        let result = DetectorScan {
+            detector: "drawn",
+            output,
+            times: DetectionTimes {
+                first: Duration::from_millis(1),
+                least: Duration::from_millis(1),
+                reference: None,
+            },
+            assignments: vec![assignment.clone()],
+        };
+        let rows = match_rows(&dataset(), "points", scan, &result, &assignment);
+        (scan_row(&dataset(), (scan, 0.0), &result, &assignment), rows)
+    }
+
+    #[test]
+    fn without_boxes_the_ranges_add_up_to_everything() {
+        let scan = scan_without_boxes();
+        let (scan_row, match_rows) = rows_of(&scan, &[(0..30, 5.0), (60..90, 40.0), (120..150, 25.0)]);
+        let mut tally = Tally::default();
+        tally.add_scan(&scan_row);
+        for row in &match_rows {
+            tally.add_match(row);
+        }
+        let rows = tally.metric_rows();
+        let sum = |metric: &Metric, is_asked: &dyn Fn(&str) -> bool| -> f64 {
+            let asked = rows.iter().filter(|it| it.metric == *metric && is_asked(&it.subject.slice));
+            asked.filter_map(reports::run_report::MetricRow::value).sum()
+        };
+        for (metric, expected) in [(Metric::No, 3.0), (Metric::Tp, 2.0), (Metric::Fo, 1.0)] {
+            assert_eq!(sum(&metric, &|it| it == "all"), expected, "{}", metric.id());
+            assert_eq!(sum(&metric, &|it| it.starts_with("range/")), expected, "{}", metric.id());
+        }
+        assert_eq!(sum(&Metric::No, &|it| it == "range/15-30"), 1.0);
+        assert_eq!(sum(&Metric::No, &|it| it == "tall"), 1.0);
+    }
+
+    #[test]
+    fn a_tall_annotation_and_what_found_it_are_one_row() {
+        let scan = scan_without_boxes();
+        let of_tree = |detections: &[(std::ops::Range<u32>, f32)]| {
+            let rows = rows_of(&scan, detections).1;
+            let n_detections =
+                rows.iter().filter(|it| matches!(it.outcome, MatchOutcome::IgnoredDetection { .. }));
+            let n_detections = n_detections.count();
+            let tall = rows.into_iter().find_map(|it| match it.outcome {
+                MatchOutcome::Tall { annotation, found_by } => {
+                    Some((annotation.id, found_by.map(|it| it.cost)))
+                }
+                _ => None,
+            });
+            (tall, n_detections)
+        };
+        assert_eq!(of_tree(&[]), (Some((3, None)), 0));
+        assert_eq!(of_tree(&[(90..120, 60.0)]), (Some((3, Some(0.0))), 0));
+        // Too little to find it, but on it.
+        assert_eq!(of_tree(&[(90..100, 60.0)]), (Some((3, None)), 1));
+    }
+
+    #[test]
+    fn rows_say_where_unboxed_annotations_stand_and_what_is_cut() {
+        let mut scan = scan_without_boxes();
+        scan.point_regions[..15].fill(PointRegion::Outside);
+        let facts = annotation_facts(&scan, 0);
+        assert_eq!((facts.n_points_outside, facts.is_truncated()), (15, true));
+        let [x_m, y_m, z_m] = facts.centroid_m.unwrap();
+        assert!(x_m == 5.0 && y_m == 0.0 && (z_m - 0.725).abs() < 1e-5, "{facts:?}");
+        assert!(!annotation_facts(&scan, 1).is_truncated());
+    }
+}

@@ -1,0 +1,136 @@
+//! What `scanbench train` leaves in its directory.
+
+use detector::classify::nu_svm::NuSvm;
+use detector::classify::svm_model::SvmModel;
+use detector::describe::prototype_library::PrototypeLibrary;
+use detector::describe::trained_file::Provenance;
+use evaluation::training::candidates::Candidate;
+use evaluation::training::described_object::DescribedObject;
+use evaluation::training::evaluation::Evaluation;
+use evaluation::training::held_out::HeldOut;
+use jiff::Timestamp;
+use reports::archive::SCHEMA;
+use reports::csv_rows::to_csv_bytes;
+use reports::operating_curve::OperatingRow;
+use reports::plot::operating_plot::operating_plot;
+use reports::run_directory::MANIFEST_JSON;
+use reports::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjects};
+
+use crate::cli::DatasetArgs;
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
+use crate::commands::run_manifest::dataset_entry;
+
+/// What a model was trained on.
+pub struct TrainingSettings<'a> {
+    /// As model files say it.
+    pub made: Provenance,
+    /// How the data sets were opened.
+    pub data: &'a DatasetArgs,
+    /// How those only to judge by were.
+    pub held_out_data: Option<&'a DatasetArgs>,
+    /// The data sets trained on.
+    pub trained: &'a [OpenedDataset],
+    /// Those only to judge by; without any, drives of the others are.
+    pub held_out: &'a [OpenedDataset],
+    /// Which drives are on which side.
+    pub parted: &'a HeldOut,
+    /// When it began.
+    pub started: Timestamp,
+}
+
+/// A model and how it was judged.
+pub struct TrainedModel<'a, const D: usize> {
+    /// The classifier.
+    pub model: SvmModel<D>,
+    /// What it compares with, if it does.
+    pub library: Option<&'a PrototypeLibrary>,
+    /// Held-out objects, with their data sets.
+    pub judged: Vec<(&'a str, &'a Candidate, DescribedObject<D>)>,
+    /// How the classifier does on them.
+    pub evaluation: Evaluation<D>,
+}
+
+/// The files by their names.
+///
+/// # Errors
+///
+/// If a number is not finite.
+pub fn write_files<const D: usize>(
+    settings: &TrainingSettings<'_>,
+    trained: &TrainedModel<'_, D>,
+) -> anyhow::Result<Vec<(&'static str, Vec<u8>)>> {
+    let TrainedModel { model, library, judged, evaluation } = trained;
+    let totals = evaluation.curves.totals();
+    let points = evaluation.curves.points().iter();
+    let curve: Vec<OperatingRow> =
+        points.map(|it| OperatingRow::new(it.threshold, [it.n_true, it.n_false], totals)).collect();
+    let importance: Vec<ImportanceRow> = evaluation
+        .importance
+        .iter()
+        .map(|&(name, loss)| ImportanceRow::new(name, loss, judged.len()))
+        .collect();
+    let mut files = vec![
+        (MANIFEST_JSON, format!("{:#}\n", manifest(settings)).into_bytes()),
+        ("model.toml", model.to_toml().into_bytes()),
+        ("objects.csv", objects(model, judged)?),
+        ("importance.csv", to_csv_bytes(&importance)?),
+        ("curves.csv", to_csv_bytes(&curve)?),
+        ("curves.svg", operating_plot(&curve, &title(settings, totals)).into_bytes()),
+    ];
+    files.extend(library.map(|it| ("prototypes.toml", it.to_toml().into_bytes())));
+    Ok(files)
+}
+
+/// Everything that decides the model.
+fn manifest(settings: &TrainingSettings<'_>) -> serde_json::Value {
+    let entries = |opened: &[OpenedDataset], arguments: &DatasetArgs| {
+        opened.iter().map(|it| dataset_entry(it, arguments)).collect::<Vec<_>>()
+    };
+    let to_judge_by = settings.held_out_data.map_or_else(Vec::new, |it| entries(settings.held_out, it));
+    serde_json::json!({
+        "schema": SCHEMA,
+        "scanbench_version": env!("CARGO_PKG_VERSION"),
+        "created": rfc3339_utc(settings.started),
+        "argv": command_line(),
+        "datasets": entries(settings.trained, settings.data),
+        "held_out_datasets": to_judge_by,
+        "trained": settings.parted.trained,
+        "held_out": settings.parted.held_out,
+        "git": git_state(),
+        "rustc_version": rustc_version(),
+    })
+}
+
+/// What was judged, and whether it is simulated.
+fn title(settings: &TrainingSettings<'_>, [n_vehicles, n_others]: [usize; 2]) -> String {
+    let judged_by = if settings.held_out.is_empty() { settings.trained } else { settings.held_out };
+    let n_simulated = judged_by.iter().filter(|it| it.dataset.description().is_simulated()).count();
+    let simulated = match n_simulated {
+        0 => "",
+        n if n == judged_by.len() => " (simulated)",
+        _ => " (partly simulated)",
+    };
+    format!("Held-out drives{simulated}: {n_vehicles} vehicles, {n_others} others")
+}
+
+fn objects<const D: usize>(
+    model: &SvmModel<D>,
+    judged: &[(&str, &Candidate, DescribedObject<D>)],
+) -> anyhow::Result<Vec<u8>> {
+    let svm = NuSvm::new(model);
+    let mut rows = JudgedObjects::new(&model.features)?;
+    for (dataset, candidate, object) in judged {
+        let [x_m, y_m, _] = candidate.bounding_box.center_m.map(f64::from);
+        let place = JudgedObjectPlace {
+            data: dataset,
+            sequence: &candidate.sequence,
+            kind: object.kind,
+            is_vehicle: object.is_vehicle,
+            n_points: candidate.positions_m.len(),
+            range_m: x_m.hypot(y_m),
+        };
+        rows.write(place, svm.decision(&object.features), &object.features)?;
+    }
+    Ok(rows.into_csv())
+}

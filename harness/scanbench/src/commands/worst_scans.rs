@@ -1,0 +1,210 @@
+//! The recording of the scans with the worst mistakes.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use clap::Parser as _;
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::{ListedDetector, detectors_named};
+use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
+use evaluation::run::scores::DatasetScores;
+use evaluation::run::side_by_side::SideBySide;
+use reports::manifest::{DatasetEntry, Manifest};
+use reports::worst::{ListedMistake, Mistake};
+
+use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
+use crate::commands::config::judging_config;
+use crate::commands::failure::Usage;
+use crate::commands::interruption::interruption_flag;
+use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
+use crate::commands::progress::progress_over_scans;
+use crate::commands::recorder::{
+    self, Recorder, RecordingPlan, is_wanted, report_ending, serve_until_interrupted,
+};
+use crate::commands::run_manifest::{dataset_entry, seeds};
+use crate::commands::standard_streams::print_diagnostic;
+
+/// Runs the scans of `mistakes` again as `manifest` says, and records them, the first mistake's first.
+///
+/// # Errors
+///
+/// If data or parameters are not what they were, a scan cannot be read, or the recording cannot be written.
+pub fn record(
+    arguments: &ViewArgs,
+    manifest: &Manifest,
+    mistakes: &[ListedMistake<'_>],
+) -> anyhow::Result<()> {
+    if !is_wanted(&arguments.stream)? {
+        return Ok(());
+    }
+    let interrupted = interruption_flag();
+    let again = RunAgain::of(manifest)?;
+    let scans = again.scans_of(mistakes)?;
+    let file = arguments.run.join("worst.rrd");
+    let stream = StreamArgs {
+        // Named, so that the file appears whole or not at all.
+        save_rrd: Some(Some(arguments.stream.save_rrd.clone().flatten().unwrap_or(file.clone()))),
+        ..arguments.stream.clone()
+    };
+    let written = stream.save_rrd.clone().flatten().unwrap_or_default();
+    let names: Vec<&str> = again.detectors.iter().map(|it| it.name).collect();
+    let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
+    let Some(mut recording) = recorder::begin(&RecordingPlan {
+        arguments: &stream,
+        default_file: file,
+        name: &name,
+        shown_task: arguments.task.task(),
+        detectors: &names,
+        has_poses: again.datasets.iter().any(OpenedDataset::has_poses),
+        at_the_start: true,
+    })?
+    else {
+        return Ok(());
+    };
+    again.log(&scans, interrupted, &mut recording)?;
+    let served = report_ending(recording.finish()?);
+    print_diagnostic(format_args!("Recording: {}", written.display()));
+    if let Some(served) = served {
+        serve_until_interrupted(&*served, interrupted);
+    }
+    Ok(())
+}
+
+/// A scan with mistakes.
+struct WorstScan {
+    /// Data set, and scan within it.
+    place: [usize; 2],
+    /// Where they are.
+    marks: Vec<Mark>,
+}
+
+/// Points at a mistake, if it has a box.
+fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
+    let kind = match mistake.kind {
+        Mistake::Missed => "missed",
+        Mistake::False => "false",
+    };
+    let text = format!("worst {rank}: {kind} {}, {}", mistake.class, mistake.reason);
+    Some(Mark { place_m: mistake.place_m?, text })
+}
+
+/// What is needed to run scans once more.
+struct RunAgain {
+    arguments: Box<RunArgs>,
+    config: RunConfig,
+    detectors: Vec<ListedDetector>,
+    datasets: Vec<OpenedDataset>,
+}
+
+impl RunAgain {
+    fn of(manifest: &Manifest) -> anyhow::Result<Self> {
+        let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
+        let Ok(Command::Run(arguments)) = parsed else {
+            let line = manifest.argv.join(" ");
+            return Err(Usage(format!("this program cannot repeat the run of `{line}`")).into());
+        };
+        let detectors = detectors_named(&arguments.detectors)?;
+        let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+        anyhow::ensure!(
+            serde_json::to_value(&config.resolved)? == manifest.config,
+            Usage("the parameters are not those of the run: a file or this program has changed".to_owned())
+        );
+        let datasets =
+            open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+        for opened in &datasets {
+            let id = &opened.dataset.description().id;
+            let found = dataset_entry(opened, &arguments.data);
+            // Simulated scans have no checksum: they are what version, street and seed make.
+            let is_same = |entry: &&DatasetEntry| {
+                (&entry.id, &entry.checksum, &entry.simulation)
+                    == (&found.id, &found.checksum, &found.simulation)
+            };
+            anyhow::ensure!(
+                manifest.datasets.iter().any(|entry| is_same(&entry))
+                    && seeds(&datasets).get(id) == manifest.seeds.get(id),
+                Usage(format!(
+                    "the scans of {id:?} are not those of the run: data or simulator have changed"
+                ))
+            );
+        }
+        Ok(Self { arguments: Box::new(arguments), config, detectors, datasets })
+    }
+
+    /// The scans of all mistakes, each once, in the order of the mistakes.
+    fn scans_of(&self, mistakes: &[ListedMistake<'_>]) -> anyhow::Result<Vec<WorstScan>> {
+        let mut scans: Vec<WorstScan> = Vec::new();
+        for (rank, mistake) in (1..).zip(mistakes) {
+            let row = mistake.row;
+            let is_its = |it: &OpenedDataset| it.dataset.description().id == row.dataset;
+            let place = self.datasets.iter().position(is_its).and_then(|dataset_idx| {
+                let ids = self.datasets[dataset_idx].dataset.scan_ids();
+                let scan_idx =
+                    ids.iter().position(|id| id.sequence == row.sequence && id.index == row.scan)?;
+                Some([dataset_idx, scan_idx])
+            });
+            let place = place.ok_or_else(|| {
+                Usage(format!(
+                    "scan {} {} of {:?} is not there any more",
+                    row.sequence, row.scan, row.dataset
+                ))
+            })?;
+            let mark = mark(rank, mistake);
+            match scans.iter_mut().find(|it| it.place == place) {
+                Some(scan) => scan.marks.extend(mark),
+                None => scans.push(WorstScan { place, marks: mark.into_iter().collect() }),
+            }
+        }
+        Ok(scans)
+    }
+
+    fn log(
+        &self,
+        scans: &[WorstScan],
+        interrupted: &AtomicBool,
+        recording: &mut Recorder,
+    ) -> anyhow::Result<()> {
+        let names: Vec<&'static str> = self.detectors.iter().map(|it| it.name).collect();
+        // Detectors and rates so far of every data set that has had a scan.
+        let mut begun = BTreeMap::new();
+        let progress = progress_over_scans(scans.len(), "worst scans");
+        for WorstScan { place: [dataset_idx, scan_idx], marks } in scans {
+            let (dataset_idx, scan_idx) = (*dataset_idx, *scan_idx);
+            let opened = &self.datasets[dataset_idx];
+            let description = opened.dataset.description();
+            let config = self.config.for_sensor(&description.sensor).unwrap_or_else(|| self.config.clone());
+            let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
+            let (detectors, scores) = begun.entry(dataset_idx).or_insert_with(|| {
+                let built = self.detectors.iter().map(|it| it.build(&config, description.sensor_height_m));
+                (built.collect::<Vec<_>>(), DatasetScores::new(description.clone(), &names))
+            });
+            let side_by_side = SideBySide {
+                dataset: &*opened.dataset,
+                scan_indices: &[scan_idx],
+                matching: config.matching,
+                n_warmup: n_warmup.into(),
+                n_repeats: NonZeroUsize::MIN,
+                n_jobs: 1,
+                interrupted,
+            };
+            side_by_side.run(detectors, |results| -> anyhow::Result<()> {
+                scores.add(results.results);
+                let recorded = RecordedScan {
+                    results: &results,
+                    scores,
+                    dataset: &*opened.dataset,
+                    scan_idx,
+                    criterion: config.matching.criterion,
+                    marks,
+                };
+                if let Some(warning) = recording.record(&recorded)? {
+                    progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
+                }
+                Ok(())
+            })?;
+            progress.inc(1);
+        }
+        progress.finish_and_clear();
+        Ok(())
+    }
+}

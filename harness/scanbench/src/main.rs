@@ -1,0 +1,27 @@
+//! The program `scanbench`: arguments, verbs, terminal.
+//!
+//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use reports::unfinished;
+
+mod cli;
+mod commands;
+
+use cli::Cli;
+use commands::dispatch::dispatch;
+use commands::failure::exit_code_of;
+use commands::interruption::watch_for_signals;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    // Returning instead of exiting lets recordings and half-written files end properly.
+    ExitCode::from(exit_code_of(|| {
+        let done = watch_for_signals().and_then(|()| dispatch(&cli));
+        // A signal comes too late now.
+        unfinished::keep_for_good();
+        done
+    }))
+}

@@ -1,0 +1,431 @@
+//! What the command line says, and on which stream.
+
+use std::collections::BTreeSet;
+use std::process::Command;
+
+use test_data::{needs_test_data, test_data};
+
+use crate::drawn_dataset::DrawnDataset;
+use crate::program::{Ended, Workplace};
+
+/// Runs the program with `arguments`, separated by spaces; they ask for help.
+#[track_caller]
+fn help(arguments: &str) -> String {
+    let ended = Workplace::new().succeed(&arguments.split(' ').collect::<Vec<_>>());
+    assert_eq!(ended.stderr, "", "{arguments}");
+    ended.stdout
+}
+
+#[test]
+fn every_verb_has_help_with_an_example() {
+    for verb in [
+        "run",
+        "detect",
+        "ablation",
+        "selftest",
+        "gaps",
+        "robustness",
+        "sweep",
+        "completions",
+        "data",
+        "data list",
+        "data check",
+        "data hash",
+        "data convert",
+        "data simulate",
+        "data realism",
+        "fit-density",
+        "train",
+        "compare",
+        "view",
+        "report",
+        "gate",
+        "baseline",
+        "baseline accept",
+        "boxes",
+    ] {
+        let help = help(&format!("{verb} --help"));
+        assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
+        assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
+    }
+}
+
+#[test]
+fn help_lists_every_verb_and_exit_code() {
+    let help = help("--help");
+    for line in [
+        "run ",
+        "detect ",
+        "ablation ",
+        "gaps ",
+        "robustness ",
+        "sweep ",
+        "data ",
+        "fit-density ",
+        "train ",
+        "selftest ",
+        "completions ",
+    ] {
+        assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
+    }
+    for line in
+        ["0    good", "1    internal", "2    wrong usage", "3    data", "4    nothing", "130  interrupted"]
+    {
+        assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
+    }
+}
+
+#[test]
+fn help_fits_into_80_columns() {
+    for verb in [
+        "--help",
+        "-h",
+        "run --help",
+        "run -h",
+        "detect --help",
+        "ablation --help",
+        "selftest --help",
+        "gaps --help",
+        "robustness --help",
+        "data list --help",
+        "data realism --help",
+        "fit-density --help",
+        "report --help",
+    ] {
+        let workplace = Workplace::new();
+        let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());
+        let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));
+        assert_eq!(ended.exit_code, Some(0));
+        for line in ended.stdout.lines() {
+            assert!(line.chars().count() <= 80, "{line:?} of {verb}");
+        }
+    }
+}
+
+#[test]
+fn examples_of_the_help_can_be_copied() {
+    for (verb, least) in [("run", 4), ("detect", 4), ("ablation", 3)] {
+        let help = help(&format!("{verb} --help"));
+        let examples: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("  scanbench ")).collect();
+        assert!(examples.len() >= least, "{help}");
+        for example in examples {
+            // With a configuration that is not there the program ends before it does anything, but after it has read all
+            // of its arguments.
+            let workplace = Workplace::new();
+            let example = example.trim_end_matches(" | head");
+            let arguments: Vec<&str> = example.split(' ').chain(["-c", "gone.toml"]).collect();
+            let ended = workplace.run(&arguments);
+            let is_read = ended.stderr.contains("cannot read the configuration \"gone.toml\"");
+            assert!(is_read && ended.exit_code == Some(2), "{example}: {ended:#?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_asked_for_is_answered_with_help_and_wrong_usage() {
+    let ended = Workplace::new().run(&[]);
+    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""));
+    assert!(ended.stderr.contains("Usage: scanbench [OPTIONS] <COMMAND>"), "{ended:#?}");
+}
+
+#[test]
+fn wrong_usage_is_named_on_stderr() {
+    for (arguments, part) in [
+        ("fly", "unrecognized subcommand 'fly'"),
+        ("run --jobs 0", "0 is not in 1..=1024"),
+        ("run --warmup x", "invalid digit"),
+        ("run --criterion near", "possible values: points, bev-iou, iou-3d, centre"),
+        ("run --no-such-flag", "unexpected argument '--no-such-flag'"),
+        ("run -P tolerance_m", "invalid value 'tolerance_m' for '--param <NAME=VALUE>': expected NAME=VALUE"),
+        ("run -P tolerance_m=1.2.3", "1.2.3 is neither TOML nor a word"),
+        ("detect a.bin --sensor-height=-1", "outside of 0 to 100 m"),
+        ("detect a.bin --repeat 0", "0 is not in 1..=100000"),
+        ("completions ksh", "possible values: bash"),
+    ] {
+        let ended = Workplace::new().run(&arguments.split(' ').collect::<Vec<_>>());
+        assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""), "{arguments}");
+        assert!(ended.stderr.contains(part), "{arguments}: {ended:#?}");
+    }
+}
+
+#[test]
+fn flags_of_rerun_exist_only_where_the_program_was_built_with_it() {
+    for flag in ["--save-rrd", "--no-rrd", "--connect", "--spawn", "--serve", "--rerun-every", "--blueprint"]
+    {
+        let is_there = help("run --help").contains(flag);
+        assert_eq!(is_there, cfg!(feature = "viewer"), "{flag}");
+    }
+}
+
+#[test]
+fn the_version_is_that_of_the_crate() {
+    assert_eq!(help("--version"), format!("scanbench {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn completions_know_the_verbs_of_every_shell() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = help(&format!("completions {shell}"));
+        for word in ["selftest", "detectors", "ablation", "sensor-height"] {
+            assert!(script.contains(word), "{shell}: {script}");
+        }
+    }
+}
+
+#[test]
+fn bash_completes_a_verb() {
+    let script = help("completions bash");
+    let complete = "COMP_WORDS=(scanbench self); COMP_CWORD=1; _scanbench scanbench self scanbench; echo \"${COMPREPLY[@]}\"";
+    let Ok(output) = Command::new("bash").args(["-c", &format!("{script}\n{complete}")]).output() else {
+        eprintln!("skipped bash_completes_a_verb: no bash");
+        return;
+    };
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "selftest", "{output:?}");
+}
+
+#[test]
+fn results_are_on_stdout_and_the_rest_is_on_stderr() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let ended = workplace.succeed(&["run", "street", "-o", "out"]);
+    assert!(ended.stdout.starts_with("Task objects."), "{ended:#?}");
+    assert!(ended.stdout.contains("\nTask vehicles."), "{ended:#?}");
+    assert_eq!(ended.stderr, "Run directory: out\n");
+}
+
+#[test]
+fn quiet_says_nothing_but_results_and_verbose_says_every_scan() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let quiet = workplace.succeed(&["-q", "run", "street", "-d", "pca", "-o", "quiet"]);
+    assert_eq!(quiet.stderr, "");
+    assert!(quiet.stdout.starts_with("Task objects."), "{quiet:#?}");
+    let failed = workplace.run(&["run", "nowhere", "--quiet"]);
+    assert!(failed.stderr.starts_with("error: "), "{failed:#?}");
+    let verbose = workplace.succeed(&["run", "street", "-d", "pca", "-o", "verbose", "-v"]);
+    let lines: Vec<&str> = verbose.stderr.lines().collect();
+    assert!(lines[0].starts_with("street: 2 of 2 scans, sensor "), "{verbose:#?}");
+    let of_scans: Vec<&&str> = lines.iter().filter(|it| it.starts_with("street 0000/")).collect();
+    assert_eq!(of_scans.len(), 2, "{verbose:#?}");
+    assert!(of_scans[0].contains(" points; pca ") && of_scans[0].contains(" ms, "), "{verbose:#?}");
+    let both = workplace.run(&["run", "-q", "-v"]);
+    assert_eq!(both.exit_code, Some(2), "{both:#?}");
+}
+
+#[test]
+fn a_run_ends_with_who_leads_and_who_is_faster() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let ended = workplace.succeed(&["run", "street", "-d", "hierarchical,pca", "-o", "out"]);
+    let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
+    assert!(summary.contains("Task vehicles: "), "{summary}");
+    assert!(
+        summary.contains(" ms for a scan (median), ") && summary.contains(" × faster than "),
+        "{summary}"
+    );
+}
+
+#[test]
+fn tables_fold_where_there_are_few_columns() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 1);
+    let longest = |columns: Option<&str>, name: &str| {
+        let mut command = workplace.command(&["run", "street", "-o", name]);
+        command.envs(columns.map(|it| ("COLUMNS", it)));
+        let ended = Ended::from(command.output().expect("it starts"));
+        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+        ended.stdout.lines().map(|it| it.chars().count()).max()
+    };
+    assert!(longest(Some("60"), "narrow") <= Some(60));
+    // Nobody looks at a pipe: as wide as on most terminals.
+    let usual = longest(None, "usual");
+    assert!(usual > Some(60) && usual <= Some(100), "{usual:?}");
+}
+
+#[test]
+fn a_page_is_made_again_of_the_directory_alone() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    workplace.succeed(&["run", "street", "-o", "out"]);
+    let first = workplace.read("out/report.html");
+    assert!(first.contains("<svg class=\"plot\"") && first.len() < 2_000_000, "{first}");
+    let moved = workplace.path("moved");
+    std::fs::rename(workplace.path("out"), &moved).expect("it moves");
+    std::fs::remove_dir_all(workplace.path("street")).expect("the data go");
+    std::fs::remove_file(moved.join("report.html")).expect("the page goes");
+    let ended = workplace.succeed(&["report", "moved"]);
+    assert_eq!(ended.stderr, "Page: moved/report.html\n");
+    assert_eq!(workplace.read("moved/report.html"), first);
+    std::fs::remove_file(moved.join("scans.csv")).expect("a file goes");
+    let damaged = workplace.run(&["report", "moved"]);
+    assert_eq!(damaged.exit_code, Some(3), "{damaged:#?}");
+    assert!(damaged.stderr.contains("scans.csv"), "{damaged:#?}");
+    assert_eq!(workplace.run(&["report", "nowhere"]).exit_code, Some(2));
+}
+
+#[test]
+fn the_drawn_cars_are_found() {
+    let workplace = Workplace::new();
+    DrawnDataset::objects(workplace.folder(), 2);
+    let report = workplace.succeed(&["run", "street", "-d", "hierarchical", "-o", "out"]);
+    let row = report.stdout.lines().find(|line| line.contains("street") && line.contains(" hierarchical "));
+    let words: Vec<&str> = row.expect("a row").split_whitespace().collect();
+    // Data set, detector, scans, NO, TP, MO.
+    assert_eq!(words[..6], ["street", "hierarchical", "2", "4", "4", "0"], "{}", report.stdout);
+}
+
+#[test]
+fn a_selftest_is_exact() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let ended = workplace.succeed(&["selftest", "street"]);
+    // Four criteria in two tasks.
+    assert_eq!(ended.stdout.lines().count(), 8, "{ended:#?}");
+    for line in ended.stdout.lines() {
+        assert!(line.starts_with("ok ") && line.contains("recall 1, "), "{line}");
+        assert!(line.ends_with("over 4 annotations, largest cost 0"), "{line}");
+    }
+    assert_eq!(ended.stderr, "");
+}
+
+#[test]
+fn a_list_says_what_is_there_and_what_is_not() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let mut command = workplace.command(&["data", "list"]);
+    command.env("KITTI_TRACKING_ROOT", "street").env("KITTI_OBJECT_ROOT", "gone");
+    let ended = Ended::from(command.output().expect("it starts"));
+    assert_eq!((ended.exit_code, ended.stderr.as_str()), (Some(0), ""));
+    let line_of =
+        |id: &str| ended.stdout.lines().find(|line| line.starts_with(id)).expect("a line").to_owned();
+    let second_column =
+        |line: &str| line.len() - line.split_once(' ').map_or("", |it| it.1).trim_start().len();
+    let columns: BTreeSet<usize> = ended.stdout.lines().map(second_column).collect();
+    assert_eq!(columns.len(), 1, "not below each other: {ended:#?}");
+    assert!(line_of("kitti-tracking ").contains(" 2 scans  kitti-tracking"), "{ended:#?}");
+    assert!(
+        line_of("kitti-object ").contains("not available: \"kitti-object\" is not at \"gone\""),
+        "{ended:#?}"
+    );
+}
+
+#[test]
+fn a_catalogue_may_be_named_by_the_environment() {
+    let workplace = Workplace::new();
+    workplace.write("mine.toml", "");
+    let mut command = workplace.command(&["data", "list"]);
+    let ended = Ended::from(command.env("SCANBENCH_DATASETS", "mine.toml").output().expect("it starts"));
+    assert_eq!((ended.exit_code, ended.stdout.as_str(), ended.stderr.as_str()), (Some(0), "", ""));
+}
+
+#[test]
+fn colours_are_asked_for_and_refused_by_the_environment() {
+    let is_coloured = |variables: &[(&str, &str)]| {
+        let workplace = Workplace::new();
+        let mut command = workplace.command(&["run", "--help"]);
+        let ended = Ended::from(command.envs(variables.iter().copied()).output().expect("it starts"));
+        ended.stdout.contains('\u{1b}')
+    };
+    assert!(!is_coloured(&[]));
+    assert!(is_coloured(&[("CLICOLOR_FORCE", "1")]));
+    assert!(!is_coloured(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]));
+}
+
+/// Runs the program with both streams into a pipe whose reader is gone, and expects `exit_code`.
+#[track_caller]
+fn check_closed_pipe(workplace: &Workplace, arguments: &[&str], exit_code: i32) {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let mut command = workplace.command(arguments);
+    command.stdout(writer.try_clone().expect("a second end")).stderr(writer);
+    let status = command.status().expect("it starts");
+    assert_eq!(status.code(), Some(exit_code), "{arguments:?}");
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 1);
+    check_closed_pipe(&workplace, &["data", "list"], 0);
+    check_closed_pipe(&workplace, &["completions", "bash"], 0);
+    check_closed_pipe(&workplace, &["selftest", "street"], 0);
+    check_closed_pipe(&workplace, &["detect", "street", "--scan", "0", "-o", "-"], 0);
+    check_closed_pipe(&workplace, &["run", "street", "-d", "pca", "-o", "out"], 0);
+    assert!(workplace.path("out/report.json").is_file());
+    check_closed_pipe(&workplace, &["run", "nowhere"], 2);
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_hears_no_complaint() {
+    let workplace = Workplace::new();
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    let mut command = workplace.command(&["data", "list"]);
+    let ended = Ended::from(command.stdout(writer).output().expect("it starts"));
+    assert_eq!(ended.stderr, "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_stdout_is_an_error_and_the_run_is_there_all_the_same() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 1);
+    let mut command = workplace.command(&["run", "street", "-d", "pca", "-o", "out"]);
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("a device");
+    let ended = Ended::from(command.stdout(full).output().expect("it starts"));
+    assert_eq!(ended.exit_code, Some(1), "{ended:#?}");
+    assert!(ended.stderr.contains("Run directory: out\n"), "{ended:#?}");
+    assert!(ended.stderr.contains("error: cannot write to stdout: No space left"), "{ended:#?}");
+    assert!(workplace.path("out/report.json").is_file());
+}
+
+#[cfg(feature = "viewer")]
+#[test]
+fn a_viewer_that_is_not_there_is_warned_about_once() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    // Nothing listens on the port of a listener that is gone.
+    let port =
+        std::net::TcpListener::bind("127.0.0.1:0").and_then(|it| it.local_addr()).expect("a port").port();
+    let url = format!("rerun+http://127.0.0.1:{port}/proxy");
+    let ended = workplace.succeed(&["run", "street", "-d", "pca", "-o", "out", "--connect", &url]);
+    assert_eq!(ended.stderr.matches("warning: the viewer was lost (no viewer at ").count(), 1, "{ended:#?}");
+    assert!(workplace.path("out/run.rrd").is_file());
+}
+
+#[cfg(all(feature = "viewer", target_os = "linux"))]
+#[test]
+fn a_recording_is_served_until_ctrl_c_and_everything_is_written_before() {
+    use std::io::{BufRead as _, BufReader};
+    use std::process::Stdio;
+
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let mut command = workplace.command(&["run", "street", "-d", "pca", "-o", "out", "--serve=0"]);
+    let mut running = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let lines = BufReader::new(running.stderr.take().expect("it is piped")).lines();
+    let serving = lines
+        .map_while(Result::ok)
+        .find_map(|line| Some(line.strip_prefix("Serving the recording until Ctrl-C: rerun ")?.to_owned()));
+    let url = serving.expect("it says where");
+    assert!(workplace.path("out/run.rrd").is_file());
+    let address = url.trim_start_matches("rerun+http://").trim_end_matches("/proxy");
+    assert!(std::net::TcpStream::connect(address).is_ok(), "nobody listens at {url}");
+    let sent = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    assert!(sent.expect("there is kill").success());
+    assert_eq!(running.wait().expect("it ends").code(), Some(0));
+}
+
+#[needs_test_data("data/kitti_tracking", "data/kitti_object")]
+fn real_scans_are_run() {
+    for name in ["kitti_tracking", "kitti_object"] {
+        let root = test_data!(&format!("data/{name}"));
+        let root = root.to_str().expect("a readable path");
+        let workplace = Workplace::new();
+        let ended =
+            workplace.succeed(&["run", root, "-d", "hierarchical,pca", "--scans", "0..2", "-o", "out"]);
+        assert!(ended.stdout.contains(name), "{ended:#?}");
+        let selftest = workplace.succeed(&["selftest", root, "--scans", "0..2"]);
+        assert!(selftest.stdout.lines().all(|line| line.starts_with("ok ")), "{selftest:#?}");
+    }
+}

@@ -1,0 +1,180 @@
+//! Learning the density of points over range.
+
+use test_data::{needs_test_data, test_data};
+
+use crate::drawn_dataset::DrawnDataset;
+use crate::program::{Ended, Workplace};
+
+/// A workplace with the drive `street` of three drawn scans.
+fn drive() -> (Workplace, DrawnDataset) {
+    let workplace = Workplace::new();
+    let drawn = DrawnDataset::tracking(workplace.folder(), 3);
+    (workplace, drawn)
+}
+
+/// The curve of the file `name`.
+fn curve(workplace: &Workplace, name: &str) -> toml::Table {
+    let file: toml::Table = workplace.read(name).parse().expect("it is TOML");
+    file["hierarchical"]["density_weighting"]["curve"].as_table().expect("it is a table").clone()
+}
+
+#[test]
+fn a_curve_says_what_it_was_learned_from() {
+    let (workplace, _drawn) = drive();
+    let ended = workplace.succeed(&["fit-density", "street", "--scans", "0..2"]);
+    assert!(ended.stdout.starts_with("Sensor hdl-64e-s2, 2 scans\nDensest ring: "), "{ended:#?}");
+    assert_eq!(ended.stderr, "Density curve: density.toml\n");
+    assert_eq!(workplace.top_names(), ["density.toml", "street"]);
+    let curve = curve(&workplace, "density.toml");
+    assert_eq!(curve["command"].as_str(), Some("scanbench fit-density street --scans 0..2"));
+    assert_eq!(curve["datasets"].as_array(), Some(&vec!["street".into()]));
+    assert_eq!(curve["seeds"].as_array(), Some(&vec![]));
+    assert_eq!(curve["n_scans"].as_integer(), Some(2));
+    // The road of the drawn scans lies forward, 16 points a square metre: less than half of the rings beyond 10 m.
+    let rings = curve["ring_points_per_m2"].as_array().expect("an array");
+    assert_eq!((rings.len(), rings[60].as_float()), (79, Some(0.0)));
+    assert!(rings[30].as_float().is_some_and(|it| it > 0.1 && it < 8.0), "{rings:?}");
+}
+
+#[test]
+fn twice_the_points_are_twice_the_density_and_the_same_weight() {
+    let (workplace, drawn) = drive();
+    workplace.succeed(&["fit-density", "street", "-o", "once.toml"]);
+    for scan in 0..3 {
+        let name = format!("training/velodyne/0000/{scan:06}.bin");
+        drawn.change(&name, |bytes| bytes.extend(bytes.clone()));
+    }
+    workplace.succeed(&["fit-density", "street", "-o", "twice.toml"]);
+    let [once, twice] = ["once.toml", "twice.toml"].map(|it| curve(&workplace, it));
+    let peak = |it: &toml::Table| it["peak_points_per_m2"].as_float().expect("a number");
+    assert!((peak(&twice) / peak(&once) - 2.0).abs() < 1e-4);
+    assert_eq!(once["command"], twice["command"]);
+}
+
+#[test]
+fn a_run_takes_the_file() {
+    let (workplace, _drawn) = drive();
+    workplace.succeed(&["fit-density", "street"]);
+    let run = ["run", "street", "-d", "hierarchical", "-o", "out", "-c", "density.toml"];
+    workplace.succeed(&run);
+    let manifest: serde_json::Value =
+        serde_json::from_str(&workplace.read("out/manifest.json")).expect("JSON");
+    let of_run = &manifest["config"]["hierarchical"]["density_weighting"]["curve"]["peak_points_per_m2"];
+    assert_eq!(of_run.as_f64(), curve(&workplace, "density.toml")["peak_points_per_m2"].as_float());
+
+    let damaged = workplace.read("density.toml").replace("version = 1", "version = 2");
+    workplace.write("density.toml", &damaged);
+    let ended = workplace.run(&[&run[..], &["--overwrite"]].concat());
+    assert_eq!(ended.exit_code, Some(2));
+    let said = "hierarchical.density_weighting.curve.version = 2 is outside of what this program reads";
+    assert!(ended.stderr.contains(said), "{ended:#?}");
+    let cut = damaged.split_once("coefficients").expect("it is there").0;
+    workplace.write("density.toml", &format!("{cut}coefficients = [0.0, 1.0]\n"));
+    let ended = workplace.run(&[&run[..], &["--overwrite"]].concat());
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+}
+
+#[test]
+fn figures_hold_every_ring_and_the_units() {
+    let (workplace, _drawn) = drive();
+    workplace.succeed(&["fit-density", "street", "--figures", "figures"]);
+    let table = workplace.read("figures/density.csv");
+    for statistic in ["ring_density", "weight"] {
+        let n_rows = table.lines().filter(|line| line.starts_with(&format!("{statistic},"))).count();
+        assert_eq!(n_rows, 79, "{statistic}");
+        let plot = workplace.read(&format!("figures/{statistic}.svg"));
+        assert!(plot.contains("range (m)") && plot.contains("measured, street, 3 scans"), "{statistic}");
+    }
+    assert!(workplace.read("figures/ring_density.svg").contains("(points/m²)"));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_with_any_number_of_threads() {
+    let workplace = Workplace::new();
+    let fit_with = |n_threads: &str, name: &str| {
+        let arguments =
+            ["fit-density", "street-narrow", "--seed", "7", "--scans", "0..3", "--sensor", "vlp-16"];
+        let mut command = workplace.command(&[&arguments[..], &["-o", name]].concat());
+        let ended = Ended::from(command.env("RAYON_NUM_THREADS", n_threads).output().expect("it starts"));
+        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+        workplace.read(name)
+    };
+    let one = fit_with("1", "one.toml");
+    assert!(one.contains("\nsensor = \"vlp-16\"\n") && one.contains("\nseeds = [7]\n"), "{one}");
+    assert_eq!(one, fit_with("3", "three.toml"));
+}
+
+/// Runs with `arguments` after the verb; it ends with `exit_code`, says `part`, and leaves nothing.
+#[track_caller]
+fn check_refused(workplace: &Workplace, arguments: &[&str], exit_code: i32, part: &str) {
+    let before = workplace.names();
+    let ended = workplace.run(&[&["fit-density"], arguments].concat());
+    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(exit_code), ""), "{ended:#?}");
+    assert!(ended.stderr.contains(part), "{ended:#?}");
+    assert_eq!(workplace.names(), before);
+}
+
+#[test]
+fn what_cannot_be_fitted_leaves_nothing() {
+    let (workplace, drawn) = drive();
+    check_refused(&workplace, &["nowhere"], 2, "nowhere");
+    check_refused(&workplace, &["street", "street-narrow", "--sensor", "vlp-16"], 2, "of hdl-64e-s2, vlp-16");
+    check_refused(&workplace, &["street", "-o", "missing/density.toml"], 2, "missing/density.toml");
+    drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(100));
+    check_refused(&workplace, &["street", "--figures", "out"], 3, "000001.bin");
+    for scan in 0..3 {
+        let five_metres_ahead = [5.0_f32, 0.0, 0.0, 0.5].map(f32::to_le_bytes).concat();
+        drawn.write(&format!("training/velodyne/0000/{scan:06}.bin"), five_metres_ahead.repeat(30));
+    }
+    check_refused(&workplace, &["street", "--figures", "out"], 4, "only 1 of 79 rings hold 20 points");
+}
+
+#[test]
+fn an_earlier_file_is_overwritten_when_asked_for() {
+    let (workplace, _drawn) = drive();
+    let arguments = ["fit-density", "street", "--figures", "figures"];
+    workplace.succeed(&arguments);
+    check_refused(&workplace, &arguments[1..], 2, "--overwrite");
+    workplace.succeed(&[&arguments[..], &["--overwrite"]].concat());
+}
+
+#[test]
+fn a_sensor_without_a_curve_is_warned_about_unless_one_is_given() {
+    let (workplace, _drawn) = drive();
+    let text = include_str!("../../../simulator/src/sensors/vlp-16.toml");
+    workplace.write("mine.toml", text);
+    let run = [
+        "run",
+        "street-narrow",
+        "--sensor",
+        "mine.toml",
+        "--scans",
+        "0",
+        "-d",
+        "hierarchical",
+        "-o",
+        "out",
+        "--overwrite",
+    ];
+    let warning = "warning: how densely \"mine.toml\" samples the street is not known";
+    let ended = workplace.succeed(&run);
+    assert!(ended.stderr.contains(warning), "{ended:#?}");
+    workplace.succeed(&["fit-density", "street-narrow", "--sensor", "mine.toml", "--scans", "0..2"]);
+    let ended = workplace.succeed(&[&run[..], &["-c", "density.toml"]].concat());
+    assert!(!ended.stderr.contains("warning"), "{ended:#?}");
+}
+
+#[needs_test_data("data/kitti_tracking")]
+fn the_density_of_real_scans_is_near_the_shipped_one() {
+    let root = test_data!("data/kitti_tracking");
+    let workplace = Workplace::new();
+    let root = root.to_str().expect("a readable path");
+    workplace.succeed(&["fit-density", root, "--scans", "0..4", "-o", "real.toml"]);
+    let real = curve(&workplace, "real.toml");
+    let shipped = detector::grid::density_curve::DensityCurve::shipped("hdl-64e-s2").expect("it is shipped");
+    let real: detector::grid::density_curve::DensityCurve = real.try_into().expect("it is a curve");
+    for range_m in [10.0, 20.0, 40.0] {
+        let ratio = real.weight(range_m) / shipped.weight(range_m);
+        assert!((1.0 / 3.0..3.0).contains(&ratio), "{ratio} at {range_m} m");
+    }
+}

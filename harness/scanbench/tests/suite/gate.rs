@@ -1,0 +1,443 @@
+//! Runs judged by others: what passes, what does not, and with which exit code.
+
+use crate::program::{Ended, Workplace};
+use evaluation::metrics::counts::SCORING_VERSION;
+use serde_json::Value;
+
+/// As tight as can be, without times: those of short runs beside other tests say nothing.
+const TOLERANCES: &str = r#"
+[[quality]]
+metrics = ["f_rate", "recall", "precision", "over_segmentation", "box_length_error_m"]
+slices = ["all"]
+absolute = 0.001
+relative = 0.0
+
+[[quality]]
+metrics = ["recall"]
+slices = ["class/*", "range/*"]
+absolute = 0.001
+relative = 0.0
+"#;
+
+/// Runs `pca` and the hierarchical detector on a scan of each of ten narrow streets, seen by few beams.
+#[track_caller]
+fn run(workplace: &Workplace, name: &str, options: &[&str]) {
+    let mut arguments = vec!["run", "street-narrow", "-o", name];
+    let usual = [
+        ("--simulated-scans", "20"),
+        ("--scans", "0..20:2"),
+        ("--sensor", "vlp-16"),
+        ("-d", "hierarchical,pca"),
+    ];
+    for (option, usual) in usual {
+        if !options.contains(&option) {
+            arguments.extend([option, usual]);
+        }
+    }
+    if cfg!(feature = "viewer") {
+        arguments.push("--no-rrd");
+    }
+    arguments.extend(options);
+    workplace.succeed(&arguments);
+    // Whoever changes the program runs these tests before there is a commit of it.
+    edit(workplace, &format!("{name}/manifest.json"), "\"dirty\": true", "\"dirty\": false");
+}
+
+/// Replaces `from`, where it is, by `to` in a file.
+fn edit(workplace: &Workplace, path: &str, from: &str, to: &str) {
+    let text = workplace.read(path);
+    workplace.write(path, &text.replacen(from, to, 1));
+}
+
+/// A workplace with a run, accepted as the baseline `golden`.
+fn accepted() -> Workplace {
+    let workplace = Workplace::new();
+    workplace.write("tolerances.toml", TOLERANCES);
+    run(&workplace, "first", &[]);
+    workplace.succeed(&["baseline", "accept", "first", "-b", "golden", "--why", "the first"]);
+    std::fs::copy(workplace.path("tolerances.toml"), workplace.path("golden/tolerances.toml"))
+        .expect("it is there");
+    workplace
+}
+
+#[track_caller]
+fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) -> Ended {
+    let ended = workplace.run(&["gate", run, "-b", "golden", "-o", "verdict"]);
+    assert_eq!(ended.exit_code, Some(exit_code), "{ended:#?}");
+    let said = format!("{}{}", ended.stdout, ended.stderr);
+    assert!(said.contains(expected), "no {expected:?} in\n{said}");
+    ended
+}
+
+#[test]
+fn a_run_is_as_good_as_itself_and_as_its_repetition() {
+    let workplace = accepted();
+    check_gate(&workplace, "first", 0, "Gate: as accepted.");
+    run(&workplace, "again", &["--jobs", "1", "--warmup", "0", "-d", "pca,hierarchical"]);
+    let ended = check_gate(&workplace, "again", 0, "0 scans judged otherwise");
+    assert!(!ended.stdout.contains("inconclusive\n"), "{}", ended.stdout);
+    check_gate(&workplace, "golden/run", 0, "Gate: as accepted.");
+}
+
+/// The street of any seed against itself, run again: nothing may ever be reported.
+#[test]
+fn twenty_streets_run_twice_report_nothing() {
+    let workplace = Workplace::new();
+    workplace.write("tolerances.toml", TOLERANCES);
+    for seed in 1..=20 {
+        let seed = seed.to_string();
+        let options = ["--seed", seed.as_str(), "--scans", "0..4:2", "--overwrite"];
+        run(&workplace, "once", &options);
+        run(&workplace, "twice", &[&options[..], &["--jobs", "3"]].concat());
+        let arguments = ["gate", "twice", "-b", "once", "-t", "tolerances.toml"];
+        let ended = workplace.succeed(&arguments);
+        assert!(ended.stdout.contains(" 0 surely worse, 0 perhaps, 0 missing. 0 scans"), "{}", ended.stdout);
+        assert!(
+            ended.stdout.contains("Only 2 blocks of scans: no loss can be told from chance"),
+            "{}",
+            ended.stdout
+        );
+    }
+}
+
+/// Three parameters, each worsened a little: none goes unnoticed, and what changed is named.
+#[test]
+fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_changed() {
+    let workplace = accepted();
+    for (run_name, parameter) in [
+        ("larger-cells", "hierarchical.grid.cell_size_m=0.63"),
+        ("more-points", "hierarchical.cluster.min_points=18"),
+        ("higher-points", "hierarchical.foreground.clearance_m=0.17"),
+    ] {
+        run(&workplace, run_name, &["-P", parameter]);
+        let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict"]);
+        assert!(matches!(ended.exit_code, Some(100 | 101)), "{parameter}: {ended:#?}");
+        let scan = ended.stdout.lines().position(|it| it.starts_with("street-narrow narrow-90"));
+        let scan = scan.unwrap_or_else(|| panic!("{parameter}: no scan is named\n{}", ended.stdout));
+        let lines: Vec<&str> = ended.stdout.lines().collect();
+        assert!(lines[scan].contains(", hierarchical, "), "{}", lines[scan]);
+        assert!(lines[scan + 1].starts_with("  ") && lines[scan + 1].contains(" m"), "{}", lines[scan + 1]);
+        assert!(!ended.stdout.contains(", pca, objects\n"), "{parameter} is none of pca's\n{}", ended.stdout);
+        let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+        let drift = verdict["drift"].as_array().expect("a list");
+        assert!(drift.iter().all(|it| !it["changes"].as_array().expect("a list").is_empty()), "{drift:?}");
+        assert!(!drift.is_empty(), "{parameter}");
+    }
+}
+
+#[test]
+fn what_is_surely_worse_is_a_regression() {
+    let workplace = accepted();
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    check_gate(&workplace, "worse", 100, "Gate: regression.");
+    let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+    assert_eq!(verdict["conclusion"], "regression");
+    let junit = workplace.read("verdict/junit.xml");
+    assert!(junit.contains("type=\"regression\"") && junit.contains("type=\"drift\""), "{junit}");
+    assert!(workplace.read("verdict/gate.md").starts_with("**Gate: regression."));
+    let smaller: Value =
+        serde_json::from_str(&workplace.read("verdict/custom-smaller-is-better.json")).expect("JSON");
+    let is_f_rate = |it: &&Value| it["name"] == "objects/hierarchical/1 - f_rate";
+    let entry = smaller.as_array().expect("a list").iter().find(is_f_rate).expect("an F-rate");
+    let bencher: Value = serde_json::from_str(&workplace.read("verdict/bencher.json")).expect("JSON");
+    let f_rate = bencher["objects/hierarchical"]["f_rate"]["value"].as_f64().expect("a number");
+    assert_eq!(entry["value"].as_f64(), Some(1.0 - f_rate));
+}
+
+#[test]
+fn a_better_run_is_no_regression_but_has_to_be_accepted() {
+    let workplace = Workplace::new();
+    // Of more and smaller clusters a smaller share is right.
+    let other_metrics = r#", "precision", "over_segmentation", "box_length_error_m""#;
+    workplace.write("tolerances.toml", &TOLERANCES.replacen(other_metrics, "", 1));
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    run(&workplace, "better", &[]);
+    let accept = |name: &str, why: &str| {
+        let ended = workplace.succeed(&["baseline", "accept", name, "-b", "golden", "--why", why]);
+        std::fs::copy(workplace.path("tolerances.toml"), workplace.path("golden/tolerances.toml"))
+            .expect("it is there");
+        ended
+    };
+    accept("worse", "nothing better\nyet");
+    check_gate(&workplace, "better", 101, "nothing is surely worse, but scans are judged otherwise");
+    let ended = accept("better", "smaller clusters are objects too");
+    assert!(ended.stdout.contains(" → ") && ended.stdout.contains("objects: hierarchical "), "{ended:#?}");
+    check_gate(&workplace, "better", 0, "Gate: as accepted.");
+    let history = workplace.read("golden/SCORES.md");
+    let lines: Vec<&str> = history.lines().filter(|it| it.starts_with("- ")).collect();
+    assert_eq!(lines.len(), 2, "{history}");
+    assert!(lines[0].ends_with(". nothing better yet."), "{history}");
+    assert!(lines[1].ends_with(". smaller clusters are objects too."), "{history}");
+    let manifest: Value = serde_json::from_str(&workplace.read("golden/run/manifest.json")).expect("JSON");
+    assert_eq!(manifest["argv"][0], "scanbench");
+    let n_rows = |name: &str| workplace.read(name).lines().count();
+    assert!(n_rows("golden/run/matches.csv") < n_rows("better/matches.csv"));
+}
+
+#[test]
+fn runs_that_were_asked_for_other_things_are_not_compared() {
+    let workplace = accepted();
+    for (name, options, expected) in [
+        ("seed", &["--seed", "7"][..], "the data of street-narrow have changed"),
+        ("scans", &["--scans", "0..6:2"], "the scans differ: 10 before, 3 now, 3 in common"),
+        ("criterion", &["--criterion", "centre"], "the matching criterion was"),
+        ("range", &["-P", "matching.max_range_m=60"], "what is ignored was"),
+        ("detectors", &["-d", "pca"], "hierarchical was not run on street-narrow"),
+        ("sensor", &["--sensor", "hdl-32e", "--scans", "0"], "the data of street-narrow have changed"),
+    ] {
+        run(&workplace, name, options);
+        check_gate(&workplace, name, 5, expected);
+        let ended = workplace.run(&["compare", "first", name]);
+        assert_eq!(ended.exit_code, Some(5), "{name}: {ended:#?}");
+    }
+    let ours = format!("\"scoring_version\": {SCORING_VERSION}");
+    edit(&workplace, "golden/run/manifest.json", &ours, "\"scoring_version\": 0");
+    check_gate(&workplace, "first", 5, &format!("the scoring version was 0 and is {SCORING_VERSION}"));
+}
+
+#[test]
+fn damaged_files_and_wrong_usage_have_codes_of_their_own() {
+    let workplace = accepted();
+    check_gate(&workplace, "nowhere", 2, "there is no run directory nowhere");
+    let ended = workplace.run(&["gate", "first", "-b", "nowhere"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    workplace.write("bad.toml", &TOLERANCES.replacen("f_rate", "f_rat", 1));
+    let ended = workplace.run(&["gate", "first", "-b", "golden", "-t", "bad.toml"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("there is no metric \"f_rat\""), "{ended:#?}");
+    let ended = workplace.run(&["baseline", "accept", "first", "-b", "golden", "--why", " "]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    let ended = workplace.run(&["compare", "first", "-d", "pca,nobody"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+
+    for (name, from, to) in [
+        ("matches.csv", "pair,matched", "pair,missed"),
+        ("scans.csv", ",evaluated,", ",perhaps,"),
+        ("report.json", "\"rows\"", "\"row\""),
+        ("manifest.json", "{", ""),
+    ] {
+        let path = format!("first/{name}");
+        let text = workplace.read(&path);
+        assert!(text.contains(from), "{name}");
+        workplace.write(&path, &text.replacen(from, to, 1));
+        check_gate(&workplace, "first", 3, "the run first cannot be read");
+        workplace.write(&path, &text);
+    }
+    std::fs::remove_file(workplace.path("first/scans.csv")).expect("it was there");
+    check_gate(&workplace, "first", 3, "scans.csv");
+    assert_eq!(workplace.run(&["compare", "first", "golden/run"]).exit_code, Some(3));
+}
+
+#[test]
+fn the_summary_of_a_job_is_added_to() {
+    let workplace = accepted();
+    workplace.write("summary.md", "before\n");
+    let mut command = workplace.command(&["gate", "first", "-b", "golden"]);
+    command.env("GITHUB_STEP_SUMMARY", workplace.path("summary.md"));
+    assert!(command.output().expect("it runs").status.success());
+    let summary = workplace.read("summary.md");
+    assert!(summary.starts_with("before\n**Gate: as accepted."), "{summary}");
+    assert!(summary.contains("| objects | pca | all | f_rate"), "{summary}");
+}
+
+#[test]
+fn two_detectors_are_compared_on_the_same_resamples() {
+    let workplace = accepted();
+    let text = workplace.succeed(&["compare", "first", "-d", "pca,hierarchical"]).stdout;
+    assert!(text.contains("hierarchical − pca") && text.contains("least"), "{text}");
+    let itself = workplace.succeed(&["compare", "first", "golden/run", "--slices", "--markdown"]).stdout;
+    assert!(itself.contains(r"| objects | pca | range/0-15 | recall \[%] |"), "{itself}");
+    assert!(itself.contains("Every scan is judged as before."), "{itself}");
+}
+
+/// A loss of fifteen points of F-rate and more, and tolerances that are about something else: whatever it is, the gate does not
+/// pass, and does not call it a mere change either.
+#[test]
+fn tolerances_that_name_nothing_never_let_a_loss_pass() {
+    let workplace = accepted();
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    let f_rate = |name: &str| -> f64 {
+        let report: Value =
+            serde_json::from_str(&workplace.read(&format!("{name}/report.json"))).expect("JSON");
+        let is_headline = |row: &&Value| {
+            [("metric", "f_rate"), ("task", "objects"), ("detector", "hierarchical"), ("slice", "all")]
+                .iter()
+                .all(|(key, value)| row[*key] == *value)
+        };
+        let row = report["rows"].as_array().expect("a list").iter().find(is_headline);
+        row.expect("a row")["value"].as_f64().expect("a number")
+    };
+    assert!(f_rate("first") - f_rate("worse") > 0.15, "{} {}", f_rate("first"), f_rate("worse"));
+    let rule = |metrics: &str, slices: &str, more: &str| {
+        let sizes = if more.contains("relative") { "" } else { "absolute = 0.005\nrelative = 0.0\n" };
+        format!("[[quality]]\nmetrics = [{metrics}]\nslices = [{slices}]\n{sizes}{more}\n")
+    };
+    let all = "\"all\"";
+    for (tolerances, expected) in [
+        (rule("\"ap_r40\"", all, ""), "\"ap_r40\" has no interval"),
+        (rule("\"f_rat\"", all, ""), "there is no metric \"f_rat\"; did you mean \"f_rate\"?"),
+        (rule("\"f_rate\"", all, "tasks = [\"vehicels\"]"), "did you mean \"vehicles\"?"),
+        (rule("\"f_rate\"", "\"al\"", ""), "there is no slice \"al\" in either run; did you mean \"all\"?"),
+        (rule("\"f_rate\"", "\"range/0-20\"", ""), "there is no slice \"range/0-20\""),
+        (rule("\"recall\"", "\"class/ship\"", ""), "there is no slice \"class/ship\""),
+        (rule("\"precision\"", "\"class/*\"", ""), "neither run has precision of \"class/*\""),
+        (rule("\"f_rate\"", all, "detectors = [\"hierarchicl\"]"), "did you mean \"hierarchical\"?"),
+        (rule("\"f_rate\"", all, "absolute = 0.0\nrelative = 5.0"), "relative = 5 tolerates 500 %"),
+        (
+            rule("\"f_rate\"", all, "absolute = 0.9\nrelative = 0.0"),
+            "absolute = 0.9 lets nearly everything pass",
+        ),
+    ] {
+        workplace.write("golden/tolerances.toml", &tolerances);
+        let ended = check_gate(&workplace, "worse", 2, expected);
+        assert_eq!(ended.stdout, "", "{tolerances}");
+        // Beside a rule that is right, too.
+        workplace.write("golden/tolerances.toml", &format!("{TOLERANCES}{tolerances}"));
+        check_gate(&workplace, "worse", 2, expected);
+    }
+    workplace.write("golden/tolerances.toml", &rule("\"f_rate\"", all, "tasks = [\"objects\"]"));
+    check_gate(&workplace, "worse", 100, "Gate: regression.");
+}
+
+#[test]
+fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
+    let workplace = accepted();
+    run(&workplace, "unknown", &[]);
+    // As if false objects could not be known: a scan without their number.
+    let text = workplace.read("unknown/scans.csv");
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let fo = lines[0].split(',').position(|it| it == "fo").expect("a column");
+    let mut cells: Vec<&str> = lines[1].split(',').collect();
+    assert_eq!((cells[4], cells[5]), ("hierarchical", "objects"));
+    cells[fo] = "";
+    lines[1] = cells.join(",");
+    workplace.write("unknown/scans.csv", &(lines.join("\n") + "\n"));
+    let expected = "f_rate of all, hierarchical, objects, street-narrow: missing in the run.";
+    let ended = check_gate(&workplace, "unknown", 5, expected);
+    assert!(ended.stdout.starts_with("Gate: not comparable, a number is missing."), "{}", ended.stdout);
+    let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+    assert_eq!(verdict["conclusion"], "incomparable");
+}
+
+/// The same loss as of ten streets, but of nine scans of nine seconds: nothing is sure.
+#[test]
+fn of_few_blocks_nothing_is_surely_worse() {
+    let workplace = Workplace::new();
+    workplace.write("tolerances.toml", TOLERANCES);
+    let nine = ["--simulated-scans", "18", "--scans", "0..18:2"];
+    run(&workplace, "once", &nine);
+    run(&workplace, "worse", &[&nine[..], &["-P", "hierarchical.cluster.min_points=200"]].concat());
+    let ended = workplace.run(&["gate", "worse", "-b", "once", "-t", "tolerances.toml"]);
+    assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
+    for part in [
+        "Only 9 blocks of scans: no loss",
+        "inconclusive: only 9 blocks of scans",
+        "§ of fewer than 10 blocks",
+    ] {
+        assert!(ended.stdout.contains(part), "no {part:?} in\n{}", ended.stdout);
+    }
+    let text = workplace.succeed(&["compare", "once", "worse"]).stdout;
+    assert!(text.contains('§') && text.contains("§ of fewer than 10 blocks"), "{text}");
+    let table = workplace.read("once/table_objects.md");
+    assert!(table.contains('§'), "{table}");
+    assert!(workplace.read("once/table_objects.tex").contains("\\S{}"));
+    let csv = workplace.read("once/table_objects.csv");
+    assert!(csv.lines().nth(1).expect("a row").ends_with(",9,seconds,true"), "{csv}");
+    assert!(workplace.read("once/report.html").contains("9 blocks of scans are too few to tell who leads"));
+    assert!(workplace.read("once/report.json").contains("\"caveat\":\"interval of only 9 blocks of scans\""));
+}
+
+#[test]
+fn times_are_held_against_the_reference_on_the_same_processor_alone() {
+    let workplace = accepted();
+    let speed = "\n[speed]\nreference = \"grid-write\"\nrelative = 0.1\n";
+    workplace.write("golden/tolerances.toml", &format!("{TOLERANCES}{speed}"));
+    let ended = check_gate(&workplace, "first", 0, "grid-write");
+    assert!(!ended.stdout.contains("Speed was not compared"), "{}", ended.stdout);
+    // Every detection of pca takes half as long again, and only that is seen.
+    run(&workplace, "slower", &[]);
+    let text = workplace.read("first/scans.csv");
+    let slower = text.lines().map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if cells[4] == "pca" {
+            cells[10] = format!("{:.3}", 1.5 * cells[10].parse::<f64>().expect("a time"));
+        }
+        cells.join(",") + "\n"
+    });
+    assert_eq!(text.lines().next().expect("a head").split(',').nth(10), Some("least_latency_ms"));
+    workplace.write("slower/scans.csv", &slower.collect::<String>());
+    let ended = check_gate(&workplace, "slower", 100, "Of ");
+    assert!(ended.stdout.contains(" 1 surely worse,"), "{}", ended.stdout);
+    let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
+    let slowdown = verdict["speeds"][1]["slowdown"].as_f64().expect("a number");
+    assert!((slowdown - 0.5).abs() < 0.01 && verdict["speeds"][1]["detector"] == "pca", "{verdict}");
+    // On another processor that says nothing, and the verdict says so at once.
+    edit(&workplace, "slower/manifest.json", "\"cpu_model\": \"", "\"cpu_model\": \"Another ");
+    let ended = check_gate(&workplace, "slower", 0, "Gate: as accepted.");
+    let second = ended.stdout.lines().nth(1).expect("a line");
+    assert!(
+        second.starts_with("Speed was not compared: the processor was ") && second.contains("Another "),
+        "{second}"
+    );
+    // The report has what a verdict is made of.
+    let report: Value = serde_json::from_str(&workplace.read("first/report.json")).expect("JSON");
+    for metric in ["reference_ms", "time_over_reference"] {
+        let has = |row: &Value| row["metric"] == metric && row["value"].as_f64().is_some_and(|it| it > 0.0);
+        assert!(report["rows"].as_array().expect("a list").iter().any(has), "{metric}");
+    }
+}
+
+#[test]
+fn repetitions_change_no_number_but_the_least_time() {
+    let workplace = Workplace::new();
+    workplace.write("tolerances.toml", TOLERANCES);
+    run(&workplace, "once", &["--scans", "0..4:2"]);
+    run(&workplace, "thrice", &["--scans", "0..4:2", "--repeats", "3"]);
+    workplace.succeed(&["gate", "thrice", "-b", "once", "-t", "tolerances.toml"]);
+    assert_eq!(workplace.read("once/matches.csv"), workplace.read("thrice/matches.csv"));
+    let manifest: Value = serde_json::from_str(&workplace.read("thrice/manifest.json")).expect("JSON");
+    assert_eq!(manifest["n_repeats"], 3);
+    let scans = workplace.read("thrice/scans.csv");
+    let times = scans.lines().skip(1).map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [9, 10].map(|it| cells[it].parse::<f64>().expect("a time"))
+    });
+    let times: Vec<[f64; 2]> = times.collect();
+    assert!(times.iter().all(|[first, least]| least <= first), "{times:?}");
+    assert!(workplace.read("once/scans.csv").lines().skip(1).all(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        cells[9] == cells[10]
+    }));
+    assert_eq!(workplace.run(&["run", "--repeats", "0"]).exit_code, Some(2));
+}
+
+#[test]
+fn what_cannot_be_made_again_or_compared_is_not_accepted() {
+    let workplace = accepted();
+    run(&workplace, "changed", &[]);
+    edit(&workplace, "changed/manifest.json", "\"dirty\": false", "\"dirty\": true");
+    let history = workplace.read("golden/SCORES.md");
+    let accept = |name: &str, more: &[&str], code: i32, expected: &str| {
+        let ended =
+            workplace.run(&[&["baseline", "accept", name, "-b", "golden", "--why", "x"], more].concat());
+        assert_eq!(ended.exit_code, Some(code), "{ended:#?}");
+        assert!(ended.stderr.contains(expected) || ended.stdout.contains(expected), "{ended:#?}");
+    };
+    if workplace.read("changed/manifest.json").contains("\"dirty\"") {
+        for more in [&[][..], &["--new-baseline"]] {
+            accept("changed", more, 2, "with changes beyond commit");
+        }
+    }
+    run(&workplace, "seed", &["--seed", "7"]);
+    accept("seed", &[], 5, "the data of street-narrow have changed");
+    accept("seed", &[], 5, "--new-baseline");
+    assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
+    check_gate(&workplace, "first", 0, "Gate: as accepted.");
+    accept("seed", &["--new-baseline"], 0, "New baseline: the run cannot be compared with the accepted one");
+    check_gate(&workplace, "seed", 0, "Gate: as accepted.");
+    // One that cannot be read is no baseline either.
+    workplace.write("golden/run/scans.csv", "damaged\n");
+    accept("seed", &[], 5, "cannot be read");
+    accept("seed", &["--new-baseline"], 0, "cannot be read");
+    check_gate(&workplace, "seed", 0, "Gate: as accepted.");
+}

@@ -1,0 +1,24 @@
+//! Tests of the whole: the structure of the code, and the program from outside.
+
+// What the tests of the program share.
+mod drawn_dataset;
+mod program;
+
+mod bad_input;
+mod command_line;
+mod detect;
+mod ablation;
+mod experiments;
+mod layers;
+mod run_directory;
+#[cfg(target_os = "linux")]
+mod signals;
+mod start_up;
+mod realism;
+mod readers;
+mod fit_density;
+mod gate;
+mod sweep;
+mod train;
+mod boxes;
+mod view;

@@ -1,0 +1,145 @@
+//! A drive as a scene of nuScenes.
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use scans::dataset::Dataset;
+use serde_json::{Value, json};
+
+use super::{boxed, scans, write};
+
+fn token(kind: u32, number: usize) -> String {
+    format!("{kind:08x}{number:024x}")
+}
+
+/// Where the car of [`nuscenes`] was at a scan.
+fn world_from_car(number: usize) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.7 + 0.1 * number as f64);
+    Isometry3::from_parts(Translation3::new(1000.0 + 5.0 * number as f64, 600.0, 2.0), turn)
+}
+
+/// Where its lidar is, with x to the right and y forward.
+fn car_from_lidar() -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2);
+    Isometry3::from_parts(Translation3::new(0.94, 0.0, 1.84), turn)
+}
+
+fn pose(isometry: &Isometry3<f64>) -> (Value, Value) {
+    let turn = isometry.rotation;
+    let at = isometry.translation.vector;
+    (json!([at.x, at.y, at.z]), json!([turn.w, turn.i, turn.j, turn.k]))
+}
+
+const CATEGORIES: [&str; 5] =
+    ["vehicle.car", "vehicle.truck", "human.pedestrian.adult", "vehicle.bicycle", "animal"];
+
+/// The tables that are the same for all scans, with a camera as well.
+fn fixed_tables(table: &impl Fn(&str, Vec<Value>)) {
+    let (translation, rotation) = pose(&car_from_lidar());
+    table(
+        "sensor",
+        vec![
+            json!({"token": token(1, 0), "channel": "CAM_FRONT", "modality": "camera"}),
+            json!({"token": token(1, 1), "channel": "LIDAR_TOP", "modality": "lidar"}),
+        ],
+    );
+    table(
+        "calibrated_sensor",
+        (0..2)
+            .map(|it| {
+                json!({"token": token(2, it), "sensor_token": token(1, it),
+        "translation": translation, "rotation": rotation, "camera_intrinsic": []})
+            })
+            .collect(),
+    );
+    table("log", vec![json!({"token": token(3, 0), "vehicle": "n015", "location": "street"})]);
+    table(
+        "scene",
+        vec![json!({"token": token(4, 0), "log_token": token(3, 0), "name": "scene-0061", "nbr_samples": 3})],
+    );
+    let visibility = ["v0-40", "v40-60", "v60-80", "v80-100"];
+    table(
+        "visibility",
+        visibility
+            .iter()
+            .enumerate()
+            .map(|(it, level)| {
+                json!({"token": (it + 1).to_string(),
+        "level": level})
+            })
+            .collect(),
+    );
+    table(
+        "attribute",
+        vec![
+            json!({"token": token(5, 0), "name": "cycle.with_rider"}),
+            json!({"token": token(5, 1), "name": "vehicle.parked"}),
+        ],
+    );
+    table(
+        "category",
+        CATEGORIES
+            .iter()
+            .enumerate()
+            .map(|(it, name)| json!({"token": token(6, it), "name": name}))
+            .collect(),
+    );
+}
+
+/// The drive as a scene of nuScenes, with tables that name other sensors and scans between keyframes as well.
+pub fn nuscenes(folder: &Path, dataset: &dyn Dataset) {
+    let tables = folder.join("v1.0-mini");
+    let table = |name: &str, rows: Vec<Value>| {
+        write(&tables.join(format!("{name}.json")), serde_json::to_string_pretty(&rows).unwrap());
+    };
+    fixed_tables(&table);
+    let (mut samples, mut sample_data, mut ego_poses) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut instances, mut annotations) = (Vec::new(), Vec::new());
+    for (number, scan) in scans(dataset).iter().enumerate() {
+        let time_us = 1_532_402_927_647_951_u64 + 500_000 * number as u64;
+        samples.push(json!({"token": token(7, number), "scene_token": token(4, 0), "timestamp": time_us}));
+        let (translation, rotation) = pose(&world_from_car(number));
+        ego_poses.push(json!({"token": token(8, number), "timestamp": time_us, "translation": translation,
+            "rotation": rotation}));
+        for (sensor, is_key_frame) in [(0, true), (1, true), (1, false)] {
+            let kind = ["CAM_FRONT/a.jpg", "LIDAR_TOP"][sensor];
+            let filename = format!("samples/{kind}/{number}.pcd.bin");
+            sample_data.push(json!({"token": token(9, sample_data.len()), "sample_token": token(7, number),
+                "ego_pose_token": token(8, number), "calibrated_sensor_token": token(2, sensor), "timestamp": time_us,
+                "fileformat": "pcd", "is_key_frame": is_key_frame, "filename": filename}));
+        }
+        let bytes: Vec<u8> = scan
+            .cloud
+            .positions_m()
+            .zip(scan.cloud.intensity())
+            .flat_map(|([x, y, z], i)| [-y, x, z, i * 255.0, 7.0])
+            .flat_map(f32::to_le_bytes)
+            .collect();
+        write(&folder.join(format!("samples/LIDAR_TOP/{number}.pcd.bin")), bytes);
+        let ours = Isometry3::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
+        let world_from_sensor = world_from_car(number) * car_from_lidar() * ours;
+        for (place, annotation) in boxed(scan).annotations.iter().enumerate() {
+            let bounding_box = annotation.bounding_box.unwrap();
+            let [x, y, z] = bounding_box.center_m.map(f64::from);
+            let [length, width, height] = bounding_box.length_width_height_m;
+            let in_sensor = Isometry3::from_parts(
+                Translation3::new(x, y, z),
+                UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(bounding_box.yaw_rad)),
+            );
+            let (translation, rotation) = pose(&(world_from_sensor * in_sensor));
+            let category = place % CATEGORIES.len();
+            instances
+                .push(json!({"token": token(10, instances.len()), "category_token": token(6, category)}));
+            annotations.push(json!({"token": token(11, annotations.len()), "sample_token": token(7, number),
+                "instance_token": token(10, instances.len() - 1), "visibility_token": (place % 4 + 1).to_string(),
+                "attribute_tokens": if category == 3 { vec![token(5, 0)] } else { vec![] },
+                "translation": translation, "size": [width, length, height], "rotation": rotation,
+                "num_lidar_pts": annotation.point_indices.len(), "num_radar_pts": 0, "prev": "", "next": ""}));
+        }
+    }
+    table("sample", samples);
+    table("sample_data", sample_data);
+    table("ego_pose", ego_poses);
+    table("instance", instances);
+    table("sample_annotation", annotations);
+}

@@ -1,0 +1,87 @@
+//! nuScenes, made of a simulated drive: there is no real one here.
+
+use scans::annotation::{AnnotationClass, Occlusion};
+
+use super::made::{boxed, nuscenes, scans, street, write};
+use super::{check_damaged, open, try_open};
+use crate::program::Workplace;
+
+#[test]
+fn a_scene_is_read_as_it_was_made() {
+    let workplace = Workplace::new();
+    let street = street(3);
+    nuscenes(workplace.folder(), &*street);
+    for folder in [workplace.folder().to_path_buf(), workplace.path("v1.0-mini")] {
+        let dataset = open(&folder);
+        assert_eq!(dataset.description().format, "nuscenes");
+        assert_eq!(dataset.description().sensor, "hdl-32e");
+        assert_eq!(dataset.scan_ids()[2].to_string(), "scene-0061/000002");
+        assert_eq!(dataset.scan_time_ns(1), Some(1_532_402_928_147_951_000));
+        let position_m = dataset.world_from_sensor(1).unwrap().unwrap().translation.vector;
+        assert!((position_m.z - 3.84).abs() < 1e-9, "{position_m}");
+        let classes = [
+            AnnotationClass::Car,
+            AnnotationClass::Truck,
+            AnnotationClass::Pedestrian,
+            AnnotationClass::Cyclist,
+            AnnotationClass::Misc,
+        ];
+        for (found, expected) in scans(&*dataset).iter().zip(scans(&*street).iter().map(boxed)) {
+            assert!(found.cloud.positions_m().eq(expected.cloud.positions_m()));
+            assert!(found.annotations.len() == expected.annotations.len());
+            for (place, (found, expected)) in found.annotations.iter().zip(&expected.annotations).enumerate()
+            {
+                assert_eq!(found.class, classes[place % 5]);
+                let occlusion =
+                    [Occlusion::Largely, Occlusion::Partly, Occlusion::Partly, Occlusion::None][place % 4];
+                assert_eq!(found.occlusion, Some(occlusion));
+                let (a, b) = (found.bounding_box.unwrap(), expected.bounding_box.unwrap());
+                assert!((0..3).all(|axis| (a.center_m[axis] - b.center_m[axis]).abs() < 1e-4), "{a:?} {b:?}");
+                assert_eq!(a.length_width_height_m, b.length_width_height_m);
+                assert!((a.yaw_rad - b.yaw_rad).sin().abs() < 1e-6 && (a.yaw_rad - b.yaw_rad).cos() > 0.0);
+            }
+        }
+    }
+    workplace.succeed(&["selftest", "."]);
+    workplace.succeed(&["run", "v1.0-mini", "-d", "pca", "--no-rrd"]);
+}
+
+#[test]
+fn several_versions_have_to_be_named() {
+    let workplace = Workplace::new();
+    nuscenes(workplace.folder(), &*street(1));
+    std::fs::create_dir(workplace.path("v1.0-test")).unwrap();
+    for entry in std::fs::read_dir(workplace.path("v1.0-mini")).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, workplace.path("v1.0-test").join(path.file_name().unwrap())).unwrap();
+    }
+    let error = try_open(workplace.folder()).err().unwrap();
+    assert!(error.is_usage_error() && error.to_string().contains("v1.0-test"), "{error}");
+    assert_eq!(open(&workplace.path("v1.0-mini")).scan_ids().len(), 1);
+}
+
+#[test]
+fn damage_and_files_elsewhere_are_named() {
+    let check = |table: &str, from: &str, to: &str, parts: &[&str]| {
+        let workplace = Workplace::new();
+        nuscenes(workplace.folder(), &*street(1));
+        let path = workplace.path(&format!("v1.0-mini/{table}.json"));
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{text}");
+        write(&path, text.replace(from, to));
+        check_damaged(workplace.folder(), parts);
+    };
+    check("sample_data", "samples/LIDAR_TOP", "../LIDAR_TOP", &["sample_data.json", "not below its folder"]);
+    check("sample_data", "samples/LIDAR_TOP", "/etc", &["\"/etc/0.pcd.bin\"", "not below its folder"]);
+    check("ego_pose", "\"00000008", "\"00000009", &["sample_data.json", "not in ego_pose.json"]);
+    check("instance", "\"0000000a", "\"0000000b", &["sample_annotation.json", "no instance"]);
+    check("category", "\"token\"", "\"tokens\"", &["category.json", "missing field `token`"]);
+    check("scene", "[", "{", &["scene.json", "is no table"]);
+    let workplace = Workplace::new();
+    nuscenes(workplace.folder(), &*street(1));
+    std::fs::remove_file(workplace.path("v1.0-mini/visibility.json")).unwrap();
+    check_damaged(workplace.folder(), &["visibility.json"]);
+    nuscenes(workplace.folder(), &*street(1));
+    write(&workplace.path("samples/LIDAR_TOP/0.pcd.bin"), [0; 41]);
+    check_damaged(workplace.folder(), &["0.pcd.bin", "41 bytes", "20 of a point"]);
+}

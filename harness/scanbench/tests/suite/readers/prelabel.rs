@@ -1,0 +1,109 @@
+//! `scanbench data prelabel`: what a detector finds, written for annotation tools and read back as ground truth.
+
+use std::collections::BTreeMap;
+
+use scans::annotation::{AnnotationClass, LabeledScan};
+
+use super::made::scans;
+use super::open;
+use crate::program::{Ended, Workplace};
+
+const STREET: [&str; 3] = ["street-main-road", "--simulated-scans", "2"];
+
+fn prelabel(workplace: &Workplace, tool: &str, options: &[&str]) -> Ended {
+    let begin = ["data", "prelabel", STREET[0], STREET[1], STREET[2], "--to", tool, "-o", tool];
+    workplace.succeed(&[&begin[..], options].concat())
+}
+
+/// The vehicles of `run` in `matches.csv` of the task *vehicles*, by scan: what `prelabel` has to propose.
+fn vehicles(workplace: &Workplace) -> Vec<usize> {
+    let run = ["run", STREET[0], STREET[1], STREET[2], "-d", "hierarchical", "--no-rrd", "-o", "run"];
+    workplace.succeed(&run);
+    let matches = workplace.read("run/matches.csv");
+    let columns: Vec<&str> = matches.lines().next().unwrap().split(',').collect();
+    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
+    let is_vehicle =
+        |row: &Vec<&str>| row[place("task")] == "objects" && row[place("detection_class")] == "vehicle";
+    let rows: Vec<Vec<&str>> = matches.lines().map(|it| it.split(',').collect()).filter(is_vehicle).collect();
+    let mut n_by_scan = BTreeMap::new();
+    for row in rows {
+        *n_by_scan.entry(row[place("scan")].parse::<u32>().unwrap()).or_default() += 1;
+    }
+    n_by_scan.into_values().collect()
+}
+
+#[test]
+fn proposals_are_read_back_as_the_same_boxes() {
+    let workplace = Workplace::new();
+    let n_expected = vehicles(&workplace);
+    let mut read: Vec<Vec<LabeledScan>> = Vec::new();
+    for (tool, format) in
+        [("kitti", "kitti-object"), ("labelcloud", "scan-folder"), ("sustechpoints", "scan-folder")]
+    {
+        let ended = prelabel(&workplace, tool, &[]);
+        let n_all: usize = n_expected.iter().sum();
+        assert!(
+            ended.stdout.contains(&format!("2 scans  {n_all} proposals  {tool}, simulated")),
+            "{ended:#?}"
+        );
+        let dataset = open(&workplace.path(tool));
+        assert_eq!(dataset.description().format, format);
+        assert!(dataset.description().is_simulated());
+        read.push(scans(&*dataset));
+        workplace.succeed(&["selftest", tool]);
+    }
+    for (scan_idx, n_expected) in n_expected.into_iter().enumerate() {
+        let [kitti, label_cloud, sustech] = [0, 1, 2].map(|tool| &read[tool][scan_idx]);
+        assert!(n_expected > 1 && kitti.annotations.len() == n_expected, "{n_expected}");
+        for other in [label_cloud, sustech] {
+            assert_eq!(kitti.cloud, other.cloud);
+            assert_eq!(other.annotations.len(), n_expected);
+            for (a, b) in kitti.annotations.iter().zip(&other.annotations) {
+                assert_eq!((a.class, b.class), (AnnotationClass::Car, AnnotationClass::Car));
+                let (a, b) = (a.bounding_box.unwrap(), b.bounding_box.unwrap());
+                assert!((0..3).all(|axis| (a.center_m[axis] - b.center_m[axis]).abs() < 1e-4), "{a:?} {b:?}");
+                assert_eq!(a.length_width_height_m, b.length_width_height_m);
+                assert!((a.yaw_rad - b.yaw_rad).sin().abs() < 1e-5, "{a:?} {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_finds_the_same_scores_one_on_its_own_proposals() {
+    let workplace = Workplace::new();
+    prelabel(&workplace, "sustechpoints", &[]);
+    let run = [
+        "run",
+        "sustechpoints",
+        "-d",
+        "hierarchical",
+        "--no-rrd",
+        "-o",
+        "run",
+        "-P",
+        "matching.min_points=1",
+    ];
+    workplace.succeed(&[&run[..], &["--criterion", "bev-iou"]].concat());
+    let scans = workplace.read("run/scans.csv");
+    let columns: Vec<&str> = scans.lines().next().unwrap().split(',').collect();
+    let place = |name: &str| columns.iter().position(|it| *it == name).unwrap();
+    for row in scans.lines().skip(1).filter(|it| it.contains(",vehicles,")) {
+        let cells: Vec<&str> = row.split(',').collect();
+        assert_eq!((cells[place("mo")], cells[place("fo")]), ("0", "0"), "{row}");
+    }
+}
+
+#[test]
+fn sure_ones_alone_are_fewer() {
+    let workplace = Workplace::new();
+    let n_boxes = |tool: &str| -> usize {
+        scans(&*open(&workplace.path(tool))).iter().map(|it| it.annotations.len()).sum()
+    };
+    prelabel(&workplace, "kitti", &[]);
+    prelabel(&workplace, "labelcloud", &["--min-score", "0.9"]);
+    assert!(n_boxes("labelcloud") < n_boxes("kitti"));
+    let again = workplace.run(&["data", "prelabel", STREET[0], "-o", "kitti", "--to", "kitti"]);
+    assert_eq!(again.exit_code, Some(2), "{again:#?}");
+    assert!(again.stderr.contains("exists already"), "{again:#?}");
+}

@@ -1,0 +1,77 @@
+//! Folders of scans in PCD, PLY, `.npy` and `.bin`.
+
+use scans::annotation::{AnnotationClass, PointRegion};
+
+use super::{check_damaged, open};
+use crate::program::Workplace;
+
+/// Two points as text, and the same in the other formats.
+const PCD: &str = "VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n\
+                   POINTS 2\nDATA ascii\n5 1 -1 0.5\n20 0 0 0.25\n";
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+                   property float intensity\nend_header\n5 1 -1 0.5\n20 0 0 0.25\n";
+const BOXES: &str = r#"[{"class": "Car", "center_m": [5, 1, -1], "length_width_height_m": [4, 2, 1.5], "yaw_rad": 0.1, "track": 7}]"#;
+
+/// A folder with a scan of each kind.
+pub fn drawn() -> Workplace {
+    let workplace = Workplace::new();
+    let write = |name: &str, content: &[u8]| {
+        let path = workplace.path("drive").join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+    };
+    let rows: Vec<u8> =
+        [5.0_f32, 1.0, -1.0, 0.5, 20.0, 0.0, 0.0, 0.25].iter().flat_map(|it| it.to_le_bytes()).collect();
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 4), }";
+    let npy =
+        [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &rows].concat();
+    for (name, content) in
+        [("a.bin", &rows[..]), ("b.npy", &npy), ("c.pcd", PCD.as_bytes()), ("d.ply", PLY.as_bytes())]
+    {
+        write(name, content);
+        write(&format!("labels/{}.json", &name[..1]), BOXES.as_bytes());
+    }
+    write("readme.txt", b"not a scan");
+    workplace
+}
+
+#[test]
+fn scans_of_all_kinds_are_read_with_their_boxes() {
+    let workplace = drawn();
+    let dataset = open(&workplace.path("drive"));
+    assert_eq!((dataset.description().format.as_str(), dataset.scan_ids().len()), ("scan-folder", 4));
+    for scan_idx in 0..4 {
+        let scan = dataset.read_scan(scan_idx).unwrap();
+        assert!(scan.cloud.positions_m().eq([[5.0, 1.0, -1.0], [20.0, 0.0, 0.0]]), "{}", scan.id);
+        assert_eq!(scan.cloud.intensity(), [0.5, 0.25]);
+        let [car] = &scan.annotations[..] else { panic!("{:?}", scan.annotations) };
+        assert_eq!((car.class, car.track, &car.point_indices[..]), (AnnotationClass::Car, Some(7), &[0][..]));
+        assert_eq!(scan.point_regions, [PointRegion::Labeled; 2]);
+    }
+    std::fs::remove_dir_all(workplace.path("drive/labels")).unwrap();
+    let scan = open(&workplace.path("drive")).read_scan(3).unwrap();
+    assert_eq!((scan.annotations.len(), scan.point_regions), (0, vec![PointRegion::Outside; 2]));
+    // A scan of its own, and one that nobody labelled.
+    workplace.succeed(&["detect", "drive/d.ply", "-o", "clusters.csv"]);
+    assert_eq!(workplace.run(&["run", "drive", "-d", "pca", "--no-rrd"]).exit_code, Some(4));
+}
+
+#[test]
+fn what_is_missing_or_damaged_is_named() {
+    let check = |name: &str, content: Option<&str>, parts: &[&str]| {
+        let workplace = drawn();
+        let path = workplace.path("drive").join(name);
+        match content {
+            Some(content) => std::fs::write(path, content).unwrap(),
+            None => std::fs::remove_file(path).unwrap(),
+        }
+        check_damaged(&workplace.path("drive"), parts);
+    };
+    check("labels/b.json", None, &["b.npy", "b.json", "do not exist"]);
+    check("labels/b.json", Some("[{}]"), &["b.json", "is no list of boxes"]);
+    check("labels/b.json", Some(&BOXES.replace("1.5", "0")), &["b.json", "has the box"]);
+    check("b.npy", Some(""), &["b.npy", "is no .npy file"]);
+    check("c.pcd", Some(&PCD.replace("POINTS 2", "POINTS 3")), &["c.pcd", "announces 3 points and holds 2"]);
+    check("d.ply", Some(&PLY[..40]), &["d.ply", "header without end"]);
+    check("d.ply", Some(&PLY.replace("vertex 2", "vertex 0")), &["d.ply", "holds no points"]);
+}

@@ -1,0 +1,82 @@
+//! `scanbench view`.
+
+use crate::program::Workplace;
+
+fn small_run() -> Workplace {
+    let workplace = Workplace::new();
+    workplace.succeed(&[
+        "run",
+        "street-narrow",
+        "--simulated-scans",
+        "2",
+        "-d",
+        "hierarchical,pca",
+        "--no-rrd",
+        "-o",
+        "run",
+    ]);
+    workplace
+}
+
+#[test]
+fn the_worst_come_first_and_can_be_chosen() {
+    let workplace = small_run();
+    let listed = |options: &[&str]| -> Vec<(String, u64)> {
+        let ended = workplace.succeed(&[&["view", "run", "--task", "objects", "--no-rrd"], options].concat());
+        let lines = ended.stdout.lines().skip(1).map(|line| {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            // Rank, data set, drive, scan, outcome, class, points.
+            (words[4].to_owned(), words[6].parse().expect("a number of points"))
+        });
+        lines.collect()
+    };
+    let all = listed(&[]);
+    assert_eq!(all.len(), 10);
+    assert!(all.windows(2).all(|pair| pair[0].1 >= pair[1].1), "{all:?}");
+    assert_eq!(listed(&["--worst", "3"]), all[..3]);
+    assert!(listed(&["--outcome", "missed"]).iter().all(|it| it.0 == "missed"));
+    assert_ne!(listed(&["-d", "pca"]), all);
+}
+
+#[test]
+#[cfg(feature = "viewer")]
+fn their_scans_are_recorded_in_the_run_directory_or_elsewhere() {
+    let workplace = small_run();
+    let ended = workplace.succeed(&["view", "run", "--task", "objects", "--worst", "2"]);
+    assert!(ended.stderr.contains("worst.rrd"), "{}", ended.stderr);
+    assert!(workplace.path("run/worst.rrd").metadata().unwrap().len() > 100_000);
+    workplace.succeed(&["view", "run", "--task", "objects", "--worst", "1", "--save-rrd=one.rrd"]);
+    assert!(workplace.path("one.rrd").exists());
+}
+
+#[test]
+fn what_cannot_be_viewed_is_said() {
+    let workplace = small_run();
+    for (arguments, code, message) in [
+        (&["view", "nowhere"][..], 2, "there is no run directory nowhere"),
+        (&["view", "run", "-d", "kd-tree"], 2, "the run has no detector \"kd-tree\", but hierarchical, pca"),
+        (&["view", "run", "--class", "boat"], 4, "the run has no such mistakes"),
+    ] {
+        let ended = workplace.run(arguments);
+        assert_eq!(ended.exit_code, Some(code), "{arguments:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(message), "{arguments:?}: {}", ended.stderr);
+    }
+}
+
+#[test]
+#[cfg(feature = "viewer")]
+fn scans_that_would_not_be_the_same_are_not_recorded() {
+    let workplace = small_run();
+    let manifest = workplace.read("run/manifest.json");
+    for (from, to, message) in [
+        ("\"simulator_version\": ", "\"simulator_version\": 9", "are not those of the run"),
+        ("\"cell_size_m\": 0.6", "\"cell_size_m\": 0.7", "the parameters are not those of the run"),
+    ] {
+        assert!(manifest.contains(from), "{manifest}");
+        workplace.write("run/manifest.json", &manifest.replace(from, to));
+        let ended = workplace.run(&["view", "run", "--task", "objects"]);
+        assert_eq!(ended.exit_code, Some(2), "{}", ended.stderr);
+        assert!(ended.stderr.contains(message), "{}", ended.stderr);
+        assert!(!workplace.path("run/worst.rrd").exists());
+    }
+}

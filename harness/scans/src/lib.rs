@@ -1,0 +1,9 @@
+//! Labelled scans: what is annotated, data sets of every format, conversion between them, and what can be wrong with them.
+//!
+//! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+
+pub mod annotation;
+pub mod task;
+pub mod dataset;
+pub mod conversion;
+pub mod data_check;

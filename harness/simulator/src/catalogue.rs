@@ -1,0 +1,123 @@
+//! The catalogue of data sets with drives through simulated streets, and the one that is part of the program.
+
+use scans::dataset::DatasetError;
+use scans::dataset::catalogue::{SimulatedEntry, parse_catalogue};
+
+use super::rain::RAIN_RATES_MM_PER_H;
+use super::simulated_street::StreetDrive;
+
+/// How high a simulated sensor may be mounted above the road, in metres.
+const SENSOR_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.3..=5.0;
+
+/// The catalogue that is part of the program.
+const BUILT_IN: &str = include_str!("../../../datasets.toml");
+
+/// The group of the built-in catalogue that is run when no data set is asked for.
+pub const DEFAULT_DATASETS: &str = "streets";
+
+/// Data sets on disk and drives through simulated streets, by id.
+pub type Catalogue = scans::dataset::catalogue::Catalogue<StreetDrive>;
+
+/// The catalogue that is part of the program.
+///
+/// # Errors
+///
+/// [`DatasetError::Catalogue`] if its file was broken when the program was compiled.
+pub fn built_in_catalogue() -> Result<Catalogue, DatasetError> {
+    parse_catalogue("built-in datasets.toml", BUILT_IN)
+}
+
+impl SimulatedEntry for StreetDrive {
+    fn check(&self) -> Result<(), String> {
+        let &Self { n_scans, turns_per_scan, scans_per_drive, .. } = self;
+        if scans_per_drive == Some(0) {
+            return Err("0 scans per drive is no drive".to_owned());
+        }
+        if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
+            return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
+        }
+        if let Some(mm_per_h) = self.rain_mm_per_h
+            && !RAIN_RATES_MM_PER_H.contains(&mm_per_h)
+        {
+            let (least, most) = (RAIN_RATES_MM_PER_H.start(), RAIN_RATES_MM_PER_H.end());
+            return Err(format!("rain_mm_per_h is {mm_per_h}, which is not within {least} to {most}"));
+        }
+        if let Some(height_m) = self.sensor_height_m
+            && !SENSOR_HEIGHTS_M.contains(&height_m)
+        {
+            let (least, most) = (SENSOR_HEIGHTS_M.start(), SENSOR_HEIGHTS_M.end());
+            return Err(format!("sensor_height_m is {height_m}, which is not within {least} to {most}"));
+        }
+        self.conditions.check()?;
+        if let Some(limit_deg) = self.labeled_to_either_side_deg
+            && !(0.0..=180.0).contains(&limit_deg)
+        {
+            return Err(format!(
+                "labeled_to_either_side_deg is {limit_deg}, but a turn has 180 to either side"
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scans::dataset::AnnotatedClasses;
+    use scans::dataset::kitti::label::KITTI_CLASSES;
+
+    fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
+        super::parse_catalogue(name, text)
+    }
+
+    #[test]
+    fn the_built_in_catalogue_knows_what_kitti_annotates() {
+        let catalogue = built_in_catalogue().unwrap();
+        let ids: Vec<&String> = catalogue.recorded.keys().collect();
+        let expected =
+            ["argoverse2", "kitti-object", "kitti-raw", "kitti-tracking", "nuscenes", "semantic-kitti"];
+        assert_eq!(ids, expected);
+        for id in &ids[1..4] {
+            let entry = &catalogue.recorded[*id];
+            assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
+        }
+    }
+
+    #[test]
+    fn it_rains_as_hard_as_it_can() {
+        let parse = |rain: &str| {
+            let text = format!(
+                "[simulated.wet]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
+                 sensor = \"vlp-16\"\n{rain}"
+            );
+            parse_catalogue("my.toml", &text).map(|it| it.simulated["wet"].rain_mm_per_h)
+        };
+        assert_eq!(parse("rain_mm_per_h = 10.0").unwrap(), Some(10.0));
+        assert_eq!(parse("").unwrap(), None);
+        for refused in ["0.0", "-1.0", "nan", "1000.0"] {
+            let message = parse(&format!("rain_mm_per_h = {refused}")).expect_err("no rain").to_string();
+            assert!(message.contains("0.1 to 150"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_drive_may_have_conditions_that_can_be() {
+        let parse = |conditions: &str| {
+            let text = format!(
+                "[simulated.steep]\nstreet = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\n\
+                 sensor = \"vlp-16\"\n{conditions}"
+            );
+            parse_catalogue("my.toml", &text).map(|it| it.simulated["steep"].clone())
+        };
+        let steep = parse("sensor_height_m = 2.5\n[simulated.steep.conditions]\ngradient = 0.1").unwrap();
+        assert_eq!((steep.sensor_height_m, steep.conditions.gradient), (Some(2.5), Some(0.1)));
+        for (refused, part) in [
+            ("sensor_height_m = 0.0", "0.3 to 5"),
+            ("[simulated.steep.conditions]\ngradient = 1.0", "-0.2 to 0.2"),
+            ("[simulated.steep.conditions]\nslope = 0.1", "unknown field `slope`"),
+        ] {
+            let message = parse(refused).expect_err("no such street").to_string();
+            assert!(message.contains(part), "{message}");
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The form of a free-standing object: solids of several materials in one frame.
+
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::math::Pose;
+use scans::annotation::AnnotationClass;
+
+use super::material::Material;
+use super::solid::Solid;
+
+/// The form of an object in its own frame: x forward, y left, z up, the origin on the ground below its middle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectShape {
+    /// What it is.
+    pub class: AnnotationClass,
+    /// What it consists of.
+    pub parts: Vec<Part>,
+}
+
+/// One solid of an object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Its form.
+    pub solid: Solid,
+    /// What it is made of.
+    pub material: Material,
+}
+
+impl ObjectShape {
+    /// An object of `class` made of these solids.
+    pub fn new(class: AnnotationClass, parts: impl IntoIterator<Item = (Solid, Material)>) -> Self {
+        let parts = parts.into_iter().map(|(solid, material)| Part { solid, material }).collect();
+        Self { class, parts }
+    }
+
+    /// The box around all parts, in the object's frame.
+    pub fn bounds(&self) -> Aabb {
+        let mut bounds = Aabb::new_invalid();
+        for part in &self.parts {
+            bounds.merge(&part.solid.placed(&Pose::IDENTITY).bounds());
+        }
+        bounds
+    }
+
+    /// Length along x in metres.
+    pub fn length_m(&self) -> f32 {
+        self.bounds().extents().x
+    }
+}

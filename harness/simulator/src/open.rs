@@ -1,0 +1,128 @@
+//! From what the user names to an open data set, simulated or on disk.
+
+use scans::dataset::class_table::ClassRules;
+use scans::dataset::dataset_format::DatasetFormat;
+use scans::dataset::mcap::topics::TopicChoice;
+use scans::dataset::open::{ReadOptions, open_recorded};
+use scans::dataset::source::DamagePolicy;
+use scans::dataset::{Dataset, DatasetError};
+
+use super::catalogue::Catalogue;
+use super::simulated_street::{StreetDrive, open_simulated_street};
+
+/// How a data set is opened other than the catalogue says.
+#[derive(Debug, Clone, Default)]
+pub struct OpenOptions {
+    /// The format of a data set at a path; the files tell otherwise.
+    pub format: Option<DatasetFormat>,
+    /// The seed of a simulation.
+    pub seed: Option<u64>,
+    /// The number of scans of a simulation.
+    pub n_simulated_scans: Option<u32>,
+    /// The sensor of a simulation: an id, or the path of a description.
+    pub sensor: Option<String>,
+    /// The topics of a recording; the catalogue's or the only ones are taken else.
+    pub topics: TopicChoice,
+    /// What becomes of damaged parts that others do not depend on.
+    pub damage: DamagePolicy,
+    /// What the names of classes in labels stand for, as the user says; has the last word over the catalogue.
+    pub classes: ClassRules,
+}
+
+impl OpenOptions {
+    /// What of it concerns data sets on disk.
+    pub fn of_files(&self) -> ReadOptions {
+        let Self { format, topics, damage, classes, .. } = self.clone();
+        ReadOptions { format, topics, damage, classes }
+    }
+}
+
+/// Opens the data set of the catalogue that is called `id_or_path`, or else the one at that path, as
+/// [`open_recorded`] does.
+///
+/// # Errors
+///
+/// [`DatasetError`] if there is no such data set, or it is damaged or not the one of the catalogue, or was made by a
+/// simulation that this simulator does not know.
+pub fn open_dataset(
+    id_or_path: &str,
+    options: &OpenOptions,
+    catalogue: &Catalogue,
+) -> Result<Box<dyn Dataset>, DatasetError> {
+    if let Some(drive) = catalogue.simulated.get(id_or_path) {
+        return open_drive(id_or_path, options, drive);
+    }
+    let dataset = open_recorded(id_or_path, &options.of_files(), catalogue)?;
+    let description = dataset.description();
+    if let Some(simulation) = &description.simulation
+        && let Err(error) = simulation.read::<StreetDrive>()
+    {
+        let path = description.root.clone().unwrap_or_default();
+        return Err(DatasetError::Damaged { path, problem: format!("is of an unknown simulation: {error}") });
+    }
+    Ok(dataset)
+}
+
+fn open_drive(
+    id: &str,
+    options: &OpenOptions,
+    drive: &StreetDrive,
+) -> Result<Box<dyn Dataset>, DatasetError> {
+    if let Some(asked_for) = options.format {
+        return Err(DatasetError::FormatContradictsCatalogue {
+            id: id.to_owned(),
+            catalogued: "simulated".to_owned(),
+            asked_for: asked_for.to_string(),
+        });
+    }
+    let drive = StreetDrive {
+        seed: options.seed.unwrap_or(drive.seed),
+        n_scans: options.n_simulated_scans.unwrap_or(drive.n_scans),
+        sensor: options.sensor.clone().unwrap_or_else(|| drive.sensor.clone()),
+        ..drive.clone()
+    };
+    open_simulated_street(id, &drive)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::catalogue::built_in_catalogue;
+    use scans::dataset::AnnotatedClasses;
+    use scans::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
+    use scans::dataset::simulation::Simulation;
+
+    /// A folder with one scan, which says that it was made by `simulation`.
+    fn open(simulation: Simulation) -> Result<Box<dyn Dataset>, DatasetError> {
+        let folder = tempfile::tempdir().unwrap();
+        let sheet = DataSheet {
+            annotated_classes: AnnotatedClasses::EveryObject,
+            sensor_height_m: 1.8,
+            sensor: "vlp-16".to_owned(),
+            licence: None,
+            labeled_region: LabeledRegion::Everywhere,
+            simulation: Some(simulation),
+            made_from: None,
+        };
+        std::fs::write(folder.path().join("0.bin"), [0; 16]).unwrap();
+        std::fs::write(folder.path().join(DATA_SHEET), sheet.to_json()).unwrap();
+        let path = folder.path().to_str().unwrap();
+        open_dataset(path, &OpenOptions::default(), &built_in_catalogue().unwrap())
+    }
+
+    #[test]
+    fn what_was_simulated_and_written_is_still_simulated() {
+        let drive = built_in_catalogue().unwrap().simulated["street-narrow"].clone();
+        let dataset = open(Simulation::of(&drive)).unwrap();
+        assert!(dataset.description().is_simulated());
+        assert_eq!(StreetDrive::of(dataset.description()), Some(drive));
+    }
+
+    #[test]
+    fn a_simulation_of_something_else_is_refused() {
+        let error = open(Simulation::of(&BTreeMap::from([("town", 5)]))).err().expect("no street");
+        assert!(!error.is_usage_error() && error.to_string().contains("unknown field `town`"), "{error}");
+    }
+}

@@ -1,0 +1,116 @@
+//! What is set about a street instead of drawn.
+
+use std::ops::RangeInclusive;
+
+use super::ground::CrossSection;
+use super::road_axis::{RoadAxisShape, Wave};
+
+/// What is set about a street; what is left out is drawn as in any street. The same seed puts the same things at the
+/// same places along the road under all conditions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StreetConditions {
+    /// Metres that all roads climb per metre, evenly; there are no hills then.
+    pub gradient: Option<f32>,
+    /// Greatest gradient of hills of which the next begins after 120 m; the roads are level but for these.
+    pub hill_gradient: Option<f32>,
+    /// How high kerbs stand, in metres.
+    pub kerb_height_m: Option<f32>,
+    /// A truck of this height in metres drives ahead of the sensor.
+    pub truck_ahead_height_m: Option<f32>,
+}
+
+/// What gradients there may be.
+pub const GRADIENTS: RangeInclusive<f32> = -0.2..=0.2;
+/// How high kerbs may be, in metres.
+pub const KERB_HEIGHTS_M: RangeInclusive<f32> = 0.0..=0.4;
+/// How high trucks may be, in metres.
+pub const TRUCK_HEIGHTS_M: RangeInclusive<f32> = 2.0..=4.5;
+
+/// From one hill to the next, in metres.
+const HILL_LENGTH_M: f32 = 120.0;
+
+impl StreetConditions {
+    /// Whether all values can be; the text says which cannot.
+    ///
+    /// # Errors
+    ///
+    /// The first value outside of its range.
+    pub fn check(&self) -> Result<(), String> {
+        let values = [
+            ("gradient", self.gradient, GRADIENTS),
+            ("hill_gradient", self.hill_gradient, GRADIENTS),
+            ("kerb_height_m", self.kerb_height_m, KERB_HEIGHTS_M),
+            ("truck_ahead_height_m", self.truck_ahead_height_m, TRUCK_HEIGHTS_M),
+        ];
+        for (name, value, range) in values {
+            if let Some(value) = value.filter(|value| !range.contains(value)) {
+                let (least, most) = (range.start(), range.end());
+                return Err(format!("{name} is {value}, which is not within {least} to {most}"));
+            }
+        }
+        if self.gradient.is_some() && self.hill_gradient.is_some() {
+            return Err("a street has either an even gradient or hills".to_owned());
+        }
+        Ok(())
+    }
+
+    /// A road of this shape under the conditions.
+    pub(super) fn road(&self, drawn: RoadAxisShape) -> RoadAxisShape {
+        let hills = |greatest: f32| Wave {
+            amplitude_m: greatest * HILL_LENGTH_M / std::f32::consts::TAU,
+            length_m: HILL_LENGTH_M,
+            phase: drawn.hills.phase,
+        };
+        match (self.gradient, self.hill_gradient) {
+            (Some(gradient), _) => RoadAxisShape { gradient, hills: Wave::FLAT, ..drawn },
+            (None, Some(greatest)) => RoadAxisShape { gradient: 0.0, hills: hills(greatest), ..drawn },
+            (None, None) => drawn,
+        }
+    }
+
+    /// A cross-section like this under the conditions.
+    pub(super) fn section(&self, drawn: CrossSection) -> CrossSection {
+        CrossSection { kerb_height_m: self.kerb_height_m.unwrap_or(drawn.kerb_height_m), ..drawn }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::road_axis::RoadAxis;
+
+    const DRAWN: RoadAxisShape = RoadAxisShape {
+        origin_m: [0.0; 2],
+        heading_rad: 0.0,
+        reach_m: [0.0, 400.0],
+        bends: Wave::FLAT,
+        gradient: 0.03,
+        hills: Wave { amplitude_m: 1.0, length_m: 200.0, phase: 0.2 },
+    };
+
+    fn gradients(conditions: &StreetConditions) -> Vec<f32> {
+        let axis = RoadAxis::new(&conditions.road(DRAWN));
+        (0..390).map(|along_m| axis.height_and_gradient(along_m as f32).1).collect()
+    }
+
+    #[test]
+    fn a_set_gradient_is_even_and_hills_are_as_steep_as_said() {
+        let even = gradients(&StreetConditions { gradient: Some(0.1), ..StreetConditions::default() });
+        assert!(even.iter().all(|it| (it - 0.1).abs() < 1e-3), "{even:?}");
+        let hills = gradients(&StreetConditions { hill_gradient: Some(0.1), ..StreetConditions::default() });
+        let [least, most] = [f32::min, f32::max].map(|pick| hills.iter().copied().reduce(pick).unwrap());
+        assert!((most - 0.1).abs() < 2e-3 && (least + 0.1).abs() < 2e-3, "{least} {most}");
+        assert_eq!(StreetConditions::default().road(DRAWN), DRAWN);
+    }
+
+    #[test]
+    fn what_cannot_be_is_named() {
+        let refused = |text: &str| toml::from_str::<StreetConditions>(text).unwrap().check().unwrap_err();
+        assert!(refused("gradient = 0.5").contains("gradient is 0.5, which is not within -0.2 to 0.2"));
+        assert!(refused("kerb_height_m = -0.1").contains("kerb_height_m is -0.1"));
+        assert!(refused("truck_ahead_height_m = nan").contains("truck_ahead_height_m is NaN"));
+        assert!(refused("gradient = 0.1\nhill_gradient = 0.1").contains("either"));
+        assert!(StreetConditions::default().check().is_ok());
+    }
+}

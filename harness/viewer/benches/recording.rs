@@ -1,0 +1,119 @@
+//! What the Rerun recording of a run costs: time outside of detection, and bytes, for each scan.
+//!
+//! `cargo bench -p viewer [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path, from the root of the
+//! repository. Without it a simulated street is used. Detectors are the default ones of `run`.
+#![expect(clippy::print_stdout, reason = "a benchmark prints")]
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use evaluation::matching::assign::MatchingParams;
+use evaluation::matching::criterion::Criterion;
+use evaluation::matching::eligibility::EligibilityParams;
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detectors_named};
+use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _};
+use evaluation::run::scores::DatasetScores;
+use evaluation::run::side_by_side::SideBySide;
+use scans::dataset::Dataset;
+use scans::dataset::scan_selection::ScanSelection;
+use scans::task::Task;
+use simulator::catalogue::built_in_catalogue;
+use simulator::open::{OpenOptions, open_dataset};
+use viewer::run_recording::{RunRecording, RunRecordingOptions};
+use viewer::{FirstTab, Opening, StreamOptions, ViewerChoice};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Cargo starts benchmarks in the folder of their package; paths are meant from the root.
+    std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))?;
+    // Cargo appends `--bench`.
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|it| !it.starts_with("--")).collect();
+    let name = arguments.first().map_or("street-main-road", String::as_str);
+    let selection: ScanSelection = arguments.get(1).map_or("0..20", String::as_str).parse()?;
+    let dataset = open_dataset(name, &OpenOptions::default(), &built_in_catalogue()?)?;
+    let scan_indices = selection.positions(dataset.scan_ids().len())?;
+    let listed = detectors_named(&DEFAULT_DETECTORS.map(str::to_owned))?;
+
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("run.rrd");
+    let (mut times, n_points) = record(&*dataset, &scan_indices, &listed, &file)?;
+
+    let n_scans = scan_indices.len();
+    let simulated = if dataset.description().is_simulated() { ", simulated" } else { "" };
+    let n_detectors = listed.len() as f64;
+    println!("{name}{simulated}: {n_scans} scans of {} points, {n_detectors} detectors", n_points / n_scans);
+    let ms = |it: Duration| it.as_secs_f64() * 1e3;
+    let mean = ms(times.iter().sum::<Duration>()) / n_scans as f64;
+    // The first does without writing what the one before held back, the last does nothing else.
+    let whole = &mut times[1..n_scans];
+    whole.sort_unstable();
+    let [least, median] = [0, whole.len() / 2].map(|rank| whole.get(rank).copied().map_or(mean, ms));
+    for (of, parts) in [("a scan", 1.0), ("a scan and detector", n_detectors)] {
+        let [mean, least, median] = [mean, least, median].map(|it| it / parts);
+        println!("time of {of}: mean {mean:.1} ms, median {median:.1} ms, least {least:.1} ms");
+    }
+    println!("file: {:.2} MB a scan", std::fs::metadata(&file)?.len() as f64 / 1e6 / n_scans as f64);
+    Ok(())
+}
+
+/// Runs the detectors on the scans and records them in `file`. Returns the time of logging each scan, then that of the end, and the
+/// number of all points.
+fn record(
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
+    listed: &[ListedDetector],
+    file: &Path,
+) -> Result<(Vec<Duration>, usize), Box<dyn std::error::Error>> {
+    let description = dataset.description().clone();
+    let config = RunConfig::load(None)?;
+    let config = config.for_sensor(&description.sensor).unwrap_or(config);
+    let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
+    let mut detectors: Vec<_> =
+        listed.iter().map(|it| it.build(&config, description.sensor_height_m)).collect();
+    let mut scores = DatasetScores::new(description, &names);
+    let options = RunRecordingOptions {
+        stream: StreamOptions {
+            name: "benchmark".to_owned(),
+            file: file.to_owned(),
+            viewer: ViewerChoice::None,
+            opening: Opening {
+                shown_task: Task::Objects,
+                first_tab: FirstTab::Compare,
+                has_poses: false,
+                at_the_start: false,
+            },
+            max_points: None,
+        },
+        elsewhere: None,
+        every: 1,
+    };
+    let mut recording = RunRecording::begin(options, &names)?;
+    let criterion = Criterion::POINTS;
+    let side_by_side = SideBySide {
+        dataset,
+        scan_indices,
+        matching: MatchingParams { criterion, eligibility: EligibilityParams::STANDARD },
+        n_warmup: 1,
+        n_repeats: NonZeroUsize::MIN,
+        n_jobs: 1,
+        interrupted: &AtomicBool::new(false),
+    };
+    let (mut times, mut n_points) = (Vec::new(), 0);
+    side_by_side.run(&mut detectors, |results| -> Result<(), Box<dyn std::error::Error>> {
+        scores.add(results.results);
+        n_points += results.scan.cloud.len();
+        let scan_idx = scan_indices[results.run_idx];
+        let recorded =
+            RecordedScan { results: &results, scores: &scores, dataset, scan_idx, criterion, marks: &[] };
+        let started = Instant::now();
+        recording.record(&recorded)?;
+        times.push(started.elapsed());
+        Ok(())
+    })?;
+    let started = Instant::now();
+    recording.finish()?;
+    times.push(started.elapsed());
+    Ok((times, n_points))
+}

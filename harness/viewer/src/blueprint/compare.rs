@@ -1,0 +1,172 @@
+//! Detectors side by side: where each is right and wrong, and why.
+
+use re_sdk_types::blueprint::archetypes::{PlotLegend, ScalarAxis, TextLogColumns, VisualBounds2D};
+use re_sdk_types::blueprint::components::{Corner2D, TextLogColumn};
+use re_sdk_types::blueprint::datatypes;
+use re_sdk_types::blueprint::datatypes::TextLogColumnKind;
+use re_sdk_types::datatypes::{Range1D, Range2D};
+use rerun::EntityPath;
+use rerun::blueprint::{
+    ContainerLike, Horizontal, Spatial2DView, Tabs, TextLogView, TimeSeriesView, Vertical,
+};
+use scans::task::Task;
+
+use super::RecordingLayout;
+use super::scene::{Eye, Property, Scene, ScenePoints, add, hide, plain_background};
+use crate::entity_paths::{self, ProductKind};
+use crate::legend;
+use crate::product_views::DetectorViews;
+
+/// A scene for each detector, and below them what is wrong in words and the series.
+pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
+    let mut scenes: Vec<ContainerLike> =
+        layout.detectors.iter().map(|it| detector_tabs(layout, it, properties)).collect();
+    let mut shares = vec![1.0; scenes.len()];
+    if layout.axis.is_of_a_sweep() {
+        // What is looked at are the curves, and what the scene is where they turn.
+        scenes.push(Vertical::new(curves(layout, properties)).into());
+        shares.push(0.7);
+    }
+    let scenes = Horizontal::new(scenes).with_column_shares(shares).into();
+    let below = bottom_row(layout, properties);
+    Vertical::new([scenes, below]).with_row_shares(vec![2.9, 1.0]).with_name("compare detectors").into()
+}
+
+/// What a detector got right and wrong, in `frame`; its stage products are one click away.
+pub fn outcomes(
+    layout: &RecordingLayout<'_>,
+    detector: &DetectorViews,
+    frame: &'static str,
+    eye: Eye,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let name = &detector.detector;
+    let contents = vec![entity_paths::detector(name)];
+    let points = ScenePoints::by(detector.surfaces);
+    let view = Scene { name, frame, eye, contents, points }.view(properties);
+    hide(properties, &view, &entity_paths::ANNOTATIONS.into());
+    hide(properties, &view, &entity_paths::scores(name));
+    for kind in ProductKind::ALL {
+        hide(properties, &view, &entity_paths::products(name, kind));
+    }
+    for task in Task::ALL.into_iter().filter(|task| *task != layout.opening.shown_task) {
+        hide(properties, &view, &entity_paths::outcomes(name, task));
+    }
+    view
+}
+
+/// The views of one detector as tabs: what it got right and wrong, its cells, its clusters.
+fn detector_tabs(
+    layout: &RecordingLayout<'_>,
+    detector: &DetectorViews,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let outcomes = outcomes(layout, detector, entity_paths::SENSOR, Eye::BEHIND, properties);
+    let mut scene = |name, kinds: &[ProductKind], points| {
+        let contents: Vec<EntityPath> =
+            kinds.iter().map(|kind| entity_paths::products(&detector.detector, *kind)).collect();
+        let frame = entity_paths::SENSOR;
+        Scene { name, frame, eye: Eye::BEHIND, contents, points }.view(properties)
+    };
+    let cells = scene("cells", &[ProductKind::Cells, ProductKind::Segments], ScenePoints::None);
+    let around = [ProductKind::Contours, ProductKind::Boxes];
+    let clusters = scene("clusters", &around, ScenePoints::by(detector.clusters));
+    for view in [&cells, &clusters] {
+        hide(properties, view, &entity_paths::ANNOTATIONS.into());
+    }
+    Tabs::new([outcomes, cells, clusters]).into()
+}
+
+/// F-rates, what each detector has wrong in words, and what the colours mean.
+fn bottom_row(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
+    let (mut columns, mut shares) = (Vec::new(), Vec::new());
+    if !layout.axis.is_of_a_sweep() {
+        columns.push(rates(layout, properties));
+        shares.push(0.8);
+    }
+    for detector in layout.detectors {
+        columns.push(words_and_numbers(layout, &detector.detector, properties));
+        shares.push(1.3);
+    }
+    columns.push(drawn_legend(entity_paths::LEGEND_OUTCOMES, properties));
+    shares.push(1.2);
+    Horizontal::new(columns).with_column_shares(shares).into()
+}
+
+fn rates(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {
+    let mut f_rate_view = |task: Task| {
+        let view: ContainerLike = TimeSeriesView::new(format!("{}: {}", layout.axis.rates, task.name()))
+            .with_origin(entity_paths::f_rates(task))
+            .into();
+        add(properties, &view, "ScalarAxis", ScalarAxis::new().with_range([0.0, 1.0]));
+        add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftBottom));
+        view
+    };
+    let others = Task::ALL.into_iter().filter(|task| *task != layout.opening.shown_task);
+    let mut tabs: Vec<ContainerLike> =
+        std::iter::once(layout.opening.shown_task).chain(others).map(&mut f_rate_view).collect();
+    tabs.push(TimeSeriesView::new("latency in ms").with_origin(entity_paths::LATENCY).into());
+    Tabs::new(tabs).into()
+}
+
+/// Over a parameter: rates, and what only this recording has.
+fn curves(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> Vec<ContainerLike> {
+    let mut curves = vec![rates(layout, properties)];
+    let further = layout.axis.further_series.iter();
+    let further: Vec<ContainerLike> = further
+        .map(|it| {
+            let name = format!("cell fitness: {it}");
+            TimeSeriesView::new(name).with_origin(entity_paths::further(it)).into()
+        })
+        .collect();
+    if !further.is_empty() {
+        curves.push(Tabs::new(further).into());
+    }
+    curves
+}
+
+/// What a detector has wrong in the scan, in words; its counts and its stage times one click away.
+fn words_and_numbers(
+    layout: &RecordingLayout<'_>,
+    detector: &str,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let mistakes = mistakes(layout, detector, properties);
+    let mut series = |name: &str, origin| {
+        let view: ContainerLike = TimeSeriesView::new(name).with_origin(origin).into();
+        add(properties, &view, "PlotLegend", PlotLegend::new().with_corner(Corner2D::LeftTop));
+        view
+    };
+    let counts = series("counts", entity_paths::counts(detector, layout.opening.shown_task));
+    let times = series("stage times in ms", entity_paths::stage_times(detector));
+    Tabs::new([mistakes, counts, times]).into()
+}
+
+/// What a detector has wrong in the scan, in words.
+pub fn mistakes(
+    layout: &RecordingLayout<'_>,
+    detector: &str,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let view: ContainerLike = TextLogView::new(format!("{detector}: missed and false"))
+        .with_origin(entity_paths::mistakes(detector, layout.opening.shown_task))
+        .into();
+    let body = datatypes::TextLogColumn { visible: true.into(), kind: TextLogColumnKind::Body };
+    // The time stays beside it: the view goes on over all scans.
+    let columns = TextLogColumns::new().with_text_log_columns([TextLogColumn(body)]);
+    add(properties, &view, "TextLogColumns", columns);
+    view
+}
+
+/// What the colours mean, all of a scene or those of stages too.
+pub fn drawn_legend(origin: &'static str, properties: &mut Vec<Property>) -> ContainerLike {
+    let with_scan = origin == entity_paths::LEGEND_OUTCOMES;
+    let mut contents = vec![format!("+ /{origin}/**")];
+    contents.extend(with_scan.then(|| format!("+ /{}", entity_paths::LEGEND_SCAN)));
+    let name = if with_scan { "scan and legend" } else { "legend of stages" };
+    let view: ContainerLike = Spatial2DView::new(name).with_origin(origin).with_contents(contents).into();
+    let bounds = Range2D { x_range: Range1D(legend::VISIBLE_X), y_range: Range1D(legend::VISIBLE_Y) };
+    add(properties, &view, "VisualBounds2D", VisualBounds2D::new(bounds));
+    add(properties, &view, "Background", plain_background());
+    view
+}

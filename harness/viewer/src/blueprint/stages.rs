@@ -1,0 +1,47 @@
+//! One detector, stage by stage.
+
+use rerun::blueprint::{ContainerLike, Grid, Horizontal, TimeSeriesView, Vertical};
+
+use super::RecordingLayout;
+use super::compare::{drawn_legend, mistakes};
+use super::scene::{Eye, Property, Scene, ScenePoints, hide};
+use crate::entity_paths;
+use crate::product_views::DetectorViews;
+
+/// A view for each stage of `detector`, then its scores, and what became of its detections.
+pub fn stages(
+    layout: &RecordingLayout<'_>,
+    detector: &DetectorViews,
+    properties: &mut Vec<Property>,
+) -> ContainerLike {
+    let name = &detector.detector;
+    let mut scene = |name: &str, contents, points| {
+        let frame = entity_paths::SENSOR;
+        let view = Scene { name, frame, eye: Eye::NEAR, contents, points }.view(properties);
+        hide(properties, &view, &entity_paths::ANNOTATIONS.into());
+        view
+    };
+    let mut views = Vec::new();
+    for (number, stage) in (1..).zip(&detector.stages) {
+        let title = format!("{number} {}", stage.stage.replace('_', " "));
+        let points = if stage.is_of_cells { ScenePoints::None } else { ScenePoints::by(stage.labels) };
+        views.push(scene(&title, stage.entities.clone(), points));
+    }
+    let n_stages = detector.stages.len();
+    let scores = format!("{} score: vehicle or not", n_stages + 1);
+    views.push(scene(&scores, vec![entity_paths::scores(name)], ScenePoints::by(detector.clusters)));
+    let outcomes = format!("{} {}: right and wrong", n_stages + 2, layout.opening.shown_task.name());
+    let judged = vec![entity_paths::outcomes(name, layout.opening.shown_task)];
+    views.push(scene(&outcomes, judged, ScenePoints::by(detector.surfaces)));
+    let n_columns = views.len().div_ceil(2) as u32;
+    let grid = Grid::new(views).with_grid_columns(n_columns);
+    let times: ContainerLike =
+        TimeSeriesView::new("stage times in ms").with_origin(entity_paths::stage_times(name)).into();
+    let legends = [entity_paths::LEGEND_STAGES, entity_paths::LEGEND_OUTCOMES]
+        .map(|origin| drawn_legend(origin, properties));
+    let below = [mistakes(layout, name, properties), times].into_iter().chain(legends);
+    Vertical::new([grid.into(), Horizontal::new(below).into()])
+        .with_row_shares(vec![4.0, 1.0])
+        .with_name(format!("stages of {name}"))
+        .into()
+}

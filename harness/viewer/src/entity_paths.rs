@@ -1,0 +1,200 @@
+//! Where things are in a recording.
+
+use detector::stage_product::Shape;
+use detector::{DetectedClass, StageProduct};
+use rerun::{ComponentIdentifier, EntityPath, EntityPathPart};
+use scans::task::Task;
+
+use super::legend::OutcomeLayer;
+
+/// The timeline: the number of the scan within the run.
+pub const SCAN_TIMELINE: &str = "scan";
+
+/// Everything in three dimensions, in a frame that rests: that of the first scan of the drive.
+pub const WORLD: &str = "world";
+/// Everything that moves with the sensor, in its frame.
+pub const SENSOR: &str = "world/sensor";
+/// Where the sensor is and which way is forward.
+pub const FORWARD: &str = "world/sensor/forward";
+/// Circles around the sensor.
+pub const RANGE_RINGS: &str = "world/sensor/range_rings";
+/// Where the sensor was lately.
+pub const DRIVE: &str = "world/drive";
+/// What does not depend on a detector.
+pub const SCAN: &str = "world/sensor/scan";
+/// The points of the scan, and one column of class ids per detector.
+pub const POINTS: &str = "world/sensor/scan/points";
+/// The labelled objects.
+pub const ANNOTATIONS: &str = "world/sensor/scan/annotations";
+/// Places that are pointed at.
+pub const MARKS: &str = "world/sensor/scan/marks";
+/// What the colours of outcomes and surfaces mean.
+pub const LEGEND_OUTCOMES: &str = "legend/outcomes";
+/// What the colours of stage products mean.
+pub const LEGEND_STAGES: &str = "legend/stages";
+/// Which scan is shown.
+pub const LEGEND_SCAN: &str = "legend/scan";
+/// F-rates so far, one line per task and detector.
+pub const F_RATE: &str = "series/f_rate";
+/// Latencies in milliseconds, one line per detector.
+pub const LATENCY: &str = "series/latency_ms";
+/// Stage times in milliseconds, one line per detector and stage.
+pub const STAGE_TIMES: &str = "series/stage_ms";
+
+/// Found, missed and false objects of single scans, three lines per task and detector.
+pub const COUNTS: &str = "series/counts";
+/// Numbers that only some recordings have, one line each.
+pub const FURTHER: &str = "series/further";
+/// What was missed or is false, and why, a line of text for each object.
+pub const MISTAKES: &str = "mistakes";
+
+const DETECTORS: &str = "world/sensor/detectors";
+
+/// The kinds of stage products that have an entity of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProductKind {
+    /// Columns over the ground.
+    Cells,
+    /// Straight lines.
+    Segments,
+    /// Closed outlines.
+    Contours,
+    /// Boxes.
+    Boxes,
+    /// Spheres.
+    Spheres,
+    /// Links between cells.
+    Links,
+    /// Columns over the ground by object.
+    ObjectCells,
+}
+
+impl ProductKind {
+    /// All kinds.
+    pub const ALL: [Self; 7] = [
+        Self::Cells,
+        Self::Segments,
+        Self::Contours,
+        Self::Boxes,
+        Self::Spheres,
+        Self::Links,
+        Self::ObjectCells,
+    ];
+
+    /// The kind of a shape; none if it labels points, which are columns of [`POINTS`].
+    pub fn of(shape: &Shape) -> Option<Self> {
+        match shape {
+            Shape::LabeledPoints(_) | Shape::Clusters(_) => None,
+            Shape::Cells { .. } => Some(Self::Cells),
+            Shape::Segments(_) => Some(Self::Segments),
+            Shape::Contours(_) => Some(Self::Contours),
+            Shape::Boxes(_) => Some(Self::Boxes),
+            Shape::Spheres(_) => Some(Self::Spheres),
+            Shape::Links(_) => Some(Self::Links),
+            Shape::ObjectCells { .. } => Some(Self::ObjectCells),
+        }
+    }
+
+    fn path_part(self) -> &'static str {
+        match self {
+            Self::Cells => "cells",
+            Self::Segments => "segments",
+            Self::Contours => "contours",
+            Self::Boxes => "boxes",
+            Self::Spheres => "spheres",
+            Self::Links => "links",
+            Self::ObjectCells => "object_cells",
+        }
+    }
+}
+
+/// Everything of one detector.
+pub fn detector(name: &str) -> EntityPath {
+    below(DETECTORS, &[name])
+}
+
+/// The products of one kind that the stages of a detector left behind.
+pub fn products(detector: &str, kind: ProductKind) -> EntityPath {
+    below(DETECTORS, &[detector, kind.path_part()])
+}
+
+/// One stage product that is no column of [`POINTS`].
+pub fn stage_product(detector: &str, kind: ProductKind, product: &StageProduct) -> EntityPath {
+    below(DETECTORS, &[detector, kind.path_part(), product.stage, product.name])
+}
+
+/// The part of a stage product that has this name, such as the cells of one class.
+pub fn product_part(product: &EntityPath, name: &str) -> EntityPath {
+    product.join(&EntityPath::new(vec![EntityPathPart::new(name)]))
+}
+
+/// How sure a detector is of each detection that it is a vehicle.
+pub fn scores(detector: &str) -> EntityPath {
+    below(DETECTORS, &[detector, "scores"])
+}
+
+/// The scores of detections of one class.
+pub fn scores_of_class(detector: &str, class: DetectedClass) -> EntityPath {
+    below(DETECTORS, &[detector, "scores", class.name()])
+}
+
+/// The outcomes of one detector for one task.
+pub fn outcomes(detector: &str, task: Task) -> EntityPath {
+    below(DETECTORS, &[detector, "outcomes", task.name()])
+}
+
+/// One layer of outcomes.
+pub fn outcome_layer(detector: &str, task: Task, layer: OutcomeLayer) -> EntityPath {
+    below(DETECTORS, &[detector, "outcomes", task.name(), layer.path_part()])
+}
+
+/// The F-rates of all detectors for one task.
+pub fn f_rates(task: Task) -> EntityPath {
+    below(F_RATE, &[task.name()])
+}
+
+/// The F-rate of one detector for one task.
+pub fn f_rate(task: Task, detector: &str) -> EntityPath {
+    below(F_RATE, &[task.name(), detector])
+}
+
+/// Found, missed and false objects of one detector for one task.
+pub fn counts(detector: &str, task: Task) -> EntityPath {
+    below(COUNTS, &[detector, task.name()])
+}
+
+/// One of these numbers.
+pub fn count(detector: &str, task: Task, name: &str) -> EntityPath {
+    below(COUNTS, &[detector, task.name(), name])
+}
+
+/// What one detector missed or found falsely in one task.
+pub fn mistakes(detector: &str, task: Task) -> EntityPath {
+    below(MISTAKES, &[detector, task.name()])
+}
+
+/// A series that only some recordings have.
+pub fn further(name: &str) -> EntityPath {
+    below(FURTHER, &[name])
+}
+
+/// The latency of one detector.
+pub fn latency(detector: &str) -> EntityPath {
+    below(LATENCY, &[detector])
+}
+
+/// The stage times of one detector.
+pub fn stage_times(detector: &str) -> EntityPath {
+    below(STAGE_TIMES, &[detector])
+}
+
+/// The column of [`POINTS`] that holds a stage product which labels points.
+pub fn label_column(detector: &str, product: &StageProduct) -> ComponentIdentifier {
+    let name = format!("{detector}:{}:{}", product.stage, product.name);
+    ComponentIdentifier::try_new(name).expect("a name with a colon is not empty")
+}
+
+fn below(parent: &str, parts: &[&str]) -> EntityPath {
+    let parts: Vec<EntityPathPart> = parts.iter().copied().map(EntityPathPart::new).collect();
+    EntityPath::from(parent).join(&EntityPath::new(parts))
+}

@@ -1,0 +1,123 @@
+//! Logs what became of every annotation and every detection.
+
+use std::collections::BTreeSet;
+
+use detector::{Detection, Detections, OrientedBox};
+use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
+use re_sdk_types::components::Radius;
+use rerun::{EntityPath, RecordingStream};
+use scans::annotation::LabeledScan;
+
+use super::error::StreamError;
+use super::legend::OutcomeLayer;
+use super::log_scan::drawn_box;
+use super::{archetypes, entity_paths, recording};
+
+/// A box of a layer and what is written beside it.
+struct LabeledBox {
+    layer: OutcomeLayer,
+    drawn: OrientedBox,
+    label: String,
+}
+
+/// Logs the boxes of `assignment`, one batch per outcome that occurs, at the current time and returns the entities they
+/// became.
+///
+/// # Errors
+///
+/// [`StreamError::AssignmentLength`] if the assignment is not of this scan, [`StreamError::Log`] if Rerun refuses.
+pub fn log_outcomes(
+    stream: &RecordingStream,
+    scan: &LabeledScan,
+    detector: &str,
+    detections: &Detections,
+    assignment: &Assignment,
+) -> Result<BTreeSet<EntityPath>, StreamError> {
+    check_lengths(scan, detector, detections, assignment)?;
+    let mut logged = BTreeSet::new();
+    let mut boxes = annotation_boxes(scan, &assignment.annotations);
+    boxes.extend(detection_boxes(detections, &assignment.detections));
+    for layer in OutcomeLayer::ALL {
+        let of_layer: Vec<&LabeledBox> = boxes.iter().filter(|it| it.layer == layer).collect();
+        if of_layer.is_empty() {
+            continue;
+        }
+        let drawn = archetypes::boxes(of_layer.iter().map(|it| it.drawn))
+            .with_class_ids([layer.class_id()])
+            .with_radii([Radius::new_ui_points(line_radius_px(layer))])
+            .with_labels(of_layer.iter().map(|it| it.label.as_str()))
+            // They would cover each other: they show when pointed at.
+            .with_show_labels(false);
+        let path = entity_paths::outcome_layer(detector, assignment.task, layer);
+        recording::log(stream, path.clone(), &drawn)?;
+        logged.insert(path);
+    }
+    Ok(logged)
+}
+
+fn check_lengths(
+    scan: &LabeledScan,
+    detector: &str,
+    detections: &Detections,
+    assignment: &Assignment,
+) -> Result<(), StreamError> {
+    let (n_annotations, n_detections) = (scan.annotations.len(), detections.len());
+    let (n_annotation_outcomes, n_detection_outcomes) =
+        (assignment.annotations.len(), assignment.detections.len());
+    if (n_annotation_outcomes, n_detection_outcomes) == (n_annotations, n_detections) {
+        return Ok(());
+    }
+    Err(StreamError::AssignmentLength {
+        detector: detector.to_owned(),
+        n_annotation_outcomes,
+        n_detection_outcomes,
+        n_annotations,
+        n_detections,
+    })
+}
+
+fn annotation_boxes(scan: &LabeledScan, outcomes: &[AnnotationOutcome]) -> Vec<LabeledBox> {
+    let labeled = scan.annotations.iter().zip(outcomes).filter_map(|(annotation, outcome)| {
+        let (layer, reason) = match outcome {
+            AnnotationOutcome::NotAsked => return None,
+            AnnotationOutcome::Matched { .. } => (OutcomeLayer::Found, "found"),
+            AnnotationOutcome::Missed(reason) => (OutcomeLayer::Missed, reason.name()),
+            AnnotationOutcome::Ignored(reason) => (OutcomeLayer::IgnoredAnnotation, reason.name()),
+        };
+        let drawn = drawn_box(annotation, &scan.cloud)?;
+        Some(LabeledBox { layer, drawn, label: format!("{}: {reason}", annotation.label()) })
+    });
+    labeled.collect()
+}
+
+fn detection_boxes(detections: &Detections, outcomes: &[DetectionOutcome]) -> Vec<LabeledBox> {
+    let labeled = detections.iter().zip(outcomes).enumerate();
+    let labeled = labeled.filter_map(|(detection_idx, (detection, outcome))| {
+        let (layer, reason) = match outcome {
+            DetectionOutcome::NotAsked => return None,
+            DetectionOutcome::Matched { .. } => (OutcomeLayer::Matched, "matched"),
+            DetectionOutcome::False(reason) => (OutcomeLayer::False, reason.name()),
+            DetectionOutcome::Ignored(reason) => (OutcomeLayer::IgnoredDetection, reason.name()),
+            DetectionOutcome::Unknowable => (OutcomeLayer::Unknowable, "cannot be judged"),
+        };
+        let label = detection_label(detection_idx, &detection, reason);
+        Some(LabeledBox { layer, drawn: detection.bounding_box, label })
+    });
+    labeled.collect()
+}
+
+fn detection_label(detection_idx: usize, detection: &Detection<'_>, reason: &str) -> String {
+    let class = detection.class.name();
+    let score = detection.score.map(|it| format!(" {it:.2}")).unwrap_or_default();
+    format!("detection {detection_idx}, {class}{score}: {reason}")
+}
+
+fn line_radius_px(layer: OutcomeLayer) -> f32 {
+    match layer {
+        OutcomeLayer::Matched | OutcomeLayer::Missed | OutcomeLayer::False => 1.6,
+        OutcomeLayer::Found
+        | OutcomeLayer::IgnoredAnnotation
+        | OutcomeLayer::IgnoredDetection
+        | OutcomeLayer::Unknowable => 0.7,
+    }
+}

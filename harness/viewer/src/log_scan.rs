@@ -1,0 +1,97 @@
+//! Logs what every detector is given: the points and the labelled objects.
+
+use detector::{OrientedBox, PointCloud};
+use evaluation::run::scan_recorder::Mark;
+use re_sdk_types::archetypes::Arrows3D;
+use re_sdk_types::components::Radius;
+use rerun::RecordingStream;
+use scans::annotation::Annotation;
+
+use super::drawn_points::DrawnPoints;
+use super::error::StreamError;
+use super::scan_views::ScanView;
+use super::{archetypes, entity_paths, legend, palette, recording};
+
+/// Radius of a point, in pixels of a screen of normal density.
+const POINT_RADIUS_PX: f32 = 1.1;
+
+/// Where a pointer from above begins, over the sensor, and how long it is, in metres.
+const MARK_TOP_M: f32 = 5.0;
+const MARK_LENGTH_M: f32 = 3.5;
+
+/// Logs the points that are drawn and the annotations of a scan at the current time.
+///
+/// The points have no colour: each detector adds columns of class ids, and its view chooses one.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_scan(
+    stream: &RecordingStream,
+    view: &ScanView<'_>,
+    drawn_points: &DrawnPoints,
+) -> Result<(), StreamError> {
+    let scan = view.scan;
+    let cloud = &scan.cloud;
+    let positions_m = drawn_points.indices().map(|point_idx| cloud.position_m(point_idx));
+    let points = archetypes::points(positions_m, Radius::new_ui_points(POINT_RADIUS_PX));
+    recording::log(stream, entity_paths::POINTS, &points)?;
+
+    let drawn = scan.annotations.iter().filter_map(|it| Some((it, drawn_box(it, cloud)?)));
+    let (annotations, boxes): (Vec<&Annotation>, Vec<OrientedBox>) = drawn.unzip();
+    let boxes = archetypes::boxes(boxes)
+        .with_class_ids([legend::ANNOTATION_ID])
+        .with_labels(annotations.into_iter().map(Annotation::label));
+    recording::log(stream, entity_paths::ANNOTATIONS, &boxes)?;
+
+    let n_points = match drawn_points.n_drawn() {
+        n_drawn if n_drawn == cloud.len() => format!("{n_drawn} points"),
+        n_drawn => format!("{n_drawn} of {} points drawn", cloud.len()),
+    };
+    log_marks(stream, view.marks)?;
+    log_title(stream, format!("{}\n{n_points}, {} annotations", scan.id, scan.annotations.len()))
+}
+
+/// Points at places from above. Where nothing ever is, the entity is not there.
+fn log_marks(stream: &RecordingStream, marks: &[Mark]) -> Result<(), StreamError> {
+    if marks.is_empty() {
+        return Ok(());
+    }
+    let tops_m = marks.iter().map(|it| [it.place_m[0], it.place_m[1], MARK_TOP_M]);
+    let pointers = Arrows3D::from_vectors(marks.iter().map(|_| [0.0, 0.0, -MARK_LENGTH_M]))
+        .with_origins(tops_m)
+        .with_radii([Radius::new_ui_points(2.5)])
+        .with_colors([legend::rgba(palette::REDDISH_PURPLE)])
+        .with_labels(marks.iter().map(|it| it.text.as_str()))
+        .with_show_labels(true);
+    recording::log(stream, entity_paths::MARKS, &pointers)
+}
+
+/// Writes `title` where the scan is named.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_title(stream: &RecordingStream, title: String) -> Result<(), StreamError> {
+    recording::log(stream, entity_paths::LEGEND_SCAN, &archetypes::written(legend::TITLE_POSITION, title))
+}
+
+/// The box an annotation is drawn as: its own, else the upright one around its points; none without points.
+pub fn drawn_box(annotation: &Annotation, cloud: &PointCloud) -> Option<OrientedBox> {
+    if annotation.bounding_box.is_some() {
+        return annotation.bounding_box;
+    }
+    let mut low_m = [f32::INFINITY; 3];
+    let mut high_m = [f32::NEG_INFINITY; 3];
+    for &point_idx in &annotation.point_indices {
+        let position_m = cloud.position_m(point_idx as usize);
+        low_m = [0, 1, 2].map(|axis| low_m[axis].min(position_m[axis]));
+        high_m = [0, 1, 2].map(|axis| high_m[axis].max(position_m[axis]));
+    }
+    let around = OrientedBox {
+        center_m: [0, 1, 2].map(|axis| f32::midpoint(low_m[axis], high_m[axis])),
+        length_width_height_m: [0, 1, 2].map(|axis| high_m[axis] - low_m[axis]),
+        yaw_rad: 0.0,
+    };
+    around.length_width_height_m.iter().all(|side_m| side_m.is_finite()).then_some(around)
+}

@@ -1,0 +1,145 @@
+//! Logs the numbers that change from scan to scan.
+
+use std::time::Duration;
+
+use detector::detector::StageTime;
+use evaluation::matching::outcome::Assignment;
+use evaluation::metrics::counts::{Counts, FalseDetections};
+use re_sdk_types::archetypes::{Scalars, SeriesLines};
+use rerun::RecordingStream;
+use scans::task::Task;
+
+use super::error::StreamError;
+use super::palette::Rgb;
+use super::{entity_paths, legend, palette, recording};
+
+/// Names and colours of the lines of counts.
+const COUNT_LINES: [(&str, Rgb); 3] =
+    [("found", palette::MATCHED), ("missed", palette::MISSED), ("false", palette::FALSE)];
+
+/// Logs name and colour of the lines of the detector at `detector_idx`, for the whole recording.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_lines(stream: &RecordingStream, detector: &str, detector_idx: usize) -> Result<(), StreamError> {
+    let line = SeriesLines::new()
+        .with_names([detector])
+        .with_colors([legend::rgba(palette::detector_color(detector_idx))])
+        .with_widths([2.0]);
+    for task in Task::ALL {
+        recording::log_static(stream, entity_paths::f_rate(task, detector), &line)?;
+        for (name, color) in COUNT_LINES {
+            let line = SeriesLines::new().with_names([name]).with_colors([legend::rgba(color)]);
+            recording::log_static(stream, entity_paths::count(detector, task, name), &line)?;
+        }
+    }
+    recording::log_static(stream, entity_paths::latency(detector), &line)
+}
+
+/// Logs how the lines of the series `names` are drawn, for the whole recording.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_further_lines(stream: &RecordingStream, names: &[&str]) -> Result<(), StreamError> {
+    for name in names {
+        let line = SeriesLines::new()
+            .with_names([*name])
+            .with_colors([legend::rgba(palette::YELLOW)])
+            .with_widths([2.0]);
+        recording::log_static(stream, entity_paths::further(name), &line)?;
+    }
+    Ok(())
+}
+
+/// Logs the F-rate so far at the current time; one that is undefined leaves a gap.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_f_rate(
+    stream: &RecordingStream,
+    detector: &str,
+    task: Task,
+    f_rate: Option<f64>,
+) -> Result<(), StreamError> {
+    let Some(f_rate) = f_rate else { return Ok(()) };
+    recording::log(stream, entity_paths::f_rate(task, detector), &Scalars::single(f_rate))
+}
+
+/// Logs how many objects of the scan were found, missed and false at the current time; what cannot be known leaves a gap.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_counts(
+    stream: &RecordingStream,
+    detector: &str,
+    assignment: &Assignment,
+    false_detections: FalseDetections,
+) -> Result<(), StreamError> {
+    let counts = Counts::of(assignment).scored(false_detections);
+    let numbers = [Some(counts.tp()), Some(counts.mo()), counts.fo()];
+    for ((name, _), number) in COUNT_LINES.into_iter().zip(numbers) {
+        if let Some(number) = number {
+            let path = entity_paths::count(detector, assignment.task, name);
+            recording::log(stream, path, &Scalars::single(number as f64))?;
+        }
+    }
+    Ok(())
+}
+
+/// Logs the values of further series at the current time; one that is undefined leaves a gap.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_further(
+    stream: &RecordingStream,
+    series: &[(&'static str, Option<f64>)],
+) -> Result<(), StreamError> {
+    for (name, value) in series {
+        if let Some(value) = value {
+            recording::log(stream, entity_paths::further(name), &Scalars::single(*value))?;
+        }
+    }
+    Ok(())
+}
+
+/// Logs the latency of the scan at the current time.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_latency(stream: &RecordingStream, detector: &str, latency: Duration) -> Result<(), StreamError> {
+    recording::log(stream, entity_paths::latency(detector), &Scalars::single(milliseconds(latency)))
+}
+
+/// Logs the stage times of the scan at the current time, and the names of the stages unless they are `known_stages`.
+///
+/// # Errors
+///
+/// [`StreamError::Log`] if Rerun refuses.
+pub fn log_stage_times(
+    stream: &RecordingStream,
+    detector: &str,
+    stage_times: &[StageTime],
+    known_stages: &mut Vec<&'static str>,
+) -> Result<(), StreamError> {
+    let path = entity_paths::stage_times(detector);
+    if !stage_times.iter().map(|it| it.stage).eq(known_stages.iter().copied()) {
+        *known_stages = stage_times.iter().map(|it| it.stage).collect();
+        let lines = SeriesLines::new()
+            .with_names(known_stages.iter().copied())
+            .with_colors(palette::CYCLE.iter().cycle().take(known_stages.len()).map(|it| legend::rgba(*it)))
+            .with_widths(vec![1.5; known_stages.len()]);
+        recording::log_static(stream, path.clone(), &lines)?;
+    }
+    let times_ms = stage_times.iter().map(|it| milliseconds(it.duration));
+    recording::log(stream, path, &Scalars::new(times_ms))
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
+}

@@ -1,0 +1,95 @@
+//! What the colours of the viewer stand for.
+//!
+//! The hues can be told apart with every kind of colour vision; the greys stay behind them on a dark background.
+
+use detector::stage_product::{LinkFate, SurfaceClass};
+use reports::palette::detector_hue;
+pub use reports::palette::{BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW};
+
+/// A grey between the two ends.
+pub const GREY: Rgb = [150, 150, 150];
+
+/// A grey that stands out from the background.
+const LIGHT_GREY: Rgb = [226, 226, 230];
+
+/// A right detection, or the annotation it found.
+pub const MATCHED: Rgb = BLUISH_GREEN;
+/// An annotation nobody found.
+pub const MISSED: Rgb = YELLOW;
+/// A detection of nothing.
+pub const FALSE: Rgb = VERMILION;
+/// What is neither right nor wrong.
+pub const IGNORED: Rgb = GREY;
+/// What a person, or the simulator, labelled.
+pub const ANNOTATION: Rgb = SKY_BLUE;
+/// Circles around the sensor.
+pub const RANGE_RINGS: Rgb = [70, 72, 80];
+/// Behind everything that is drawn in three dimensions.
+pub const BACKGROUND: Rgb = [16, 17, 21];
+
+/// Hues for things that have no meaning of their own, such as clusters; neighbours in the list differ most.
+pub const CYCLE: [Rgb; 7] = [SKY_BLUE, ORANGE, BLUISH_GREEN, REDDISH_PURPLE, YELLOW, BLUE, VERMILION];
+
+/// The hue of the detector at `detector_idx` in the order of the run, as in plots and on pages.
+pub fn detector_color(detector_idx: usize) -> Rgb {
+    detector_hue(detector_idx).on_dark
+}
+
+/// The colour of points and cells of `class`: the foreground is bright, the ground is dim.
+pub fn surface_color(class: SurfaceClass) -> Rgb {
+    match class {
+        SurfaceClass::Unseen => [52, 52, 58],
+        SurfaceClass::Clutter => [112, 92, 72],
+        SurfaceClass::Ground => [84, 84, 92],
+        SurfaceClass::Tall => [72, 104, 158],
+        SurfaceClass::Short => [226, 226, 230],
+    }
+}
+
+/// The colour of links between cells.
+pub fn link_color(fate: LinkFate) -> Rgb {
+    match fate {
+        LinkFate::Kept => SKY_BLUE,
+        LinkFate::Cut => VERMILION,
+        LinkFate::Unlinked => REDDISH_PURPLE,
+    }
+}
+
+/// The colour of lines of the stage product `name`; what is not known here is yellow.
+pub fn line_color(name: &str) -> Rgb {
+    match name {
+        "segments" | "rectangles" | "concave_profiles" => ORANGE,
+        "convex_profiles" => SKY_BLUE,
+        "nearest_prototypes" => REDDISH_PURPLE,
+        "corner_spheres" => GREY,
+        "cuts" => VERMILION,
+        _ => YELLOW,
+    }
+}
+
+/// From surely background over undecided to surely a vehicle: the colour of a score, whose sign decides.
+pub fn score_color(score: f32) -> Rgb {
+    // Beyond this a score is sure; the margin of the classifiers is at 1.
+    const SURE: f32 = 1.0;
+    let [from, to] = if score < 0.0 { [LIGHT_GREY, BLUE] } else { [LIGHT_GREY, ORANGE] };
+    let share = (score.abs() / SURE).min(1.0).sqrt();
+    [0, 1, 2].map(|channel| {
+        let [low, high] = [from[channel], to[channel]].map(f32::from);
+        (low + share * (high - low)).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use evaluation::run::detector_list::DEFAULT_DETECTORS;
+
+    #[test]
+    fn no_detector_has_the_colour_of_right_or_wrong_nor_that_of_another() {
+        let colors: Vec<Rgb> = (0..DEFAULT_DETECTORS.len()).map(detector_color).collect();
+        for (idx, color) in colors.iter().enumerate() {
+            assert!(![MATCHED, MISSED, FALSE, IGNORED].contains(color), "{idx}");
+            assert!(!colors[..idx].contains(color), "{idx}");
+        }
+    }
+}

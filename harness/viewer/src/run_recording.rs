@@ -1,0 +1,199 @@
+//! The recording of a run, scan by scan.
+
+use std::path::{Path, PathBuf};
+
+use evaluation::matching::mistake::Evidence;
+use evaluation::matching::outcome::Assignment;
+use evaluation::metrics::counts::FalseDetections;
+use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder, Served};
+use evaluation::run::side_by_side::DetectorScan;
+use reports::unfinished::{Kind, Unfinished};
+use scans::dataset::{DatasetDescription, DatasetError};
+use tempfile::NamedTempFile;
+
+use super::drive_frame::DriveFrame;
+use super::error::StreamError;
+use super::scan_views::{DetectorView, ScanView, TaskView};
+use super::session::Stream;
+use super::stream_options::StreamOptions;
+use super::viewer::ViewerState;
+
+/// An open recording that follows a run.
+#[must_use = "a recording that is not finished may be incomplete without anyone knowing"]
+pub struct RunRecording {
+    stream: Stream,
+    elsewhere: Option<RecordingElsewhere>,
+    every: u32,
+    n_scans: u32,
+    drive: DriveFrame,
+    viewer_was_lost: bool,
+}
+
+/// Where a run is recorded, and which of its scans.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunRecordingOptions {
+    /// How it is streamed, to a file in the directory of the run unless it goes elsewhere.
+    pub stream: StreamOptions,
+    /// A file of the user's choice that is written instead, and appears once it is complete.
+    pub elsewhere: Option<PathBuf>,
+    /// Every so many scans are recorded.
+    pub every: u32,
+}
+
+/// Why a run cannot be recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// The recording cannot be made.
+    #[error(transparent)]
+    Stream(#[from] StreamError),
+    /// What is to be recorded cannot be read.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+}
+
+impl RunRecording {
+    /// Begins the recording of `detectors`.
+    ///
+    /// # Errors
+    ///
+    /// [`StreamError`] if the file cannot be written, or the viewer or the server not be started.
+    pub fn begin(options: RunRecordingOptions, detectors: &[&str]) -> Result<Self, StreamError> {
+        let RunRecordingOptions { mut stream, elsewhere, every } = options;
+        let elsewhere = elsewhere.as_deref().map(RecordingElsewhere::begin).transpose()?;
+        if let Some(elsewhere) = &elsewhere {
+            elsewhere.path().clone_into(&mut stream.file);
+        }
+        Ok(Self {
+            stream: Stream::open(&stream, detectors)?,
+            elsewhere,
+            every,
+            n_scans: 0,
+            drive: DriveFrame::default(),
+            viewer_was_lost: false,
+        })
+    }
+
+    /// Where viewers can connect to, if the recording is served.
+    pub fn served_at(&self) -> Option<&str> {
+        self.stream.served_at()
+    }
+}
+
+impl ScanRecorder for RunRecording {
+    type Error = RecordingError;
+
+    fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, RecordingError> {
+        let number = self.n_scans;
+        self.n_scans += 1;
+        if !number.is_multiple_of(self.every) {
+            return Ok(None);
+        }
+        let RecordedScan { results, scores, dataset, .. } = recorded;
+        let description = dataset.description();
+        let scan = results.scan;
+        let pose = dataset.world_from_sensor(recorded.scan_idx)?;
+        let world_from_sensor = pose.map(|it| self.drive.start_from_sensor(&description.id, &scan.id, it));
+        let step = i64::from(number);
+        let drive_m = self.drive.places_m();
+        self.stream.log_scan(&ScanView { scan, step, marks: recorded.marks, world_from_sensor, drive_m })?;
+        for (detector_idx, (result, detector)) in results.results.iter().zip(results.detectors).enumerate() {
+            let products = detector.stage_products(&scan.cloud);
+            let evidence = Evidence::gather(scan, &result.output.detections, &products, recorded.criterion);
+            let f_rates = scores.f_rates(detector_idx).into_iter().map(|(_, f_rate)| f_rate);
+            let tasks = task_views(result, description, &evidence, f_rates);
+            let view = DetectorView {
+                name: result.detector,
+                output: &result.output,
+                products: &products,
+                tasks: &tasks,
+                latency: result.times.first,
+            };
+            self.stream.log_detector(scan, &view)?;
+        }
+        match self.stream.viewer_state() {
+            ViewerState::Lost { reason } if !self.viewer_was_lost => {
+                self.viewer_was_lost = true;
+                Ok(Some(format!("the viewer was lost ({reason}); the recording goes on to the file alone")))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn finish(self) -> Result<RecordingEnding, RecordingError> {
+        let ending = self.stream.finish()?;
+        if let Some(elsewhere) = self.elsewhere {
+            elsewhere.finish()?;
+        }
+        let warning = match ending.viewer {
+            ViewerState::Lost { reason } if !self.viewer_was_lost => {
+                Some(format!("the viewer was lost ({reason}) and may lack the end; the file is complete"))
+            }
+            _ => None,
+        };
+        let served = ending.served.map(|it| Box::new(it) as Box<dyn Served>);
+        Ok(RecordingEnding { warning, served })
+    }
+}
+
+/// How a detector did on a scan in each task, with the F-rates so far in the order of the tasks.
+pub fn task_views<'a>(
+    result: &'a DetectorScan,
+    dataset: &DatasetDescription,
+    evidence: &Evidence<'_>,
+    f_rates_so_far: impl Iterator<Item = Option<f64>>,
+) -> Vec<TaskView<'a>> {
+    let view = |(assignment, f_rate_so_far): (&'a Assignment, Option<f64>)| TaskView {
+        assignment,
+        false_detections: FalseDetections::of(&dataset.annotated, assignment.task),
+        mistakes: evidence.mistakes(assignment),
+        f_rate_so_far,
+    };
+    result.assignments.iter().zip(f_rates_so_far).map(view).collect()
+}
+
+/// A recording outside of the run directory.
+struct RecordingElsewhere {
+    file: PathBuf,
+    /// Where it is written until it is complete; `None` for devices and pipes, which are written at once.
+    unfinished: Option<(NamedTempFile, Unfinished)>,
+}
+
+impl RecordingElsewhere {
+    fn begin(file: &Path) -> Result<Self, StreamError> {
+        let create_error = |source| StreamError::Create { path: file.to_owned(), source };
+        if file.is_dir() {
+            return Err(create_error(std::io::ErrorKind::IsADirectory.into()));
+        }
+        // A link stays one, and a device is not replaced by a file.
+        let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
+        if file.exists() && !file.is_file() {
+            return Ok(Self { file, unfinished: None });
+        }
+        let folder = file.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".recording-").suffix(".rrd");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // As for any other file: the umask decides who may read it.
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let make = || builder.tempfile_in(folder);
+        let (registered, made) =
+            Unfinished::begin(Kind::File, make, |it| it.path().to_path_buf()).map_err(create_error)?;
+        Ok(Self { file, unfinished: Some((made, registered)) })
+    }
+
+    /// Where to write.
+    fn path(&self) -> &Path {
+        self.unfinished.as_ref().map_or(&self.file, |(made, _)| made.path())
+    }
+
+    fn finish(self) -> Result<(), StreamError> {
+        if let Some((made, registered)) = self.unfinished {
+            let persisted = registered.undisturbed(|| made.persist(&self.file));
+            persisted.map_err(|it| StreamError::Create { path: self.file, source: it.error })?;
+        }
+        Ok(())
+    }
+}

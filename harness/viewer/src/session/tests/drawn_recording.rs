@@ -1,0 +1,193 @@
+//! A small recording, and what is read back of it.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+use std::time::Duration;
+
+use detector::detector::StageTime;
+use detector::stage_product::{
+    LinkFate, ObjectCell, ProductCell, ProductLink, ProductSphere, Shape, SurfaceClass,
+};
+use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, StageProduct};
+use evaluation::matching::mistake::{Mistake, MistakeKind};
+use evaluation::matching::outcome::{
+    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason,
+};
+use evaluation::metrics::counts::FalseDetections;
+use evaluation::run::scan_recorder::Mark;
+use nalgebra::Isometry3;
+use rerun::external::arrow::array::Array as _;
+use rerun::external::re_log_encoding::DecoderApp;
+use rerun::external::re_log_types::LogMsg;
+use rerun::log::Chunk;
+use scans::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use scans::task::Task;
+
+use super::super::{Stream, StreamEnding};
+use crate::{DetectorView, FirstTab, Opening, ScanView, StreamError, StreamOptions, TaskView, ViewerChoice};
+
+pub const N_POINTS: usize = 6;
+
+pub fn unit_box(x_m: f32) -> OrientedBox {
+    OrientedBox { center_m: [x_m, 0.0, 0.5], length_width_height_m: [1.0; 3], yaw_rad: 0.3 }
+}
+
+pub fn scan(index: u32) -> LabeledScan {
+    let annotation = |bounding_box, point_indices| Annotation {
+        class: AnnotationClass::Car,
+        bounding_box,
+        point_indices,
+        track: Some(7),
+        occlusion: None,
+        truncation: None,
+    };
+    LabeledScan {
+        id: ScanId { sequence: "0000".to_owned(), index },
+        cloud: (0..N_POINTS).map(|it| [it as f32, 0.5, 0.5]).collect(),
+        annotations: vec![annotation(Some(unit_box(0.0)), vec![0]), annotation(None, vec![2, 3])],
+        point_regions: vec![PointRegion::Labeled; N_POINTS],
+        labeled_area: LabeledArea::Everywhere,
+        points_left_out: Vec::new(),
+    }
+}
+
+pub fn output() -> DetectorOutput {
+    let detection = |point_indices, x_m| Detection {
+        point_indices,
+        bounding_box: unit_box(x_m),
+        class: DetectedClass::Vehicle,
+        score: Some(0.5),
+    };
+    DetectorOutput {
+        detections: [detection(&[0, 1], 0.0), detection(&[4], 4.0)].into_iter().collect(),
+        stage_times: vec![
+            StageTime { stage: "grid", duration: Duration::from_millis(2) },
+            StageTime { stage: "boxes", duration: Duration::from_millis(1) },
+        ],
+        dropped_clusters: Vec::new(),
+    }
+}
+
+pub fn surfaces() -> Vec<SurfaceClass> {
+    use SurfaceClass::{Clutter, Ground, Short, Tall, Unseen};
+    vec![Short, Ground, Tall, Clutter, Unseen, Short]
+}
+
+pub fn products() -> Vec<StageProduct> {
+    let cell = ProductCell { center_m: [0.5; 2], z_range_m: [0.0, 1.0], class: SurfaceClass::Short };
+    let object_cell = ObjectCell { center_m: [0.5; 2], z_range_m: [0.0, 1.0], object: 3 };
+    let product = |name, shape| StageProduct { stage: "grid", name, shape };
+    vec![
+        product("first_guess", Shape::LabeledPoints(vec![SurfaceClass::Clutter; N_POINTS])),
+        product("point_classes", Shape::LabeledPoints(surfaces())),
+        product("clusters", Shape::Clusters(vec![Some(0), Some(0), None, None, Some(9), None])),
+        product("cells", Shape::Cells { cell_size_m: 1.0, cells: vec![cell] }),
+        product("walls", Shape::Segments(vec![[[0.0; 3], [1.0; 3]]])),
+        product("hulls", Shape::Contours(vec![vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])),
+        product("boxes", Shape::Boxes(vec![unit_box(0.0)])),
+        product(
+            "links",
+            Shape::Links(vec![ProductLink { ends_m: [[0.0; 3], [1.0; 3]], fate: LinkFate::Cut }]),
+        ),
+        product("dense", Shape::ObjectCells { cell_size_m: 0.2, cells: vec![object_cell] }),
+        product("spheres", Shape::Spheres(vec![ProductSphere { center_m: [0.0; 3], radius_m: 0.5 }])),
+    ]
+}
+
+/// The first pair matches, the second annotation is missed and the second detection false.
+pub fn one_of_each(task: Task) -> Assignment {
+    Assignment {
+        task,
+        annotations: vec![
+            AnnotationOutcome::Matched { detection_idx: 0, cost: 0.1 },
+            AnnotationOutcome::Missed(MissReason::Split),
+        ],
+        detections: vec![
+            DetectionOutcome::Matched { annotation_idx: 0, cost: 0.1 },
+            DetectionOutcome::False(FalseReason::Fragment),
+        ],
+        found_tall: Vec::new(),
+    }
+}
+
+pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
+    let (name, file) = ("test".to_owned(), folder.join("run.rrd"));
+    let opening = Opening {
+        shown_task: Task::Objects,
+        first_tab: FirstTab::Compare,
+        has_poses: true,
+        at_the_start: false,
+    };
+    StreamOptions { name, file, viewer, opening, max_points: None }
+}
+
+/// Logs `scan` at its index, one metre further on than the one before.
+pub fn log_scan(stream: &mut Stream, scan: &LabeledScan) -> Result<(), StreamError> {
+    let world_from_sensor = Some(Isometry3::translation(f64::from(scan.id.index), 0.0, 0.0));
+    let marks = [Mark { place_m: [2.0, 3.0], text: "worst 1".to_owned() }];
+    let (step, drive_m) = (scan.id.index.into(), &[[0.0; 3], [1.0; 3]]);
+    stream.log_scan(&ScanView { scan, step, marks: &marks, world_from_sensor, drive_m })
+}
+
+pub fn log_detector(
+    stream: &mut Stream,
+    scan: &LabeledScan,
+    name: &str,
+    products: &[StageProduct],
+    assignments: &[Assignment],
+) -> Result<(), StreamError> {
+    let mistake = |kind, text: &str| Mistake { kind, n_points: 2, text: text.to_owned() };
+    let view = |assignment| TaskView {
+        assignment,
+        false_detections: FalseDetections::Known,
+        mistakes: vec![mistake(MistakeKind::Missed, "split"), mistake(MistakeKind::False, "a part")],
+        f_rate_so_far: (assignment.task == Task::Objects).then_some(0.5),
+    };
+    let tasks: Vec<TaskView<'_>> = assignments.iter().map(view).collect();
+    let view =
+        DetectorView { name, output: &output(), products, tasks: &tasks, latency: Duration::from_millis(3) };
+    stream.log_detector(scan, &view)
+}
+
+/// A recording of `n_scans` scans by two detectors; the last scan has no outcomes.
+pub fn record(folder: &Path, viewer: ViewerChoice, n_scans: u32) -> Result<StreamEnding, StreamError> {
+    let mut stream = Stream::open(&options(folder, viewer), &["grid", "kd-tree"])?;
+    for index in 0..n_scans {
+        let scan = scan(index);
+        log_scan(&mut stream, &scan)?;
+        let assignments = if index + 1 < n_scans { Task::ALL.map(one_of_each).to_vec() } else { vec![] };
+        for name in ["grid", "kd-tree"] {
+            log_detector(&mut stream, &scan, name, &products(), &assignments)?;
+        }
+    }
+    stream.finish()
+}
+
+pub fn messages(file: &Path) -> Vec<LogMsg> {
+    let reader = BufReader::new(File::open(file).unwrap());
+    DecoderApp::decode_eager(reader).unwrap().map(Result::unwrap).collect()
+}
+
+/// The chunks of the recording itself, without those of the blueprint.
+pub fn chunks(file: &Path) -> Vec<Chunk> {
+    let recorded = messages(file).into_iter().filter_map(|message| match message {
+        LogMsg::ArrowMsg(store, message) if store.is_recording() => Some(message),
+        _ => None,
+    });
+    recorded.map(|message| Chunk::from_arrow_msg(&message).unwrap()).collect()
+}
+
+/// How often each component of each entity was logged, as `entity component`.
+pub fn n_logged(file: &Path) -> BTreeMap<String, usize> {
+    let mut n_logged = BTreeMap::new();
+    for chunk in chunks(file) {
+        for descriptor in chunk.component_descriptors() {
+            let rows = chunk.components().get_array(descriptor.component).unwrap();
+            let name = format!("{} {}", chunk.entity_path(), descriptor.component);
+            *n_logged.entry(name).or_default() += rows.len() - rows.null_count();
+        }
+    }
+    n_logged
+}

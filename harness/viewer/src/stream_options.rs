@@ -1,0 +1,47 @@
+//! What is asked of a recording.
+
+use std::path::PathBuf;
+
+use scans::task::Task;
+
+use super::viewer::ViewerChoice;
+
+/// Where a recording goes and how it opens.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StreamOptions {
+    /// The name of the recording in the viewer.
+    pub name: String,
+    /// The file, always written; one that exists is overwritten.
+    pub file: PathBuf,
+    /// A viewer that gets the same at the same time.
+    pub viewer: ViewerChoice,
+    /// How it opens.
+    pub opening: Opening,
+    /// No more points of a scan are drawn than this.
+    pub max_points: Option<usize>,
+}
+
+/// Which tab of a recording is in front when it is opened.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FirstTab {
+    /// Detectors side by side.
+    #[default]
+    Compare,
+    /// The first detector, stage by stage.
+    Stages,
+    /// The drive in a frame that rests, if poses are known.
+    Drive,
+}
+
+/// How a recording opens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Opening {
+    /// The task whose outcomes are visible at first.
+    pub shown_task: Task,
+    /// Which tab is in front.
+    pub first_tab: FirstTab,
+    /// Whether the poses of the sensor are known for some scans at least.
+    pub has_poses: bool,
+    /// What is first on the axis is shown first, instead of what came last.
+    pub at_the_start: bool,
+}

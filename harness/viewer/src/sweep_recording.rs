@@ -1,0 +1,215 @@
+//! The Rerun recording of a sweep: one scan, and the swept parameter in the place of time.
+
+use std::time::Instant;
+
+use detector::{Detector, DetectorOutput};
+use evaluation::matching::assign::{MatchingParams, assign};
+use evaluation::matching::mistake::Evidence;
+use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
+use evaluation::sweep::scan_at_point::of_sensor;
+use evaluation::sweep::summary::SweepResults;
+use evaluation::sweep::swept_values::SweptValues;
+use reports::run_directory::RunDirectory;
+use reports::table::sweep_score::{SweepScore, SweepScores};
+use reports::table::task_table::Extent;
+use scans::annotation::LabeledScan;
+use scans::dataset::DatasetDescription;
+use scans::task::Task;
+
+use super::error::StreamError;
+use super::recording_axis::RecordingAxis;
+use super::run_recording::{RecordingError, task_views};
+use super::scan_views::{DetectorView, ScanView};
+use super::session::Stream;
+use super::stream_options::{FirstTab, Opening, StreamOptions};
+use super::viewer::ViewerChoice;
+
+/// The file in the directory.
+const SWEEP_RRD: &str = "sweep.rrd";
+
+/// Looks at the scan in the middle of the first data set once more at every point, and records it.
+///
+/// # Errors
+///
+/// If the scan cannot be read or the file not be written.
+pub fn record_sweep(
+    directory: &RunDirectory,
+    results: &SweepResults<'_>,
+    scores: &SweepScores,
+) -> Result<(), RecordingError> {
+    let plan = results.plan;
+    let swept = &results.datasets[0];
+    let description = swept.dataset.description();
+    let scan = swept.dataset.read_scan(swept.scan_indices[swept.scan_indices.len() / 2])?;
+    let steps = Steps::of(&plan.swept);
+    let shown_task = if description.annotated.covers(Task::Objects) { Task::Objects } else { Task::Vehicles };
+    let options = StreamOptions {
+        name: directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        file: directory.path_of(SWEEP_RRD),
+        viewer: ViewerChoice::None,
+        opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false, at_the_start: true },
+        max_points: None,
+    };
+    let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
+    let of_dataset = Extent::Dataset(description.id.clone());
+    let at_point = |point_idx: usize| -> Vec<&SweepScore> {
+        let is_there =
+            |it: &&SweepScore| it.subject.point_idx == point_idx && it.subject.extent == of_dataset;
+        scores.scores.iter().filter(is_there).collect()
+    };
+    let axis = RecordingAxis {
+        timeline: steps.timeline.clone(),
+        steps_per_s: steps.steps_per_s(),
+        rates: format!("F-rate of {} scans", swept.scan_indices.len()),
+        further_series: further(&at_point(0)).iter().map(|it| it.0).collect(),
+    };
+    let mut stream = Stream::open_along(&options, &detectors, axis)?;
+    for (place, &(step, point_idx)) in steps.ascending().iter().enumerate() {
+        let there = at_point(point_idx);
+        if place == 0 {
+            let view = ScanView { scan: &scan, step, marks: &[], world_from_sensor: None, drive_m: &[] };
+            stream.log_scan(&view)?;
+        }
+        let values: Vec<String> =
+            plan.parameters().iter().zip(&plan.points[point_idx].values).map(of_name).collect();
+        stream.log_step(step, title(&scan, &values), &further(&there))?;
+        let config = of_sensor(&plan.points[point_idx].config, description);
+        for listed in &plan.detectors {
+            let detector = listed.build(&config, description.sensor_height_m);
+            let of_detector = there.iter().filter(|it| it.subject.detector == listed.name);
+            let f_rates = of_detector.map(|it| it.counts.f_rate());
+            look_again(&mut stream, (&scan, description), detector, &config.matching, f_rates)?;
+        }
+    }
+    stream.finish()?;
+    Ok(())
+}
+
+/// Logs what `detector` makes of the scan of a data set, with the F-rates that it has on all scans, in the order of the tasks.
+fn look_again(
+    stream: &mut Stream,
+    (scan, dataset): (&LabeledScan, &DatasetDescription),
+    mut detector: Box<dyn Detector>,
+    matching: &MatchingParams,
+    f_rates: impl Iterator<Item = Option<f64>>,
+) -> Result<(), StreamError> {
+    let mut output = DetectorOutput::default();
+    // Its buffers find their size.
+    detector.detect(&scan.cloud, &mut output);
+    let started = Instant::now();
+    detector.detect(&scan.cloud, &mut output);
+    let latency = started.elapsed();
+    let judge = |&task| assign(scan, &output.detections, task, &dataset.annotated, matching);
+    let assignments = Task::ALL.iter().map(judge).collect();
+    let times = DetectionTimes { first: latency, least: latency, reference: None };
+    let result = DetectorScan { detector: detector.name(), output, times, assignments };
+    let products = detector.stage_products(&scan.cloud);
+    let evidence = Evidence::gather(scan, &result.output.detections, &products, matching.criterion);
+    let view = DetectorView {
+        name: result.detector,
+        output: &result.output,
+        products: &products,
+        tasks: &task_views(&result, dataset, &evidence, f_rates),
+        latency,
+    };
+    stream.log_detector(scan, &view)
+}
+
+fn of_name((name, value): (&String, &String)) -> String {
+    format!("{} = {value}", name.rsplit('.').next().unwrap_or(name))
+}
+
+fn title(scan: &LabeledScan, values: &[String]) -> String {
+    format!("{}: {}", scan.id, values.join(", "))
+}
+
+/// The readings of the cell fitness, if there are any.
+fn further(there: &[&SweepScore]) -> Vec<(&'static str, Option<f64>)> {
+    let cells = there.iter().find_map(|it| it.cells.as_ref());
+    cells.iter().flat_map(|it| &it.readings).map(|it| (it.name, it.value)).collect()
+}
+
+/// The points of a sweep on a timeline, which knows whole numbers alone.
+struct Steps {
+    timeline: String,
+    /// For each point.
+    steps: Vec<i64>,
+}
+
+impl Steps {
+    /// Of one parameter the numbers themselves, lengths in millimetres; otherwise the places of the points.
+    fn of(swept: &[SweptValues]) -> Self {
+        let n_points: usize = swept.iter().map(|it| it.values.len()).product();
+        let places = Self { timeline: "point".to_owned(), steps: (0..n_points as i64).collect() };
+        let [only] = swept else { return places };
+        let name = only.name.rsplit('.').next().unwrap_or(&only.name);
+        let whole = |factor: f64| -> Option<Vec<i64>> {
+            let step = |value: &String| {
+                let step = factor * value.parse::<f64>().ok()?;
+                ((step - step.round()).abs() < 1e-6 && step.abs() < 1e12).then(|| step.round() as i64)
+            };
+            only.values.iter().map(step).collect()
+        };
+        let (timeline, steps) = match name.strip_suffix("_m") {
+            Some(length) => (format!("{length}_mm"), whole(1000.0)),
+            None => (name.to_owned(), whole(1.0)),
+        };
+        steps.map_or(places, |steps| Self { timeline, steps })
+    }
+
+    /// Steps and points, in the order of the steps.
+    fn ascending(&self) -> Vec<(i64, usize)> {
+        let mut steps: Vec<(i64, usize)> = self.steps.iter().copied().zip(0..).collect();
+        steps.sort_unstable();
+        steps
+    }
+
+    /// So that two points pass in a second.
+    fn steps_per_s(&self) -> f64 {
+        let ascending = self.ascending();
+        let reach = ascending.last().zip(ascending.first()).map_or(1, |(last, first)| last.0 - first.0);
+        (2.0 * reach as f64 / (ascending.len().max(2) - 1) as f64).max(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(swept: &[(&str, &[&str])], timeline: &str, steps: &[i64], steps_per_s: f64) {
+        let values = |(name, values): &(&str, &[&str])| SweptValues {
+            name: (*name).to_owned(),
+            values: values.iter().map(|it| (*it).to_owned()).collect(),
+        };
+        let found = Steps::of(&swept.iter().map(values).collect::<Vec<_>>());
+        assert_eq!(
+            (found.timeline.as_str(), &found.steps[..], found.steps_per_s()),
+            (timeline, steps, steps_per_s)
+        );
+    }
+
+    #[test]
+    fn lengths_are_steps_of_a_millimetre() {
+        check(
+            &[("hierarchical.grid.cell_size_m", &["0.2", "0.3", "0.4"])],
+            "cell_size_mm",
+            &[200, 300, 400],
+            200.0,
+        );
+        check(&[("hierarchical.grid.xi", &["3", "2"])], "xi", &[3, 2], 2.0);
+    }
+
+    #[test]
+    fn what_is_no_whole_number_of_steps_is_counted() {
+        check(&[("walls.min_support", &["0.5", "0.6"])], "point", &[0, 1], 2.0);
+        check(&[("kd_tree.foreground", &["short", "all"])], "point", &[0, 1], 2.0);
+        check(&[("a.b_m", &["1", "2"]), ("a.c", &["1", "2"])], "point", &[0, 1, 2, 3], 2.0);
+    }
+
+    #[test]
+    fn a_range_that_goes_down_is_recorded_upward() {
+        let swept = SweptValues { name: "a.xi".to_owned(), values: ["3", "2"].map(str::to_owned).to_vec() };
+        assert_eq!(Steps::of(&[swept]).ascending(), [(2, 1), (3, 0)]);
+    }
+}
