@@ -27,7 +27,7 @@ mod fit_density;
 mod train;
 mod program;
 
-pub use self::scans::{CatalogueArgs, ClassOption, DatasetArgs, SourceArgs};
+pub use self::scans::{CatalogueArgs, DatasetArgs, SourceArgs};
 pub use ablation::AblationArgs;
 pub use boxes::BoxesArgs;
 pub use compare::CompareArgs;

@@ -437,10 +437,10 @@ url = "https://example.org"
     fn names_of_classes_are_mapped() {
         let text =
             format!("{ENTRY}[recorded.my-drive.classes]\nforklift = \"misc\"\n\"Big Lorry\" = \"Truck\"\n");
-        let classes = &parse_catalogue("my.toml", &text).unwrap().recorded["my-drive"].classes;
+        let classes = &parse(&text).unwrap().recorded["my-drive"].classes;
         assert_eq!(classes.get("Forklift"), Some(AnnotationClass::Misc));
         assert_eq!(classes.get("big_lorry"), Some(AnnotationClass::Truck));
-        let error = parse_catalogue("my.toml", &text.replace("\"misc\"", "\"mics\"")).expect_err("no class");
+        let error = parse(&text.replace("\"misc\"", "\"mics\"")).expect_err("no class");
         assert!(
             error.to_string().starts_with("my.toml, line 11: \"mics\" is no class; there are car, "),
             "{error}"
