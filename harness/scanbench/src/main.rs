@@ -12,7 +12,7 @@ mod commands;
 
 use cli::Cli;
 use commands::dispatch::dispatch;
-use commands::failure::exit_code_of;
+use commands::exit_code::exit_code_of;
 use commands::interruption::watch_for_signals;
 
 fn main() -> ExitCode {

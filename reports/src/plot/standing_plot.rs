@@ -28,8 +28,13 @@ const WIDTH_PX: u32 = 430;
 const HEADING_PX: i32 = 26;
 const ROW_PX: i32 = 30;
 const AXIS_PX: i32 = 44;
-const NAMES_PX: i32 = 100;
 const VALUES_PX: i32 = 62;
+/// A name takes as much room as it needs, within these bounds.
+const NAMES_PX: std::ops::RangeInclusive<i32> = 100..=190;
+/// The width of a letter over the size of the text: a wide one, so that no name is cut off in another font.
+const LETTER_WIDTH: f64 = 0.62;
+/// Between a name and its line.
+const NAME_GAP_PX: i32 = 10;
 
 /// A panel with a line for every detector; `title` says of which task, `rate` what is measured.
 pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPanel {
@@ -42,17 +47,35 @@ pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPan
     ThemedPanel::of_library(&svg, size_px.into(), format!("{title}: {rate} of {}", texts.join(", ")))
 }
 
+/// How many letters of a name there is room for, and how wide the column of names is.
+fn names_column(rows: &[StandingRow]) -> (usize, i32) {
+    let letter_px = LETTER_WIDTH * f64::from(SMALL_TEXT_PX);
+    let longest = rows.iter().map(|it| it.name.chars().count()).max().unwrap_or(0);
+    let wanted_px = (longest as f64 * letter_px).ceil() as i32 + NAME_GAP_PX;
+    let names_px = wanted_px.clamp(*NAMES_PX.start(), *NAMES_PX.end());
+    ((f64::from(names_px - NAME_GAP_PX) / letter_px) as usize, names_px)
+}
+
+/// The name, or its beginning if it is longer than `n_letters`.
+fn shortened(name: &str, n_letters: usize) -> String {
+    if name.chars().count() <= n_letters {
+        return name.to_owned();
+    }
+    name.chars().take(n_letters.saturating_sub(1)).chain(['…']).collect()
+}
+
 fn value_text(row: &StandingRow) -> String {
     row.percent.map_or_else(|| "undefined".to_owned(), |it| format!("{} %", fixed_decimals(it, 1)))
 }
 
 fn draw(root: &Area<'_>, title: &str, rate: &str, rows: &[StandingRow]) -> Drawn {
+    let (n_letters, names_px) = names_column(rows);
     let bold: TextStyle<'static> = ("sans-serif", SMALL_TEXT_PX, FontStyle::Bold).into_font().color(&BLACK);
-    root.draw_text(title, &bold.pos(Pos::new(HPos::Left, VPos::Center)), (NAMES_PX, 11))?;
+    root.draw_text(title, &bold.pos(Pos::new(HPos::Left, VPos::Center)), (names_px, 11))?;
     let [low, high] = axis(rows);
     let right_px = WIDTH_PX as i32 - VALUES_PX;
     let x_px = |percent: f64| {
-        NAMES_PX + (f64::from(right_px - NAMES_PX) * (percent - low) / (high - low)).round() as i32
+        names_px + (f64::from(right_px - names_px) * (percent - low) / (high - low)).round() as i32
     };
     let bottom_px = HEADING_PX + ROW_PX * rows.len() as i32;
     let n_ticks = ((high - low) / TICK_PERCENT).round() as i32;
@@ -68,10 +91,11 @@ fn draw(root: &Area<'_>, title: &str, rate: &str, rows: &[StandingRow]) -> Drawn
         }
     }
     let text = small_text(HPos::Center, VPos::Center);
-    root.draw_text(rate, &text, (i32::midpoint(NAMES_PX, right_px), bottom_px + 32))?;
+    root.draw_text(rate, &text, (i32::midpoint(names_px, right_px), bottom_px + 32))?;
     for (row, top_px) in rows.iter().zip((HEADING_PX..).step_by(ROW_PX as usize)) {
         let y_px = top_px + ROW_PX / 2;
-        root.draw_text(&row.name, &small_text(HPos::Right, VPos::Center), (NAMES_PX - 10, y_px))?;
+        let name = shortened(&row.name, n_letters);
+        root.draw_text(&name, &small_text(HPos::Right, VPos::Center), (names_px - NAME_GAP_PX, y_px))?;
         let text = small_text(HPos::Right, VPos::Center);
         root.draw_text(&value_text(row), &text, (WIDTH_PX as i32 - 2, y_px))?;
         let mark = SeriesMark(row.detector_idx);
@@ -130,6 +154,20 @@ mod tests {
         assert_eq!(axis(&[]), [0.0, 100.0]);
         let exact = StandingRow { interval_percent: None, paper_percent: None, ..row(Some(100.0)) };
         assert_eq!(axis(&[exact]), [90.0, 100.0]);
+    }
+
+    #[test]
+    fn a_name_has_the_room_it_needs_up_to_a_bound() {
+        let named = |name: &str| vec![StandingRow { name: name.to_owned(), ..row(Some(61.0)) }];
+        assert_eq!(names_column(&named("pca")).1, 100);
+        let (n_letters, names_px) = names_column(&named("kd-tree-same-walls"));
+        assert!(n_letters >= 18 && names_px > 100, "{n_letters} letters, {names_px} px");
+        let long = named("a-detector-with-a-name-that-does-not-end");
+        let (n_letters, names_px) = names_column(&long);
+        assert_eq!(names_px, 190);
+        let shown = shortened(&long[0].name, n_letters);
+        assert!(shown.starts_with("a-detector-with") && shown.ends_with('…'), "{shown}");
+        assert!(standing_plot("", "", &long).inline().contains(&shown));
     }
 
     #[test]

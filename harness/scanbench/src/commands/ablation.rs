@@ -14,7 +14,7 @@ use reports::table::ablation_table::AblationTable;
 
 use crate::cli::AblationArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -34,7 +34,7 @@ const ABLATION_MD: &str = "ablation.md";
 /// # Errors
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
-pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
+pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let listed = detectors_named(&[METHOD.to_owned()])?;
@@ -79,7 +79,7 @@ fn evaluate(
     method: &ListedDetector,
     variants: &[Variant],
     interrupted: &AtomicBool,
-) -> anyhow::Result<AblationScores> {
+) -> Result<AblationScores, Failure> {
     let description = opened.dataset.description();
     warn_of_unknown_sensor(&variants[0].config, &description.sensor);
     let build = |variant: &Variant| {
@@ -98,7 +98,7 @@ fn evaluate(
         interrupted,
     };
     let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
-    side_by_side.run(&mut detectors, |results| -> anyhow::Result<()> {
+    side_by_side.run(&mut detectors, |results| -> Result<(), Failure> {
         scores.add(description, results.scan, results.results);
         progress.inc(1);
         Ok(())
@@ -112,7 +112,7 @@ fn evaluate(
     Ok(scores)
 }
 
-fn write_table(directory: &RunDirectory, table: &AblationTable) -> anyhow::Result<()> {
+fn write_table(directory: &RunDirectory, table: &AblationTable) -> Result<(), Failure> {
     let mut rows = CsvRowWriter::new(directory.begin_file(ABLATION_CSV)?)?;
     for score in &table.scores {
         rows.write(&AblationRow::new(&table.task, score))?;

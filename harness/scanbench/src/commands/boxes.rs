@@ -19,7 +19,7 @@ use scans::annotation::Occlusion;
 
 use crate::cli::BoxesArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -42,7 +42,7 @@ const NOTES: [&str; 2] = [
 /// # Errors
 ///
 /// If anything asked for is not there, no vehicle is matched, or the output cannot be written; nothing is left behind then.
-pub fn boxes(arguments: &BoxesArgs) -> anyhow::Result<()> {
+pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let detectors = detectors_named(&["hierarchical".to_owned()])?;
@@ -103,7 +103,7 @@ fn collect_all<'a>(
     listed: &ListedDetector,
     config: &RunConfig,
     interrupted: &AtomicBool,
-) -> anyhow::Result<Vec<Group<'a>>> {
+) -> Result<Vec<Group<'a>>, Failure> {
     let mut groups: Vec<Group<'a>> = Vec::new();
     for it in opened {
         let OpenedDataset { dataset, scan_indices, .. } = it;
@@ -128,7 +128,7 @@ fn collect_all<'a>(
     Ok(groups)
 }
 
-fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> anyhow::Result<()> {
+fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> Result<(), Failure> {
     let mut rows = CsvRowWriter::new(directory.begin_file("boxes.csv")?)?;
     for group in groups {
         for (dataset, pair) in &group.pairs {
@@ -154,7 +154,7 @@ fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> anyhow::Result
     Ok(())
 }
 
-fn write_lines(directory: &RunDirectory, lines: &[BoxErrorLine]) -> anyhow::Result<()> {
+fn write_lines(directory: &RunDirectory, lines: &[BoxErrorLine]) -> Result<(), Failure> {
     let mut rows = CsvRowWriter::new(directory.begin_file("box_errors.csv")?)?;
     for row in lines.iter().flat_map(BoxErrorRow::of) {
         rows.write(&row)?;

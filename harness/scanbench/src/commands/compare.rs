@@ -4,7 +4,7 @@ use reports::gate::comparison::{ComparedSlices, Comparison, compare_detectors, c
 use reports::run_archive::RunArchive;
 
 use crate::cli::CompareArgs;
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::standard_streams::print_bytes;
 
@@ -13,7 +13,7 @@ use crate::commands::standard_streams::print_bytes;
 /// # Errors
 ///
 /// If a run cannot be read, the two are not of the same scans, or there is no such detector.
-pub fn compare(arguments: &CompareArgs) -> anyhow::Result<()> {
+pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     let slices = if arguments.slices { ComparedSlices::Each } else { ComparedSlices::All };
     let run = open_run(&arguments.run)?;
     let comparison = match (&arguments.other, arguments.detectors.as_deref()) {
@@ -32,13 +32,10 @@ fn of_detectors(
     first: &str,
     second: &str,
     slices: ComparedSlices,
-) -> anyhow::Result<Comparison> {
+) -> Result<Comparison, Failure> {
     for name in [first, second] {
         let known: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
-        anyhow::ensure!(
-            known.contains(&name),
-            Usage(format!("the run has no detector {name:?}, but {}", known.join(", ")))
-        );
+        if !known.contains(&name) { return Err(Usage(format!("the run has no detector {name:?}, but {}", known.join(", "))).into()); }
     }
     Ok(compare_detectors(run, first, second, slices))
 }

@@ -10,6 +10,7 @@ use scans::dataset::DatasetError;
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::source::DamagePolicy;
 
+use crate::commands::failure::Failure;
 use crate::cli::CheckArgs;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
@@ -24,7 +25,7 @@ const N_AT_ONCE: usize = 16;
 /// # Errors
 ///
 /// The error of the first damaged scan, after everything has been printed and unless damage is to be skipped; if data sets cannot be opened.
-pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
+pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let mut first_damage = None;
     for (place, opened) in
@@ -61,7 +62,7 @@ pub fn data_check(arguments: &CheckArgs) -> anyhow::Result<()> {
 fn check(
     opened: &OpenedDataset,
     is_interrupted: impl Fn() -> bool,
-) -> anyhow::Result<(Vec<CheckedScan>, Option<DatasetError>)> {
+) -> Result<(Vec<CheckedScan>, Option<DatasetError>), Failure> {
     let dataset = &*opened.dataset;
     let n_scans = opened.scan_indices.len();
     let progress = progress_over_scans(n_scans, &dataset.description().id);

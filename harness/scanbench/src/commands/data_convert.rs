@@ -11,7 +11,7 @@ use scans::conversion::{ConversionError, whole_folder::folder_name};
 use scans::dataset::class_table::ClassTable;
 
 use crate::cli::ConvertArgs;
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
@@ -22,7 +22,7 @@ use crate::commands::standard_streams::print_result;
 /// # Errors
 ///
 /// If anything asked for is not there, data are damaged, or the output exists or cannot be written; nothing is left behind then.
-pub fn data_convert(arguments: &ConvertArgs) -> anyhow::Result<()> {
+pub fn data_convert(arguments: &ConvertArgs) -> Result<(), Failure> {
     convert_all(
         arguments,
         &open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &ClassTable::default())?,
@@ -34,7 +34,7 @@ pub fn data_convert(arguments: &ConvertArgs) -> anyhow::Result<()> {
 /// # Errors
 ///
 /// [`Usage`] if a data set is not simulated; else as [`data_convert`].
-pub fn data_simulate(arguments: &ConvertArgs) -> anyhow::Result<()> {
+pub fn data_simulate(arguments: &ConvertArgs) -> Result<(), Failure> {
     let opened = open_datasets(&arguments.data, &ClassTable::default())?;
     if let Some(recorded) = opened.iter().map(|it| it.dataset.description()).find(|it| it.root.is_some()) {
         let problem =
@@ -44,7 +44,7 @@ pub fn data_simulate(arguments: &ConvertArgs) -> anyhow::Result<()> {
     convert_all(arguments, &opened)
 }
 
-fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Result<()> {
+fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let format = format_of(arguments, opened.len())?;
     let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
@@ -55,7 +55,7 @@ fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> anyhow::Res
         let mut n_done = 0;
         let policy = arguments.damage.policy();
         let on_damage = |id: &_, error| progress.suspend(|| opened.on_damage(policy, id, error));
-        convert(&*opened.dataset, &opened.scan_indices, output, on_damage, || -> anyhow::Result<()> {
+        convert(&*opened.dataset, &opened.scan_indices, output, on_damage, || -> Result<(), Failure> {
             progress.inc(1);
             n_done += 1;
             if interrupted.load(Ordering::Relaxed) {

@@ -11,7 +11,7 @@ use simulator::open::{OpenOptions, open_dataset};
 use simulator::simulated_street::StreetDrive;
 
 use crate::cli::HashArgs;
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::standard_streams::print_result;
 
@@ -20,7 +20,7 @@ use crate::commands::standard_streams::print_result;
 /// # Errors
 ///
 /// If a data set cannot be opened, or is to be written and is not in the catalogue.
-pub fn data_hash(arguments: &HashArgs) -> anyhow::Result<()> {
+pub fn data_hash(arguments: &HashArgs) -> Result<(), Failure> {
     let path = arguments.catalogue.catalogue.as_deref();
     let mut catalogue = open_catalogue(path)?;
     let mut text = match path {
@@ -42,7 +42,7 @@ pub fn data_hash(arguments: &HashArgs) -> anyhow::Result<()> {
 }
 
 /// The checksum of the files as they are, whatever the catalogue says.
-fn checksum_of(name: &str, catalogue: &mut Catalogue) -> anyhow::Result<String> {
+fn checksum_of(name: &str, catalogue: &mut Catalogue) -> Result<String, Failure> {
     if let Some(entry) = catalogue.recorded.get_mut(name) {
         entry.checksum = None;
     }
@@ -74,7 +74,7 @@ fn with_checksum(text: &str, id: &str, checksum: &str) -> Option<String> {
     Some(lines.join("\n") + "\n")
 }
 
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
     use std::io::Write as _;
     // What was edited is still a catalogue.
     parse_catalogue::<StreetDrive>(&path.display().to_string(), text)?;

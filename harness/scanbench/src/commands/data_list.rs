@@ -3,6 +3,7 @@
 use scans::dataset::class_table::whatever_classes;
 use simulator::open::{OpenOptions, open_dataset};
 
+use crate::commands::failure::{Failure, with_causes};
 use crate::cli::CatalogueArgs;
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::standard_streams::print_result;
@@ -12,7 +13,7 @@ use crate::commands::standard_streams::print_result;
 /// # Errors
 ///
 /// If the catalogue cannot be read, or stdout takes nothing.
-pub fn data_list(arguments: &CatalogueArgs) -> anyhow::Result<()> {
+pub fn data_list(arguments: &CatalogueArgs) -> Result<(), Failure> {
     let catalogue = open_catalogue(arguments.catalogue.as_deref())?;
     let names = catalogue.groups.keys().chain(catalogue.ids());
     let width = names.map(String::len).max().unwrap_or(0);
@@ -35,8 +36,8 @@ pub fn data_list(arguments: &CatalogueArgs) -> anyhow::Result<()> {
                 ))?;
             }
             Err(error) => {
-                let reason = anyhow::Error::from(error);
-                print_result(format_args!("{id:<width$}  not available: {reason:#}"))?;
+                let reason = with_causes(&error);
+                print_result(format_args!("{id:<width$}  not available: {reason}"))?;
             }
         }
     }

@@ -11,6 +11,7 @@ use scans::conversion::convert::sheet_of;
 use scans::conversion::proposal_writer::{Proposal, ProposalWriter};
 use scans::conversion::whole_folder::folder_name;
 
+use crate::commands::failure::Failure;
 use crate::cli::PrelabelArgs;
 use crate::commands::config::{detector_config, warn_of_unknown_sensor};
 use crate::commands::data_convert::folder_of_several;
@@ -25,7 +26,7 @@ use crate::commands::standard_streams::print_result;
 ///
 /// If anything asked for is not there, data are damaged, or the output exists or cannot be written; of a data set nothing is left
 /// behind then.
-pub fn data_prelabel(arguments: &PrelabelArgs) -> anyhow::Result<()> {
+pub fn data_prelabel(arguments: &PrelabelArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
     let config = detector_config(&arguments.config, &detectors)?;
@@ -51,7 +52,7 @@ fn prelabel(
     path: &Path,
     (listed, config): (&ListedDetector, &RunConfig),
     interrupted: &AtomicBool,
-) -> anyhow::Result<()> {
+) -> Result<(), Failure> {
     let description = opened.dataset.description();
     warn_of_unknown_sensor(config, &description.sensor);
     let config = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());

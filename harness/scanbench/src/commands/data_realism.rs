@@ -17,6 +17,7 @@ use reports::table::agreement::agreement_table;
 use scans::dataset::class_table::ClassTable;
 use simulator::simulated_street::StreetDrive;
 
+use crate::commands::failure::Failure;
 use crate::cli::{DatasetArgs, RealismArgs, SourceArgs};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
@@ -34,7 +35,7 @@ const REALISM_CSV: &str = "realism.csv";
 /// # Errors
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
-pub fn data_realism(arguments: &RealismArgs) -> anyhow::Result<()> {
+pub fn data_realism(arguments: &RealismArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let arguments_of_side = Sides { left: arguments.data.clone(), right: against(arguments) };
@@ -82,13 +83,13 @@ fn begin_directory(
     arguments: &RealismArgs,
     opened: &Sides<Vec<OpenedDataset>>,
     started: Timestamp,
-) -> anyhow::Result<RunDirectory> {
+) -> Result<RunDirectory, Failure> {
     let ids = opened.as_ref().map(|side| ids_of(side));
     let unnamed = format!("{}-realism-{}-against-{}", compact_utc(started), ids.left, ids.right);
     begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)
 }
 
-fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> anyhow::Result<Vec<SurveyedScan>> {
+fn survey_all(side: &[OpenedDataset], interrupted: &AtomicBool) -> Result<Vec<SurveyedScan>, Failure> {
     let mut scans = Vec::new();
     for it in side {
         let OpenedDataset { dataset, scan_indices, .. } = it;
@@ -137,7 +138,7 @@ fn manifest(
     }
 }
 
-fn write_curves(directory: &RunDirectory, curves: &[CurvePair], names: Sides<&str>) -> anyhow::Result<()> {
+fn write_curves(directory: &RunDirectory, curves: &[CurvePair], names: Sides<&str>) -> Result<(), Failure> {
     let mut rows = CsvRowWriter::new(directory.begin_file(REALISM_CSV)?)?;
     for pair in curves {
         for row in CurveRow::of_curves(pair, names) {

@@ -15,7 +15,7 @@ use scans::dataset::positioned_points::values_of_file;
 
 use crate::cli::DetectArgs;
 use crate::commands::config::{detector_config, warn_of_unknown_sensor};
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_scan::{OpenedScan, open_scan};
 use crate::commands::result_file::{Destination, write_results};
@@ -27,7 +27,7 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 /// # Errors
 ///
 /// If anything asked for is not there, the scan is damaged, or the output cannot be written; nothing is left behind then.
-pub fn detect(arguments: &DetectArgs) -> anyhow::Result<()> {
+pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let destinations = Destinations::new(arguments)?;
     let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
@@ -69,7 +69,7 @@ impl Destinations {
         Ok(Self { clusters, boxes })
     }
 
-    fn check(&self) -> anyhow::Result<()> {
+    fn check(&self) -> Result<(), Failure> {
         for destination in self.clusters.iter().chain(&self.boxes) {
             destination.check()?;
         }
@@ -84,7 +84,7 @@ impl Destinations {
         &self,
         scan: &OpenedScan,
         result: &SingleScan,
-    ) -> anyhow::Result<Vec<(Destination, Vec<u8>)>> {
+    ) -> Result<Vec<(Destination, Vec<u8>)>, Failure> {
         let mut contents = Vec::new();
         let detections = &result.output.detections;
         if let Some(destination) = &self.clusters {

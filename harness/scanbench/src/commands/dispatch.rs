@@ -2,6 +2,7 @@
 
 use clap::CommandFactory as _;
 
+use crate::commands::failure::Failure;
 use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::boxes::boxes;
@@ -30,7 +31,7 @@ use crate::commands::view::view;
 /// # Errors
 ///
 /// Whatever the verb returns; [`Failure::of`](crate::commands::failure::Failure::of) tells the exit code.
-pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
+pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
     set_verbosity(match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,
         (false, true) => Verbosity::Verbose,
@@ -63,7 +64,7 @@ pub fn dispatch(cli: &Cli) -> anyhow::Result<()> {
     }
 }
 
-fn completions(shell: clap_complete::Shell) -> anyhow::Result<()> {
+fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     // Not straight to stdout: the generator panics where it cannot write.
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "scanbench", &mut script);

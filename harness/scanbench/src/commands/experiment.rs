@@ -9,6 +9,7 @@ use reports::experiment_manifest::ExperimentManifest;
 use reports::run_directory::{LatestPointer, RunDirectory};
 use simulator::SIMULATOR_VERSION;
 
+use crate::commands::failure::Failure;
 use crate::cli::{ExperimentArgs, OutputArgs};
 use crate::commands::config::detector_config;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
@@ -31,7 +32,7 @@ impl Experiment {
     /// # Errors
     ///
     /// If there is no such detector, or the configuration cannot be used.
-    pub fn begin(arguments: &ExperimentArgs, detectors: &[&str]) -> anyhow::Result<Self> {
+    pub fn begin(arguments: &ExperimentArgs, detectors: &[&str]) -> Result<Self, Failure> {
         let unnamed: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
         let names = if arguments.detectors.is_empty() { &unnamed } else { &arguments.detectors };
         let detectors = detectors_named(names)?;
@@ -48,7 +49,7 @@ impl Experiment {
     /// # Errors
     ///
     /// If the directory exists or cannot be written.
-    pub fn begin_directory(&self, output: &OutputArgs, name: &str) -> anyhow::Result<RunDirectory> {
+    pub fn begin_directory(&self, output: &OutputArgs, name: &str) -> Result<RunDirectory, Failure> {
         begin_run_directory(output, &format!("{}-{name}", compact_utc(self.started)), LatestPointer::Leave)
     }
 

@@ -1,10 +1,12 @@
 //! How the program ends when something is wrong.
+//!
+//! Every error that a verb can meet is turned into a [`Failure`] by `?`. There is no way for errors of any kind: a new one does not
+//! compile until it is said here what kind of ending it is.
 
 use std::error::Error;
 use std::fmt;
 use std::io::ErrorKind;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::Path;
 
 use evaluation::realism::survey::SurveyError;
 use evaluation::run::config::ConfigError;
@@ -19,33 +21,35 @@ use reports::gate::accept::AcceptError;
 use reports::gate::comparability::NotComparable;
 use reports::gate::tolerances::TolerancesError;
 use reports::gate::verdict::{Conclusion, JudgeError};
+use reports::html::run_page::PageError;
 use reports::run_directory::RunDirectoryError;
+use reports::run_report::RunReportError;
+use reports::table::task_table::TableError;
 use scans::conversion::ConversionError;
 use scans::dataset::DatasetError;
 
-use crate::commands::interruption::interruption_exit_code;
-use crate::commands::standard_streams::print_error;
+/// What is told about a failure: an error with all that caused it.
+pub type Reason = Box<dyn Error + Send + Sync>;
 
 /// Expected endings, with their documented exit codes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
+#[derive(Debug)]
 pub enum Failure {
-    /// A bug, or a machine that gave up, such as a full disk.
-    Internal = 1,
-    /// Wrong usage or configuration.
-    Usage = 2,
-    /// Data missing or damaged.
-    Data = 3,
-    /// Nothing was evaluated.
-    NothingEvaluated = 4,
-    /// Two runs that cannot be compared.
-    NotComparable = 5,
-    /// Surely worse than the baseline.
-    Regression = 100,
-    /// Not surely worse, but judged otherwise than the baseline.
-    Drift = 101,
-    /// Ended by the user; what shells report for Ctrl-C. After a request to terminate it is 143.
-    Interrupted = 130,
+    /// 1: a bug, or a machine that gave up, such as a full disk.
+    Internal(Reason),
+    /// 2: wrong usage or configuration.
+    Usage(Reason),
+    /// 3: data missing or damaged.
+    Data(Reason),
+    /// 4: nothing was evaluated.
+    NothingEvaluated(Reason),
+    /// 5: two runs that cannot be compared.
+    NotComparable(Reason),
+    /// 100: surely worse than the baseline.
+    Regression(Reason),
+    /// 101: not surely worse, but judged otherwise than the baseline.
+    Drift(Reason),
+    /// 130, what shells report for Ctrl-C; 143 after a request to terminate.
+    Interrupted(Reason),
 }
 
 /// There was nothing to evaluate.
@@ -61,188 +65,38 @@ pub struct NothingEvaluated {
 #[error("the gate is closed: {}", .0.name())]
 pub struct GateClosed(pub Conclusion);
 
-/// The directory of a run lacks a file, or a file is damaged.
-#[derive(Debug, thiserror::Error)]
-#[error("the run {} cannot be read", .directory.display())]
-pub struct DamagedRun {
-    /// Where it lies.
-    pub directory: PathBuf,
-}
-
 /// What was asked for makes no sense.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// An error of which it is known what kind of ending it is.
-#[derive(Debug)]
-pub struct Classified {
-    /// Which.
-    pub failure: Failure,
-    /// What happened.
-    pub error: Box<dyn Error + Send + Sync>,
-}
-
-impl fmt::Display for Classified {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.error.fmt(formatter)
-    }
-}
-
-impl Error for Classified {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        self.error.source()
-    }
-}
-
-/// Does `work` and returns the exit code, having told stderr why if it is not 0.
-///
-/// A panic is an internal error; left alone it would end the program with 101, which means something else.
-pub fn exit_code_of(work: impl FnOnce() -> anyhow::Result<()>) -> u8 {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(())) => 0,
-        Ok(Err(error)) => {
-            print_error(format_args!("error: {error:#}"));
-            match Failure::of(&error) {
-                Failure::Interrupted => interruption_exit_code(),
-                failure => failure as u8,
-            }
-        }
-        // The panic has been reported where it happened.
-        Err(_) => Failure::Internal as u8,
-    }
+/// What could not be done, and why.
+#[derive(Debug, thiserror::Error)]
+#[error("{what}")]
+struct Because {
+    what: String,
+    source: Reason,
 }
 
 impl Failure {
-    /// What kind of ending `error` is.
-    pub fn of(error: &anyhow::Error) -> Self {
-        if error.is::<Usage>() {
-            return Self::Usage;
-        }
-        let of_dataset = |error: &DatasetError| if error.is_usage_error() { Self::Usage } else { Self::Data };
-        if let Some(error) = error.downcast_ref::<DatasetError>() {
-            return of_dataset(error);
-        }
-        match error.downcast_ref::<RunError>() {
-            Some(RunError::Dataset(error)) => return of_dataset(error),
-            Some(RunError::Interrupted { .. }) => return Self::Interrupted,
-            None => {}
-        }
-        match error.downcast_ref::<SurveyError>() {
-            Some(SurveyError::Dataset(error)) => return of_dataset(error),
-            Some(SurveyError::Interrupted { .. }) => return Self::Interrupted,
-            None => {}
-        }
-        match error.downcast_ref::<ConversionError>() {
-            Some(ConversionError::Dataset(error)) => return of_dataset(error),
-            Some(
-                ConversionError::Occupied { .. }
-                | ConversionError::InUse { .. }
-                | ConversionError::Unwritable { .. }
-                | ConversionError::TooManyObjects { .. },
-            ) => return Self::Usage,
-            Some(_) | None => {}
-        }
-        if let Some(error) = error.downcast_ref::<SweepError>() {
-            return match error {
-                SweepError::Dataset(error) => of_dataset(error),
-                SweepError::Journal(error) => Self::of_journal(error),
-                SweepError::Threads { .. } => Self::Internal,
-                SweepError::Interrupted { .. } | SweepError::InterruptedWhileTimed => Self::Interrupted,
-            };
-        }
-        if let Some(error) = error.downcast_ref::<JournalError>() {
-            return Self::of_journal(error);
-        }
-        if error.is::<single_scan::Interrupted>() {
-            return Self::Interrupted;
-        }
-        if let Some(failure) = Self::of_comparison(error) {
-            return failure;
-        }
-        if error.is::<NothingEvaluated>() {
-            return Self::NothingEvaluated;
-        }
-        if error.is::<ConfigError>() || error.is::<DetectorListError>() || error.is::<SweepPlanError>() {
-            return Self::Usage;
-        }
-        if let Some(error) = error.downcast_ref::<RunDirectoryError>() {
-            return Self::of_run_directory(error);
-        }
-        if let Some(error) = error.downcast_ref::<ArchiveError>() {
-            return Self::of_archive(error);
-        }
-        error.downcast_ref::<Classified>().map_or(Self::Internal, |it| it.failure)
+    /// `what` could not be done because of `reason`.
+    pub fn internal(what: &str, reason: impl Into<Reason>) -> Self {
+        Self::Internal(Because { what: what.to_owned(), source: reason.into() }.into())
     }
 
-    /// `None` if `error` is none of comparing runs.
-    fn of_comparison(error: &anyhow::Error) -> Option<Self> {
-        if let Some(GateClosed(conclusion)) = error.downcast_ref::<GateClosed>() {
-            return Some(Self::of_conclusion(*conclusion));
-        }
-        if error.is::<NotComparable>() {
-            return Some(Self::NotComparable);
-        }
-        if let Some(error) = error.downcast_ref::<JudgeError>() {
-            return Some(match error {
-                JudgeError::NotComparable(_) => Self::NotComparable,
-                JudgeError::Rules(_) => Self::Usage,
-            });
-        }
-        if error.is::<DamagedRun>() {
-            return Some(Self::Data);
-        }
-        if error.is::<TolerancesError>() {
-            return Some(Self::Usage);
-        }
-        error.downcast_ref::<AcceptError>().map(|error| match error {
-            AcceptError::Directory(error) => Self::of_run_directory(error),
-            AcceptError::Archive(error) => Self::of_archive(error),
-            AcceptError::History { .. } => Self::Data,
-            AcceptError::Dirty { .. } => Self::Usage,
-            AcceptError::NoSuccessor { .. } => Self::NotComparable,
-        })
+    /// `what` was badly chosen because of `reason`.
+    pub fn usage(what: String, reason: impl Into<Reason>) -> Self {
+        Self::Usage(Because { what, source: reason.into() }.into())
     }
 
-    fn of_conclusion(conclusion: Conclusion) -> Self {
-        match conclusion {
-            Conclusion::Regression => Self::Regression,
-            Conclusion::Incomparable => Self::NotComparable,
-            Conclusion::Drift => Self::Drift,
-            Conclusion::Same => unreachable!("a gate is not closed where all is the same"),
-        }
-    }
-
-    fn of_run_directory(error: &RunDirectoryError) -> Self {
-        match error {
-            RunDirectoryError::NoName { .. }
-            | RunDirectoryError::Occupied { .. }
-            | RunDirectoryError::InUse { .. }
-            | RunDirectoryError::NotARun { .. }
-            | RunDirectoryError::LatestOccupied { .. } => Self::Usage,
-            RunDirectoryError::Io { source, .. } => Self::of_writing(source.kind()),
-            RunDirectoryError::Archive(error) => Self::of_archive(error),
-        }
-    }
-
-    fn of_archive(error: &ArchiveError) -> Self {
-        match error {
-            ArchiveError::Write { source, .. } => Self::of_writing(source.kind()),
-            _ => Self::Internal,
-        }
-    }
-
-    fn of_journal(error: &JournalError) -> Self {
-        match error {
-            JournalError::Another { .. } | JournalError::NoJournal { .. } | JournalError::Locked { .. } => {
-                Self::Usage
-            }
-            JournalError::Io { source, .. } => Self::of_writing(source.kind()),
-        }
+    /// The directory of a run lacks a file, or a file is damaged.
+    pub fn damaged_run(directory: &Path, reason: impl Into<Reason>) -> Self {
+        let what = format!("the run {} cannot be read", directory.display());
+        Self::Data(Because { what, source: reason.into() }.into())
     }
 
     /// Whether the place to write to was badly chosen, or fails although it was not.
-    pub fn of_writing(kind: ErrorKind) -> Self {
+    pub fn of_writing(kind: ErrorKind, reason: impl Into<Reason>) -> Self {
         match kind {
             ErrorKind::NotFound
             | ErrorKind::NotADirectory
@@ -250,60 +104,234 @@ impl Failure {
             | ErrorKind::AlreadyExists
             | ErrorKind::PermissionDenied
             | ErrorKind::ReadOnlyFilesystem
-            | ErrorKind::InvalidFilename => Self::Usage,
-            _ => Self::Internal,
+            | ErrorKind::InvalidFilename => Self::Usage(reason.into()),
+            _ => Self::Internal(reason.into()),
+        }
+    }
+
+    /// What is told about it.
+    pub fn reason(&self) -> &(dyn Error + 'static) {
+        match self {
+            Self::Internal(reason)
+            | Self::Usage(reason)
+            | Self::Data(reason)
+            | Self::NothingEvaluated(reason)
+            | Self::NotComparable(reason)
+            | Self::Regression(reason)
+            | Self::Drift(reason)
+            | Self::Interrupted(reason) => &**reason,
         }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use evaluation::run::side_by_side::RunError;
-
-    #[track_caller]
-    fn check(error: impl Into<anyhow::Error>, expected: Failure) {
-        let error = error.into();
-        assert_eq!(Failure::of(&error), expected, "{error:#}");
-        assert_eq!(exit_code_of(|| Err(error)), expected as u8);
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&with_causes(self.reason()))
     }
+}
 
-    fn not_written(kind: ErrorKind) -> RunDirectoryError {
-        RunDirectoryError::Io { path: "runs".into(), source: kind.into() }
+/// The message of `error` and those of all that caused it, in a line.
+pub fn with_causes(error: &(dyn Error + 'static)) -> String {
+    let messages: Vec<String> =
+        std::iter::successors(Some(error), |it| it.source()).map(ToString::to_string).collect();
+    messages.join(": ")
+}
+
+impl From<Usage> for Failure {
+    fn from(error: Usage) -> Self {
+        Self::Usage(error.into())
     }
+}
 
-    #[test]
-    fn a_full_disk_is_not_the_users_mistake_and_a_bad_place_is() {
-        check(not_written(ErrorKind::StorageFull), Failure::Internal);
-        check(not_written(ErrorKind::NotADirectory), Failure::Usage);
-        let table = |kind: ErrorKind| ArchiveError::Write { path: "a.csv".into(), source: kind.into() };
-        check(table(ErrorKind::StorageFull), Failure::Internal);
-        check(RunDirectoryError::from(table(ErrorKind::PermissionDenied)), Failure::Usage);
+impl From<NothingEvaluated> for Failure {
+    fn from(error: NothingEvaluated) -> Self {
+        Self::NothingEvaluated(error.into())
     }
+}
 
-    #[test]
-    fn data_that_are_missing_and_data_that_do_not_exist_differ() {
-        let missing = || DatasetError::NoScans { path: "velodyne".into() };
-        let unknown = || DatasetError::UnknownDataset { name: "kity".to_owned(), known: Vec::new() };
-        check(missing(), Failure::Data);
-        check(RunError::from(missing()), Failure::Data);
-        check(unknown(), Failure::Usage);
-        check(RunError::from(unknown()), Failure::Usage);
-        check(SurveyError::from(missing()), Failure::Data);
-        check(anyhow::Error::from(missing()).context(Usage("bad catalogue".to_owned())), Failure::Usage);
+impl From<DatasetError> for Failure {
+    fn from(error: DatasetError) -> Self {
+        if error.is_usage_error() { Self::Usage(error.into()) } else { Self::Data(error.into()) }
     }
+}
 
-    #[test]
-    fn interrupted_and_empty_runs_have_codes_of_their_own() {
-        check(RunError::Interrupted { n_done: 1, n_scans: 2 }, Failure::Interrupted);
-        check(SurveyError::Interrupted { dataset: "street".to_owned(), n_scans: 2 }, Failure::Interrupted);
-        check(single_scan::Interrupted { n_done: 1, n_repeats: 2 }, Failure::Interrupted);
-        check(NothingEvaluated { reason: "no cars".to_owned() }, Failure::NothingEvaluated);
+impl From<ConversionError> for Failure {
+    fn from(error: ConversionError) -> Self {
+        match error {
+            ConversionError::Dataset(error) => error.into(),
+            ConversionError::Archive(_)
+            | ConversionError::Write { .. }
+            | ConversionError::Recording { .. } => Self::Internal(error.into()),
+            ConversionError::Occupied { .. }
+            | ConversionError::InUse { .. }
+            | ConversionError::Unwritable { .. }
+            | ConversionError::TooManyObjects { .. } => Self::Usage(error.into()),
+        }
     }
+}
 
-    #[test]
-    fn a_panic_is_an_internal_error() {
-        assert_eq!(exit_code_of(|| panic!("on purpose")), 1);
-        assert_eq!(exit_code_of(|| Ok(())), 0);
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Dataset(error) => error.into(),
+            RunError::Interrupted { .. } => Self::Interrupted(error.into()),
+        }
+    }
+}
+
+impl From<SurveyError> for Failure {
+    fn from(error: SurveyError) -> Self {
+        match error {
+            SurveyError::Dataset(error) => error.into(),
+            SurveyError::Interrupted { .. } => Self::Interrupted(error.into()),
+        }
+    }
+}
+
+impl From<single_scan::Interrupted> for Failure {
+    fn from(error: single_scan::Interrupted) -> Self {
+        Self::Interrupted(error.into())
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Dataset(error) => error.into(),
+            SweepError::Journal(error) => error.into(),
+            SweepError::Threads { .. } => Self::Internal(error.into()),
+            SweepError::Interrupted { .. } | SweepError::InterruptedWhileTimed => {
+                Self::Interrupted(error.into())
+            }
+        }
+    }
+}
+
+impl From<JournalError> for Failure {
+    fn from(error: JournalError) -> Self {
+        match &error {
+            JournalError::Another { .. } | JournalError::NoJournal { .. } | JournalError::Locked { .. } => {
+                Self::Usage(error.into())
+            }
+            JournalError::Io { source, .. } => Self::of_writing(source.kind(), error),
+        }
+    }
+}
+
+impl From<ConfigError> for Failure {
+    fn from(error: ConfigError) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
+impl From<DetectorListError> for Failure {
+    fn from(error: DetectorListError) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
+impl From<SweepPlanError> for Failure {
+    fn from(error: SweepPlanError) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
+impl From<RunDirectoryError> for Failure {
+    fn from(error: RunDirectoryError) -> Self {
+        match error {
+            RunDirectoryError::NoName { .. }
+            | RunDirectoryError::Occupied { .. }
+            | RunDirectoryError::InUse { .. }
+            | RunDirectoryError::NotARun { .. }
+            | RunDirectoryError::LatestOccupied { .. } => Self::Usage(error.into()),
+            RunDirectoryError::Io { ref source, .. } => Self::of_writing(source.kind(), error),
+            RunDirectoryError::Archive(error) => error.into(),
+        }
+    }
+}
+
+impl From<ArchiveError> for Failure {
+    fn from(error: ArchiveError) -> Self {
+        match &error {
+            ArchiveError::Write { source, .. } => Self::of_writing(source.kind(), error),
+            // What a run has just written it can read.
+            ArchiveError::Read { .. }
+            | ArchiveError::Schema { .. }
+            | ArchiveError::Json { .. }
+            | ArchiveError::Csv { .. }
+            | ArchiveError::Columns { .. } => Self::Internal(error.into()),
+        }
+    }
+}
+
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        match error {
+            PageError::Archive(error) => error.into(),
+            PageError::Table(error) => error.into(),
+        }
+    }
+}
+
+impl From<TableError> for Failure {
+    fn from(error: TableError) -> Self {
+        Self::Internal(error.into())
+    }
+}
+
+impl From<RunReportError> for Failure {
+    fn from(error: RunReportError) -> Self {
+        Self::Internal(error.into())
+    }
+}
+
+impl From<GateClosed> for Failure {
+    fn from(error: GateClosed) -> Self {
+        match error.0 {
+            Conclusion::Regression => Self::Regression(error.into()),
+            Conclusion::Incomparable => Self::NotComparable(error.into()),
+            Conclusion::Drift => Self::Drift(error.into()),
+            Conclusion::Same => unreachable!("a gate is not closed where all is the same"),
+        }
+    }
+}
+
+impl From<NotComparable> for Failure {
+    fn from(error: NotComparable) -> Self {
+        Self::NotComparable(error.into())
+    }
+}
+
+impl From<JudgeError> for Failure {
+    fn from(error: JudgeError) -> Self {
+        match error {
+            JudgeError::NotComparable(_) => Self::NotComparable(error.into()),
+            JudgeError::Rules(_) => Self::Usage(error.into()),
+        }
+    }
+}
+
+impl From<TolerancesError> for Failure {
+    fn from(error: TolerancesError) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
+impl From<AcceptError> for Failure {
+    fn from(error: AcceptError) -> Self {
+        match error {
+            AcceptError::Directory(error) => error.into(),
+            AcceptError::Archive(error) => error.into(),
+            AcceptError::History { .. } => Self::Data(error.into()),
+            AcceptError::Dirty { .. } => Self::Usage(error.into()),
+            AcceptError::NoSuccessor { .. } => Self::NotComparable(error.into()),
+        }
+    }
+}
+
+/// Rows for a file that is not there yet: they are ours.
+impl From<csv::Error> for Failure {
+    fn from(error: csv::Error) -> Self {
+        Self::Internal(error.into())
     }
 }

@@ -17,7 +17,7 @@ use scans::dataset::class_table::ClassTable;
 use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{DatasetArgs, FitDensityArgs};
-use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -33,14 +33,11 @@ const DENSITY_CSV: &str = "density.csv";
 ///
 /// If anything asked for is not there, data are damaged or too few, or the output cannot be written; there is no file
 /// then, and no figures unless it is the disk that gave up on them.
-pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
+pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let path = arguments.output.as_path();
     for target in [Some(path), arguments.figures.as_deref()].into_iter().flatten() {
-        anyhow::ensure!(
-            arguments.overwrite || !target.exists(),
-            Usage(format!("{} exists; choose another name or replace it with --overwrite", target.display()))
-        );
+        if target.exists() && !arguments.overwrite { return Err(Usage(format!("{} exists; choose another name or replace it with --overwrite", target.display())).into()); }
     }
     let opened = open_datasets(&arguments.data, &ClassTable::default())?;
     let origin = origin(&opened, &arguments.data)?;
@@ -68,7 +65,7 @@ pub fn fit_density(arguments: &FitDensityArgs) -> anyhow::Result<()> {
 }
 
 /// What the curve is learned from. All scans have to be of one sensor.
-fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> anyhow::Result<CurveOrigin> {
+fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> Result<CurveOrigin, Failure> {
     let descriptions = || opened.iter().map(|it| it.dataset.description());
     let sensors: BTreeSet<&str> = descriptions().map(|it| it.sensor.as_str()).collect();
     let one_sensor = sensors.first().filter(|_| sensors.len() == 1);
@@ -101,7 +98,7 @@ fn write_figures(
     curve: &DensityCurve,
     scans: &[RingCounts],
     name: &str,
-) -> anyhow::Result<()> {
+) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .map_err(|source| ArchiveError::Write { path: folder.to_owned(), source })?;
     let names = Sides { left: name, right: "fitted, exponential of a polynomial of the sixth degree" };

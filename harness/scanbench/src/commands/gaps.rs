@@ -13,6 +13,7 @@ use reports::table::gap_table::gap_table;
 use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 
+use crate::commands::failure::Failure;
 use crate::cli::GapsArgs;
 use crate::commands::experiment::Experiment;
 use crate::commands::interruption::interruption_flag;
@@ -27,7 +28,7 @@ const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 /// # Errors
 ///
 /// If anything asked for is not there, or the output cannot be written; nothing is left behind then.
-pub fn gaps(arguments: &GapsArgs) -> anyhow::Result<()> {
+pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let sensor = sensor_named(&arguments.sensor)?;
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
@@ -66,7 +67,7 @@ pub fn gaps(arguments: &GapsArgs) -> anyhow::Result<()> {
     printed
 }
 
-fn write_curves(directory: &RunDirectory, bins: &[GapBin]) -> anyhow::Result<()> {
+fn write_curves(directory: &RunDirectory, bins: &[GapBin]) -> Result<(), Failure> {
     let mut rows = CsvRowWriter::new(directory.begin_file("gaps.csv")?)?;
     for bin in bins {
         rows.write(&GapRow::simulated(bin))?;
@@ -87,7 +88,7 @@ fn write_picture(
     experiment: &GapExperiment<'_>,
     joining: usize,
     separating: usize,
-) -> anyhow::Result<()> {
+) -> Result<(), Failure> {
     let Some(picture) = gap_picture(experiment, joining, separating) else {
         print_diagnostic(
             "No pair is drawn: there is none that simple-grid joins and hierarchical separates without fragments.",

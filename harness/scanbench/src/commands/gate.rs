@@ -3,7 +3,6 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use anyhow::Context as _;
 use jiff::Timestamp;
 use reports::gate::accept::{Acceptance, Succession, TOLERANCES_TOML, accept, run_of_baseline};
 use reports::gate::benchmark_formats::{to_bencher_metric_format, to_custom_smaller_is_better};
@@ -16,7 +15,7 @@ use reports::run_archive::RunArchive;
 use reports::whole_file::write_whole;
 
 use crate::cli::{AcceptArgs, GateArgs};
-use crate::commands::failure::{GateClosed, Usage};
+use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::provenance::utc_day;
 use crate::commands::standard_streams::{print_bytes, print_diagnostic};
@@ -29,7 +28,7 @@ const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 /// # Errors
 ///
 /// [`GateClosed`] if the run is worse or judged otherwise; and if it cannot be compared, or something cannot be read or written.
-pub fn gate(arguments: &GateArgs) -> anyhow::Result<()> {
+pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
     let tolerances = tolerances(arguments, directory)?;
     let baseline = open_run(&run_of_baseline(directory))?;
@@ -55,9 +54,9 @@ fn tolerances(arguments: &GateArgs, baseline: &Path) -> Result<Tolerances, Toler
     }
 }
 
-fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> anyhow::Result<()> {
+fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> Result<(), Failure> {
     std::fs::create_dir_all(directory)
-        .with_context(|| Usage(format!("cannot make the directory {}", directory.display())))?;
+        .map_err(|error| Failure::usage(format!("cannot make the directory {}", directory.display()), error))?;
     for (name, text) in [
         ("gate.json", to_json(verdict)),
         ("gate.md", to_markdown(verdict)),
@@ -71,10 +70,12 @@ fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> anyho
 }
 
 /// Other steps of the job have written there before.
-fn append(path: &Path, text: &str) -> anyhow::Result<()> {
+fn append(path: &Path, text: &str) -> Result<(), Failure> {
     let file = std::fs::File::options().append(true).create(true).open(path);
     let written = file.and_then(|mut it| it.write_all(text.as_bytes()));
-    written.with_context(|| Usage(format!("cannot write {}, which {STEP_SUMMARY} names", path.display())))
+    written.map_err(|error| {
+        Failure::usage(format!("cannot write {}, which {STEP_SUMMARY} names", path.display()), error)
+    })
 }
 
 /// Makes a run the one that others are judged by.
@@ -83,11 +84,8 @@ fn append(path: &Path, text: &str) -> anyhow::Result<()> {
 ///
 /// If no reason is given, the run cannot be made again or is no successor of the one accepted before, or something cannot be read
 /// or written.
-pub fn baseline_accept(arguments: &AcceptArgs) -> anyhow::Result<()> {
-    anyhow::ensure!(
-        !arguments.why.trim().is_empty(),
-        Usage("--why is empty: say why the scores are what they are now".to_owned())
-    );
+pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
+    if arguments.why.trim().is_empty() { return Err(Usage("--why is empty: say why the scores are what they are now".to_owned()).into()); }
     let run = open_run(&arguments.run)?;
     let directory = &arguments.baseline.baseline;
     let acceptance = Acceptance {

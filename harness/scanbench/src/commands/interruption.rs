@@ -8,9 +8,9 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use anyhow::Context as _;
 use reports::unfinished;
 
+use crate::commands::failure::{Failure, Reason};
 use crate::commands::standard_streams::{Verbosity, is_said};
 
 /// Work that is asked to end has this long for it.
@@ -45,12 +45,12 @@ pub fn set_last_words(words: String) {
 /// # Errors
 ///
 /// If the operating system does not let us watch.
-pub fn watch_for_signals() -> anyhow::Result<()> {
-    watch().context("cannot watch for signals")
+pub fn watch_for_signals() -> Result<(), Failure> {
+    watch().map_err(|error| Failure::internal("cannot watch for signals", error))
 }
 
 #[cfg(unix)]
-fn watch() -> anyhow::Result<()> {
+fn watch() -> Result<(), Reason> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
@@ -68,7 +68,7 @@ fn watch() -> anyhow::Result<()> {
 }
 
 #[cfg(not(unix))]
-fn watch() -> anyhow::Result<()> {
+fn watch() -> Result<(), Reason> {
     Ok(ctrlc::set_handler(|| on_signal(SIGINT))?)
 }
 

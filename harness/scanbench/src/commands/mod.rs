@@ -1,8 +1,9 @@
 //! The verbs of the command line: from arguments to work done and a result printed.
 
+pub mod failure;
 pub mod standard_streams;
 pub mod interruption;
-pub mod failure;
+pub mod exit_code;
 pub mod progress;
 pub mod config;
 pub mod counted_dataset;

@@ -18,7 +18,7 @@ use simulator::open::{OpenOptions, open_dataset};
 
 use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
-use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::failure::{Failure, NothingEvaluated, Usage, with_causes};
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
 /// A data set and the scans that are asked for.
@@ -50,7 +50,7 @@ impl OpenedDataset {
         if policy == DamagePolicy::Refuse || error.is_usage_error() {
             return Err(error);
         }
-        let reason = format!("{:#}", anyhow::Error::from(error));
+        let reason = with_causes(&error);
         print_diagnostic(format_args!("warning: scan {id} is left out: {reason}"));
         self.skipped.borrow_mut().push(SkippedScan { scan: id.to_string(), reason });
         Ok(())
@@ -78,7 +78,7 @@ impl OpenedDataset {
     /// # Errors
     ///
     /// [`NothingEvaluated`] if none is left.
-    pub fn leave_out_damaged(&mut self) -> anyhow::Result<()> {
+    pub fn leave_out_damaged(&mut self) -> Result<(), Failure> {
         let mut sound = Vec::with_capacity(self.scan_indices.len());
         for &scan_idx in &self.scan_indices {
             match self.dataset.read_scan(scan_idx) {
@@ -102,13 +102,15 @@ impl OpenedDataset {
 /// # Errors
 ///
 /// [`Usage`] if it cannot be read.
-pub fn open_catalogue(path: Option<&Path>) -> anyhow::Result<Catalogue> {
+pub fn open_catalogue(path: Option<&Path>) -> Result<Catalogue, Failure> {
     let Some(path) = path else { return Ok(built_in_catalogue()?) };
     read_catalogue(path).map_err(|error| {
-        let is_usage_error = error.is_usage_error();
-        let error = anyhow::Error::from(error);
         // Where data are missing this would be another exit code, but a catalogue is none.
-        if is_usage_error { error } else { error.context(Usage("the catalogue cannot be used".to_owned())) }
+        if error.is_usage_error() {
+            error.into()
+        } else {
+            Failure::usage("the catalogue cannot be used".to_owned(), error)
+        }
     })
 }
 
@@ -118,7 +120,7 @@ pub fn open_catalogue(path: Option<&Path>) -> anyhow::Result<Catalogue> {
 /// # Errors
 ///
 /// If one of them does not exist, is damaged, or has no scan that is asked for.
-pub fn open_datasets(arguments: &DatasetArgs, of_config: &ClassTable) -> anyhow::Result<Vec<OpenedDataset>> {
+pub fn open_datasets(arguments: &DatasetArgs, of_config: &ClassTable) -> Result<Vec<OpenedDataset>, Failure> {
     open_datasets_past_damage(arguments, DamagePolicy::Refuse, of_config)
 }
 
@@ -131,7 +133,7 @@ pub fn open_datasets_past_damage(
     arguments: &DatasetArgs,
     damage: DamagePolicy,
     of_config: &ClassTable,
-) -> anyhow::Result<Vec<OpenedDataset>> {
+) -> Result<Vec<OpenedDataset>, Failure> {
     let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
     let options = OpenOptions { damage, ..open_options(&arguments.source, of_config)? };
     let selection = arguments.scans.as_deref().map(ScanSelection::from_str).transpose()?;
@@ -139,12 +141,9 @@ pub fn open_datasets_past_damage(
     for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
         let dataset = open_dataset(name, &options, &catalogue)?;
         let id = &dataset.description().id;
-        anyhow::ensure!(
-            opened.iter().all(|it| it.dataset.description().id != *id),
-            Usage(format!(
+        if !opened.iter().all(|it| it.dataset.description().id != *id) { return Err(Usage(format!(
                 "two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"
-            ))
-        );
+            )).into()); }
         let n_scans = dataset.scan_ids().len();
         let scan_indices = match &selection {
             Some(selection) => selection.positions(n_scans)?,
@@ -189,7 +188,7 @@ pub fn open_datasets_past_damage(
 /// # Errors
 ///
 /// If there is no such format.
-pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> anyhow::Result<OpenOptions> {
+pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenOptions, Failure> {
     let mut own = ClassTable::default();
     source.classes.iter().for_each(|it| own.insert(&it.name, it.class));
     Ok(OpenOptions {
@@ -208,7 +207,7 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> anyhow::Resu
 /// # Errors
 ///
 /// [`Usage`] if `source` says how to simulate.
-pub fn refuse_simulation(source: &SourceArgs) -> anyhow::Result<()> {
+pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
     let for_simulated = [
         ("--seed", source.seed.is_some()),
         ("--simulated-scans", source.simulated_scans.is_some()),

@@ -14,7 +14,7 @@ use scans::dataset::velodyne_capture::revolutions::is_velodyne_capture;
 use simulator::open::open_dataset;
 
 use crate::cli::SourceArgs;
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation};
 
 /// A scan without ground truth.
@@ -42,7 +42,7 @@ pub fn open_scan(
     id: Option<&str>,
     source: &SourceArgs,
     of_config: &ClassTable,
-) -> anyhow::Result<OpenedScan> {
+) -> Result<OpenedScan, Failure> {
     let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
     let path = Path::new(input);
     if let Some(members) = catalogue.groups.get(input) {
@@ -54,14 +54,11 @@ pub fn open_scan(
         if scan_extension(path).is_some() {
             return open_file(input, id, source);
         }
-        anyhow::ensure!(
-            !path.is_file() || is_mcap(path) || is_velodyne_capture(path),
-            Usage(format!(
+        if path.is_file() && !is_mcap(path) && !is_velodyne_capture(path) { return Err(Usage(format!(
                 "{input:?} is not read: a scan is a file whose name ends in .{}, or one of an MCAP recording or a \
                  capture of packets",
                 SCAN_EXTENSIONS.join(", .")
-            ))
-        );
+            )).into()); }
     }
     let dataset = open_dataset(input, &open_options(source, of_config)?, &catalogue)?;
     let description = dataset.description();
@@ -80,7 +77,7 @@ pub fn open_scan(
     })
 }
 
-fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> anyhow::Result<OpenedScan> {
+fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<OpenedScan, Failure> {
     let for_datasets = [("--scan", id.is_some()), ("--format", source.format.is_some())];
     if let Some((option, _)) = for_datasets.iter().find(|(_, is_given)| *is_given) {
         return Err(Usage(format!("{option} is for data sets, and {input:?} is a scan")).into());

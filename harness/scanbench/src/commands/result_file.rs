@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use reports::archive::ArchiveError;
 use reports::whole_file::WholeFile;
 
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::standard_streams::print_bytes;
 
 /// Where a result goes.
@@ -58,7 +58,7 @@ impl Destination {
 /// # Errors
 ///
 /// [`ArchiveError`] if the disk does not take a file, or if stdout takes nothing.
-pub fn write_results(results: &[(Destination, Vec<u8>)]) -> anyhow::Result<()> {
+pub fn write_results(results: &[(Destination, Vec<u8>)]) -> Result<(), Failure> {
     let mut files = Vec::new();
     for (destination, content) in results {
         if let Destination::File(path) = destination {

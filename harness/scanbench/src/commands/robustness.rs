@@ -8,6 +8,7 @@ use reports::run_directory::{MANIFEST_JSON, RunDirectory};
 use reports::table::robustness_table::{robustness_to_markdown, robustness_to_terminal};
 use simulator::StreetKind;
 
+use crate::commands::failure::Failure;
 use crate::cli::RobustnessArgs;
 use crate::commands::experiment::Experiment;
 use crate::commands::interruption::interruption_flag;
@@ -22,7 +23,7 @@ const DETECTORS: [&str; 4] = ["hierarchical", "kd-tree", "pca", "simple-grid"];
 /// # Errors
 ///
 /// If anything asked for is not there, or the output cannot be written; nothing is left behind then.
-pub fn robustness(arguments: &RobustnessArgs) -> anyhow::Result<()> {
+pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
     let directory = asked.begin_directory(&arguments.output, "robustness")?;
@@ -73,7 +74,7 @@ fn write_tables(
     directory: &RunDirectory,
     conditions: &[ConditionScores],
     notes: &[String],
-) -> anyhow::Result<()> {
+) -> Result<(), Failure> {
     let mut rows = CsvRowWriter::new(directory.begin_file("robustness.csv")?)?;
     for row in conditions.iter().flat_map(ConditionRow::simulated) {
         rows.write(&row)?;

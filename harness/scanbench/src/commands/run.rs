@@ -40,7 +40,7 @@ use scans::task::Task;
 
 use crate::cli::RunArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::plan_cells::plan_cells;
@@ -68,7 +68,7 @@ struct Plan<'a> {
 /// # Errors
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
-pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
+pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let detectors = detectors_named(&arguments.detectors)?;
@@ -118,7 +118,7 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn report_of(tally: &Tally, scores: &[DatasetScores]) -> anyhow::Result<RunReport> {
+fn report_of(tally: &Tally, scores: &[DatasetScores]) -> Result<RunReport, Failure> {
     let mut rows = tally.metric_rows();
     rows.extend(scores.iter().flat_map(DatasetScores::time_rows));
     let mut overall = tally.overall_rows();
@@ -152,7 +152,7 @@ struct FinishedArchive {
 }
 
 impl Archive<'_> {
-    fn begin(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Self> {
+    fn begin(plan: &Plan<'_>, directory: &RunDirectory) -> Result<Self, Failure> {
         Ok(Self {
             scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
             matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
@@ -171,7 +171,7 @@ impl Archive<'_> {
         results: &ScanResults<'_>,
         scores: &DatasetScores,
         progress: &ProgressBar,
-    ) -> anyhow::Result<()> {
+    ) -> Result<(), Failure> {
         let dataset = opened.dataset.description();
         let time_s = self.times_s[opened.scan_indices[results.run_idx]];
         if let Some(mcap) = &mut self.mcap {
@@ -217,7 +217,7 @@ impl Archive<'_> {
         Ok(())
     }
 
-    fn finish(self) -> anyhow::Result<FinishedArchive> {
+    fn finish(self) -> Result<FinishedArchive, Failure> {
         self.scans.finish()?;
         self.matches.finish()?;
         let ending = self.recording.map(Recorder::finish).transpose()?;
@@ -230,7 +230,7 @@ fn begin_mcap<'a>(
     plan: &'a Plan<'_>,
     opened: &'a OpenedDataset,
     directory: &RunDirectory,
-) -> anyhow::Result<Option<ResultsRecording<'a>>> {
+) -> Result<Option<ResultsRecording<'a>>, Failure> {
     if !plan.arguments.mcap {
         return Ok(None);
     }
@@ -263,7 +263,7 @@ fn warn(progress: &ProgressBar, warning: &str) {
     progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
 }
 
-fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> anyhow::Result<Option<Recorder>> {
+fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> Result<Option<Recorder>, Failure> {
     // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
     let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
     let shown_task = if plan.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
@@ -285,7 +285,7 @@ fn evaluate(
     opened: &OpenedDataset,
     interrupted: &AtomicBool,
     archive: &mut Archive<'_>,
-) -> anyhow::Result<DatasetScores> {
+) -> Result<DatasetScores, Failure> {
     let Plan { arguments, detectors: listed, .. } = plan;
     let description = opened.dataset.description();
     warn_of_unknown_sensor(&plan.config, &description.sensor);
@@ -306,7 +306,7 @@ fn evaluate(
     let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
     let on_damage =
         |id: &_, error| progress.suspend(|| opened.on_damage(arguments.damage.policy(), id, error));
-    side_by_side.run_past_damage(&mut detectors, on_damage, |results| -> anyhow::Result<()> {
+    side_by_side.run_past_damage(&mut detectors, on_damage, |results| -> Result<(), Failure> {
         scores.add(results.results);
         archive.add(opened, &results, &scores, &progress)
     })?;
@@ -327,7 +327,7 @@ fn write_report(
     directory: &RunDirectory,
     manifest: &Manifest,
     report: &RunReport,
-) -> anyhow::Result<Vec<TaskTable>> {
+) -> Result<Vec<TaskTable>, Failure> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     directory.write_file(REPORT_JSON, report.to_json().as_bytes())?;
     let tables = task_tables(report, manifest)?;
@@ -346,7 +346,7 @@ fn print(
     times: &TimesTable,
     (standings, speeds): (&[Standing], &Speeds),
     finished: &Path,
-) -> anyhow::Result<()> {
+) -> Result<(), Failure> {
     let width = result_width();
     let texts = tables.iter().map(|it| to_terminal(it, width)).chain([times.to_terminal(width)]);
     let texts = texts.chain([standing_to_terminal(standings, speeds, width)]);

@@ -5,7 +5,7 @@ use std::path::Path;
 use reports::run_directory::{ClaimedTarget, ExistingTarget, LatestPointer, RunDirectory, RunDirectoryError};
 
 use crate::cli::OutputArgs;
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 
 /// Takes the directory that `arguments` name, if they do.
 ///
@@ -13,7 +13,7 @@ use crate::commands::failure::Usage;
 ///
 /// [`Usage`] if the directory exists, with the remedy; [`RunDirectoryError`] if somebody else is writing it, or nothing can be
 /// written there.
-pub fn claim_named(arguments: &OutputArgs) -> anyhow::Result<Option<ClaimedTarget>> {
+pub fn claim_named(arguments: &OutputArgs) -> Result<Option<ClaimedTarget>, Failure> {
     let existing = if arguments.overwrite { ExistingTarget::Replace } else { ExistingTarget::Refuse };
     let Some(target) = &arguments.output else { return Ok(None) };
     match ClaimedTarget::claim(target, existing, LatestPointer::Leave) {
@@ -47,6 +47,6 @@ pub fn begin_run_directory(
     arguments: &OutputArgs,
     unnamed: &str,
     latest: LatestPointer,
-) -> anyhow::Result<RunDirectory> {
+) -> Result<RunDirectory, Failure> {
     Ok(RunDirectory::begin(claim_unnamed(claim_named(arguments)?, unnamed, latest)?)?)
 }

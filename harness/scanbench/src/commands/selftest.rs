@@ -13,7 +13,7 @@ use scans::dataset::source::DamagePolicy;
 use scans::task::Task;
 
 use crate::cli::SelftestArgs;
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
@@ -26,13 +26,19 @@ pub struct SelftestFailed {
     n_checked: usize,
 }
 
+impl From<SelftestFailed> for Failure {
+    fn from(error: SelftestFailed) -> Self {
+        Self::Internal(error.into())
+    }
+}
+
 /// Feeds the annotations of every scan back as detections and checks, for every task and criterion, that all are
 /// found, none is false and every cost is 0.
 ///
 /// # Errors
 ///
 /// [`SelftestFailed`] if anything differs; if data cannot be read or hold no annotation.
-pub fn selftest(arguments: &SelftestArgs) -> anyhow::Result<()> {
+pub fn selftest(arguments: &SelftestArgs) -> Result<(), Failure> {
     let (mut n_failed, mut n_checked) = (0, 0);
     let policy = arguments.damage.policy();
     for opened in open_datasets_past_damage(&arguments.data, policy, &ClassTable::default())? {
@@ -94,7 +100,7 @@ impl std::fmt::Display for Checked {
     }
 }
 
-fn check_dataset(opened: &OpenedDataset, policy: DamagePolicy) -> anyhow::Result<Vec<Checked>> {
+fn check_dataset(opened: &OpenedDataset, policy: DamagePolicy) -> Result<Vec<Checked>, Failure> {
     let description = opened.dataset.description();
     let mut checks: Vec<Checked> = Task::ALL
         .iter()

@@ -6,7 +6,8 @@ use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::sync::OnceLock;
 
-use anyhow::Context as _;
+
+use crate::commands::failure::Failure;
 
 /// How much is said on stderr.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,7 +51,7 @@ pub fn result_width() -> usize {
 /// # Errors
 ///
 /// If stdout takes nothing for another reason, such as a full disk.
-pub fn print_result(result: impl Display) -> anyhow::Result<()> {
+pub fn print_result(result: impl Display) -> Result<(), Failure> {
     print_bytes(format!("{result}\n").as_bytes())
 }
 
@@ -59,10 +60,12 @@ pub fn print_result(result: impl Display) -> anyhow::Result<()> {
 /// # Errors
 ///
 /// As [`print_result`].
-pub fn print_bytes(result: &[u8]) -> anyhow::Result<()> {
+pub fn print_bytes(result: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(result).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write to stdout"),
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::internal("cannot write to stdout", error))
+        }
         _ => Ok(()),
     }
 }

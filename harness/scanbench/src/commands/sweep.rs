@@ -21,7 +21,7 @@ use scans::dataset::source::DamagePolicy;
 
 use crate::cli::{ConfigArgs, SweepArgs};
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
-use crate::commands::failure::NothingEvaluated;
+use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::interruption::{interruption_flag, set_last_words};
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::progress::progress_over_results;
@@ -49,7 +49,7 @@ struct Sweep<'a> {
 /// # Errors
 ///
 /// If anything asked for is not there, data are damaged, what is there is of another sweep, or the output cannot be written.
-pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
+pub fn sweep(arguments: &SweepArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let plan = sweep_plan(arguments)?;
@@ -91,7 +91,7 @@ pub fn sweep(arguments: &SweepArgs) -> anyhow::Result<()> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(arguments: &'a SweepArgs, plan: SweepPlan, started: Timestamp) -> anyhow::Result<Self> {
+    fn new(arguments: &'a SweepArgs, plan: SweepPlan, started: Timestamp) -> Result<Self, Failure> {
         let policy = arguments.damage.policy();
         let mut datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
         if policy == DamagePolicy::Skip {
@@ -188,7 +188,7 @@ impl<'a> Sweep<'a> {
     }
 }
 
-fn sweep_plan(arguments: &SweepArgs) -> anyhow::Result<SweepPlan> {
+fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
     let detectors = detectors_named(&arguments.detectors)?;
     let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
     let config = judging_config(&file, &arguments.matching, &detectors)?;

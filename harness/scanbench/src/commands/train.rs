@@ -27,7 +27,7 @@ use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{DatasetArgs, ModelName, SourceArgs, TrainArgs};
 use crate::commands::config::warn_of_unknown_sensor;
-use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -49,7 +49,7 @@ const MOST_STEPS: usize = 500_000;
 ///
 /// If anything asked for is not there, data are damaged or too few, or the output cannot be written; nothing is left
 /// behind then.
-pub fn train(arguments: &TrainArgs) -> anyhow::Result<()> {
+pub fn train(arguments: &TrainArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
     let kind = match arguments.detector {
@@ -125,7 +125,7 @@ fn parted(
     arguments: &TrainArgs,
     trained: &[OpenedDataset],
     held_out: &[OpenedDataset],
-) -> anyhow::Result<HeldOut> {
+) -> Result<HeldOut, Failure> {
     fn drives(opened: &[OpenedDataset]) -> impl Iterator<Item = (&dyn Dataset, &[usize])> {
         opened.iter().map(|it| (&*it.dataset, it.scan_indices.as_slice()))
     }
@@ -146,7 +146,7 @@ fn collect_all<'a>(
     arguments: &TrainArgs,
     kind: ModelKind,
     interrupted: &AtomicBool,
-) -> anyhow::Result<Vec<(&'a str, Candidate)>> {
+) -> Result<Vec<(&'a str, Candidate)>, Failure> {
     let mut config = RunConfig::without_vehicle_models()?;
     // Models are asked about objects before these are completed.
     config.hierarchical.completion.enabled = false;
@@ -240,12 +240,9 @@ struct Training<'a> {
 type FilesAndText = (Vec<(&'static str, Vec<u8>)>, String);
 
 impl Training<'_> {
-    fn prototypes(&self) -> anyhow::Result<PrototypeLibrary> {
+    fn prototypes(&self) -> Result<PrototypeLibrary, Failure> {
         let prototypes = find_prototypes(&self.taught, self.arguments.prototypes as usize);
-        anyhow::ensure!(
-            !prototypes.is_empty(),
-            nothing(&"no vehicle is seen well enough for a side profile")
-        );
+        if prototypes.is_empty() { return Err(nothing(&"no vehicle is seen well enough for a side profile").into()); }
         let made = self.settings.made.clone();
         Ok(PrototypeLibrary::new(made, COLUMN_M, prototypes).map_err(|error| nothing(&error))?)
     }
@@ -255,7 +252,7 @@ impl Training<'_> {
         describer: &mut S,
         named: ([&'static str; D], String),
         library: Option<&PrototypeLibrary>,
-    ) -> anyhow::Result<FilesAndText> {
+    ) -> Result<FilesAndText, Failure> {
         let numbers = (self.arguments.vehicles as usize, self.arguments.others);
         let is_looked_at = |it: &Candidate| self.arguments.any_size || S::is_looked_at(it);
         let taught: Vec<&Candidate> = self.taught.iter().copied().filter(|it| is_looked_at(it)).collect();

@@ -16,6 +16,7 @@ use reports::plot::operating_plot::operating_plot;
 use reports::run_directory::MANIFEST_JSON;
 use reports::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjects};
 
+use crate::commands::failure::Failure;
 use crate::cli::DatasetArgs;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
@@ -59,7 +60,7 @@ pub struct TrainedModel<'a, const D: usize> {
 pub fn write_files<const D: usize>(
     settings: &TrainingSettings<'_>,
     trained: &TrainedModel<'_, D>,
-) -> anyhow::Result<Vec<(&'static str, Vec<u8>)>> {
+) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
     let TrainedModel { model, library, judged, evaluation } = trained;
     let totals = evaluation.curves.totals();
     let points = evaluation.curves.points().iter();
@@ -117,7 +118,7 @@ fn title(settings: &TrainingSettings<'_>, [n_vehicles, n_others]: [usize; 2]) ->
 fn objects<const D: usize>(
     model: &SvmModel<D>,
     judged: &[(&str, &Candidate, DescribedObject<D>)],
-) -> anyhow::Result<Vec<u8>> {
+) -> Result<Vec<u8>, Failure> {
     let svm = NuSvm::new(model);
     let mut rows = JudgedObjects::new(&model.features)?;
     for (dataset, candidate, object) in judged {

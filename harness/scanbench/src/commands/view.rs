@@ -3,7 +3,7 @@
 use reports::worst::{Mistake, MistakeChoice, worst, worst_to_terminal};
 
 use crate::cli::{OutcomeName, ViewArgs};
-use crate::commands::failure::{NothingEvaluated, Usage};
+use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::standard_streams::print_bytes;
 use crate::commands::worst_scans::record;
@@ -13,14 +13,11 @@ use crate::commands::worst_scans::record;
 /// # Errors
 ///
 /// If the run cannot be read, has no such mistakes, or its scans cannot be run again as they were.
-pub fn view(arguments: &ViewArgs) -> anyhow::Result<()> {
+pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     let run = open_run(&arguments.run)?;
     let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
     let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
-    anyhow::ensure!(
-        names.contains(&detector),
-        Usage(format!("the run has no detector {detector:?}, but {}", names.join(", ")))
-    );
+    if !names.contains(&detector) { return Err(Usage(format!("the run has no detector {detector:?}, but {}", names.join(", "))).into()); }
     let choice = MistakeChoice {
         detector,
         task: arguments.task.task().name(),

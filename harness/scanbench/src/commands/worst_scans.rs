@@ -15,7 +15,7 @@ use reports::worst::{ListedMistake, Mistake};
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::judging_config;
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
@@ -34,7 +34,7 @@ pub fn record(
     arguments: &ViewArgs,
     manifest: &Manifest,
     mistakes: &[ListedMistake<'_>],
-) -> anyhow::Result<()> {
+) -> Result<(), Failure> {
     if !is_wanted(&arguments.stream)? {
         return Ok(());
     }
@@ -98,7 +98,7 @@ struct RunAgain {
 }
 
 impl RunAgain {
-    fn of(manifest: &Manifest) -> anyhow::Result<Self> {
+    fn of(manifest: &Manifest) -> Result<Self, Failure> {
         let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
         let Ok(Command::Run(arguments)) = parsed else {
             let line = manifest.argv.join(" ");
@@ -106,10 +106,8 @@ impl RunAgain {
         };
         let detectors = detectors_named(&arguments.detectors)?;
         let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
-        anyhow::ensure!(
-            serde_json::to_value(&config.resolved)? == manifest.config,
-            Usage("the parameters are not those of the run: a file or this program has changed".to_owned())
-        );
+        let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
+        if resolved != manifest.config { return Err(Usage("the parameters are not those of the run: a file or this program has changed".to_owned()).into()); }
         let datasets =
             open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
         for opened in &datasets {
@@ -120,19 +118,16 @@ impl RunAgain {
                 (&entry.id, &entry.checksum, &entry.simulation)
                     == (&found.id, &found.checksum, &found.simulation)
             };
-            anyhow::ensure!(
-                manifest.datasets.iter().any(|entry| is_same(&entry))
-                    && seeds(&datasets).get(id) == manifest.seeds.get(id),
-                Usage(format!(
+            let is_listed = manifest.datasets.iter().any(|entry| is_same(&entry));
+            if !is_listed || seeds(&datasets).get(id) != manifest.seeds.get(id) { return Err(Usage(format!(
                     "the scans of {id:?} are not those of the run: data or simulator have changed"
-                ))
-            );
+                )).into()); }
         }
         Ok(Self { arguments: Box::new(arguments), config, detectors, datasets })
     }
 
     /// The scans of all mistakes, each once, in the order of the mistakes.
-    fn scans_of(&self, mistakes: &[ListedMistake<'_>]) -> anyhow::Result<Vec<WorstScan>> {
+    fn scans_of(&self, mistakes: &[ListedMistake<'_>]) -> Result<Vec<WorstScan>, Failure> {
         let mut scans: Vec<WorstScan> = Vec::new();
         for (rank, mistake) in (1..).zip(mistakes) {
             let row = mistake.row;
@@ -163,7 +158,7 @@ impl RunAgain {
         scans: &[WorstScan],
         interrupted: &AtomicBool,
         recording: &mut Recorder,
-    ) -> anyhow::Result<()> {
+    ) -> Result<(), Failure> {
         let names: Vec<&'static str> = self.detectors.iter().map(|it| it.name).collect();
         // Detectors and rates so far of every data set that has had a scan.
         let mut begun = BTreeMap::new();
@@ -187,7 +182,7 @@ impl RunAgain {
                 n_jobs: 1,
                 interrupted,
             };
-            side_by_side.run(detectors, |results| -> anyhow::Result<()> {
+            side_by_side.run(detectors, |results| -> Result<(), Failure> {
                 scores.add(results.results);
                 let recorded = RecordedScan {
                     results: &results,

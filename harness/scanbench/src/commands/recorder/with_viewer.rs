@@ -10,7 +10,7 @@ use viewer::{FirstTab, Opening, StreamError, StreamOptions, ViewerChoice};
 
 use super::RecordingPlan;
 use crate::cli::stream::{StreamArgs, TabName};
-use crate::commands::failure::{Classified, Failure};
+use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_diagnostic;
 
 /// An open recording of a run.
@@ -23,7 +23,7 @@ pub struct Recorder(RunRecording);
 ///
 /// None here.
 #[allow(clippy::unnecessary_wraps, reason = "without the viewer there is an error")]
-pub fn is_wanted(arguments: &StreamArgs) -> anyhow::Result<bool> {
+pub fn is_wanted(arguments: &StreamArgs) -> Result<bool, Failure> {
     Ok(!arguments.no_rrd)
 }
 
@@ -32,13 +32,13 @@ pub fn is_wanted(arguments: &StreamArgs) -> anyhow::Result<bool> {
 /// # Errors
 ///
 /// If the file cannot be written, or the viewer or the server not be started.
-pub fn begin(plan: &RecordingPlan<'_>) -> anyhow::Result<Option<Recorder>> {
+pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
     let arguments = plan.arguments;
     if arguments.no_rrd {
         return Ok(None);
     }
     let viewer = match (&arguments.connect, arguments.spawn, arguments.serve) {
-        (Some(url), _, _) => ViewerChoice::Connect(url.parse().map_err(of_stream)?),
+        (Some(url), _, _) => ViewerChoice::Connect(url.parse()?),
         (None, true, _) => ViewerChoice::Spawn,
         (None, false, Some(port)) => ViewerChoice::Serve { port },
         (None, false, None) => ViewerChoice::None,
@@ -64,7 +64,7 @@ pub fn begin(plan: &RecordingPlan<'_>) -> anyhow::Result<Option<Recorder>> {
         elsewhere: arguments.save_rrd.clone().flatten(),
         every: arguments.rerun_every,
     };
-    let recording = RunRecording::begin(options, plan.detectors).map_err(of_stream)?;
+    let recording = RunRecording::begin(options, plan.detectors)?;
     if let Some(url) = recording.served_at() {
         print_diagnostic(format_args!("The recording is served: rerun {url}"));
     }
@@ -72,14 +72,14 @@ pub fn begin(plan: &RecordingPlan<'_>) -> anyhow::Result<Option<Recorder>> {
 }
 
 impl ScanRecorder for Recorder {
-    type Error = anyhow::Error;
+    type Error = Failure;
 
-    fn record(&mut self, recorded: &RecordedScan<'_>) -> anyhow::Result<Option<String>> {
-        self.0.record(recorded).map_err(classified)
+    fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, Failure> {
+        Ok(self.0.record(recorded)?)
     }
 
-    fn finish(self) -> anyhow::Result<RecordingEnding> {
-        self.0.finish().map_err(classified)
+    fn finish(self) -> Result<RecordingEnding, Failure> {
+        Ok(self.0.finish()?)
     }
 }
 
@@ -92,8 +92,8 @@ pub fn record_sweep(
     directory: &RunDirectory,
     results: &SweepResults<'_>,
     scores: &SweepScores,
-) -> anyhow::Result<()> {
-    sweep_recording::record_sweep(directory, results, scores).map_err(classified)
+) -> Result<(), Failure> {
+    Ok(sweep_recording::record_sweep(directory, results, scores)?)
 }
 
 /// The version of Rerun that recordings are made with.
@@ -102,26 +102,29 @@ pub fn rerun_version() -> Option<String> {
     Some(viewer::rerun_version())
 }
 
-fn classified(error: RecordingError) -> anyhow::Error {
-    match error {
-        RecordingError::Dataset(error) => error.into(),
-        RecordingError::Stream(error) => of_stream(error),
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Dataset(error) => error.into(),
+            RecordingError::Stream(error) => error.into(),
+        }
     }
 }
 
-fn of_stream(error: StreamError) -> anyhow::Error {
-    let failure = match &error {
-        StreamError::BadUrl { .. }
-        | StreamError::SwitchedOff
-        | StreamError::ViewerNotInstalled { .. }
-        | StreamError::ViewerFailed { .. } => Failure::Usage,
-        StreamError::Create { source, .. } => Failure::of_writing(source.kind()),
-        StreamError::Serve { .. }
-        | StreamError::Write { .. }
-        | StreamError::Log { .. }
-        | StreamError::UnknownDetector { .. }
-        | StreamError::ProductLength { .. }
-        | StreamError::AssignmentLength { .. } => Failure::Internal,
-    };
-    Classified { failure, error: error.into() }.into()
+impl From<StreamError> for Failure {
+    fn from(error: StreamError) -> Self {
+        match &error {
+            StreamError::BadUrl { .. }
+            | StreamError::SwitchedOff
+            | StreamError::ViewerNotInstalled { .. }
+            | StreamError::ViewerFailed { .. } => Self::Usage(error.into()),
+            StreamError::Create { source, .. } => Self::of_writing(source.kind(), error),
+            StreamError::Serve { .. }
+            | StreamError::Write { .. }
+            | StreamError::Log { .. }
+            | StreamError::UnknownDetector { .. }
+            | StreamError::ProductLength { .. }
+            | StreamError::AssignmentLength { .. } => Self::Internal(error.into()),
+        }
+    }
 }

@@ -7,7 +7,7 @@ use reports::table::sweep_score::SweepScores;
 
 use super::RecordingPlan;
 use crate::cli::StreamArgs;
-use crate::commands::failure::Usage;
+use crate::commands::failure::{Failure, Usage};
 
 /// There is none.
 pub enum Recorder {}
@@ -17,7 +17,7 @@ pub enum Recorder {}
 /// # Errors
 ///
 /// [`Usage`] if `arguments` say where it is to go.
-pub fn is_wanted(arguments: &StreamArgs) -> anyhow::Result<bool> {
+pub fn is_wanted(arguments: &StreamArgs) -> Result<bool, Failure> {
     let for_recordings = [
         ("--save-rrd", arguments.save_rrd.is_some()),
         ("--connect", arguments.connect.is_some()),
@@ -37,18 +37,18 @@ pub fn is_wanted(arguments: &StreamArgs) -> anyhow::Result<bool> {
 /// # Errors
 ///
 /// [`Usage`] if one is asked for.
-pub fn begin(plan: &RecordingPlan<'_>) -> anyhow::Result<Option<Recorder>> {
+pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
     is_wanted(plan.arguments).map(|_| None)
 }
 
 impl ScanRecorder for Recorder {
-    type Error = anyhow::Error;
+    type Error = Failure;
 
-    fn record(&mut self, _: &RecordedScan<'_>) -> anyhow::Result<Option<String>> {
+    fn record(&mut self, _: &RecordedScan<'_>) -> Result<Option<String>, Failure> {
         match *self {}
     }
 
-    fn finish(self) -> anyhow::Result<RecordingEnding> {
+    fn finish(self) -> Result<RecordingEnding, Failure> {
         match self {}
     }
 }
@@ -59,7 +59,7 @@ impl ScanRecorder for Recorder {
 ///
 /// None here.
 #[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
-pub fn record_sweep(_: &RunDirectory, _: &SweepResults<'_>, _: &SweepScores) -> anyhow::Result<()> {
+pub fn record_sweep(_: &RunDirectory, _: &SweepResults<'_>, _: &SweepScores) -> Result<(), Failure> {
     Ok(())
 }
 
