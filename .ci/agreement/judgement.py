@@ -1,6 +1,6 @@
 """What became of every annotation and detection under the criterion *points*, from points alone.
 
-Written from README ("How it is judged") and the documentation of `harness/evaluation/src/matching/`, not from its code.
+Written from docs/scores.md and the documentation of `harness/evaluation/src/matching/`, not from its code.
 """
 
 import math
