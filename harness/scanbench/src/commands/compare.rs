@@ -35,7 +35,9 @@ fn of_detectors(
 ) -> Result<Comparison, Failure> {
     for name in [first, second] {
         let known: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
-        if !known.contains(&name) { return Err(Usage(format!("the run has no detector {name:?}, but {}", known.join(", "))).into()); }
+        if !known.contains(&name) {
+            return Err(Usage(format!("the run has no detector {name:?}, but {}", known.join(", "))).into());
+        }
     }
     Ok(compare_detectors(run, first, second, slices))
 }

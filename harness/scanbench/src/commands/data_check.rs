@@ -10,8 +10,8 @@ use scans::dataset::DatasetError;
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::source::DamagePolicy;
 
-use crate::commands::failure::Failure;
 use crate::cli::CheckArgs;
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;

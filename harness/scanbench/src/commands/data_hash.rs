@@ -79,7 +79,7 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
     // What was edited is still a catalogue.
     parse_catalogue::<StreetDrive>(&path.display().to_string(), text)?;
     let mut file = WholeFile::create(path)?;
-    file.write_all(text.as_bytes())?;
+    file.write_all(text.as_bytes()).map_err(|error| Failure::of_writing(error.kind(), error))?;
     file.finish()?;
     Ok(())
 }

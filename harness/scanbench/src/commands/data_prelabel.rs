@@ -11,10 +11,10 @@ use scans::conversion::convert::sheet_of;
 use scans::conversion::proposal_writer::{Proposal, ProposalWriter};
 use scans::conversion::whole_folder::folder_name;
 
-use crate::commands::failure::Failure;
 use crate::cli::PrelabelArgs;
 use crate::commands::config::{detector_config, warn_of_unknown_sensor};
 use crate::commands::data_convert::folder_of_several;
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;

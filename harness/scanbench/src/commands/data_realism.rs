@@ -17,8 +17,8 @@ use reports::table::agreement::agreement_table;
 use scans::dataset::class_table::ClassTable;
 use simulator::simulated_street::StreetDrive;
 
-use crate::commands::failure::Failure;
 use crate::cli::{DatasetArgs, RealismArgs, SourceArgs};
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;

@@ -2,7 +2,6 @@
 
 use clap::CommandFactory as _;
 
-use crate::commands::failure::Failure;
 use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::boxes::boxes;
@@ -14,6 +13,7 @@ use crate::commands::data_list::data_list;
 use crate::commands::data_prelabel::data_prelabel;
 use crate::commands::data_realism::data_realism;
 use crate::commands::detect::detect;
+use crate::commands::failure::Failure;
 use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::gate::{baseline_accept, gate};

@@ -9,9 +9,9 @@ use reports::experiment_manifest::ExperimentManifest;
 use reports::run_directory::{LatestPointer, RunDirectory};
 use simulator::SIMULATOR_VERSION;
 
-use crate::commands::failure::Failure;
 use crate::cli::{ExperimentArgs, OutputArgs};
 use crate::commands::config::detector_config;
+use crate::commands::failure::Failure;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
 use crate::commands::run_directory::begin_run_directory;
 

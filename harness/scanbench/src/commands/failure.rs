@@ -132,9 +132,14 @@ impl fmt::Display for Failure {
 
 /// The message of `error` and those of all that caused it, in a line.
 pub fn with_causes(error: &(dyn Error + 'static)) -> String {
-    let messages: Vec<String> =
-        std::iter::successors(Some(error), |it| it.source()).map(ToString::to_string).collect();
-    messages.join(": ")
+    let mut message = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        message += ": ";
+        message += &error.to_string();
+        cause = error.source();
+    }
+    message
 }
 
 impl From<Usage> for Failure {

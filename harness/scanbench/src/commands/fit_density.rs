@@ -37,7 +37,13 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let path = arguments.output.as_path();
     for target in [Some(path), arguments.figures.as_deref()].into_iter().flatten() {
-        if target.exists() && !arguments.overwrite { return Err(Usage(format!("{} exists; choose another name or replace it with --overwrite", target.display())).into()); }
+        if target.exists() && !arguments.overwrite {
+            return Err(Usage(format!(
+                "{} exists; choose another name or replace it with --overwrite",
+                target.display()
+            ))
+            .into());
+        }
     }
     let opened = open_datasets(&arguments.data, &ClassTable::default())?;
     let origin = origin(&opened, &arguments.data)?;

@@ -13,9 +13,9 @@ use reports::table::gap_table::gap_table;
 use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 
-use crate::commands::failure::Failure;
 use crate::cli::GapsArgs;
 use crate::commands::experiment::Experiment;
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::{print_diagnostic, print_result};

@@ -55,8 +55,9 @@ fn tolerances(arguments: &GateArgs, baseline: &Path) -> Result<Tolerances, Toler
 }
 
 fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> Result<(), Failure> {
-    std::fs::create_dir_all(directory)
-        .map_err(|error| Failure::usage(format!("cannot make the directory {}", directory.display()), error))?;
+    std::fs::create_dir_all(directory).map_err(|error| {
+        Failure::usage(format!("cannot make the directory {}", directory.display()), error)
+    })?;
     for (name, text) in [
         ("gate.json", to_json(verdict)),
         ("gate.md", to_markdown(verdict)),
@@ -85,7 +86,9 @@ fn append(path: &Path, text: &str) -> Result<(), Failure> {
 /// If no reason is given, the run cannot be made again or is no successor of the one accepted before, or something cannot be read
 /// or written.
 pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
-    if arguments.why.trim().is_empty() { return Err(Usage("--why is empty: say why the scores are what they are now".to_owned()).into()); }
+    if arguments.why.trim().is_empty() {
+        return Err(Usage("--why is empty: say why the scores are what they are now".to_owned()).into());
+    }
     let run = open_run(&arguments.run)?;
     let directory = &arguments.baseline.baseline;
     let acceptance = Acceptance {

@@ -141,9 +141,11 @@ pub fn open_datasets_past_damage(
     for name in arguments.datasets.iter().flat_map(|name| catalogue.members(name)) {
         let dataset = open_dataset(name, &options, &catalogue)?;
         let id = &dataset.description().id;
-        if !opened.iter().all(|it| it.dataset.description().id != *id) { return Err(Usage(format!(
+        if !opened.iter().all(|it| it.dataset.description().id != *id) {
+            return Err(Usage(format!(
                 "two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"
-            )).into()); }
+            )).into());
+        }
         let n_scans = dataset.scan_ids().len();
         let scan_indices = match &selection {
             Some(selection) => selection.positions(n_scans)?,

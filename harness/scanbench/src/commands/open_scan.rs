@@ -54,11 +54,13 @@ pub fn open_scan(
         if scan_extension(path).is_some() {
             return open_file(input, id, source);
         }
-        if path.is_file() && !is_mcap(path) && !is_velodyne_capture(path) { return Err(Usage(format!(
+        if path.is_file() && !is_mcap(path) && !is_velodyne_capture(path) {
+            return Err(Usage(format!(
                 "{input:?} is not read: a scan is a file whose name ends in .{}, or one of an MCAP recording or a \
                  capture of packets",
                 SCAN_EXTENSIONS.join(", .")
-            )).into()); }
+            )).into());
+        }
     }
     let dataset = open_dataset(input, &open_options(source, of_config)?, &catalogue)?;
     let description = dataset.description();

@@ -16,7 +16,9 @@ use crate::commands::standard_streams::print_diagnostic;
 /// written.
 pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     let directory = &arguments.run;
-    if !directory.is_dir() { return Err(Usage(format!("there is no run directory {}", directory.display())).into()); }
+    if !directory.is_dir() {
+        return Err(Usage(format!("there is no run directory {}", directory.display())).into());
+    }
     if SweepPage::is_sweep(directory) {
         SweepPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else {

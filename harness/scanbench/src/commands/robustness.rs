@@ -8,9 +8,9 @@ use reports::run_directory::{MANIFEST_JSON, RunDirectory};
 use reports::table::robustness_table::{robustness_to_markdown, robustness_to_terminal};
 use simulator::StreetKind;
 
-use crate::commands::failure::Failure;
 use crate::cli::RobustnessArgs;
 use crate::commands::experiment::Experiment;
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::{print_diagnostic, print_result};

@@ -6,7 +6,6 @@ use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::sync::OnceLock;
 
-
 use crate::commands::failure::Failure;
 
 /// How much is said on stderr.

@@ -242,7 +242,9 @@ type FilesAndText = (Vec<(&'static str, Vec<u8>)>, String);
 impl Training<'_> {
     fn prototypes(&self) -> Result<PrototypeLibrary, Failure> {
         let prototypes = find_prototypes(&self.taught, self.arguments.prototypes as usize);
-        if prototypes.is_empty() { return Err(nothing(&"no vehicle is seen well enough for a side profile").into()); }
+        if prototypes.is_empty() {
+            return Err(nothing(&"no vehicle is seen well enough for a side profile").into());
+        }
         let made = self.settings.made.clone();
         Ok(PrototypeLibrary::new(made, COLUMN_M, prototypes).map_err(|error| nothing(&error))?)
     }

@@ -16,8 +16,8 @@ use reports::plot::operating_plot::operating_plot;
 use reports::run_directory::MANIFEST_JSON;
 use reports::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjects};
 
-use crate::commands::failure::Failure;
 use crate::cli::DatasetArgs;
+use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
 use crate::commands::run_manifest::dataset_entry;

@@ -17,7 +17,9 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     let run = open_run(&arguments.run)?;
     let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
     let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
-    if !names.contains(&detector) { return Err(Usage(format!("the run has no detector {detector:?}, but {}", names.join(", "))).into()); }
+    if !names.contains(&detector) {
+        return Err(Usage(format!("the run has no detector {detector:?}, but {}", names.join(", "))).into());
+    }
     let choice = MistakeChoice {
         detector,
         task: arguments.task.task().name(),

@@ -107,7 +107,12 @@ impl RunAgain {
         let detectors = detectors_named(&arguments.detectors)?;
         let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
         let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
-        if resolved != manifest.config { return Err(Usage("the parameters are not those of the run: a file or this program has changed".to_owned()).into()); }
+        if resolved != manifest.config {
+            return Err(Usage(
+                "the parameters are not those of the run: a file or this program has changed".to_owned(),
+            )
+            .into());
+        }
         let datasets =
             open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
         for opened in &datasets {
@@ -119,9 +124,12 @@ impl RunAgain {
                     == (&found.id, &found.checksum, &found.simulation)
             };
             let is_listed = manifest.datasets.iter().any(|entry| is_same(&entry));
-            if !is_listed || seeds(&datasets).get(id) != manifest.seeds.get(id) { return Err(Usage(format!(
+            if !is_listed || seeds(&datasets).get(id) != manifest.seeds.get(id) {
+                return Err(Usage(format!(
                     "the scans of {id:?} are not those of the run: data or simulator have changed"
-                )).into()); }
+                ))
+                .into());
+            }
         }
         Ok(Self { arguments: Box::new(arguments), config, detectors, datasets })
     }

@@ -1,6 +1,7 @@
 //! The readers of other formats than KITTI's, on real data where they are there and on drawn ones.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use std::error::Error as _;
 use std::path::Path;
 
 use scans::dataset::{Dataset, DatasetError};
@@ -44,6 +45,11 @@ fn check_damaged(path: &Path, parts: &[&str]) {
     };
     let error = try_open(path).and_then(read_all).expect_err("damaged");
     assert!(!error.is_usage_error(), "{error}");
-    let message = format!("{:#}", anyhow::Error::from(error));
+    let mut message = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        message += &format!(": {error}");
+        cause = error.source();
+    }
     assert!(parts.iter().all(|part| message.contains(part)), "{message}");
 }
