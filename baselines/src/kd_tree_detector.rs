@@ -2,14 +2,15 @@
 
 use std::ops::RangeInclusive;
 
+use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock, StageTime};
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
-use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
-use detector::stage_product::{Shape, SurfaceClass};
+use detector::stage_product::Shape;
+use detector::surface_class::SurfaceClass;
 use detector::{Detector, PointCloud, Rule, StageProduct};
 
 use crate::kd_tree_components::{KdTreeScratch, kd_tree_components};

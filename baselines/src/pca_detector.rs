@@ -1,11 +1,12 @@
 //! The rival of the vehicle model: an occupancy grid, and boxes along principal axes.
 
 use detector::classify::size_gate::{SizeGateParams, size_gate};
+use detector::classify::vehicle_model::class_by_decision;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid, NO_CELL};
-use detector::pipeline::vehicle_model::class_by_decision;
 use detector::segment::clusters::Clusters;
-use detector::stage_product::{ProductCell, Shape, SurfaceClass};
+use detector::stage_product::{ProductCell, Shape};
+use detector::surface_class::SurfaceClass;
 use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
 
 use crate::occupancy_grid_components::OccupancyGridComponents;

@@ -1,17 +1,17 @@
 //! The ablation of the hierarchical grid: the same detector without its dense level.
 
+use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use detector::drawn::merge_graph::merge_graph;
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::fit::outline::Outline;
-use detector::grid::dense_level::DenseLevel;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
-use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
 use detector::segment::connected_components::connected_components;
+use detector::segment::dense_level::DenseLevel;
 use detector::segment::disjoint_sets::DisjointSets;
-use detector::segment::merge_graph::merge_graph;
 use detector::segment::object_points::ObjectPoint;
 use detector::stage_product::Shape;
 use detector::{Detector, PointCloud, Rule, StageProduct};

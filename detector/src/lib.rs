@@ -10,6 +10,7 @@
 pub mod point_cloud;
 pub mod oriented_box;
 pub mod detection;
+pub mod surface_class;
 pub mod stage_product;
 pub mod rule;
 pub mod detector;
@@ -30,6 +31,11 @@ pub mod segment;
 pub mod fit;
 pub mod describe;
 pub mod classify;
+pub mod regroup;
+pub mod complete;
+
+// What they leave behind, as pictures; nothing is decided here.
+pub mod drawn;
 
 // Their parameters, and how they follow each other.
 pub mod params;

@@ -12,7 +12,8 @@ use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::segment::hough_lines::Segment;
 use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
-use crate::stage_product::{ProductCell, Shape, StageProduct, SurfaceClass};
+use crate::stage_product::{ProductCell, Shape, StageProduct};
+use crate::surface_class::SurfaceClass;
 
 /// Grid, terrain, cell classes and foreground of one scan after another.
 #[derive(Debug, Clone)]

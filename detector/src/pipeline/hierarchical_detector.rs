@@ -1,21 +1,21 @@
 //! The detector of the paper.
 
-use crate::classify::regrouping::Regrouping;
+use crate::classify::vehicle_model::VehicleModel;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
+use crate::drawn::merge_graph::merge_graph;
+use crate::drawn::object_cells::object_cells;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::Outline;
-use crate::grid::dense_level::DenseLevel;
 use crate::grid::density_weighting::DensityWeighting;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::pipeline::object_stages::ObjectStages;
-use crate::pipeline::vehicle_model::VehicleModel;
 use crate::point_cloud::PointCloud;
+use crate::regroup::regrouping::Regrouping;
 use crate::rule::Rule;
 use crate::segment::connected_components::connected_components;
+use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_separation::DenseSeparation;
-use crate::segment::merge_graph::merge_graph;
-use crate::segment::object_cells::object_cells;
 use crate::segment::object_points::ObjectPoints;
 use crate::stage_product::{Shape, StageProduct};
 

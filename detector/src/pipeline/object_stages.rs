@@ -1,19 +1,19 @@
 //! From objects with boxes to detections. Shared with baselines that classify as the paper does.
 
-use crate::classify::regrouping::{Judge, Regrouping};
 use crate::classify::size_gate::{SizeGateParams, size_gate};
+use crate::classify::vehicle_model::{N_FEATURES, VehicleModel, class_by_decision};
+use crate::complete::completion::Completion;
 use crate::describe::seen_size::VehicleBoundsParams;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::detection::Detection;
 use crate::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
-use crate::fit::completion::Completion;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
-use crate::pipeline::vehicle_model::{N_FEATURES, VehicleModel, class_by_decision};
 use crate::point_cloud::PointCloud;
+use crate::regroup::regrouping::{Judge, Regrouping};
 use crate::rule::Rule;
 use crate::stage_product::{Shape, StageProduct};
 

@@ -179,7 +179,7 @@ mod tests {
                     });
                     has_completed |= foreground.is_some_and(|classes| {
                         let is_added = |point_idx: usize| {
-                            classes[point_idx] != detector::stage_product::SurfaceClass::Short
+                            classes[point_idx] != detector::surface_class::SurfaceClass::Short
                         };
                         (0..completed.len()).any(|it| completed[it].is_some() && is_added(it))
                     });

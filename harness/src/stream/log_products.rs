@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use detector::stage_product::{LinkFate, ProductCell, ProductLink, Shape, StageProduct, SurfaceClass};
+use detector::stage_product::{LinkFate, ProductCell, ProductLink, Shape, StageProduct};
+use detector::surface_class::SurfaceClass;
 use rerun::{EntityPath, LineStrips3D, Radius, RecordingStream, SerializedComponentBatch};
 
 use super::archetypes::Column;

@@ -2,13 +2,13 @@
 
 use serde::Deserialize;
 
-use crate::classify::regrouping_params::RegroupingParams;
 use crate::classify::size_gate::SizeGateParams;
+use crate::complete::completion::CompletionParams;
 use crate::describe::seen_size::VehicleBoundsParams;
-use crate::fit::completion::CompletionParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
 use crate::grid::density_weighting::DensityWeightingParams;
 use crate::grid::hierarchical_grid::GridParams;
+use crate::regroup::regrouping_params::RegroupingParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
 use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::foreground::ForegroundParams;
@@ -60,7 +60,7 @@ pub struct ClusterParams {
 }
 
 /// The text of `params/paper.toml`, which lacks the density curve: that is the sensor's.
-const PAPER_TOML: &str = include_str!("params/paper.toml");
+const PAPER_TOML: &str = include_str!("paper.toml");
 /// The sensor of the paper, whose density curve stands in where that of the sensor is not known.
 pub const PAPER_SENSOR: &str = "hdl-64e-s2";
 

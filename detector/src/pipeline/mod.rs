@@ -1,6 +1,5 @@
 //! The order of the stages. No other file knows it.
 
 pub mod foreground_stages;
-pub mod vehicle_model;
 pub mod object_stages;
 pub mod hierarchical_detector;

@@ -1,0 +1,3 @@
+//! The points of objects that are no foreground.
+
+pub mod completion;
