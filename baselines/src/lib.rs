@@ -2,6 +2,10 @@
 //!
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
+/// The name of the stage that finds connected components of points, or of cells that stand; others are in
+/// [`detector::stage`].
+pub const COMPONENTS: &str = "components";
+
 // Euclidean components over a kd-tree.
 pub mod kd_tree_components;
 

@@ -34,7 +34,8 @@ pub mod classify;
 pub mod regroup;
 pub mod complete;
 
-// What they leave behind, as pictures; nothing is decided here.
+// What they are called, and what they leave behind to be looked at; nothing is decided here.
+pub mod stage;
 pub mod drawn;
 
 // Their parameters, and how they follow each other.
