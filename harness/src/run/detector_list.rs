@@ -187,7 +187,7 @@ mod tests {
             }
             let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
             has_small |= vehicles.into_iter().any(|it| it.point_indices.len() < min_points);
-            has_regrouped |= output.stage_times.iter().any(|it| it.stage == "regroup");
+            has_regrouped |= output.stage_times.iter().any(|it| it.stage == "regrouping");
         }
         let seen = [
             (has_walls, Rule::Walls),
