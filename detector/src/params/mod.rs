@@ -17,6 +17,19 @@ use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 
 /// Parameters of every stage. `params/paper.toml` explains the values.
+///
+/// ```
+/// use detector::params::HierarchicalParams;
+///
+/// let mut document = HierarchicalParams::paper_table();
+/// document["grid"]["cell_size_m"] = 0.4.into();
+/// assert_eq!(HierarchicalParams::from_toml(&document.to_string())?.grid.cell_size_m, 0.4);
+///
+/// document["grid"]["cell_size_m"] = 40.0.into();
+/// let refused = HierarchicalParams::from_toml(&document.to_string());
+/// assert!(refused.is_err_and(|it| it.to_string() == "grid.cell_size_m = 40 is outside of 0.05 to 10 m"));
+/// # Ok::<(), detector::params::ParamsError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HierarchicalParams {

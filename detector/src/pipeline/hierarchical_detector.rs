@@ -25,6 +25,19 @@ use crate::stage_product::StageProduct;
 /// Objects from a hierarchical grid.
 ///
 /// Paper: HG sections 3 to 3.2; boxes as VM section 4.
+///
+/// ```
+/// use detector::classify::vehicle_model::VehicleModel;
+/// use detector::params::HierarchicalParams;
+/// use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+/// use detector::{Detector, Rule};
+///
+/// let by_size = HierarchicalDetector::new(HierarchicalParams::paper(), 1.73);
+/// assert!(!by_size.rules().contains(&Rule::Regrouping));
+/// // With a model, which it asks where clusters are to be cut and joined.
+/// let by_model = by_size.with_vehicle_model(VehicleModel::shipped());
+/// assert!(by_model.rules().contains(&Rule::Regrouping));
+/// ```
 #[derive(Debug, Clone)]
 pub struct HierarchicalDetector {
     foreground: ForegroundStages,

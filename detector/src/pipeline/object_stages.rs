@@ -125,13 +125,14 @@ impl ObjectStages {
                 clock.lap(stage::REGROUPING, &mut output.stage_times);
             }
         }
+        // Not before: what is small may be a part that regrouping joins, or that it cuts off.
         self.drop_small_background(output);
         self.complete(cloud, foreground);
         self.report(cloud, output);
         clock.lap(stage::COMPLETION, &mut output.stage_times);
     }
 
-    /// Drops what has too few points for an object and is no vehicle.
+    /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.
     fn drop_small_background(&mut self, output: &mut DetectorOutput) {
         let is_kept = |it: &FittedObject| {
             let n_points = it.members.len();
