@@ -11,6 +11,17 @@ use crate::oriented_box::OrientedBox;
 /// points of which no direction stands out (such as the corners of a square), give yaw 0; points on a line a box of no
 /// width. `None` without points. The positions must be finite.
 ///
+/// ```
+/// use baselines::principal_axes_box::principal_axes_box;
+///
+/// // Corners and the middle of a footprint of 4 m by 2 m, and its roof.
+/// let positions_m =
+///     [[3.0, 1.0, -1.5], [7.0, 1.0, -1.5], [7.0, 3.0, -1.5], [3.0, 3.0, -1.5], [5.0, 2.0, -0.5]];
+/// let found = principal_axes_box(positions_m.into_iter());
+/// assert_eq!(found.map(|it| (it.center_m, it.length_width_height_m)), Some(([5.0, 2.0, -1.0], [4.0, 2.0, 1.0])));
+/// assert_eq!(principal_axes_box(std::iter::empty()), None);
+/// ```
+///
 /// Paper: VM section 1, \[5\]; Fig. 1 shows how the axes turn away from those of a car whose far side is hidden.
 pub fn principal_axes_box(
     positions_m: impl ExactSizeIterator<Item = [f32; 3]> + Clone,

@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 
-use crate::grid::dense_level::DenseLevel;
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_reach::DenseReach;
 use crate::segment::disjoint_sets::DisjointSets;
 
