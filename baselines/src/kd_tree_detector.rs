@@ -175,6 +175,7 @@ impl KdTreeDetector {
         self.objects.clear();
         for (cluster_idx, members) in self.clusters.iter().enumerate() {
             let n_points = members.len();
+            // As in PCL, a cluster of too many points is no object: a façade that is left in the foreground, or the road.
             if let Some(reason) = reason_to_drop(n_points, self.objects.min_points()..=self.params.max_points)
             {
                 output.dropped_clusters.push(DroppedCluster { n_points, reason });

@@ -113,6 +113,7 @@ impl SimpleGridDetector {
         self.blob_of_cell.clear();
         self.blob_of_cell.extend((0..n_cells as u32).map(|cell| self.blobs.representative(cell)));
         let labels = self.cells.dense_of_point().iter().map(|&cell| self.blob_of_cell[cell as usize]);
+        // The hierarchical detector numbers objects by their first point, too.
         self.clusters.group(labels, n_cells);
     }
 

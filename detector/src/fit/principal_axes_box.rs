@@ -32,6 +32,7 @@ pub fn principal_axes_box(
     let mean_m = mean(positions_m.clone());
     let yaw_rad = main_direction_rad(covariance(positions_m.clone(), mean_m));
     let (sin, cos) = yaw_rad.sin_cos();
+    // Not around the mean: points crowd on the sides that are seen.
     let mut low_m = [f64::INFINITY; 3];
     let mut high_m = [f64::NEG_INFINITY; 3];
     for [x_m, y_m, z_m] in positions_m {
@@ -78,6 +79,7 @@ fn main_direction_rad(covariance: Matrix2<f64>) -> f64 {
     let eigen = SymmetricEigen::new(covariance);
     let main = usize::from(eigen.eigenvalues[1] > eigen.eigenvalues[0]);
     let [first, second] = [eigen.eigenvalues[main], eigen.eigenvalues[1 - main]];
+    // Where no direction stands out, rounding would choose one.
     if first - second <= 1e-9 * first {
         return 0.0;
     }

@@ -48,6 +48,7 @@ impl ForegroundStages {
         self.terrain.estimate(&self.grid);
         self.ground.segment(&self.grid, &self.terrain, &mut self.classes);
         clock.lap(stage::GROUND, stage_times);
+        // After the ground: a wall is one only if no ground is seen behind it.
         self.walls.refine(&self.grid, &self.terrain, &mut self.classes);
         clock.lap(stage::WALLS, stage_times);
         self.foreground.extract(cloud, &self.grid, &self.classes, &self.terrain);

@@ -92,9 +92,11 @@ impl Detector for HierarchicalDetector {
         clock.lap(stage::DENSE_LEVEL, &mut output.stage_times);
         connected_components(grid, &self.dense, &params.merge, &mut self.links);
         clock.lap(stage::MERGE, &mut output.stage_times);
+        // Links and not blobs go in: the separation decides about each link again.
         self.separation.separate(grid, &self.dense, &self.links);
         self.clusters.fill(cloud, self.foreground.point_indices(), &self.dense, &self.separation);
         clock.lap(stage::SEPARATION, &mut output.stage_times);
+        // Points inside of an outline are no corners of a hull, so that boxes are fitted to few.
         self.outline.mark(grid, &self.dense, self.separation.object_of_dense());
         self.fit_boxes(output);
         clock.lap(stage::BOXES, &mut output.stage_times);
