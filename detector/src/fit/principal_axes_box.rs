@@ -12,7 +12,7 @@ use crate::oriented_box::OrientedBox;
 /// width. `None` without points. The positions must be finite.
 ///
 /// ```
-/// use baselines::principal_axes_box::principal_axes_box;
+/// use detector::fit::principal_axes_box::principal_axes_box;
 ///
 /// // Corners and the middle of a footprint of 4 m by 2 m, and its roof.
 /// let positions_m =
