@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::condition_scores::ConditionScores;
+use crate::condition_scores::{ConditionScores, DetectorRates, RateOfTask};
 use crate::csv_rows::CsvRow;
 use crate::fixed_decimals::Fixed;
 
@@ -22,6 +22,9 @@ pub struct ConditionRow {
     precision: Option<Fixed<4>>,
     recall: Option<Fixed<4>>,
     f_rate: Option<Fixed<4>>,
+    f_rate_low: Option<Fixed<4>>,
+    f_rate_high: Option<Fixed<4>>,
+    few_blocks: Option<bool>,
 }
 
 impl CsvRow for ConditionRow {
@@ -39,13 +42,16 @@ impl CsvRow for ConditionRow {
         "precision",
         "recall",
         "f_rate",
+        "f_rate_low",
+        "f_rate_high",
+        "few_blocks",
     ];
 }
 
 impl ConditionRow {
     /// The rows of a condition that was simulated.
     pub fn simulated(scores: &ConditionScores) -> Vec<Self> {
-        let row = |detector: &str, task: &str, counts: crate::counts::Counts| Self {
+        let row = |detector: &str, task: &str, RateOfTask { counts, f_rate_within }: RateOfTask| Self {
             data: "simulated".to_owned(),
             group: scores.group.clone(),
             condition: scores.condition.clone(),
@@ -59,10 +65,11 @@ impl ConditionRow {
             precision: counts.precision().map(Fixed),
             recall: counts.recall().map(Fixed),
             f_rate: counts.f_rate().map(Fixed),
+            f_rate_low: f_rate_within.map(|it| Fixed(it.ends[0])),
+            f_rate_high: f_rate_within.map(|it| Fixed(it.ends[1])),
+            few_blocks: f_rate_within.map(|it| it.blocks.are_too_few()),
         };
-        let of_detector = |it: &crate::condition_scores::DetectorCounts| {
-            it.tasks().map(|(task, counts)| row(&it.detector, task, counts))
-        };
+        let of_detector = |it: &DetectorRates| it.tasks().map(|(task, rate)| row(&it.detector, task, rate));
         scores.detectors.iter().flat_map(of_detector).collect()
     }
 }

@@ -1,5 +1,6 @@
 //! What detectors find under one condition after another.
 
+use crate::blocks::Interval;
 use crate::counts::Counts;
 
 /// What was counted under one condition.
@@ -12,23 +13,32 @@ pub struct ConditionScores {
     /// Number of scans.
     pub n_scans: u64,
     /// What each detector found, in the order of the columns.
-    pub detectors: Vec<DetectorCounts>,
+    pub detectors: Vec<DetectorRates>,
 }
 
 /// What one detector found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DetectorCounts {
+pub struct DetectorRates {
     /// Its name.
     pub detector: String,
     /// Of all objects.
-    pub objects: Counts,
+    pub objects: RateOfTask,
     /// Of the vehicles.
-    pub vehicles: Counts,
+    pub vehicles: RateOfTask,
 }
 
-impl DetectorCounts {
+/// What was found in one task.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RateOfTask {
+    /// What was found, missed and false.
+    pub counts: Counts,
+    /// How sure the F-rate is, where that is known.
+    pub f_rate_within: Option<Interval>,
+}
+
+impl DetectorRates {
     /// Both tasks with their names.
-    pub fn tasks(&self) -> [(&'static str, Counts); 2] {
+    pub fn tasks(&self) -> [(&'static str, RateOfTask); 2] {
         [("objects", self.objects), ("vehicles", self.vehicles)]
     }
 }

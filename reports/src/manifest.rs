@@ -46,6 +46,9 @@ pub struct Manifest {
     pub rerun_version: Option<String>,
     /// The machine that all times are for.
     pub machine: Machine,
+    /// What an experiment put up, as it describes it; `None` for a run over data sets that were named.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub experiment: Option<serde_json::Value>,
 }
 
 /// Which annotations of any data set do not count, whatever the detector.
@@ -255,6 +258,7 @@ mod tests {
             rustc_version: "1.95.0".to_owned(),
             rerun_version: None,
             machine: Machine { cpu_model: "some processor".to_owned(), n_cores: 2, os: "linux".to_owned() },
+            experiment: None,
         }
     }
 

@@ -20,6 +20,8 @@ pub const REPORT_JSON: &str = "report.json";
 pub const SCANS_CSV: &str = "scans.csv";
 /// One row for every matched pair, and for every annotation and detection that is in none.
 pub const MATCHES_CSV: &str = "matches.csv";
+/// How long each stage of a detector took: one row for every scan, detector and stage.
+pub const STAGES_CSV: &str = "stages.csv";
 /// Precision over recall, where detections have scores.
 pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 /// What the sensor saw around the worst mistakes.

@@ -84,6 +84,16 @@ pub struct SegmentationNumbers {
     pub under_entropy_nats: f64,
 }
 
+impl ScanRow {
+    /// Its numbers; `None` if it was not evaluated.
+    pub fn numbers(&self) -> Option<&ScanNumbers> {
+        match &self.outcome {
+            ScanOutcome::Evaluated(numbers) => Some(numbers),
+            ScanOutcome::Skipped { .. } => None,
+        }
+    }
+}
+
 impl CsvRow for ScanRow {
     const COLUMNS: &'static [&'static str] = &[
         "dataset",

@@ -6,11 +6,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::average_precision::RankedDetection;
 use crate::blocks::{BlockCount, Blocks, DriveSecond};
 use crate::bootstrap::Resamples;
+use crate::counts::Counts;
 use crate::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome, range_m};
 use crate::match_row::MatchRow;
 use crate::scan_row::{ScanOutcome, ScanRow};
 use crate::slice::Slice;
+use crate::stage_row::StageRow;
 use crate::sums::{FalseObjects, Sums, Term};
+use crate::times::Times;
 
 /// The task whose detections are ranked by score: it says how sure a detector is of a vehicle, whatever is asked.
 const RANKED_TASK: &str = "vehicles";
@@ -24,6 +27,8 @@ pub struct Tally {
     detectors: Vec<String>,
     // Of each of `datasets`, the scans of each drive with the seconds they were taken in.
     scans: Vec<BTreeMap<String, BTreeMap<u32, DriveSecond>>>,
+    // Of each of `datasets`.
+    times: Vec<Times>,
     of_key: BTreeMap<Key, Gathered>,
 }
 
@@ -54,6 +59,7 @@ struct Key {
 pub(crate) struct Gathered {
     pub(crate) n_scans: u64,
     pub(crate) false_objects: FalseObjects,
+    counts: Option<Counts>,
     // Whether whole drives or seconds are drawn shows when all scans are known; seconds serve for both.
     slices: BTreeMap<Slice, BTreeMap<DriveSecond, Sums>>,
     /// The detections that count, where they are ranked; nothing once one of them came without a score.
@@ -70,6 +76,7 @@ impl Tally {
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
         let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(&row.task));
         gathered.n_scans += 1;
+        gathered.add_counts(numbers.counts);
         if numbers.counts.fo().is_none() {
             gathered.false_objects = FalseObjects::Unknown;
         }
@@ -97,6 +104,16 @@ impl Tally {
             sums.add(Term::LogTimeRatio, (least_ms / reference_ms).ln());
             sums.add(Term::LogReference, reference_ms.ln());
         }
+        if let Some(latency_ms) = numbers.latency_ms {
+            self.times[key.dataset].add_scan(key.task, key.detector, latency_ms);
+        }
+    }
+
+    /// Adds how long a stage of a detector took on a scan.
+    pub fn add_stage(&mut self, row: &StageRow) {
+        let dataset = self.dataset_place(&row.dataset);
+        let detector = place_of(&mut self.detectors, &row.detector);
+        self.times[dataset].add_stage(detector, &row.stage, row.time_ms);
     }
 
     /// Adds what became of an annotation, a detection or a pair of them, whose scan was added before. What is of another scan
@@ -135,13 +152,18 @@ impl Tally {
     }
 
     fn key(&mut self, dataset: &str, task: &str, detector: &str) -> Key {
-        let dataset = place_of(&mut self.datasets, dataset);
-        self.scans.resize(self.datasets.len(), BTreeMap::new());
         Key {
-            dataset,
+            dataset: self.dataset_place(dataset),
             task: place_of(&mut self.tasks, task),
             detector: place_of(&mut self.detectors, detector),
         }
+    }
+
+    fn dataset_place(&mut self, dataset: &str) -> usize {
+        let dataset = place_of(&mut self.datasets, dataset);
+        self.scans.resize(self.datasets.len(), BTreeMap::new());
+        self.times.resize(self.datasets.len(), Times::default());
+        dataset
     }
 
     /// Ids of the data sets, in the order in which they were seen.
@@ -157,6 +179,17 @@ impl Tally {
     /// Names of the detectors, in the order in which they were seen.
     pub fn detectors(&self) -> &[String] {
         &self.detectors
+    }
+
+    /// What one detector has found so far on one data set in one task; `None` if no scan of the kind was evaluated.
+    pub fn counts(&self, dataset: &str, task: &str, detector: &str) -> Option<Counts> {
+        let dataset_idx = self.datasets.iter().position(|it| it == dataset)?;
+        self.gathered(dataset_idx, task, detector)?.counts
+    }
+
+    /// The times on each of the data sets.
+    pub(crate) fn times(&self) -> &[Times] {
+        &self.times
     }
 
     /// The draws for each data set, in order.
@@ -186,7 +219,14 @@ impl Tally {
 impl Gathered {
     fn of_task(task: &str) -> Self {
         let ranked = (task == RANKED_TASK).then(Vec::new);
-        Self { n_scans: 0, false_objects: FalseObjects::Known, slices: BTreeMap::new(), ranked }
+        Self { n_scans: 0, false_objects: FalseObjects::Known, counts: None, slices: BTreeMap::new(), ranked }
+    }
+
+    fn add_counts(&mut self, counts: Counts) {
+        match &mut self.counts {
+            None => self.counts = Some(counts),
+            Some(sum) => *sum += counts,
+        }
     }
 
     /// The sums of `slice`, with the places of their blocks; blocks without any are left out.

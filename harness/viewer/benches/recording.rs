@@ -15,10 +15,11 @@ use evaluation::matching::eligibility::EligibilityParams;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detectors_named};
 use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _};
-use evaluation::run::scores::DatasetScores;
 use evaluation::run::side_by_side::SideBySide;
+use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use scans::dataset::Dataset;
 use scans::dataset::scan_selection::ScanSelection;
+use scans::dataset::scan_times::scan_times_s;
 use scans::task::Task;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
@@ -66,13 +67,12 @@ fn record(
     listed: &[ListedDetector],
     file: &Path,
 ) -> Result<(Vec<Duration>, usize), Box<dyn std::error::Error>> {
-    let description = dataset.description().clone();
+    let description = dataset.description();
     let config = RunConfig::load(None)?;
     let config = config.for_sensor(&description.sensor).unwrap_or(config);
     let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
     let mut detectors: Vec<_> =
         listed.iter().map(|it| it.build(&config, description.sensor_height_m)).collect();
-    let mut scores = DatasetScores::new(description, &names);
     let options = RunRecordingOptions {
         stream: StreamOptions {
             name: "benchmark".to_owned(),
@@ -100,15 +100,14 @@ fn record(
         n_jobs: 1,
         interrupted: &AtomicBool::new(false),
     };
+    let times_s = scan_times_s(dataset);
+    let watched = WatchedDataset { dataset, scan_indices, times_s: &times_s, criterion };
     let (mut times, mut n_points) = (Vec::new(), 0);
     side_by_side.run(&mut detectors, |results| -> Result<(), Box<dyn std::error::Error>> {
-        scores.add(results.results);
         n_points += results.scan.cloud.len();
-        let scan_idx = scan_indices[results.run_idx];
-        let recorded =
-            RecordedScan { results: &results, scores: &scores, dataset, scan_idx, criterion, marks: &[] };
+        let judged = JudgedScan::new(watched, &results);
         let started = Instant::now();
-        recording.record(&recorded)?;
+        recording.record(&RecordedScan { judged: &judged, marks: &[] })?;
         times.push(started.elapsed());
         Ok(())
     })?;

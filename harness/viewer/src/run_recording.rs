@@ -7,6 +7,7 @@ use evaluation::matching::outcome::Assignment;
 use evaluation::metrics::counts::FalseDetections;
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder, Served};
 use evaluation::run::side_by_side::DetectorScan;
+use reports::tally::Tally;
 use reports::unfinished::{Kind, Unfinished};
 use scans::dataset::{DatasetDescription, DatasetError};
 use tempfile::NamedTempFile;
@@ -26,6 +27,7 @@ pub struct RunRecording {
     every: u32,
     n_scans: u32,
     drive: DriveFrame,
+    tally: Tally,
     viewer_was_lost: bool,
 }
 
@@ -69,6 +71,7 @@ impl RunRecording {
             every,
             n_scans: 0,
             drive: DriveFrame::default(),
+            tally: Tally::default(),
             viewer_was_lost: false,
         })
     }
@@ -85,21 +88,28 @@ impl ScanRecorder for RunRecording {
     fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, RecordingError> {
         let number = self.n_scans;
         self.n_scans += 1;
+        let RecordedScan { judged, marks } = *recorded;
+        for row in judged.rows.iter().flat_map(|it| &it.tasks) {
+            self.tally.add_scan(&row.scan);
+        }
         if !number.is_multiple_of(self.every) {
             return Ok(None);
         }
-        let RecordedScan { results, scores, dataset, .. } = recorded;
-        let description = dataset.description();
+        let (results, description) = (judged.results, judged.dataset());
         let scan = results.scan;
-        let pose = dataset.world_from_sensor(recorded.scan_idx)?;
+        let pose = judged.watched.dataset.world_from_sensor(judged.scan_idx())?;
         let world_from_sensor = pose.map(|it| self.drive.start_from_sensor(&description.id, &scan.id, it));
         let step = i64::from(number);
         let drive_m = self.drive.places_m();
-        self.stream.log_scan(&ScanView { scan, step, marks: recorded.marks, world_from_sensor, drive_m })?;
-        for (detector_idx, (result, detector)) in results.results.iter().zip(results.detectors).enumerate() {
+        self.stream.log_scan(&ScanView { scan, step, marks, world_from_sensor, drive_m })?;
+        for (result, detector) in results.results.iter().zip(results.detectors) {
             let products = detector.stage_products(&scan.cloud);
-            let evidence = Evidence::gather(scan, &result.output.detections, &products, recorded.criterion);
-            let f_rates = scores.f_rates(detector_idx).into_iter().map(|(_, f_rate)| f_rate);
+            let criterion = judged.watched.criterion;
+            let evidence = Evidence::gather(scan, &result.output.detections, &products, criterion);
+            let f_rates = result
+                .assignments
+                .iter()
+                .map(|it| self.tally.counts(&description.id, it.task.name(), result.detector)?.f_rate());
             let tasks = task_views(result, description, &evidence, f_rates);
             let view = DetectorView {
                 name: result.detector,

@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 use crate::counts::Counts;
 use crate::csv_rows::CsvRow;
 use crate::fixed_decimals::Fixed;
-use crate::table::task_table::{Extent, Origin};
+use crate::metric::{LatencyStatistic, Metric};
+use crate::run_report::{Interval, RunReport, SLICE_ALL, Subject};
+use crate::table::task_table::{Extent, MeasuredRow, Origin, Score, TableRow, TaskTable};
 
 /// What one variant reached on one data set, or on all together.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,12 +22,14 @@ pub struct AblationScore {
     pub n_scans: u64,
     /// What was found, missed and false.
     pub counts: Counts,
-    /// Of the annotations, those in several detections.
-    pub n_split: u64,
+    /// How sure the F-rate is, where that is known.
+    pub f_rate_within: Option<Interval>,
+    /// Share of the annotations that are in several detections; `None` without annotations.
+    pub over_segmentation: Option<f64>,
     /// Detections that hold an annotation.
     pub n_holding: u64,
-    /// Of these, those that hold several.
-    pub n_joining: u64,
+    /// Share of these that hold several; `None` if none holds any.
+    pub under_segmentation: Option<f64>,
     /// Shortest time of a scan in milliseconds; `None` if no scan was timed.
     pub latency_min_ms: Option<f64>,
     /// Median time of a scan in milliseconds; `None` if no scan was timed.
@@ -33,15 +37,51 @@ pub struct AblationScore {
 }
 
 impl AblationScore {
-    /// Share of the annotations that are split; `None` without annotations.
-    pub fn over_segmentation(&self) -> Option<f64> {
-        (self.counts.no() > 0).then(|| self.n_split as f64 / self.counts.no() as f64)
+    /// The scores in `table` of all variants, which are the detectors of the run that `report` is of: data set by data set and
+    /// then overall, and within these variant by variant.
+    pub fn all(table: &TaskTable, report: &RunReport) -> Vec<Self> {
+        let measured = table.rows.iter().filter_map(|it| match it {
+            TableRow::Measured(row) => Some(row),
+            TableRow::Paper(_) => None,
+        });
+        let of_row = |row: &MeasuredRow| {
+            let variants = table.detectors.iter().zip(&row.scores);
+            variants
+                .map(|(variant, score)| Self::new(table, report, (row, score), variant))
+                .collect::<Vec<_>>()
+        };
+        measured.flat_map(of_row).collect()
     }
 
-    /// Share of the detections holding an annotation that hold several; `None` if none holds any.
-    pub fn under_segmentation(&self) -> Option<f64> {
-        (self.n_holding > 0).then(|| self.n_joining as f64 / self.n_holding as f64)
+    fn new(
+        table: &TaskTable,
+        report: &RunReport,
+        (row, score): (&MeasuredRow, &Score),
+        variant: &str,
+    ) -> Self {
+        let [dataset, task, detector, slice] =
+            [row.extent.name(), &table.task, variant, SLICE_ALL].map(str::to_owned);
+        let subject = Subject { dataset, task, detector, slice };
+        let value = |metric| report.row(&subject, &metric)?.value();
+        Self {
+            extent: row.extent.clone(),
+            origin: row.origin,
+            variant: variant.to_owned(),
+            n_scans: score.n_scans,
+            counts: score.counts,
+            f_rate_within: score.intervals.f_rate,
+            over_segmentation: value(Metric::OverSegmentation),
+            n_holding: report.row(&subject, &Metric::UnderSegmentation).map_or(0, |it| it.n),
+            under_segmentation: value(Metric::UnderSegmentation),
+            latency_min_ms: value(Metric::Latency(LatencyStatistic::Min)),
+            latency_p50_ms: value(Metric::Latency(LatencyStatistic::P50)),
+        }
     }
+}
+
+/// The count that `share` is of `n`.
+fn count_of(share: Option<f64>, n: u64) -> u64 {
+    share.map_or(0, |it| (it * n as f64).round() as u64)
 }
 
 /// A row of `ablation.csv`.
@@ -66,6 +106,9 @@ pub struct AblationRow {
     under_segmentation: Option<Fixed<6>>,
     latency_min_ms: Option<Fixed<4>>,
     latency_p50_ms: Option<Fixed<4>>,
+    f_rate_low: Option<Fixed<6>>,
+    f_rate_high: Option<Fixed<6>>,
+    few_blocks: Option<bool>,
 }
 
 impl CsvRow for AblationRow {
@@ -89,6 +132,9 @@ impl CsvRow for AblationRow {
         "under_segmentation",
         "latency_min_ms",
         "latency_p50_ms",
+        "f_rate_low",
+        "f_rate_high",
+        "few_blocks",
     ];
 }
 
@@ -109,13 +155,16 @@ impl AblationRow {
             f_rate: counts.f_rate().map(Fixed),
             precision: counts.precision().map(Fixed),
             recall: counts.recall().map(Fixed),
-            n_split: score.n_split,
-            over_segmentation: score.over_segmentation().map(Fixed),
+            n_split: count_of(score.over_segmentation, counts.no()),
+            over_segmentation: score.over_segmentation.map(Fixed),
             n_holding: score.n_holding,
-            n_joining: score.n_joining,
-            under_segmentation: score.under_segmentation().map(Fixed),
+            n_joining: count_of(score.under_segmentation, score.n_holding),
+            under_segmentation: score.under_segmentation.map(Fixed),
             latency_min_ms: score.latency_min_ms.map(Fixed),
             latency_p50_ms: score.latency_p50_ms.map(Fixed),
+            f_rate_low: score.f_rate_within.map(|it| Fixed(it.ends[0])),
+            f_rate_high: score.f_rate_within.map(|it| Fixed(it.ends[1])),
+            few_blocks: score.f_rate_within.map(|it| it.blocks.are_too_few()),
         }
     }
 }

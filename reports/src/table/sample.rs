@@ -38,6 +38,7 @@ pub(crate) fn manifest() -> Manifest {
         rustc_version: "1.95.0".to_owned(),
         rerun_version: None,
         machine: Machine { cpu_model: "Example CPU @ 2 GHz".to_owned(), n_cores: 2, os: "linux".to_owned() },
+        experiment: None,
     }
 }
 

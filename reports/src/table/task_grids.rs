@@ -124,7 +124,8 @@ fn interval_line(row: &MeasuredRow, interval: fn(&Score) -> Option<Interval>) ->
 /// The label of intervals.
 pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
 
-fn interval_cell(interval: Option<Interval>) -> Cell {
+/// The ends of an interval in percent; empty where there is none.
+pub(crate) fn interval_cell(interval: Option<Interval>) -> Cell {
     interval.map_or_else(Cell::default, |it| {
         let [low, high] = it.ends.map(percent_text);
         Cell::interval(format!("{low}–{high}"), it.blocks)

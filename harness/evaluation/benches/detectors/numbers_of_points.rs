@@ -3,9 +3,8 @@
 use std::time::{Duration, Instant};
 
 use detector::{Detector, DetectorOutput, PointCloud};
-use evaluation::metrics::latency::Latencies;
 
-use crate::rows::{hierarchical, ms};
+use crate::rows::{hierarchical, latencies as latencies_of, ms};
 use crate::{N_ROUNDS, N_WARMUP_ROUNDS};
 
 /// Measures and prints: every fourth and every second point of each scan, all of them, and two scans in one.
@@ -38,7 +37,7 @@ pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) {
     );
     for ((name, scans), latencies) in sizes.iter().zip(latencies) {
         let n_points = scans.iter().map(PointCloud::len).sum::<usize>() / scans.len();
-        let latencies = Latencies::new(latencies);
+        let latencies = latencies_of(&latencies);
         let [min, p50] = [0, 50].map(|percent| ms(&latencies, percent));
         let per_point = |ms: f64| ms * 1e6 / n_points as f64;
         let [min_ns, p50_ns] = [min, p50].map(per_point);

@@ -3,10 +3,9 @@
 use std::time::{Duration, Instant};
 
 use detector::{Detector, DetectorOutput, PointCloud};
-use evaluation::metrics::latency::Latencies;
 use evaluation::run::grid_write::GridWrite;
 
-use crate::rows::{hierarchical, ms, print_rows};
+use crate::rows::{hierarchical, latencies, ms, print_rows};
 use crate::{N_ROUNDS, N_WARMUP_ROUNDS};
 
 /// Measures and prints. Both find the points of a scan as cold as each other: last read half a round ago.
@@ -26,7 +25,7 @@ pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) {
             }
         }
     }
-    let [whole, floor] = [&of_detector, &of_grid].map(|it| Latencies::new(it.clone()));
+    let [whole, floor] = [&of_detector, &of_grid].map(|it| latencies(it));
     let rows = [("hierarchical, objects", of_detector), ("plain grid write", of_grid)];
     print_rows("against the floor", rows.into_iter());
     let [at_min, at_p50] = [0, 50].map(|percent| ms(&whole, percent) / ms(&floor, percent));

@@ -4,23 +4,28 @@ use std::time::Duration;
 
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use evaluation::metrics::latency::Latencies;
+use reports::latencies::Latencies;
 
 /// The detector that is measured, with the parameters of the paper.
 pub fn hierarchical(sensor_height_m: f32) -> HierarchicalDetector {
     HierarchicalDetector::new(HierarchicalParams::paper(), sensor_height_m)
 }
 
+/// The statistics of durations.
+pub fn latencies(durations: &[Duration]) -> Latencies {
+    Latencies::new(durations.iter().map(|it| it.as_secs_f64() * 1e3).collect())
+}
+
 /// A percentile in milliseconds; 0 is the least.
 pub fn ms(latencies: &Latencies, percent: u32) -> f64 {
-    latencies.percentile(percent).map_or(f64::NAN, |it| it.as_secs_f64() * 1e3)
+    latencies.percentile_ms(percent).unwrap_or(f64::NAN)
 }
 
 /// Prints a table of latencies.
 pub fn print_rows(title: &str, rows: impl Iterator<Item = (&'static str, Vec<Duration>)>) {
     println!("\n{title:<24} {:>10} {:>10} {:>10}", "min ms", "p50 ms", "p90 ms");
     for (name, durations) in rows {
-        let latencies = Latencies::new(durations);
+        let latencies = latencies(&durations);
         let [min, p50, p90] = [0, 50, 90].map(|percent| ms(&latencies, percent));
         println!("{name:<24} {min:>10.3} {p50:>10.3} {p90:>10.3}");
     }

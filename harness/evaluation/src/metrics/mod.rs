@@ -4,5 +4,4 @@ pub mod counts;
 pub mod box_errors;
 pub mod median_interval;
 pub mod segmentation_quality;
-pub mod latency;
 pub mod pair_separation;

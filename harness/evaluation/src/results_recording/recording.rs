@@ -6,13 +6,9 @@
 //! /DETECTOR/TASK/numbers               JSON: one message for each row of scans.csv
 //! ```
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use detector::detector::StageTime;
-use reports::counts::Counts;
-use reports::match_row::MatchRow;
-use reports::scan_row::{ScanOutcome, ScanRow};
+use reports::tally::Tally;
 use scans::annotation::LabeledScan;
 use scans::conversion::convert::{sheet_of, times_of};
 use scans::conversion::mcap_writer::{ChunkCompression, McapWriter};
@@ -22,30 +18,19 @@ use scans::dataset::Dataset;
 
 use super::outcome_scene::outcome_entities;
 use super::scan_numbers::{SCAN_NUMBERS, SCAN_NUMBERS_SCHEMA, ScanNumbersMessage};
-
-/// What one detector made of one scan in one task.
-#[derive(Debug, Clone, Copy)]
-pub struct DetectorResult<'a> {
-    /// Its row of `scans.csv`.
-    pub scan_row: &'a ScanRow,
-    /// Its rows of `matches.csv`.
-    pub match_rows: &'a [MatchRow],
-    /// How long its stages took.
-    pub stage_times: &'a [StageTime],
-}
+use crate::run::rows::{DetectorRows, TaskRows};
+use crate::run::sink::JudgedScan;
 
 /// A recording that grows scan by scan.
 #[must_use = "a recording that is not finished is thrown away"]
-pub struct ResultsRecording<'a> {
-    dataset: &'a dyn Dataset,
-    scan_indices: &'a [usize],
+pub struct ResultsRecording {
+    // Of each scan that is run.
     times_ns: Vec<u64>,
     writer: Box<McapWriter>,
-    time_ns: u64,
-    counts_by_topic: BTreeMap<String, Counts>,
+    tally: Tally,
 }
 
-impl<'a> ResultsRecording<'a> {
+impl ResultsRecording {
     /// Begins the recording `path` of a run on the scans of `dataset` at `scan_indices`.
     ///
     /// # Errors
@@ -53,59 +38,52 @@ impl<'a> ResultsRecording<'a> {
     /// [`ConversionError`] if nothing can be written there.
     pub fn create(
         path: &Path,
-        dataset: &'a dyn Dataset,
-        scan_indices: &'a [usize],
+        dataset: &dyn Dataset,
+        scan_indices: &[usize],
     ) -> Result<Self, ConversionError> {
         let sheet = sheet_of(dataset.description());
         let writer = Box::new(McapWriter::create(path, ChunkCompression::Zstd, sheet)?);
-        let times_ns = times_of(dataset, scan_indices);
-        Ok(Self { dataset, scan_indices, times_ns, writer, time_ns: 0, counts_by_topic: BTreeMap::new() })
+        Ok(Self { times_ns: times_of(dataset, scan_indices), writer, tally: Tally::default() })
     }
 
-    /// Appends the scan at place `run_idx` of the run; the results of this scan come next.
+    /// Appends a scan of that data set, with what all detectors made of it.
     ///
     /// # Errors
     ///
     /// [`ConversionError`] if the disk does not take it, or where the sensor was cannot be read.
-    pub fn add_scan(&mut self, run_idx: usize, scan: &LabeledScan) -> Result<(), ConversionError> {
-        self.time_ns = self.times_ns[run_idx];
-        let world_from_sensor = self.dataset.world_from_sensor(self.scan_indices[run_idx])?;
-        self.writer.write(&ScanToWrite { scan, time_ns: self.time_ns, world_from_sensor })
-    }
-
-    /// Appends what a detector made of the scan that was added last.
-    ///
-    /// # Errors
-    ///
-    /// [`ConversionError`] if the disk does not take it.
-    pub fn add_result(
-        &mut self,
-        scan: &LabeledScan,
-        result: &DetectorResult<'_>,
-    ) -> Result<(), ConversionError> {
-        let DetectorResult { scan_row, match_rows, stage_times } = *result;
-        let topic = format!("/{}/{}", scan_row.detector, scan_row.task);
-        let scene = scene_of(self.time_ns, outcome_entities(self.time_ns, scan, match_rows));
-        self.writer.write_scene(&format!("{topic}/outcomes"), self.time_ns, &scene)?;
-        let so_far = self.counts_so_far(&topic, scan_row);
-        if let Some(so_far) = so_far
-            && let Some(message) = ScanNumbersMessage::new(scan_row, stage_times, so_far)
-        {
-            let schema = [SCAN_NUMBERS, SCAN_NUMBERS_SCHEMA];
-            self.writer.write_json(&format!("{topic}/numbers"), schema, self.time_ns, &message)?;
+    pub fn add(&mut self, judged: &JudgedScan<'_>) -> Result<(), ConversionError> {
+        let time_ns = self.times_ns[judged.results.run_idx];
+        let world_from_sensor = judged.watched.dataset.world_from_sensor(judged.scan_idx())?;
+        let scan = judged.results.scan;
+        self.writer.write(&ScanToWrite { scan, time_ns, world_from_sensor })?;
+        for detector in &judged.rows {
+            for task in &detector.tasks {
+                self.add_result(time_ns, scan, detector, task)?;
+            }
         }
         Ok(())
     }
 
-    /// The sums with this scan; `None` if it was not evaluated.
-    fn counts_so_far(&mut self, topic: &str, scan_row: &ScanRow) -> Option<Counts> {
-        let ScanOutcome::Evaluated(numbers) = &scan_row.outcome else { return None };
-        let sum = match self.counts_by_topic.get(topic) {
-            None => numbers.counts,
-            Some(before) => sum_of(*before, numbers.counts)?,
-        };
-        self.counts_by_topic.insert(topic.to_owned(), sum);
-        Some(sum)
+    fn add_result(
+        &mut self,
+        time_ns: u64,
+        scan: &LabeledScan,
+        detector: &DetectorRows,
+        task: &TaskRows,
+    ) -> Result<(), ConversionError> {
+        let TaskRows { scan: row, matches } = task;
+        let topic = format!("/{}/{}", row.detector, row.task);
+        let scene = scene_of(time_ns, outcome_entities(time_ns, scan, matches));
+        self.writer.write_scene(&format!("{topic}/outcomes"), time_ns, &scene)?;
+        self.tally.add_scan(row);
+        let so_far = self.tally.counts(&row.dataset, &row.task, &row.detector);
+        if let Some(so_far) = so_far
+            && let Some(message) = ScanNumbersMessage::new(row, &detector.stages, so_far)
+        {
+            let schema = [SCAN_NUMBERS, SCAN_NUMBERS_SCHEMA];
+            self.writer.write_json(&format!("{topic}/numbers"), schema, time_ns, &message)?;
+        }
+        Ok(())
     }
 
     /// Ends the recording, which appears under its name now.
@@ -116,10 +94,4 @@ impl<'a> ResultsRecording<'a> {
     pub fn finish(self) -> Result<(), ConversionError> {
         self.writer.finish()
     }
-}
-
-/// False detections are known of the sum if they are of both.
-fn sum_of(a: Counts, b: Counts) -> Option<Counts> {
-    let fo = a.fo().zip(b.fo()).map(|(a, b)| a + b);
-    Counts::new(a.no() + b.no(), a.tp() + b.tp(), fo)
 }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use detector::detector::StageTime;
 use reports::counts::Counts;
-use reports::scan_row::{ScanOutcome, ScanRow};
+use reports::scan_row::ScanRow;
+use reports::stage_row::StageRow;
 use serde::Serialize;
 
 /// The name of such messages.
@@ -46,7 +46,7 @@ pub struct ScanNumbersMessage<'a> {
     task: &'a str,
     n_points: u64,
     latency_ms: Option<f64>,
-    stage_ms: BTreeMap<&'static str, f64>,
+    stage_ms: BTreeMap<&'a str, f64>,
     no: u64,
     tp: u64,
     mo: u64,
@@ -61,9 +61,8 @@ pub struct ScanNumbersMessage<'a> {
 
 impl<'a> ScanNumbersMessage<'a> {
     /// The message of `row`; `so_far` are the sums up to this scan. `None` for a scan that was not evaluated.
-    pub fn new(row: &'a ScanRow, stage_times: &[StageTime], so_far: Counts) -> Option<Self> {
-        let ScanOutcome::Evaluated(numbers) = &row.outcome else { return None };
-        let stage_ms = |it: &StageTime| (it.stage, it.duration.as_secs_f64() * 1e3);
+    pub fn new(row: &'a ScanRow, stages: &'a [StageRow], so_far: Counts) -> Option<Self> {
+        let numbers = row.numbers()?;
         Some(Self {
             dataset: &row.dataset,
             sequence: &row.sequence,
@@ -72,7 +71,7 @@ impl<'a> ScanNumbersMessage<'a> {
             task: &row.task,
             n_points: numbers.n_points,
             latency_ms: numbers.latency_ms,
-            stage_ms: stage_times.iter().map(stage_ms).collect(),
+            stage_ms: stages.iter().map(|it| (it.stage.as_str(), it.time_ms)).collect(),
             no: numbers.counts.no(),
             tp: numbers.counts.tp(),
             mo: numbers.counts.mo(),

@@ -2,13 +2,16 @@
 
 pub mod config;
 pub mod detector_list;
+pub mod entrant;
 pub mod single_scan;
 pub mod grid_write;
 pub mod side_by_side;
+pub mod rows;
+pub mod sink;
+pub mod tally_sink;
+pub mod scan_recorder;
 pub mod gap_experiment;
 pub mod gap_picture;
 pub mod robustness;
 pub mod box_study;
-pub mod scores;
-pub mod scan_recorder;
 pub mod ablation;

@@ -1,23 +1,14 @@
 //! The same streets under one condition after another.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
-use detector::{Detector, DetectorOutput};
-use rayon::prelude::*;
-use reports::condition_scores::{ConditionScores, DetectorCounts};
-use scans::annotation::LabeledScan;
-use scans::dataset::Dataset;
-use scans::dataset::DatasetError;
-use scans::task::Task;
+use nalgebra::Isometry3;
+use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::checksum::sha256;
+use scans::dataset::simulation::Simulation;
+use scans::dataset::{Dataset, DatasetDescription, DatasetError};
+use serde::Serialize;
 use simulator::StreetKind;
 use simulator::simulated_street::{Shutter, StreetDrive, open_simulated_street};
 use simulator::street_conditions::StreetConditions;
-
-use crate::matching::assign::assign;
-use crate::metrics::counts::{Counts, FalseDetections};
-use crate::run::config::RunConfig;
-use crate::run::detector_list::ListedDetector;
-use crate::run::side_by_side::RunError;
 
 /// One condition: what it changes of the standard drive.
 #[derive(Debug, Clone)]
@@ -67,21 +58,27 @@ fn hills(greatest: f32) -> StreetConditions {
     StreetConditions { hill_gradient: Some(greatest), ..StreetConditions::default() }
 }
 
-/// What is run under every condition.
-pub struct Robustness<'a> {
-    /// The detectors.
-    pub detectors: &'a [ListedDetector],
-    /// Their parameters.
-    pub config: &'a RunConfig,
-    /// Scans of each kind of street.
-    pub n_scans: u32,
-    /// Seed of the streets, the same under every condition.
-    pub seed: u64,
-}
-
 impl Condition {
-    /// The drive through a street of this kind under the condition.
-    pub fn drive(&self, street: StreetKind, seed: u64, n_scans: u32) -> StreetDrive {
+    /// The name of its data set.
+    pub fn id(&self) -> String {
+        format!("{}: {}", self.group, self.name)
+    }
+
+    /// The drives under the condition, one through each kind of street.
+    pub fn drives(&self, seed: u64, n_scans: u32) -> Vec<StreetDrive> {
+        StreetKind::ALL.map(|street| self.drive(street, seed, n_scans)).to_vec()
+    }
+
+    /// These drives as one data set, of `n_scans` scans each.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if they cannot be made.
+    pub fn open(&self, seed: u64, n_scans: u32) -> Result<Box<dyn Dataset>, DatasetError> {
+        Ok(Box::new(JoinedDrives::open(&self.id(), self.drives(seed, n_scans))?))
+    }
+
+    fn drive(&self, street: StreetKind, seed: u64, n_scans: u32) -> StreetDrive {
         let mut drive = StreetDrive {
             street,
             seed,
@@ -100,119 +97,117 @@ impl Condition {
     }
 }
 
-impl Robustness<'_> {
-    /// Number of scans under each condition.
-    pub fn n_scans_per_condition(&self) -> usize {
-        StreetKind::ALL.len() * self.n_scans as usize
+/// Several drives under the same condition as one data set.
+struct JoinedDrives {
+    description: DatasetDescription,
+    drives: Vec<Box<dyn Dataset>>,
+    scan_ids: Vec<ScanId>,
+    // Of each scan the drive, and the place in it.
+    places: Vec<[usize; 2]>,
+}
+
+/// What such a data set is simulated from.
+#[derive(Serialize)]
+struct SimulatedDrives {
+    drives: Vec<StreetDrive>,
+}
+
+impl JoinedDrives {
+    /// Opens `drives`, of which there is one at least, with one sensor at one height, as the data set `id`.
+    fn open(id: &str, drives: Vec<StreetDrive>) -> Result<Self, DatasetError> {
+        let opened: Vec<Box<dyn Dataset>> = drives
+            .iter()
+            .map(|it| open_simulated_street(it.street.name(), it))
+            .collect::<Result<_, DatasetError>>()?;
+        let checksums: Vec<&str> =
+            opened.iter().filter_map(|it| it.description().checksum.as_deref()).collect();
+        let description = DatasetDescription {
+            id: id.to_owned(),
+            checksum: Some(sha256(checksums.join("\n").as_str())),
+            simulation: Some(Simulation::of(&SimulatedDrives { drives })),
+            ..opened[0].description().clone()
+        };
+        let places = opened
+            .iter()
+            .enumerate()
+            .flat_map(|(drive_idx, it)| (0..it.scan_ids().len()).map(move |scan_idx| [drive_idx, scan_idx]));
+        let places = places.collect();
+        let scan_ids = opened.iter().flat_map(|it| it.scan_ids().to_vec()).collect();
+        Ok(Self { description, drives: opened, scan_ids, places })
     }
 
-    /// Runs all detectors on all scans under `condition`, several scans at once, and counts; `on_scan` is told of each.
-    /// Nothing is timed.
-    ///
-    /// # Errors
-    ///
-    /// [`RunError`] if a scan cannot be made, or once `interrupted` is set.
-    pub fn run(
-        &self,
-        condition: &Condition,
-        interrupted: &AtomicBool,
-        on_scan: impl Fn() + Sync,
-    ) -> Result<ConditionScores, RunError> {
-        let open = |street: StreetKind| {
-            open_simulated_street(street.name(), &condition.drive(street, self.seed, self.n_scans))
-        };
-        let datasets: Vec<Box<dyn Dataset>> =
-            StreetKind::ALL.into_iter().map(open).collect::<Result<_, DatasetError>>()?;
-        let scans: Vec<(usize, usize)> = (0..datasets.len())
-            .flat_map(|dataset_idx| {
-                (0..datasets[dataset_idx].scan_ids().len()).map(move |it| (dataset_idx, it))
-            })
-            .collect();
-        let height_m = datasets[0].description().sensor_height_m;
-        let n_done = AtomicUsize::new(0);
-        // Whose density is not known is taken for the paper's sensor, as in any run.
-        let sensor = &datasets[0].description().sensor;
-        let config = self.config.for_sensor(sensor).unwrap_or_else(|| self.config.clone());
-        let build = || self.detectors.iter().map(|it| it.build(&config, height_m)).collect();
-        let look = |detectors: &mut Vec<Box<dyn Detector>>, &(dataset_idx, scan_idx): &(usize, usize)| {
-            if interrupted.load(Ordering::Relaxed) {
-                return Err(RunError::Interrupted {
-                    n_done: n_done.load(Ordering::Relaxed),
-                    n_scans: scans.len(),
-                });
-            }
-            let counts = self.count(&datasets[dataset_idx].read_scan(scan_idx)?, detectors);
-            n_done.fetch_add(1, Ordering::Relaxed);
-            on_scan();
-            Ok(counts)
-        };
-        // Collected before it is looked through for errors, so that the first in order is reported.
-        let counted: Vec<Result<Vec<[Counts; 2]>, RunError>> =
-            scans.par_iter().map_init(build, look).collect();
-        let mut sums = vec![[Counts::default(); 2]; self.detectors.len()];
-        for counts in counted {
-            for (sum, counts) in sums.iter_mut().zip(counts?) {
-                for (sum, counts) in sum.iter_mut().zip(counts) {
-                    *sum += counts;
-                }
-            }
-        }
-        let scored = |(listed, [objects, vehicles]): (&ListedDetector, [Counts; 2])| DetectorCounts {
-            detector: listed.name.to_owned(),
-            objects: objects.scored(FalseDetections::Known),
-            vehicles: vehicles.scored(FalseDetections::Known),
-        };
-        Ok(ConditionScores {
-            group: condition.group.to_owned(),
-            condition: condition.name.to_owned(),
-            n_scans: scans.len() as u64,
-            detectors: self.detectors.iter().zip(sums).map(scored).collect(),
-        })
+    fn place(&self, scan_idx: usize) -> (&dyn Dataset, usize) {
+        let [drive_idx, in_drive_idx] = self.places[scan_idx];
+        (&*self.drives[drive_idx], in_drive_idx)
+    }
+}
+
+impl Dataset for JoinedDrives {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
     }
 
-    fn count(&self, scan: &LabeledScan, detectors: &mut [Box<dyn Detector>]) -> Vec<[Counts; 2]> {
-        let mut output = DetectorOutput::default();
-        let annotated = scans::dataset::AnnotatedClasses::EveryObject;
-        let of_detector = |detector: &mut Box<dyn Detector>| {
-            detector.detect(&scan.cloud, &mut output);
-            let found = &output.detections;
-            Task::ALL.map(|task| Counts::of(&assign(scan, found, task, &annotated, &self.config.matching)))
-        };
-        detectors.iter_mut().map(of_detector).collect()
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
+    }
+
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let (drive, in_drive_idx) = self.place(scan_idx);
+        drive.read_scan(in_drive_idx)
+    }
+
+    fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
+        let (drive, in_drive_idx) = self.place(scan_idx);
+        drive.scan_time_ns(in_drive_idx)
+    }
+
+    fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
+        let (drive, in_drive_idx) = self.place(scan_idx);
+        drive.world_from_sensor(in_drive_idx)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::run::detector_list::detectors_named;
+    use std::collections::BTreeSet;
 
-    fn scores_of(name: &str) -> ConditionScores {
-        let config = RunConfig::load(None).unwrap();
-        let detectors = detectors_named(&["hierarchical".to_owned()]).unwrap();
-        let robustness = Robustness { detectors: &detectors, config: &config, n_scans: 1, seed: 5 };
-        let condition = CONDITIONS.iter().find(|it| it.name == name).unwrap();
-        robustness.run(condition, &AtomicBool::new(false), || ()).unwrap()
+    use super::*;
+
+    fn opened(name: &str) -> Box<dyn Dataset> {
+        CONDITIONS.iter().find(|it| it.name == name).unwrap().open(5, 2).unwrap()
     }
 
     #[test]
     fn conditions_have_names_of_their_own_and_make_drives_that_can_be() {
-        let names: std::collections::BTreeSet<_> = CONDITIONS.iter().map(|it| (it.group, it.name)).collect();
+        let names: BTreeSet<_> = CONDITIONS.iter().map(Condition::id).collect();
         assert_eq!(names.len(), CONDITIONS.len());
         for condition in CONDITIONS {
-            let drive = condition.drive(StreetKind::MainRoad, 1, 1);
-            assert_eq!(drive.conditions.check(), Ok(()), "{}", condition.name);
-            assert!(open_simulated_street("street", &drive).is_ok());
+            for drive in condition.drives(1, 1) {
+                assert_eq!(drive.conditions.check(), Ok(()), "{}", condition.name);
+            }
+            let dataset = condition.open(1, 1).unwrap();
+            let drives: BTreeSet<&str> = dataset.scan_ids().iter().map(|it| it.sequence.as_str()).collect();
+            assert_eq!((dataset.scan_ids().len(), drives.len()), (3, 3), "{}", condition.name);
         }
     }
 
     #[test]
+    fn every_scan_is_that_of_its_drive() {
+        let dataset = opened("vlp-16");
+        assert_eq!((dataset.description().sensor.as_str(), dataset.scan_ids().len()), ("vlp-16", 6));
+        for (scan_idx, id) in dataset.scan_ids().iter().enumerate() {
+            assert_eq!(dataset.read_scan(scan_idx).unwrap().id, *id);
+        }
+        assert!(dataset.description().is_simulated());
+    }
+
+    #[test]
     fn conditions_are_felt() {
-        let standard = scores_of("hdl-64e-s2, 1.73 m");
-        assert_eq!(standard.n_scans, 3);
-        assert!(standard.detectors[0].objects.no() > 20);
+        let standard = opened("hdl-64e-s2, 1.73 m");
         for other in ["10 % even", "25 cm", "3.0 m", "1.0 m", "vlp-16", "rain, 50 mm/h", "rolling"] {
-            assert_ne!(scores_of(other).detectors, standard.detectors, "{other}");
+            let other = opened(other);
+            assert_ne!(other.description().checksum, standard.description().checksum);
+            assert_ne!(other.read_scan(0).unwrap().cloud, standard.read_scan(0).unwrap().cloud);
         }
     }
 }

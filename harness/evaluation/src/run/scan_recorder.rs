@@ -2,24 +2,12 @@
 
 use std::fmt;
 
-use scans::dataset::Dataset;
-
-use super::scores::DatasetScores;
-use super::side_by_side::ScanResults;
-use crate::matching::criterion::Criterion;
+use super::sink::JudgedScan;
 
 /// A scan that is recorded.
 pub struct RecordedScan<'a> {
-    /// What the detectors made of it.
-    pub results: &'a ScanResults<'a>,
-    /// The scores of its data set so far.
-    pub scores: &'a DatasetScores,
-    /// Its data set.
-    pub dataset: &'a dyn Dataset,
-    /// Which of the data set's scans it is.
-    pub scan_idx: usize,
-    /// How it was judged.
-    pub criterion: Criterion,
+    /// The scan with what all detectors made of it.
+    pub judged: &'a JudgedScan<'a>,
     /// Places in it that are pointed at.
     pub marks: &'a [Mark],
 }

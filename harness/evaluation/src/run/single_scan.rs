@@ -1,11 +1,10 @@
 //! One detector on one scan.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use detector::{Detections, Detector, DetectorOutput, PointCloud};
-
-use crate::metrics::latency::Latencies;
+use reports::latencies::Latencies;
 
 /// What a detector made of a scan.
 #[derive(Debug, Clone)]
@@ -41,22 +40,23 @@ pub fn detect_repeatedly(
 ) -> Result<SingleScan, Interrupted> {
     let mut output = DetectorOutput::default();
     let mut whole = Vec::new();
-    let mut stages: Vec<(&'static str, Vec<Duration>)> = Vec::new();
+    let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
     for n_done in 0..n_repeats.max(1) {
         if interrupted.load(Ordering::Relaxed) {
             return Err(Interrupted { n_done, n_repeats });
         }
         let started = Instant::now();
         detector.detect(cloud, &mut output);
-        whole.push(started.elapsed());
+        whole.push(1e3 * started.elapsed().as_secs_f64());
         for time in &output.stage_times {
+            let time_ms = 1e3 * time.duration.as_secs_f64();
             match stages.iter_mut().find(|(stage, _)| *stage == time.stage) {
-                Some((_, durations)) => durations.push(time.duration),
-                None => stages.push((time.stage, vec![time.duration])),
+                Some((_, times_ms)) => times_ms.push(time_ms),
+                None => stages.push((time.stage, vec![time_ms])),
             }
         }
     }
-    let stages = stages.into_iter().map(|(stage, durations)| (stage, Latencies::new(durations)));
+    let stages = stages.into_iter().map(|(stage, times_ms)| (stage, Latencies::new(times_ms)));
     Ok(SingleScan { output, whole: Latencies::new(whole), stages: stages.collect() })
 }
 

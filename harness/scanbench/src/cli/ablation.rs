@@ -35,4 +35,5 @@ Examples:
   scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
 
 All variants look at each scan, one after the other. Leaves in the directory
-ablation.csv, ablation.md and manifest.json.";
+ablation.csv, ablation.md and the files of a run whose detectors are the variants:
+  scanbench compare DIR --detectors 'whole method,without terrain'";

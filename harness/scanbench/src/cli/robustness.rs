@@ -28,4 +28,5 @@ Examples:
 
 Conditions: slopes and hills, kerbs, a truck ahead, mounting heights, sensors,
 rain, rolling shutter. Leaves in the directory robustness.csv, with what every
-rate is made of, robustness.md and manifest.json.";
+rate is made of, robustness.md and the files of a run whose data sets are the
+conditions.";

@@ -67,7 +67,7 @@ Examples:
   scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
 
 Leaves in the run directory, which runs/latest points at unless -o names it:
-manifest.json, report.json, scans.csv, matches.csv, precision_recall.csv,
-table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
+manifest.json, report.json, scans.csv, matches.csv, stages.csv,
+precision_recall.csv, table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
 report.html, figures/ and, unless --no-rrd, run.rrd for the Rerun viewer; with --mcap
 run.mcap for Foxglove.";

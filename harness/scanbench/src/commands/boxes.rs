@@ -59,7 +59,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let lines: Vec<Vec<BoxErrorLine>> =
         groups.iter().map(|it| box_error_lines(&it.pairs, &it.name, it.is_simulated)).collect();
     let manifest = run_manifest(RunSettings {
-        data: &arguments.data,
+        selection: arguments.data.scans.as_deref(),
         n_warmup: 0,
         n_repeats: NonZeroUsize::MIN,
         config: &config,

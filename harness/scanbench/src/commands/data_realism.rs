@@ -123,7 +123,7 @@ fn manifest(
     started: Timestamp,
 ) -> ComparisonManifest {
     let compared = |side: &[OpenedDataset], arguments: &DatasetArgs| ComparedScans {
-        datasets: side.iter().map(|it| dataset_entry(it, arguments)).collect(),
+        datasets: side.iter().map(|it| dataset_entry(it, arguments.scans.as_deref())).collect(),
         seeds: seeds(side),
     };
     ComparisonManifest {

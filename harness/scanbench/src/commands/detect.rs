@@ -2,15 +2,15 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::time::Duration;
 
 use detector::DetectedClass;
-use evaluation::metrics::latency::Latencies;
 use evaluation::run::detector_list::detectors_named;
+use evaluation::run::rows::detection_facts;
 use evaluation::run::single_scan::{SingleScan, clusters_of_points, detect_repeatedly};
 use reports::box_row::BoxRow;
 use reports::cluster_of_point;
 use reports::csv_rows::to_csv_bytes;
+use reports::latencies::Latencies;
 use scans::dataset::positioned_points::values_of_file;
 
 use crate::cli::DetectArgs;
@@ -19,7 +19,6 @@ use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_scan::{OpenedScan, open_scan};
 use crate::commands::result_file::{Destination, write_results};
-use crate::commands::run_rows::detection_facts;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// Runs one detector on one scan, writes clusters and boxes where they are asked for, and prints a summary.
@@ -148,11 +147,10 @@ fn write_times(text: &mut String, result: &SingleScan) {
     let is_single = result.whole.n() == 1;
     let heads: &[&str] = if is_single { &["ms"] } else { &["min ms", "p50 ms"] };
     write_line(STAGE, &heads.iter().map(ToString::to_string).collect::<Vec<_>>());
-    let in_ms =
-        |time: Option<Duration>| time.map_or_else(String::new, |it| format!("{:.3}", it.as_secs_f64() * 1e3));
+    let text_of = |time_ms: Option<f64>| time_ms.map_or_else(String::new, |it| format!("{it:.3}"));
     let cells = |times: &Latencies| {
         let percents: &[u32] = if is_single { &[50] } else { &[0, 50] };
-        percents.iter().map(|&percent| in_ms(times.percentile(percent))).collect::<Vec<_>>()
+        percents.iter().map(|&percent| text_of(times.percentile_ms(percent))).collect::<Vec<_>>()
     };
     for (stage, times) in &result.stages {
         write_line(stage, &cells(times));

@@ -23,7 +23,8 @@ pub struct Experiment {
     pub detectors: Vec<ListedDetector>,
     /// What everything is drawn from.
     pub seed: u64,
-    started: Timestamp,
+    /// When it began.
+    pub started: Timestamp,
 }
 
 impl Experiment {

@@ -36,6 +36,18 @@ pub struct OpenedDataset {
 }
 
 impl OpenedDataset {
+    /// All scans of `dataset`, whose labels need no explanation.
+    pub fn whole(dataset: Box<dyn Dataset>) -> Self {
+        let (dataset, points_left_out) = CountedDataset::new(dataset);
+        Self {
+            scan_indices: (0..dataset.scan_ids().len()).collect(),
+            dataset: Box::new(dataset),
+            skipped: RefCell::default(),
+            points_left_out,
+            classes: ClassTable::default(),
+        }
+    }
+
     /// What becomes of scan `id`, which cannot be read: the error, or a note and a warning if damage is to be skipped.
     ///
     /// # Errors

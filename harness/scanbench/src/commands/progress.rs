@@ -4,7 +4,7 @@ use std::io::IsTerminal as _;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::commands::standard_streams::{Verbosity, is_said};
+use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic};
 
 /// A bar on stderr over `n_scans` scans, with scans per second and time left; invisible when stderr is no terminal, or the
 /// program is to be quiet.
@@ -30,4 +30,42 @@ pub fn progress_over_results(n_results: usize, n_done: usize, label: &str) -> Pr
     bar.set_position(n_done as u64);
     bar.reset_eta();
     bar
+}
+
+/// The bar of a run over one data set after the other, which everybody who writes to the terminal shares.
+#[derive(Debug, Clone)]
+pub struct RunProgress(ProgressBar);
+
+impl RunProgress {
+    /// A bar that shows nothing yet.
+    pub fn new() -> Self {
+        Self(progress_over_scans(0, ""))
+    }
+
+    /// Begins anew, over the scans of `dataset`.
+    pub fn begin(&self, n_scans: usize, dataset: &str) {
+        self.0.reset();
+        self.0.set_length(n_scans as u64);
+        self.0.set_message(dataset.to_owned());
+    }
+
+    /// One more scan is done.
+    pub fn advance(&self) {
+        self.0.inc(1);
+    }
+
+    /// Takes the bar away until the next one begins.
+    pub fn clear(&self) {
+        self.0.finish_and_clear();
+    }
+
+    /// Does what writes to the terminal without the bar in its way.
+    pub fn suspend<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.0.suspend(work)
+    }
+
+    /// Prints a warning. Not through the bar itself, which says nothing where it is hidden.
+    pub fn warn(&self, warning: &str) {
+        self.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
+    }
 }

@@ -1,24 +1,40 @@
 //! `scanbench robustness`.
 
-use evaluation::run::robustness::{CONDITIONS, Robustness};
+use std::num::NonZeroUsize;
+
+use evaluation::run::entrant::Entrant;
+use evaluation::run::robustness::{CONDITIONS, Condition};
 use reports::condition_row::ConditionRow;
 use reports::condition_scores::ConditionScores;
-use reports::csv_rows::CsvRowWriter;
-use reports::run_directory::{MANIFEST_JSON, RunDirectory};
-use reports::table::robustness_table::{robustness_to_markdown, robustness_to_terminal};
-use simulator::StreetKind;
+use reports::csv_rows::to_csv_bytes;
+use reports::manifest::Manifest;
+use reports::run_directory::RunDirectory;
+use reports::table::robustness_table::{
+    NamedCondition, condition_scores, robustness_to_markdown, robustness_to_terminal,
+};
+use reports::tally::Tally;
+use scans::dataset::source::DamagePolicy;
 
 use crate::cli::RobustnessArgs;
 use crate::commands::experiment::Experiment;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::progress::progress_over_scans;
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::progress::RunProgress;
+use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
+use crate::commands::run_numbers::write_numbers;
+use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::watched_run::WatchedRun;
 
 /// All there are, the method first.
 const DETECTORS: [&str; 4] = ["hierarchical", "kd-tree", "pca", "simple-grid"];
 
-/// Runs detectors on simulated streets under one condition after another, and writes and prints the table.
+/// Detections of the first scan under each condition that are thrown away.
+const N_WARMUP: u16 = 1;
+
+/// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run directory
+/// and prints the table.
 ///
 /// # Errors
 ///
@@ -27,42 +43,70 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
     let directory = asked.begin_directory(&arguments.output, "robustness")?;
-    let robustness = Robustness {
-        detectors: &asked.detectors,
-        config: &asked.config,
-        n_scans: arguments.scans,
-        seed: asked.seed,
+    let datasets =
+        CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(asked.seed, arguments.scans)?)));
+    let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
+    let entrants: Vec<Entrant> = asked.detectors.iter().map(|it| Entrant::of(*it, &asked.config)).collect();
+    let progress = RunProgress::new();
+    let mut tally = Tally::default();
+    let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
+    let watched = WatchedRun {
+        entrants: &entrants,
+        datasets: &datasets,
+        damage: DamagePolicy::Refuse,
+        n_warmup: N_WARMUP,
+        n_repeats: NonZeroUsize::MIN,
+        n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
+        interrupted,
+        progress: &progress,
     };
-    let progress = progress_over_scans(CONDITIONS.len() * robustness.n_scans_per_condition(), "");
-    let mut conditions = Vec::new();
-    for condition in CONDITIONS {
-        progress.set_message(format!("{}: {}", condition.group, condition.name));
-        conditions.push(robustness.run(condition, interrupted, || progress.inc(1))?);
-    }
-    progress.finish_and_clear();
-    let drives = CONDITIONS.iter().map(|it| {
-        let drives = StreetKind::ALL.map(|street| it.drive(street, asked.seed, arguments.scans));
-        serde_json::json!({ "group": it.group, "condition": it.name, "drives": drives })
-    });
-    let details: Vec<_> = drives.collect();
-    directory.write_file(MANIFEST_JSON, asked.manifest(details.into()).to_json().as_bytes())?;
-    let notes = notes(arguments, &robustness);
-    write_tables(&directory, &conditions, &notes)?;
+    watched.run(sinks)?;
+    let numbers = write_numbers(&directory, &manifest(arguments, &asked, &datasets), &tally)?;
+    let conditions: Vec<NamedCondition> = CONDITIONS.iter().map(named).collect();
+    let scores = condition_scores(&conditions, &numbers.tables);
+    let notes = notes(arguments, &asked);
+    write_tables(&directory, &scores, &notes)?;
     let finished = directory.finish()?;
-    let printed = print_result(robustness_to_terminal(&conditions, &notes));
+    let printed = print_result(robustness_to_terminal(&scores, &notes));
     // Also where nobody takes the table: it is there.
     print_diagnostic(format_args!("Tables: {}", finished.display()));
     printed
 }
 
-fn notes(arguments: &RobustnessArgs, robustness: &Robustness<'_>) -> Vec<String> {
+fn named(condition: &Condition) -> NamedCondition {
+    let [group, condition_name] = [condition.group, condition.name].map(str::to_owned);
+    NamedCondition { group, condition: condition_name, dataset: condition.id() }
+}
+
+/// That of a run, with the drives of each condition.
+fn manifest(arguments: &RobustnessArgs, asked: &Experiment, datasets: &[OpenedDataset]) -> Manifest {
+    let conditions = CONDITIONS.iter().map(|it| {
+        let drives = it.drives(asked.seed, arguments.scans);
+        serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
+    });
+    let experiment = Some(conditions.collect::<Vec<_>>().into());
+    let mut manifest = run_manifest(RunSettings {
+        selection: None,
+        n_warmup: N_WARMUP,
+        n_repeats: NonZeroUsize::MIN,
+        config: &asked.config,
+        detectors: detector_entries(&asked.detectors, &asked.config),
+        datasets,
+        started: asked.started,
+    });
+    manifest.seeds.insert("streets".to_owned(), asked.seed);
+    Manifest { experiment, ..manifest }
+}
+
+fn notes(arguments: &RobustnessArgs, asked: &Experiment) -> Vec<String> {
+    let n_streets = CONDITIONS.first().map_or(0, |it| it.drives(asked.seed, arguments.scans).len());
     vec![
         format!(
             "NO: annotations that count. obj, veh: tasks objects and vehicles. {} scans a condition, {} of each kind of \
              street, the same streets under all conditions (seeds from {}).",
-            robustness.n_scans_per_condition(),
+            n_streets * arguments.scans as usize,
             arguments.scans,
-            robustness.seed
+            asked.seed
         ),
         "Conditions change one thing of the standard each; roads rise as drawn but for the kind road. Detectors know which \
          sensor it is and how high it is mounted; nothing else is adapted."
@@ -75,11 +119,7 @@ fn write_tables(
     conditions: &[ConditionScores],
     notes: &[String],
 ) -> Result<(), Failure> {
-    let mut rows = CsvRowWriter::new(directory.begin_file("robustness.csv")?)?;
-    for row in conditions.iter().flat_map(ConditionRow::simulated) {
-        rows.write(&row)?;
-    }
-    rows.finish()?;
-    directory.write_file("robustness.md", robustness_to_markdown(conditions, notes).as_bytes())?;
-    Ok(())
+    let rows: Vec<ConditionRow> = conditions.iter().flat_map(ConditionRow::simulated).collect();
+    directory.write_file("robustness.csv", &to_csv_bytes(&rows)?)?;
+    Ok(directory.write_file("robustness.md", robustness_to_markdown(conditions, notes).as_bytes())?)
 }

@@ -1,67 +1,32 @@
 //! `scanbench run`.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
-use evaluation::matching::criterion::Criterion;
-use evaluation::metrics::counts::SCORING_VERSION;
-use evaluation::results_recording::recording::{DetectorResult, ResultsRecording};
-use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::{ListedDetector, detectors_named};
-use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _, Served};
-use evaluation::run::scores::{DatasetScores, overall_time_rows};
-use evaluation::run::side_by_side::{ScanResults, SideBySide};
-use indicatif::ProgressBar;
+use evaluation::run::detector_list::detectors_named;
+use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
-use reports::csv_rows::{CsvRowWriter, to_csv_bytes};
-use reports::html::run_page::RunPage;
-use reports::manifest::Manifest;
-use reports::match_row::MatchRow;
-use reports::run_directory::{
-    ClaimedTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON,
-    RunDirectory, RunDirectoryError, SCANS_CSV, WORST_POINTS_JSON,
-};
-use reports::run_report::RunReport;
-use reports::scan_row::ScanRow;
+use reports::run_directory::{LatestPointer, RunDirectory};
 use reports::standing::{Speeds, Standing, speeds, standing_to_terminal, standings};
-use reports::table::stage_table::StageTable;
-use reports::table::task_table::{TaskTable, task_tables};
-use reports::table::times_table::TimesTable;
-use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
+use reports::table::terminal::to_terminal;
 use reports::tally::Tally;
-use reports::worst_places::WorstPlaces;
-use reports::worst_points::{PlanCells, WorstPoints};
-use scans::conversion::whole_folder::folder_name;
-use scans::dataset::DatasetDescription;
-use scans::dataset::scan_times::scan_times_s;
 use scans::task::Task;
 
 use crate::cli::RunArgs;
-use crate::commands::config::{judging_config, warn_of_unknown_sensor};
-use crate::commands::failure::{Failure, NothingEvaluated};
+use crate::commands::config::judging_config;
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
-use crate::commands::plan_cells::plan_cells;
-use crate::commands::progress::progress_over_scans;
+use crate::commands::progress::RunProgress;
 use crate::commands::provenance::compact_utc;
-use crate::commands::recorder::{self, Recorder, RecordingPlan, report_ending, serve_until_interrupted};
+use crate::commands::recorder::{self, Recorder, RecordingPlan, serve_until_interrupted};
 use crate::commands::run_directory::{claim_named, claim_unnamed};
-use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
-use crate::commands::run_rows::{match_rows, scan_row};
-use crate::commands::standard_streams::{
-    Verbosity, is_said, print_detail, print_diagnostic, print_result, result_width,
-};
-
-/// What is to be run.
-struct Plan<'a> {
-    arguments: &'a RunArgs,
-    config: RunConfig,
-    detectors: Vec<ListedDetector>,
-    datasets: Vec<OpenedDataset>,
-    started: Timestamp,
-}
+use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
+use crate::commands::run_numbers::{RunNumbers, write_numbers};
+use crate::commands::sinks::mcap_recordings::McapRecordings;
+use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::sinks::rerun_recording::RerunRecording;
+use crate::commands::standard_streams::{print_diagnostic, print_result, result_width};
+use crate::commands::watched_run::WatchedRun;
 
 /// Runs detectors on labelled scans, writes the run directory and prints the tables.
 ///
@@ -69,286 +34,80 @@ struct Plan<'a> {
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
-    let interrupted = interruption_flag();
-    let started = Timestamp::now();
-    let detectors = detectors_named(&arguments.detectors)?;
-    let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
-    let policy = arguments.damage.policy();
+    let (interrupted, started) = (interruption_flag(), Timestamp::now());
+    let listed = detectors_named(&arguments.detectors)?;
+    let config = judging_config(&arguments.config, &arguments.matching, &listed)?;
     let named = claim_named(&arguments.output)?;
-    let datasets = open_datasets_past_damage(&arguments.data, policy, &config.classes)?;
-    let plan = Plan { arguments, config, detectors, datasets, started };
-    let directory = begin_directory(&plan, named)?;
-    let mut archive = Archive::begin(&plan, &directory)?;
-    let mut scores = Vec::new();
-    for opened in &plan.datasets {
-        archive.times_s = scan_times_s(&*opened.dataset);
-        archive.mcap = begin_mcap(&plan, opened, &directory)?;
-        scores.push(evaluate(&plan, opened, interrupted, &mut archive)?);
-        archive.mcap.take().map_or(Ok(()), ResultsRecording::finish)?;
-    }
-    let finished = archive.finish()?;
-    let tally = finished.tally;
-    directory.write_file(WORST_POINTS_JSON, WorstPoints::new(&finished.worst).to_json().as_bytes())?;
-    let Plan { config, detectors, datasets, started, .. } = &plan;
-    let manifest = run_manifest(RunSettings {
-        data: &arguments.data,
+    let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+    let unnamed = format!("{}-{}", compact_utc(started), ids_of(&datasets));
+    let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
+    let entrants: Vec<Entrant> = listed.iter().map(|it| Entrant::of(*it, &config)).collect();
+    let progress = RunProgress::new();
+    let (mut tally, mut served) = (Tally::default(), None);
+    let recorder = begin_recording(arguments, &entrants, &datasets, &directory)?;
+    let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
+    sinks.push(Box::new(arguments.mcap.then(|| McapRecordings::new(&directory, datasets.len()))));
+    sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
+    let watched = WatchedRun {
+        entrants: &entrants,
+        datasets: &datasets,
+        damage: arguments.damage.policy(),
         n_warmup: arguments.timing.warmup,
         n_repeats: arguments.repeats,
-        config,
-        detectors: detector_entries(detectors, config),
-        datasets,
-        started: *started,
+        n_jobs: arguments.timing.n_jobs(),
+        interrupted,
+        progress: &progress,
+    };
+    watched.run(sinks)?;
+    let manifest = run_manifest(RunSettings {
+        selection: arguments.data.scans.as_deref(),
+        n_warmup: arguments.timing.warmup,
+        n_repeats: arguments.repeats,
+        config: &config,
+        detectors: entrants.iter().map(detector_entry).collect(),
+        datasets: &datasets,
+        started,
     });
-    let report = report_of(&tally, &scores)?;
-    let tables = write_report(&directory, &manifest, &report)?;
-    let times = TimesTable::new(&report, &manifest);
-    directory.write_file("table_times.md", times.to_markdown().as_bytes())?;
-    if let Some(stages) = StageTable::new(&report, &manifest) {
-        directory.write_file("table_stages.md", stages.to_markdown().as_bytes())?;
-    }
-    directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
-    // Made of the files, so that `report` makes the same.
-    RunPage::of(directory.folder())?.write(directory.folder())?;
+    let numbers = write_numbers(&directory, &manifest, &tally)?;
     let written = directory.finish()?;
-    let (standings, speeds) = (standings(&tally, &manifest, &report), speeds(&manifest, &report));
-    print(&tables, &times, (&standings, &speeds), &written)?;
-    if let Some(served) = finished.served {
+    let standings = standings(&tally, &manifest, &numbers.report);
+    print(&numbers, (&standings, &speeds(&manifest, &numbers.report)), &written)?;
+    if let Some(served) = served {
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
 }
 
-fn report_of(tally: &Tally, scores: &[DatasetScores]) -> Result<RunReport, Failure> {
-    let mut rows = tally.metric_rows();
-    rows.extend(scores.iter().flat_map(DatasetScores::time_rows));
-    let mut overall = tally.overall_rows();
-    overall.extend(overall_time_rows(scores));
-    Ok(RunReport::with_overall(SCORING_VERSION, rows, overall)?)
-}
-
-fn begin_directory(plan: &Plan<'_>, named: Option<ClaimedTarget>) -> Result<RunDirectory, RunDirectoryError> {
-    let unnamed = format!("{}-{}", compact_utc(plan.started), ids_of(&plan.datasets));
-    RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)
-}
-
-/// The files that grow scan by scan.
-struct Archive<'a> {
-    scans: CsvRowWriter<ScanRow>,
-    matches: CsvRowWriter<MatchRow>,
-    criterion: Criterion,
-    tally: Tally,
-    worst: WorstPlaces<PlanCells>,
-    // Of the data set at hand, as is what follows.
-    times_s: Vec<f64>,
-    mcap: Option<ResultsRecording<'a>>,
-    recording: Option<Recorder>,
-}
-
-/// What is left of an archive once its files are written.
-struct FinishedArchive {
-    tally: Tally,
-    worst: WorstPlaces<PlanCells>,
-    served: Option<Box<dyn Served>>,
-}
-
-impl Archive<'_> {
-    fn begin(plan: &Plan<'_>, directory: &RunDirectory) -> Result<Self, Failure> {
-        Ok(Self {
-            scans: CsvRowWriter::new(directory.begin_file(SCANS_CSV)?)?,
-            matches: CsvRowWriter::new(directory.begin_file(MATCHES_CSV)?)?,
-            criterion: plan.config.matching.criterion,
-            tally: Tally::default(),
-            worst: WorstPlaces::default(),
-            times_s: Vec::new(),
-            mcap: None,
-            recording: begin_recording(plan, directory)?,
-        })
-    }
-
-    fn add(
-        &mut self,
-        opened: &OpenedDataset,
-        results: &ScanResults<'_>,
-        scores: &DatasetScores,
-        progress: &ProgressBar,
-    ) -> Result<(), Failure> {
-        let dataset = opened.dataset.description();
-        let time_s = self.times_s[opened.scan_indices[results.run_idx]];
-        if let Some(mcap) = &mut self.mcap {
-            mcap.add_scan(results.run_idx, results.scan)?;
-        }
-        for result in results.results {
-            for assignment in &result.assignments {
-                let row = scan_row(dataset, (results.scan, time_s), result, assignment);
-                let criterion = self.criterion.name();
-                let matches = match_rows(dataset, criterion, results.scan, result, assignment);
-                self.tally.add_scan(&row);
-                self.scans.write(&row)?;
-                for row in &matches {
-                    self.tally.add_match(row);
-                    let cloud = &results.scan.cloud;
-                    self.worst.add(row, |window| plan_cells(cloud, window, dataset.sensor_height_m));
-                    self.matches.write(row)?;
-                }
-                if let Some(mcap) = &mut self.mcap {
-                    let (scan_row, match_rows) = (&row, &matches[..]);
-                    let stage_times = &result.output.stage_times;
-                    mcap.add_result(results.scan, &DetectorResult { scan_row, match_rows, stage_times })?;
-                }
-            }
-        }
-        if let Some(recording) = &mut self.recording {
-            let recorded = RecordedScan {
-                results,
-                scores,
-                dataset: &*opened.dataset,
-                scan_idx: opened.scan_indices[results.run_idx],
-                criterion: self.criterion,
-                marks: &[],
-            };
-            if let Some(warning) = recording.record(&recorded)? {
-                warn(progress, &warning);
-            }
-        }
-        if is_said(Verbosity::Verbose) {
-            progress.suspend(|| print_detail(scan_line(dataset, results)));
-        }
-        progress.inc(1);
-        Ok(())
-    }
-
-    fn finish(self) -> Result<FinishedArchive, Failure> {
-        self.scans.finish()?;
-        self.matches.finish()?;
-        let ending = self.recording.map(Recorder::finish).transpose()?;
-        Ok(FinishedArchive { tally: self.tally, worst: self.worst, served: ending.and_then(report_ending) })
-    }
-}
-
-/// The recording for Foxglove, if one is asked for: one for each data set, which have times and sensors of their own.
-fn begin_mcap<'a>(
-    plan: &'a Plan<'_>,
-    opened: &'a OpenedDataset,
+fn begin_recording(
+    arguments: &RunArgs,
+    entrants: &[Entrant],
+    datasets: &[OpenedDataset],
     directory: &RunDirectory,
-) -> Result<Option<ResultsRecording<'a>>, Failure> {
-    if !plan.arguments.mcap {
-        return Ok(None);
-    }
-    let name = match &plan.datasets[..] {
-        [_] => "run.mcap".to_owned(),
-        _ => format!("run-{}.mcap", folder_name(&opened.dataset.description().id)),
-    };
-    let path = directory.path_of(&name);
-    Ok(Some(ResultsRecording::create(&path, &*opened.dataset, &opened.scan_indices)?))
-}
-
-/// What came of a scan, for those who want to know while it runs: of every detector the time, its longest stage, and the
-/// number of detections.
-fn scan_line(dataset: &DatasetDescription, results: &ScanResults<'_>) -> String {
-    let mut line = format!("{} {}: {} points", dataset.id, results.scan.id, results.scan.cloud.len());
-    for result in results.results {
-        let ms = |time: std::time::Duration| 1e3 * time.as_secs_f64();
-        let n_detections = result.output.detections.len();
-        let _ =
-            write!(line, "; {} {:.2} ms, {n_detections} detections", result.detector, ms(result.times.first));
-        if let Some(longest) = result.output.stage_times.iter().max_by_key(|it| it.duration) {
-            let _ = write!(line, " ({} {:.2} ms)", longest.stage, ms(longest.duration));
-        }
-    }
-    line
-}
-
-/// Not through the bar itself, which says nothing where it is hidden.
-fn warn(progress: &ProgressBar, warning: &str) {
-    progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
-}
-
-fn begin_recording(plan: &Plan<'_>, directory: &RunDirectory) -> Result<Option<Recorder>, Failure> {
+) -> Result<Option<Recorder>, Failure> {
     // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
     let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
-    let shown_task = if plan.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
+    let shown_task = if datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy();
-    let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
+    let detectors: Vec<&str> = entrants.iter().map(|it| it.name).collect();
     recorder::begin(&RecordingPlan {
-        arguments: &plan.arguments.stream,
+        arguments: &arguments.stream,
         default_file: directory.path_of("run.rrd"),
         name: &name,
         shown_task,
         detectors: &detectors,
-        has_poses: plan.datasets.iter().any(OpenedDataset::has_poses),
+        has_poses: datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: false,
     })
 }
 
-fn evaluate(
-    plan: &Plan<'_>,
-    opened: &OpenedDataset,
-    interrupted: &AtomicBool,
-    archive: &mut Archive<'_>,
-) -> Result<DatasetScores, Failure> {
-    let Plan { arguments, detectors: listed, .. } = plan;
-    let description = opened.dataset.description();
-    warn_of_unknown_sensor(&plan.config, &description.sensor);
-    let config = &plan.config.for_sensor(&description.sensor).unwrap_or_else(|| plan.config.clone());
-    let mut detectors: Vec<_> =
-        listed.iter().map(|it| it.build(config, description.sensor_height_m)).collect();
-    let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
-    let mut scores = DatasetScores::new(description.clone(), &names);
-    let side_by_side = SideBySide {
-        dataset: &*opened.dataset,
-        scan_indices: &opened.scan_indices,
-        matching: config.matching,
-        n_warmup: arguments.timing.warmup.into(),
-        n_repeats: arguments.repeats,
-        n_jobs: arguments.timing.n_jobs(),
-        interrupted,
-    };
-    let progress = progress_over_scans(opened.scan_indices.len(), &description.id);
-    let on_damage =
-        |id: &_, error| progress.suspend(|| opened.on_damage(arguments.damage.policy(), id, error));
-    side_by_side.run_past_damage(&mut detectors, on_damage, |results| -> Result<(), Failure> {
-        scores.add(results.results);
-        archive.add(opened, &results, &scores, &progress)
-    })?;
-    progress.finish_and_clear();
-    opened.warn_of_points_left_out();
-    if scores.n_annotations() == 0 {
-        let reason = format!(
-            "none of the {} scans of {:?} has an annotation that counts",
-            scores.n_scans(),
-            description.id
-        );
-        return Err(NothingEvaluated { reason }.into());
-    }
-    Ok(scores)
-}
-
-fn write_report(
-    directory: &RunDirectory,
-    manifest: &Manifest,
-    report: &RunReport,
-) -> Result<Vec<TaskTable>, Failure> {
-    directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
-    directory.write_file(REPORT_JSON, report.to_json().as_bytes())?;
-    let tables = task_tables(report, manifest)?;
-    for table in &tables {
-        let renderings =
-            BTreeMap::from([("csv", to_csv(table)), ("md", to_markdown(table)), ("tex", to_latex(table))]);
-        for (extension, text) in renderings {
-            directory.write_file(&format!("{}.{extension}", table.file_stem()), text.as_bytes())?;
-        }
-    }
-    Ok(tables)
-}
-
 fn print(
-    tables: &[TaskTable],
-    times: &TimesTable,
+    numbers: &RunNumbers,
     (standings, speeds): (&[Standing], &Speeds),
     finished: &Path,
 ) -> Result<(), Failure> {
     let width = result_width();
-    let texts = tables.iter().map(|it| to_terminal(it, width)).chain([times.to_terminal(width)]);
+    let tables = numbers.tables.iter().map(|it| to_terminal(it, width));
+    let texts = tables.chain([numbers.times.to_terminal(width)]);
     let texts = texts.chain([standing_to_terminal(standings, speeds, width)]);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.

@@ -7,6 +7,7 @@ use evaluation::matching::criterion::Criterion;
 use evaluation::metrics::counts::SCORING_VERSION;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
+use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::archive::SCHEMA;
 use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation};
@@ -15,15 +16,14 @@ use simulator::SIMULATOR_VERSION;
 use simulator::simulated_street::StreetDrive;
 use simulator::street_conditions::StreetConditions;
 
-use crate::cli::DatasetArgs;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::{command_line, git_state, machine, rfc3339_utc, rustc_version};
 use crate::commands::recorder::rerun_version;
 
 /// What was run, and how.
 pub struct RunSettings<'a> {
-    /// How the data sets were chosen.
-    pub data: &'a DatasetArgs,
+    /// Which scans of the data sets were chosen, as the command line writes it; `None` for all.
+    pub selection: Option<&'a str>,
     /// Detections that were thrown away before any was timed.
     pub n_warmup: u16,
     /// How often each detector looked at each scan.
@@ -55,23 +55,25 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
             min_points: matching.eligibility.min_points as u32,
             max_range_m: matching.eligibility.max_range_m,
         },
-        datasets: settings.datasets.iter().map(|it| dataset_entry(it, settings.data)).collect(),
+        datasets: settings.datasets.iter().map(|it| dataset_entry(it, settings.selection)).collect(),
         detectors: settings.detectors,
         config: json(&settings.config.resolved),
         git: git_state(),
         rustc_version: rustc_version(),
         rerun_version: rerun_version(),
         machine: machine(),
+        experiment: None,
     }
 }
 
 /// What a manifest says of `detectors` with the parameters of `config`.
 pub fn detector_entries(detectors: &[ListedDetector], config: &RunConfig) -> Vec<DetectorEntry> {
-    detectors.iter().map(|it| detector_entry(it.name, it, config)).collect()
+    detectors.iter().map(|it| detector_entry(&Entrant::of(*it, config))).collect()
 }
 
-/// What a manifest says of `listed` under the name `name`.
-pub fn detector_entry(name: &str, listed: &ListedDetector, config: &RunConfig) -> DetectorEntry {
+/// What a manifest says of one who takes part.
+pub fn detector_entry(entrant: &Entrant) -> DetectorEntry {
+    let Entrant { name, listed, config } = entrant;
     let mut parameters = json(&config.resolved)[listed.table].take();
     for (parameter, value) in listed.fixed {
         parameters[*parameter] = (*value).into();
@@ -79,7 +81,7 @@ pub fn detector_entry(name: &str, listed: &ListedDetector, config: &RunConfig) -
     // Rules do not depend on the height.
     let rules = listed.build(config, 0.0).rules();
     let rules = rules.iter().map(ToString::to_string).collect();
-    DetectorEntry { name: name.to_owned(), parameters, rules }
+    DetectorEntry { name: (*name).to_owned(), parameters, rules }
 }
 
 fn json(resolved: &toml::Table) -> serde_json::Value {
@@ -102,8 +104,8 @@ pub fn seeds(datasets: &[OpenedDataset]) -> BTreeMap<String, u64> {
     descriptions.filter_map(|it| Some((it.id.clone(), StreetDrive::of(it)?.seed))).collect()
 }
 
-/// What a manifest says of a data set that was opened as `arguments` say.
-pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> DatasetEntry {
+/// What a manifest says of a data set of which the scans of `selection` were chosen, or all.
+pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> DatasetEntry {
     let description = opened.dataset.description();
     DatasetEntry {
         id: description.id.clone(),
@@ -121,7 +123,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         skipped_scans: opened.skipped.borrow().clone(),
         classes: opened.classes.written(),
         n_points_left_out: opened.points_left_out.sum().map_or(0, |(n_points, ..)| n_points as u64),
-        selection: arguments.scans.clone(),
+        selection: selection.map(str::to_owned),
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),
         licence: description.licence.clone(),

@@ -163,7 +163,7 @@ impl<'a> Sweep<'a> {
 
     fn manifest(&self) -> String {
         let mut manifest = run_manifest(RunSettings {
-            data: &self.arguments.data,
+            selection: self.arguments.data.scans.as_deref(),
             n_warmup: 1,
             n_repeats: NonZeroUsize::MIN,
             config: &self.plan.base,

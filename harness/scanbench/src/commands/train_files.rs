@@ -86,7 +86,7 @@ pub fn write_files<const D: usize>(
 /// Everything that decides the model.
 fn manifest(settings: &TrainingSettings<'_>) -> serde_json::Value {
     let entries = |opened: &[OpenedDataset], arguments: &DatasetArgs| {
-        opened.iter().map(|it| dataset_entry(it, arguments)).collect::<Vec<_>>()
+        opened.iter().map(|it| dataset_entry(it, arguments.scans.as_deref())).collect::<Vec<_>>()
     };
     let to_judge_by = settings.held_out_data.map_or_else(Vec::new, |it| entries(settings.held_out, it));
     serde_json::json!({

@@ -8,10 +8,11 @@ use clap::Parser as _;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ListedDetector, detectors_named};
 use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
-use evaluation::run::scores::DatasetScores;
 use evaluation::run::side_by_side::SideBySide;
+use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::manifest::{DatasetEntry, Manifest};
 use reports::worst::{ListedMistake, Mistake};
+use scans::dataset::scan_times::scan_times_s;
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::judging_config;
@@ -117,7 +118,7 @@ impl RunAgain {
             open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
         for opened in &datasets {
             let id = &opened.dataset.description().id;
-            let found = dataset_entry(opened, &arguments.data);
+            let found = dataset_entry(opened, arguments.data.scans.as_deref());
             // Simulated scans have no checksum: they are what version, street and seed make.
             let is_same = |entry: &&DatasetEntry| {
                 (&entry.id, &entry.checksum, &entry.simulation)
@@ -167,8 +168,7 @@ impl RunAgain {
         interrupted: &AtomicBool,
         recording: &mut Recorder,
     ) -> Result<(), Failure> {
-        let names: Vec<&'static str> = self.detectors.iter().map(|it| it.name).collect();
-        // Detectors and rates so far of every data set that has had a scan.
+        // Detectors and times of scans of every data set that has had a scan.
         let mut begun = BTreeMap::new();
         let progress = progress_over_scans(scans.len(), "worst scans");
         for WorstScan { place: [dataset_idx, scan_idx], marks } in scans {
@@ -177,9 +177,9 @@ impl RunAgain {
             let description = opened.dataset.description();
             let config = self.config.for_sensor(&description.sensor).unwrap_or_else(|| self.config.clone());
             let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
-            let (detectors, scores) = begun.entry(dataset_idx).or_insert_with(|| {
+            let (detectors, times_s) = begun.entry(dataset_idx).or_insert_with(|| {
                 let built = self.detectors.iter().map(|it| it.build(&config, description.sensor_height_m));
-                (built.collect::<Vec<_>>(), DatasetScores::new(description.clone(), &names))
+                (built.collect::<Vec<_>>(), scan_times_s(&*opened.dataset))
             });
             let side_by_side = SideBySide {
                 dataset: &*opened.dataset,
@@ -191,16 +191,14 @@ impl RunAgain {
                 interrupted,
             };
             side_by_side.run(detectors, |results| -> Result<(), Failure> {
-                scores.add(results.results);
-                let recorded = RecordedScan {
-                    results: &results,
-                    scores,
+                let watched = WatchedDataset {
                     dataset: &*opened.dataset,
-                    scan_idx,
+                    scan_indices: &[scan_idx],
+                    times_s,
                     criterion: config.matching.criterion,
-                    marks,
                 };
-                if let Some(warning) = recording.record(&recorded)? {
+                let judged = JudgedScan::new(watched, &results);
+                if let Some(warning) = recording.record(&RecordedScan { judged: &judged, marks })? {
                     progress.suspend(|| print_diagnostic(format_args!("warning: {warning}")));
                 }
                 Ok(())

@@ -1,4 +1,4 @@
-//! `scanbench ablation`: what each part of the method is worth, as one table.
+//! `scanbench ablation`: what each part of the method is worth, as one table of a run.
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
@@ -63,4 +63,33 @@ fn the_whole_method_is_what_run_runs() {
     assert_eq!(of_run[6..10], of_ablation[5..9], "{report}");
     let lacking = &rows(&workplace, "parts")[1..];
     assert!(lacking.iter().any(|row| row[5..9] != of_ablation[5..9]), "no part makes a difference");
+}
+
+#[test]
+fn variants_are_detectors_of_a_run() {
+    let workplace = Workplace::new();
+    let data = ["street-narrow", "--simulated-scans", "2", "--sensor", "vlp-16"];
+    let with = |verb: &[&'static str]| verb.iter().chain(&data).copied().collect::<Vec<_>>();
+    workplace.succeed(&with(&["ablation", "-o", "before"]));
+    workplace.succeed(&with(&["ablation", "-o", "after", "-P", "hierarchical.grid.xi=2"]));
+    let of_two = workplace.succeed(&["compare", "before", "before"]);
+    assert!(of_two.stdout.contains("without dense separation"), "{of_two:#?}");
+    assert!(of_two.stdout.contains("Every scan is judged as before."), "{of_two:#?}");
+    let of_two = workplace.succeed(&["compare", "before", "after"]);
+    assert!(!of_two.stdout.contains("Every scan is judged as before."), "{of_two:#?}");
+    let pair = ["compare", "before", "--detectors", "whole method,without dense separation"];
+    let of_pair = workplace.succeed(&pair);
+    assert!(of_pair.stdout.contains("without dense separation − whole method"), "{of_pair:#?}");
+
+    let page = workplace.read("before/report.html");
+    workplace.succeed(&["report", "before"]);
+    assert_eq!(workplace.read("before/report.html"), page);
+    // Each interval of the table is one of the report.
+    let rows = rows(&workplace, "before");
+    let low = rows[0].iter().position(|it| it == "f_rate_low").expect("a column");
+    let table = workplace.read("before/table_objects.csv");
+    for row in &rows[1..] {
+        let expected = format!(",{},{},", row[low], row[low + 1]);
+        assert!(!row[low].is_empty() && table.contains(&expected), "{row:?}");
+    }
 }

@@ -466,7 +466,11 @@ fn a_drive_without_an_annotation_that_counts() {
     it.dataset.write("training/label_02/0000.txt", "");
     it.check_run(4, &["none of the 3 scans of \"street\" has an annotation that counts"]);
     it.check("selftest street", 4, &["\"street\" has no annotation that counts"]);
-    it.check("ablation street -o out", 4, &["no scan of \"street\" has an annotation that counts"]);
+    it.check(
+        "ablation street -o out",
+        4,
+        &["none of the 3 scans of \"street\" has an annotation that counts"],
+    );
 }
 
 #[cfg(feature = "viewer")]

@@ -61,7 +61,11 @@ fn robustness_leaves_its_table_in_three_forms() {
     let workplace = Workplace::new();
     let ended =
         workplace.succeed(&["robustness", "--scans", "1", "-d", "hierarchical,simple-grid", "-o", "out"]);
-    assert_eq!(names_in(&workplace, "out"), ["manifest.json", "robustness.csv", "robustness.md"]);
+    let names = names_in(&workplace, "out");
+    for name in ["manifest.json", "robustness.csv", "robustness.md", "report.html", "scans.csv", "stages.csv"]
+    {
+        assert!(names.iter().any(|it| it == name), "{name}: {names:?}");
+    }
     let conditions = column(&workplace, "out/robustness.csv", "condition");
     let f_rates = column(&workplace, "out/robustness.csv", "f_rate");
     assert!(conditions.len() >= 4 * 15 && f_rates.len() == conditions.len());
@@ -71,6 +75,20 @@ fn robustness_leaves_its_table_in_three_forms() {
     }
     assert!(ended.stdout.contains("(all simulated)"), "{ended:#?}");
     assert_eq!(ended.stderr, "Tables: out\n");
+
+    // The rates are those of a run whose data sets are the conditions.
+    let datasets = column(&workplace, "out/table_vehicles.csv", "dataset");
+    assert!(datasets.iter().any(|it| it == "sensor: vlp-16"), "{datasets:?}");
+    let lows = column(&workplace, "out/robustness.csv", "f_rate_low");
+    assert!(lows.iter().any(|it| !it.is_empty()), "{lows:?}");
+    let compared = workplace.succeed(&["compare", "out", "out"]);
+    assert!(compared.stdout.contains("Every scan is judged as before."), "{compared:#?}");
+    let page = workplace.read("out/report.html");
+    workplace.succeed(&["report", "out"]);
+    assert_eq!(workplace.read("out/report.html"), page);
+    let manifest: serde_json::Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    let drives = &manifest["experiment"][0]["drives"];
+    assert_eq!((drives.as_array().unwrap().len(), &manifest["seeds"]["streets"]), (3, &1.into()));
 }
 
 /// Runs with `arguments`, which ends with wrong usage, says `part`, and leaves nothing.

@@ -56,6 +56,7 @@ fn a_run_leaves_its_files_and_nothing_else() {
         "report.html",
         "report.json",
         "scans.csv",
+        "stages.csv",
         "table_objects.csv",
         "table_objects.md",
         "table_objects.tex",

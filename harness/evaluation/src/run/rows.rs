@@ -1,23 +1,78 @@
-//! From what became of a scan to rows of the archive.
+//! From what became of a scan to its rows, of which every number of a report is made.
 
 use std::time::Duration;
 
-use detector::detector::DropReason;
+use detector::detector::{DropReason, StageTime};
 use detector::{Detection, OrientedBox};
-use evaluation::matching::eligibility::n_points_in;
-use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, IgnoredAnnotation};
-use evaluation::metrics::counts::{Counts, FalseDetections};
-use evaluation::metrics::segmentation_quality::SegmentationQuality;
-use evaluation::run::side_by_side::DetectorScan;
 use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
 use reports::match_row::MatchRow;
 use reports::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use reports::stage_row::StageRow;
 use scans::annotation::{LabeledScan, Occlusion, PointRegion};
 use scans::dataset::DatasetDescription;
 
-/// The row of one scan, detector and task in `scans.csv`; the scan comes with the time it was taken at, in seconds since the first
-/// of its drive.
-pub fn scan_row(
+use super::side_by_side::DetectorScan;
+use crate::matching::criterion::Criterion;
+use crate::matching::eligibility::n_points_in;
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, IgnoredAnnotation};
+use crate::metrics::counts::{Counts, FalseDetections};
+use crate::metrics::segmentation_quality::SegmentationQuality;
+
+/// The rows of one scan and detector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DetectorRows {
+    /// Those of each task.
+    pub tasks: Vec<TaskRows>,
+    /// Those of `stages.csv`, in the order of the stages.
+    pub stages: Vec<StageRow>,
+}
+
+/// The rows of one scan, detector and task.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskRows {
+    /// That of `scans.csv`.
+    pub scan: ScanRow,
+    /// Those of `matches.csv`.
+    pub matches: Vec<MatchRow>,
+}
+
+impl DetectorRows {
+    /// The rows of what a detector made of a scan, which comes with the time it was taken at, in seconds since the first of its
+    /// drive.
+    pub fn new(
+        dataset: &DatasetDescription,
+        criterion: Criterion,
+        (scan, time_s): (&LabeledScan, f64),
+        result: &DetectorScan,
+    ) -> Self {
+        let of_task = |assignment: &Assignment| TaskRows {
+            scan: scan_row(dataset, (scan, time_s), result, assignment),
+            matches: match_rows(dataset, criterion.name(), scan, result, assignment),
+        };
+        Self {
+            tasks: result.assignments.iter().map(of_task).collect(),
+            stages: stage_rows(dataset, scan, result),
+        }
+    }
+}
+
+fn stage_rows(dataset: &DatasetDescription, scan: &LabeledScan, result: &DetectorScan) -> Vec<StageRow> {
+    let row = |time: &StageTime| StageRow {
+        dataset: dataset.id.clone(),
+        sequence: scan.id.sequence.clone(),
+        scan: scan.id.index,
+        detector: result.detector.to_owned(),
+        stage: time.stage.to_owned(),
+        time_ms: ms(time.duration),
+    };
+    result.output.stage_times.iter().map(row).collect()
+}
+
+fn ms(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+fn scan_row(
     dataset: &DatasetDescription,
     (scan, time_s): (&LabeledScan, f64),
     result: &DetectorScan,
@@ -25,7 +80,6 @@ pub fn scan_row(
 ) -> ScanRow {
     let counts = Counts::of(assignment);
     let segmentation = SegmentationQuality::of(scan, &result.output.detections, assignment);
-    let ms = |time: Duration| time.as_secs_f64() * 1e3;
     let n_dropped = |reasons: &[DropReason]| {
         let dropped = result.output.dropped_clusters.iter();
         dropped.filter(|cluster| reasons.contains(&cluster.reason)).count() as u64
@@ -60,9 +114,9 @@ pub fn scan_row(
     }
 }
 
-/// The rows of one scan, detector and task in `matches.csv`: annotations with what found them, then the detections
-/// that found none. A tall annotation stands in one row with the detection that found it all the same.
-pub fn match_rows(
+/// Annotations with what found them, then the detections that found none. A tall annotation stands in one row with the detection
+/// that found it all the same.
+fn match_rows(
     dataset: &DatasetDescription,
     criterion: &str,
     scan: &LabeledScan,
@@ -161,16 +215,14 @@ fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     use detector::{DetectedClass, DetectorOutput, PointCloud};
     use reports::metric::Metric;
     use reports::tally::Tally;
 
-    use evaluation::matching::assign::{MatchingParams, assign};
-    use evaluation::matching::criterion::Criterion;
-    use evaluation::matching::eligibility::EligibilityParams;
-    use evaluation::run::side_by_side::DetectionTimes;
+    use crate::matching::assign::{MatchingParams, assign};
+    use crate::matching::eligibility::EligibilityParams;
+    use crate::run::side_by_side::DetectionTimes;
     use scans::annotation::{Annotation, AnnotationClass, LabeledArea, ScanId};
     use scans::dataset::AnnotatedClasses;
     use scans::task::Task;
@@ -248,10 +300,11 @@ mod tests {
                 least: Duration::from_millis(1),
                 reference: None,
             },
-            assignments: vec![assignment.clone()],
+            assignments: vec![assignment],
         };
-        let rows = match_rows(&dataset(), "points", scan, &result, &assignment);
-        (scan_row(&dataset(), (scan, 0.0), &result, &assignment), rows)
+        let mut rows = DetectorRows::new(&dataset(), Criterion::POINTS, (scan, 0.0), &result);
+        let TaskRows { scan, matches } = rows.tasks.remove(0);
+        (scan, matches)
     }
 
     #[test]

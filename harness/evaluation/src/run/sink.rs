@@ -1,0 +1,248 @@
+//! What watches a run, scan by scan.
+
+use detector::Detector;
+use scans::annotation::ScanId;
+use scans::dataset::scan_times::scan_times_s;
+use scans::dataset::{Dataset, DatasetDescription, DatasetError};
+
+use super::rows::DetectorRows;
+use super::side_by_side::{RunError, ScanResults, SideBySide};
+use crate::matching::criterion::Criterion;
+
+/// A data set that detectors run on.
+#[derive(Clone, Copy)]
+pub struct WatchedDataset<'a> {
+    /// The data set.
+    pub dataset: &'a dyn Dataset,
+    /// Which of its scans, as indices into [`Dataset::scan_ids`].
+    pub scan_indices: &'a [usize],
+    /// When each of all its scans was taken, in seconds since the first of its drive.
+    pub times_s: &'a [f64],
+    /// How detections are judged.
+    pub criterion: Criterion,
+}
+
+/// A scan with what all detectors made of it.
+pub struct JudgedScan<'a> {
+    /// Its data set.
+    pub watched: WatchedDataset<'a>,
+    /// What the detectors made of it.
+    pub results: &'a ScanResults<'a>,
+    /// The same as rows, in the order of the detectors.
+    pub rows: Vec<DetectorRows>,
+}
+
+/// Watches a run: writes files, sums up, draws, or says how far it is. `E` is why it cannot.
+pub trait RunSink<E> {
+    /// A data set begins.
+    ///
+    /// # Errors
+    ///
+    /// If nothing can be written for it.
+    fn begin_dataset(&mut self, _watched: &WatchedDataset<'_>) -> Result<(), E> {
+        Ok(())
+    }
+
+    /// A scan of it has been judged.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), E>;
+
+    /// The data set has ended.
+    ///
+    /// # Errors
+    ///
+    /// If what was written for it is not complete.
+    fn end_dataset(&mut self) -> Result<(), E> {
+        Ok(())
+    }
+
+    /// The run has ended.
+    ///
+    /// # Errors
+    ///
+    /// If what was written is not complete.
+    fn finish(self: Box<Self>) -> Result<(), E> {
+        Ok(())
+    }
+}
+
+/// The sinks of a run.
+pub type Sinks<'a, E> = Vec<Box<dyn RunSink<E> + 'a>>;
+
+/// How much was judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Judged {
+    /// Number of scans.
+    pub n_scans: u64,
+    /// Annotations that count, in the task with the most of them.
+    pub n_annotations: u64,
+}
+
+impl<'a> JudgedScan<'a> {
+    /// Makes the rows of `results`.
+    pub fn new(watched: WatchedDataset<'a>, results: &'a ScanResults<'a>) -> Self {
+        let time_s = watched.times_s[watched.scan_indices[results.run_idx]];
+        let description = watched.dataset.description();
+        let scan = (results.scan, time_s);
+        let rows =
+            results.results.iter().map(|it| DetectorRows::new(description, watched.criterion, scan, it));
+        Self { watched, results, rows: rows.collect() }
+    }
+
+    /// Which of the data set's scans it is.
+    pub fn scan_idx(&self) -> usize {
+        self.watched.scan_indices[self.results.run_idx]
+    }
+
+    /// What is known about its data set.
+    pub fn dataset(&self) -> &'a DatasetDescription {
+        self.watched.dataset.description()
+    }
+
+    /// Annotations that count, in the task with the most of them.
+    fn n_annotations(&self) -> u64 {
+        let tasks = self.rows.iter().flat_map(|it| &it.tasks);
+        tasks.filter_map(|it| Some(it.scan.numbers()?.counts.no())).max().unwrap_or(0)
+    }
+}
+
+/// Runs `detectors` on one data set and tells all `sinks`: that it begins, of every scan in order, and that it has ended.
+///
+/// # Errors
+///
+/// As [`SideBySide::run_past_damage`], and whatever a sink returns.
+pub fn run_watched<E: From<RunError>>(
+    side_by_side: &SideBySide<'_>,
+    detectors: &mut [Box<dyn Detector>],
+    on_damage: impl FnMut(&ScanId, DatasetError) -> Result<(), DatasetError>,
+    sinks: &mut Sinks<'_, E>,
+) -> Result<Judged, E> {
+    let times_s = scan_times_s(side_by_side.dataset);
+    let watched = WatchedDataset {
+        dataset: side_by_side.dataset,
+        scan_indices: side_by_side.scan_indices,
+        times_s: &times_s,
+        criterion: side_by_side.matching.criterion,
+    };
+    sinks.iter_mut().try_for_each(|it| it.begin_dataset(&watched))?;
+    let mut judged_so_far = Judged::default();
+    side_by_side.run_past_damage(detectors, on_damage, |results| -> Result<(), E> {
+        let judged = JudgedScan::new(watched, &results);
+        judged_so_far.n_scans += 1;
+        judged_so_far.n_annotations += judged.n_annotations();
+        sinks.iter_mut().try_for_each(|it| it.add_scan(&judged))
+    })?;
+    sinks.iter_mut().try_for_each(|it| it.end_dataset())?;
+    Ok(judged_so_far)
+}
+
+/// What is not wanted watches nothing.
+impl<E, S: RunSink<E>> RunSink<E> for Option<S> {
+    fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), E> {
+        self.as_mut().map_or(Ok(()), |it| it.begin_dataset(watched))
+    }
+
+    fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), E> {
+        self.as_mut().map_or(Ok(()), |it| it.add_scan(judged))
+    }
+
+    fn end_dataset(&mut self) -> Result<(), E> {
+        self.as_mut().map_or(Ok(()), S::end_dataset)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), E> {
+        self.map_or(Ok(()), |it| Box::new(it).finish())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::num::NonZeroUsize;
+    use std::sync::atomic::AtomicBool;
+
+    use super::*;
+    use crate::matching::assign::MatchingParams;
+    use crate::matching::eligibility::EligibilityParams;
+    use crate::run::config::RunConfig;
+    use crate::run::detector_list::detectors_named;
+    use crate::run::entrant::Entrant;
+    use reports::tally::Tally;
+    use simulator::catalogue::built_in_catalogue;
+    use simulator::open::{OpenOptions, open_dataset};
+
+    /// Writes down what it is told.
+    struct Diary<'a>(&'a mut Vec<String>);
+
+    impl RunSink<RunError> for Diary<'_> {
+        fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), RunError> {
+            let id = &watched.dataset.description().id;
+            self.0.push(format!("{id} begins with {} scans", watched.scan_indices.len()));
+            Ok(())
+        }
+
+        fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), RunError> {
+            let detectors: Vec<&str> =
+                judged.rows.iter().map(|it| it.tasks[0].scan.detector.as_str()).collect();
+            self.0.push(format!("{} {}", judged.results.scan.id, detectors.join("+")));
+            Ok(())
+        }
+
+        fn end_dataset(&mut self) -> Result<(), RunError> {
+            self.0.push("ends".to_owned());
+            Ok(())
+        }
+
+        fn finish(self: Box<Self>) -> Result<(), RunError> {
+            self.0.push("finished".to_owned());
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn every_sink_sees_every_scan_once_and_in_order() {
+        let options = OpenOptions {
+            n_simulated_scans: Some(4),
+            sensor: Some("vlp-16".to_owned()),
+            ..OpenOptions::default()
+        };
+        let street = open_dataset("street-narrow", &options, &built_in_catalogue().unwrap()).unwrap();
+        let config = RunConfig::load(None).unwrap();
+        let listed = detectors_named(&["simple-grid".to_owned(), "hierarchical".to_owned()]).unwrap();
+        let entrants = listed.iter().map(|it| Entrant::of(*it, &config));
+        let mut detectors: Vec<_> = entrants.map(|it| it.build(street.description())).collect();
+        let side_by_side = SideBySide {
+            dataset: &*street,
+            scan_indices: &[3, 0, 2],
+            matching: MatchingParams {
+                criterion: Criterion::POINTS,
+                eligibility: EligibilityParams::STANDARD,
+            },
+            n_warmup: 1,
+            n_repeats: NonZeroUsize::MIN,
+            // Scans that are read at once are still told of in order.
+            n_jobs: 2,
+            interrupted: &AtomicBool::new(false),
+        };
+        let (mut first, mut second, mut tally) = (Vec::new(), Vec::new(), Tally::default());
+        let mut sinks: Sinks<'_, RunError> = vec![
+            Box::new(Diary(&mut first)),
+            Box::new(None::<Diary<'_>>),
+            Box::new(&mut tally),
+            Box::new(Some(Diary(&mut second))),
+        ];
+        let judged = run_watched(&side_by_side, &mut detectors, |_, error| Err(error), &mut sinks).unwrap();
+        sinks.into_iter().try_for_each(RunSink::finish).unwrap();
+
+        let of_scan = |scan_idx: usize| format!("{} simple-grid+hierarchical", street.scan_ids()[scan_idx]);
+        let expected = ["street-narrow begins with 3 scans".to_owned(), of_scan(3), of_scan(0), of_scan(2)];
+        let expected = expected.into_iter().chain(["ends", "finished"].map(str::to_owned));
+        assert_eq!(first, expected.collect::<Vec<_>>());
+        assert_eq!(second, first);
+        assert_eq!(judged.n_scans, 3);
+        let counts = tally.counts("street-narrow", "objects", "hierarchical").unwrap();
+        assert!(judged.n_annotations > 0 && judged.n_annotations == counts.no());
+    }
+}

@@ -1,0 +1,43 @@
+//! `run.mcap` for Foxglove.
+
+use evaluation::results_recording::recording::ResultsRecording;
+use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
+use reports::run_directory::RunDirectory;
+use scans::conversion::whole_folder::folder_name;
+
+use crate::commands::failure::Failure;
+
+/// Records each data set by itself, as each has times and a sensor of its own.
+pub struct McapRecordings<'a> {
+    directory: &'a RunDirectory,
+    n_datasets: usize,
+    // Of the data set at hand.
+    recording: Option<ResultsRecording>,
+}
+
+impl<'a> McapRecordings<'a> {
+    /// None yet; those of `n_datasets` will be in `directory`.
+    pub fn new(directory: &'a RunDirectory, n_datasets: usize) -> Self {
+        Self { directory, n_datasets, recording: None }
+    }
+}
+
+impl RunSink<Failure> for McapRecordings<'_> {
+    fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
+        let name = match self.n_datasets {
+            1 => "run.mcap".to_owned(),
+            _ => format!("run-{}.mcap", folder_name(&watched.dataset.description().id)),
+        };
+        let path = self.directory.path_of(&name);
+        self.recording = Some(ResultsRecording::create(&path, watched.dataset, watched.scan_indices)?);
+        Ok(())
+    }
+
+    fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), Failure> {
+        Ok(self.recording.as_mut().map_or(Ok(()), |it| it.add(judged))?)
+    }
+
+    fn end_dataset(&mut self) -> Result<(), Failure> {
+        Ok(self.recording.take().map_or(Ok(()), ResultsRecording::finish)?)
+    }
+}

@@ -1,0 +1,75 @@
+//! Detectors side by side on one data set after the other, watched by sinks.
+
+use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
+
+use evaluation::run::entrant::Entrant;
+use evaluation::run::side_by_side::SideBySide;
+use evaluation::run::sink::{RunSink, Sinks, run_watched};
+use scans::dataset::source::DamagePolicy;
+
+use crate::commands::config::warn_of_unknown_sensor;
+use crate::commands::failure::{Failure, NothingEvaluated};
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::progress::RunProgress;
+
+/// Who runs on what, and how.
+pub struct WatchedRun<'a> {
+    /// Who takes part; all are judged in the same way.
+    pub entrants: &'a [Entrant],
+    /// The data sets.
+    pub datasets: &'a [OpenedDataset],
+    /// What becomes of damaged scans.
+    pub damage: DamagePolicy,
+    /// Detections of the first scan of a data set that are thrown away.
+    pub n_warmup: u16,
+    /// How often each detector looks at each scan.
+    pub n_repeats: NonZeroUsize,
+    /// Scans that are read at once.
+    pub n_jobs: usize,
+    /// Ends the run once it is set.
+    pub interrupted: &'a AtomicBool,
+    /// How far it is.
+    pub progress: &'a RunProgress,
+}
+
+impl WatchedRun<'_> {
+    /// Runs, and tells all `sinks` of every scan.
+    ///
+    /// # Errors
+    ///
+    /// If data are damaged, a data set has nothing to be found, the run is interrupted, or a sink cannot go on.
+    pub fn run(&self, mut sinks: Sinks<'_, Failure>) -> Result<(), Failure> {
+        for opened in self.datasets {
+            self.run_dataset(opened, &mut sinks)?;
+        }
+        sinks.into_iter().try_for_each(RunSink::finish)
+    }
+
+    fn run_dataset(&self, opened: &OpenedDataset, sinks: &mut Sinks<'_, Failure>) -> Result<(), Failure> {
+        let description = opened.dataset.description();
+        let Some(first) = self.entrants.first() else { return Ok(()) };
+        warn_of_unknown_sensor(&first.config, &description.sensor);
+        let mut detectors: Vec<_> = self.entrants.iter().map(|it| it.build(description)).collect();
+        let side_by_side = SideBySide {
+            dataset: &*opened.dataset,
+            scan_indices: &opened.scan_indices,
+            matching: first.config.matching,
+            n_warmup: self.n_warmup.into(),
+            n_repeats: self.n_repeats,
+            n_jobs: self.n_jobs,
+            interrupted: self.interrupted,
+        };
+        let on_damage = |id: &_, error| self.progress.suspend(|| opened.on_damage(self.damage, id, error));
+        let judged = run_watched(&side_by_side, &mut detectors, on_damage, sinks)?;
+        opened.warn_of_points_left_out();
+        if judged.n_annotations == 0 {
+            let reason = format!(
+                "none of the {} scans of {:?} has an annotation that counts",
+                judged.n_scans, description.id
+            );
+            return Err(NothingEvaluated { reason }.into());
+        }
+        Ok(())
+    }
+}
