@@ -31,14 +31,14 @@ GROUPS = {
             "harness/src/sweep",
             "reports/src/",
         ],
-        ["reports/src/plot", "reports/src/html", "reports/src/gate", "reports/src/palette.rs"],
+        ["reports/src/plots", "reports/src/pages", "reports/src/verdicts"],
     ),
-    "realism": (["harness/src/realism", "reports/src/curve_pair.rs"], []),
+    "realism": (["harness/src/realism", "reports/src/numbers/curve_pair.rs"], []),
     "training": (["harness/src/training", "harness/src/commands/train"], []),
     "readers": (["harness/src/dataset/"], ["harness/src/dataset/simulated_street.rs"]),
-    "plots": (["reports/src/plot", "reports/src/palette.rs"], []),
-    "page": (["reports/src/html", "reports/src/plot", "reports/src/palette.rs"], []),
-    "recording": (["harness/src/stream", "reports/src/palette.rs"], []),
+    "plots": (["reports/src/plots"], []),
+    "page": (["reports/src/pages", "reports/src/plots"], []),
+    "recording": (["harness/src/stream", "reports/src/plots/palette.rs"], []),
 }
 
 # Parameters that people choose; what else is no program below detector/ and baselines/ was trained or fitted.

@@ -7,7 +7,7 @@ use harness::cli::Cli;
 use harness::commands::dispatch::dispatch;
 use harness::commands::failure::exit_code_of;
 use harness::commands::interruption::watch_for_signals;
-use reports::unfinished;
+use reports::files::unfinished;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

@@ -4,10 +4,11 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
-use reports::csv_rows::CsvRowWriter;
-use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
-use reports::table::ablation_score::AblationRow;
-use reports::table::ablation_table::AblationTable;
+use reports::files::csv_rows::CsvRowWriter;
+use reports::numbers::ablation_score::AblationRow;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
+use reports::tables::studies::ablation_table::AblationTable;
 
 use crate::cli::AblationArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};

@@ -4,12 +4,13 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
-use reports::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
-use reports::box_errors::BoxErrorLine;
-use reports::csv_rows::CsvRowWriter;
-use reports::plot::box_plot::box_plot;
-use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
-use reports::table::box_table::{boxes_to_markdown, boxes_to_terminal};
+use reports::files::csv_rows::CsvRowWriter;
+use reports::numbers::box_errors::BoxErrorLine;
+use reports::plots::box_plot::box_plot;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
+use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
+use reports::tables::studies::box_table::{boxes_to_markdown, boxes_to_terminal};
 
 use crate::annotation::Occlusion;
 use crate::cli::BoxesArgs;

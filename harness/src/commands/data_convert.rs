@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use reports::new_folders::NewFolders;
+use reports::files::new_folders::NewFolders;
 
 use crate::cli::ConvertArgs;
 use crate::commands::failure::Usage;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use reports::whole_file::WholeFile;
+use reports::files::whole_file::WholeFile;
 
 use crate::cli::HashArgs;
 use crate::commands::failure::Usage;

@@ -4,14 +4,15 @@ use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
-use reports::archive::SCHEMA;
-use reports::comparison_manifest::{ComparedScans, ComparisonManifest};
-use reports::csv_rows::CsvRowWriter;
-use reports::curve_pair::{CurvePair, Sides};
-use reports::curve_row::CurveRow;
-use reports::plot::curve_plot::curve_plot;
-use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
-use reports::table::agreement::agreement_table;
+use reports::files::archive::SCHEMA;
+use reports::files::csv_rows::CsvRowWriter;
+use reports::numbers::curve_pair::{CurvePair, Sides};
+use reports::plots::curve_plot::curve_plot;
+use reports::run_folder::comparison_manifest::{ComparedScans, ComparisonManifest};
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
+use reports::tables::studies::agreement::agreement_table;
+use reports::tables::studies::curve_row::CurveRow;
 
 use crate::cli::{DatasetArgs, RealismArgs, SourceArgs};
 use crate::commands::interruption::interruption_flag;

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use detector::DetectedClass;
-use reports::box_row::BoxRow;
-use reports::cluster_of_point;
-use reports::csv_rows::to_csv_bytes;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::rows::box_row::BoxRow;
+use reports::rows::cluster_of_point;
 
 use crate::cli::DetectArgs;
 use crate::commands::config::{detector_config, warn_of_unknown_sensor};

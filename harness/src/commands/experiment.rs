@@ -1,9 +1,10 @@
 //! What experiments on simulated scans have in common.
 
 use jiff::Timestamp;
-use reports::archive::SCHEMA;
-use reports::experiment_manifest::ExperimentManifest;
-use reports::run_directory::{LatestPointer, RunDirectory};
+use reports::files::archive::SCHEMA;
+use reports::run_folder::experiment_manifest::ExperimentManifest;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::LatestPointer;
 
 use crate::cli::{ExperimentArgs, OutputArgs};
 use crate::commands::config::detector_config;

@@ -4,12 +4,12 @@ use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-use reports::archive::ArchiveError;
-use reports::gate::accept::AcceptError;
-use reports::gate::comparability::NotComparable;
-use reports::gate::tolerances::TolerancesError;
-use reports::gate::verdict::{Conclusion, JudgeError};
-use reports::run_directory::RunDirectoryError;
+use reports::files::archive::ArchiveError;
+use reports::run_folder::run_target::RunDirectoryError;
+use reports::verdicts::accept::AcceptError;
+use reports::verdicts::comparability::NotComparable;
+use reports::verdicts::tolerances::TolerancesError;
+use reports::verdicts::verdict::{Conclusion, JudgeError};
 
 use crate::commands::interruption::interruption_exit_code;
 use crate::commands::standard_streams::print_error;

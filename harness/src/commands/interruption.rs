@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use reports::unfinished;
+use reports::files::unfinished;
 
 use crate::commands::standard_streams::{Verbosity, is_said};
 

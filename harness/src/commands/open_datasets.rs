@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::str::FromStr as _;
 
-use reports::manifest::SkippedScan;
+use reports::run_folder::manifest::SkippedScan;
 
 use crate::annotation::ScanId;
 use crate::cli::{DatasetArgs, SourceArgs};

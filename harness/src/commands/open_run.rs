@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use reports::run_archive::RunArchive;
+use reports::run_folder::run_archive::RunArchive;
 
 use crate::commands::failure::{DamagedRun, Usage};
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use reports::unfinished::{Kind, Unfinished};
+use reports::files::unfinished::{Kind, Unfinished};
 use tempfile::NamedTempFile;
 
 use crate::cli::{StreamArgs, TabName};

@@ -1,10 +1,11 @@
 //! `scanbench robustness`.
 
-use reports::condition_row::ConditionRow;
-use reports::condition_scores::ConditionScores;
-use reports::csv_rows::CsvRowWriter;
-use reports::run_directory::{MANIFEST_JSON, RunDirectory};
-use reports::table::robustness_table::{robustness_to_markdown, robustness_to_terminal};
+use reports::files::csv_rows::CsvRowWriter;
+use reports::numbers::condition_scores::ConditionScores;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::tables::studies::condition_row::ConditionRow;
+use reports::tables::studies::robustness_table::{robustness_to_markdown, robustness_to_terminal};
 
 use crate::cli::RobustnessArgs;
 use crate::commands::experiment::Experiment;

@@ -7,24 +7,25 @@ use std::sync::atomic::AtomicBool;
 
 use indicatif::ProgressBar;
 use jiff::Timestamp;
-use reports::csv_rows::{CsvRowWriter, to_csv_bytes};
-use reports::html::run_page::RunPage;
-use reports::manifest::Manifest;
-use reports::match_row::MatchRow;
-use reports::run_directory::{
-    ClaimedTarget, LatestPointer, MANIFEST_JSON, MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON,
-    RunDirectory, RunDirectoryError, SCANS_CSV, WORST_POINTS_JSON,
+use reports::files::csv_rows::{CsvRowWriter, to_csv_bytes};
+use reports::numbers::run_report::RunReport;
+use reports::numbers::tally::Tally;
+use reports::pages::run_page::RunPage;
+use reports::rows::match_row::MatchRow;
+use reports::rows::scan_row::ScanRow;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::{
+    MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV, WORST_POINTS_JSON,
 };
-use reports::run_report::RunReport;
-use reports::scan_row::ScanRow;
-use reports::standing::{Speeds, Standing, speeds, standing_to_terminal, standings};
-use reports::table::stage_table::StageTable;
-use reports::table::task_table::{TaskTable, task_tables};
-use reports::table::times_table::TimesTable;
-use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
-use reports::tally::Tally;
-use reports::worst_places::WorstPlaces;
-use reports::worst_points::{PlanCells, WorstPoints};
+use reports::run_folder::run_target::{ClaimedTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError};
+use reports::tables::stage_table::StageTable;
+use reports::tables::task_table::{TaskTable, task_tables};
+use reports::tables::times_table::TimesTable;
+use reports::tables::verdict::standing::standing_to_terminal;
+use reports::tables::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
+use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
+use reports::worst::places::WorstPlaces;
+use reports::worst::points::{PlanCells, WorstPoints};
 
 use crate::cli::RunArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};

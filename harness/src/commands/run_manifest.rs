@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 
 use jiff::Timestamp;
-use reports::archive::SCHEMA;
-use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation};
+use reports::files::archive::SCHEMA;
+use reports::run_folder::manifest::{
+    AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation,
+};
 
 use crate::cli::DatasetArgs;
 use crate::commands::open_datasets::OpenedDataset;

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use detector::detector::DropReason;
 use detector::{Detection, OrientedBox};
-use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
-use reports::match_row::MatchRow;
-use reports::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use reports::rows::match_row::MatchRow;
+use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
 
 use crate::annotation::{LabeledScan, Occlusion, PointRegion};
 use crate::dataset::DatasetDescription;
@@ -165,8 +165,8 @@ mod tests {
     use std::time::Duration;
 
     use detector::{DetectedClass, DetectorOutput, PointCloud};
-    use reports::metric::Metric;
-    use reports::tally::Tally;
+    use reports::numbers::tally::Tally;
+    use reports::vocabulary::metric::Metric;
 
     use crate::annotation::{Annotation, AnnotationClass, LabeledArea, ScanId};
     use crate::dataset::AnnotatedClasses;
@@ -267,7 +267,7 @@ mod tests {
         let rows = tally.metric_rows();
         let sum = |metric: &Metric, is_asked: &dyn Fn(&str) -> bool| -> f64 {
             let asked = rows.iter().filter(|it| it.metric == *metric && is_asked(&it.subject.slice));
-            asked.filter_map(reports::run_report::MetricRow::value).sum()
+            asked.filter_map(reports::numbers::run_report::MetricRow::value).sum()
         };
         for (metric, expected) in [(Metric::No, 3.0), (Metric::Tp, 2.0), (Metric::Fo, 1.0)] {
             assert_eq!(sum(&metric, &|it| it == "all"), expected, "{}", metric.id());

@@ -1,7 +1,7 @@
 //! `scanbench selftest`: annotations fed back as detections.
 
 use detector::{DetectedClass, Detection, Detections, OrientedBox};
-use reports::counts::Counts as Scored;
+use reports::rows::counts::Counts as Scored;
 
 use crate::annotation::{Annotation, LabeledScan};
 use crate::cli::SelftestArgs;

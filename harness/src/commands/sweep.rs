@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use jiff::Timestamp;
-use reports::manifest::Manifest;
-use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
-use reports::table::sweep_score::SweepScores;
+use reports::numbers::sweep_score::SweepScores;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 
 use crate::cli::{ConfigArgs, SweepArgs};
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};

@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use detector::{Detector, DetectorOutput};
-use reports::run_directory::RunDirectory;
-use reports::table::sweep_score::{SweepScore, SweepScores};
-use reports::table::task_table::Extent;
+use reports::numbers::sweep_score::{SweepScore, SweepScores};
+use reports::run_folder::run_directory::RunDirectory;
+use reports::vocabulary::extent::Extent;
 
 use crate::annotation::LabeledScan;
 use crate::commands::recording::task_views;

@@ -10,7 +10,8 @@ use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use jiff::Timestamp;
-use reports::run_directory::{LatestPointer, RunDirectory};
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::LatestPointer;
 
 use crate::cli::{DatasetArgs, ModelName, SourceArgs, TrainArgs};
 use crate::commands::config::warn_of_unknown_sensor;

@@ -1,6 +1,6 @@
 //! `scanbench view`.
 
-use reports::worst::{Mistake, MistakeChoice, worst, worst_to_terminal};
+use reports::worst::mistakes::{Mistake, MistakeChoice, worst, worst_to_terminal};
 
 use crate::cli::{OutcomeName, ViewArgs};
 use crate::commands::failure::{NothingEvaluated, Usage};

@@ -5,8 +5,8 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use clap::Parser as _;
-use reports::manifest::{DatasetEntry, Manifest};
-use reports::worst::{ListedMistake, Mistake};
+use reports::run_folder::manifest::{DatasetEntry, Manifest};
+use reports::worst::mistakes::{ListedMistake, Mistake};
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::judging_config;

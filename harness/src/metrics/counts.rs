@@ -72,9 +72,9 @@ impl Counts {
     }
 
     /// The counts that rates are made of; `false_detections` says whether the false ones are all known.
-    pub fn scored(&self, false_detections: FalseDetections) -> reports::counts::Counts {
+    pub fn scored(&self, false_detections: FalseDetections) -> reports::rows::counts::Counts {
         let n_false = (false_detections == FalseDetections::Known).then_some(self.n_false);
-        reports::counts::Counts::new(self.n_annotations, self.n_matched, n_false)
+        reports::rows::counts::Counts::new(self.n_annotations, self.n_matched, n_false)
             .expect("a matched annotation is counted as one")
     }
 }

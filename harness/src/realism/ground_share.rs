@@ -2,7 +2,7 @@
 
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::stage_product::SurfaceClass;
-use reports::curve_pair::{CurvePair, Sides};
+use reports::numbers::curve_pair::{CurvePair, Sides};
 
 use super::distribution::distribution;
 

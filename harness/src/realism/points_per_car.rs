@@ -1,6 +1,6 @@
 //! How many points a car has, by its range.
 
-use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
+use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
 use super::distribution::median_of_sorted;
 use crate::annotation::{AnnotationClass, LabeledScan, Occlusion, PointRegion, points_inside};

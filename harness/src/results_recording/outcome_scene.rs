@@ -1,9 +1,9 @@
 //! What became of annotations and detections, as a Foxglove scene.
 
 use detector::OrientedBox;
-use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
-use reports::match_row::MatchRow;
-use reports::palette::{BLUISH_GREEN, Rgb, VERMILION, YELLOW};
+use reports::plots::palette::{BLUISH_GREEN, Rgb, VERMILION, YELLOW};
+use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use reports::rows::match_row::MatchRow;
 
 use crate::annotation::LabeledScan;
 use crate::conversion::scene::{entity_of, line_between, pair};

@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use detector::detector::StageTime;
-use reports::counts::Counts;
-use reports::match_row::MatchRow;
-use reports::scan_row::{ScanOutcome, ScanRow};
+use reports::rows::counts::Counts;
+use reports::rows::match_row::MatchRow;
+use reports::rows::scan_row::{ScanOutcome, ScanRow};
 
 use super::outcome_scene::outcome_entities;
 use super::scan_numbers::{SCAN_NUMBERS, SCAN_NUMBERS_SCHEMA, ScanNumbersMessage};

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use detector::detector::StageTime;
-use reports::counts::Counts;
-use reports::scan_row::{ScanOutcome, ScanRow};
+use reports::rows::counts::Counts;
+use reports::rows::scan_row::{ScanOutcome, ScanRow};
 use serde::Serialize;
 
 /// The name of such messages.

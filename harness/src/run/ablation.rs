@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
-use reports::counts::Counts as Scored;
-use reports::table::ablation_score::AblationScore;
-use reports::table::task_table::{Extent, Origin};
+use reports::numbers::ablation_score::AblationScore;
+use reports::rows::counts::Counts as Scored;
+use reports::vocabulary::extent::Extent;
+use reports::vocabulary::origin::Origin;
 
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetDescription;

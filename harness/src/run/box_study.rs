@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
-use reports::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
-use reports::box_errors::{BoxError, BoxErrorLine};
+use reports::numbers::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
+use reports::numbers::box_errors::{BoxError, BoxErrorLine};
 
 use crate::annotation::{AnnotationClass, LabeledScan, Occlusion, ScanId};
 use crate::dataset::Dataset;

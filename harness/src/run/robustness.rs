@@ -4,12 +4,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use detector::{Detector, DetectorOutput};
 use rayon::prelude::*;
-use reports::condition_scores::{ConditionScores, DetectorCounts};
+use reports::numbers::condition_scores::{ConditionScores, DetectorCounts};
 
 use crate::annotation::LabeledScan;
-use crate::dataset::Dataset;
-use crate::dataset::DatasetError;
 use crate::dataset::simulated_street::{Shutter, StreetDrive, open_simulated_street};
+use crate::dataset::{Dataset, DatasetError};
 use crate::matching::assign::assign;
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::run::config::RunConfig;

@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use reports::metric::{LatencyStatistic, Metric};
-use reports::run_report::{MetricRow, OVERALL, SLICE_ALL, Subject};
+use reports::numbers::run_report::{MetricRow, Subject};
+use reports::vocabulary::extent::OVERALL;
+use reports::vocabulary::metric::{LatencyStatistic, Metric};
+use reports::vocabulary::slice::SLICE_ALL;
 
 use crate::dataset::DatasetDescription;
 use crate::metrics::counts::{Counts, FalseDetections};

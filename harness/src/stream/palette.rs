@@ -3,8 +3,10 @@
 //! The hues can be told apart with every kind of colour vision; the greys stay behind them on a dark background.
 
 use detector::stage_product::{LinkFate, SurfaceClass};
-use reports::palette::detector_hue;
-pub use reports::palette::{BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW};
+use reports::plots::palette::detector_hue;
+pub use reports::plots::palette::{
+    BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW,
+};
 
 /// A grey between the two ends.
 pub const GREY: Rgb = [150, 150, 150];

@@ -1,7 +1,7 @@
 //! How sure ratios of sums over scans are.
 
-use reports::blocks::{BlockCount, Blocks, DriveSecond};
-use reports::bootstrap::{Distribution, N_RESAMPLES, Resamples};
+use reports::numbers::blocks::{BlockCount, Blocks, DriveSecond};
+use reports::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
 
 use crate::annotation::ScanId;
 

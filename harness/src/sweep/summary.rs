@@ -2,11 +2,12 @@
 
 use detector::grid::cell_fitness::{CellTally, FitnessReading};
 use rayon::prelude::*;
-use reports::blocks::BlockCount;
-use reports::table::sweep_score::{
+use reports::numbers::blocks::BlockCount;
+use reports::numbers::sweep_score::{
     CellScore, FitnessValue, SweepScore, SweepScores, SweepSubject, SweepTime,
 };
-use reports::table::task_table::{Extent, Origin};
+use reports::vocabulary::extent::Extent;
+use reports::vocabulary::origin::Origin;
 
 use crate::dataset::scan_times::scan_times_s;
 use crate::metrics::counts::{Counts, FalseDetections};

@@ -1,0 +1,34 @@
+//! What detectors find under one condition after another.
+
+use crate::rows::counts::Counts;
+
+/// What was counted under one condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConditionScores {
+    /// What conditions of this kind have in common, such as `sensor`.
+    pub group: String,
+    /// The condition, such as `vlp-16`.
+    pub condition: String,
+    /// Number of scans.
+    pub n_scans: u64,
+    /// What each detector found, in the order of the columns.
+    pub detectors: Vec<DetectorCounts>,
+}
+
+/// What one detector found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DetectorCounts {
+    /// Its name.
+    pub detector: String,
+    /// Of all objects.
+    pub objects: Counts,
+    /// Of the vehicles.
+    pub vehicles: Counts,
+}
+
+impl DetectorCounts {
+    /// Both tasks with their names.
+    pub fn tasks(&self) -> [(&'static str, Counts); 2] {
+        [("objects", self.objects), ("vehicles", self.vehicles)]
+    }
+}

@@ -1,0 +1,68 @@
+//! `robustness.csv`: one row for every condition, task and detector.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::fixed_decimals::Fixed;
+use crate::numbers::condition_scores::ConditionScores;
+
+/// What one detector found under one condition, with what the rates are made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ConditionRow {
+    data: String,
+    group: String,
+    condition: String,
+    task: String,
+    detector: String,
+    n_scans: u64,
+    no: u64,
+    tp: u64,
+    mo: u64,
+    fo: Option<u64>,
+    precision: Option<Fixed<4>>,
+    recall: Option<Fixed<4>>,
+    f_rate: Option<Fixed<4>>,
+}
+
+impl CsvRow for ConditionRow {
+    const COLUMNS: &'static [&'static str] = &[
+        "data",
+        "group",
+        "condition",
+        "task",
+        "detector",
+        "n_scans",
+        "no",
+        "tp",
+        "mo",
+        "fo",
+        "precision",
+        "recall",
+        "f_rate",
+    ];
+}
+
+impl ConditionRow {
+    /// The rows of a condition that was simulated.
+    pub fn simulated(scores: &ConditionScores) -> Vec<Self> {
+        let row = |detector: &str, task: &str, counts: crate::rows::counts::Counts| Self {
+            data: "simulated".to_owned(),
+            group: scores.group.clone(),
+            condition: scores.condition.clone(),
+            task: task.to_owned(),
+            detector: detector.to_owned(),
+            n_scans: scores.n_scans,
+            no: counts.no(),
+            tp: counts.tp(),
+            mo: counts.mo(),
+            fo: counts.fo(),
+            precision: counts.precision().map(Fixed),
+            recall: counts.recall().map(Fixed),
+            f_rate: counts.f_rate().map(Fixed),
+        };
+        let of_detector = |it: &crate::numbers::condition_scores::DetectorCounts| {
+            it.tasks().map(|(task, counts)| row(&it.detector, task, counts))
+        };
+        scores.detectors.iter().flat_map(of_detector).collect()
+    }
+}
