@@ -9,14 +9,15 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use detector::{DetectedClass, Detection, Detections, OrientedBox, PointCloud};
-use harness::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use harness::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use harness::dataset::AnnotatedClasses;
 use harness::matching::assign::{MatchingParams, assign};
 use harness::matching::criterion::Criterion;
 use harness::matching::eligibility::EligibilityParams;
-use harness::task::Task;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::task::Task;
 
 const N_ANNOTATIONS: usize = 200;
 const N_DETECTIONS: usize = 10_000;

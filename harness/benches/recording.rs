@@ -22,7 +22,7 @@ use harness::run::config::RunConfig;
 use harness::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detectors_named};
 use harness::run::scores::DatasetScores;
 use harness::run::side_by_side::SideBySide;
-use harness::task::Task;
+use reports::vocabulary::task::Task;
 
 const TO_THE_FILE_ALONE: StreamArgs = StreamArgs {
     save_rrd: None,

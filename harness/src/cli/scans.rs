@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
+use reports::vocabulary::class::AnnotationClass;
 
-use crate::annotation::AnnotationClass;
 use crate::dataset::class_table::class_of_word;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::source::DamagePolicy;

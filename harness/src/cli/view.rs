@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 
 #[cfg(feature = "rerun")]
 use super::stream::StreamArgs;
-use crate::task::Task;
+use reports::vocabulary::task::Task;
 
 /// Arguments of `scanbench view`.
 #[derive(Debug, Args)]

@@ -61,7 +61,7 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
     let overall = AblationScores::overall(&evaluated).filter(|_| evaluated.len() > 1);
     let table = AblationTable {
         method: METHOD.to_owned(),
-        task: TASK.name().to_owned(),
+        task: TASK,
         matching_criterion: criterion_in_words(config.matching.criterion),
         cpu_model: machine().cpu_model,
         scores: evaluated.iter().chain(&overall).flat_map(AblationScores::scores).collect(),
@@ -116,7 +116,7 @@ fn evaluate(
 fn write_table(directory: &RunDirectory, table: &AblationTable) -> anyhow::Result<()> {
     let mut rows = CsvRowWriter::new(directory.begin_file(ABLATION_CSV)?)?;
     for score in &table.scores {
-        rows.write(&AblationRow::new(&table.task, score))?;
+        rows.write(&AblationRow::new(table.task, score))?;
     }
     rows.finish()?;
     directory.write_file(ABLATION_MD, table.to_markdown().as_bytes())?;

@@ -12,7 +12,6 @@ use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
 use reports::tables::studies::box_table::{boxes_to_markdown, boxes_to_terminal};
 
-use crate::annotation::Occlusion;
 use crate::cli::BoxesArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
 use crate::commands::failure::NothingEvaluated;
@@ -138,9 +137,9 @@ fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> anyhow::Result
                 data: dataset,
                 is_simulated: group.is_simulated,
                 scan: &scan,
-                class: pair.class.name(),
+                class: pair.class,
                 track: pair.track,
-                occlusion: pair.occlusion.map(Occlusion::name),
+                occlusion: pair.occlusion,
                 range_m: pair.range_m,
                 n_points: pair.n_points,
             };

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use reports::files::unfinished::{Kind, Unfinished};
+use reports::vocabulary::task::Task;
 use tempfile::NamedTempFile;
 
 use crate::cli::{StreamArgs, TabName};
@@ -22,7 +23,6 @@ use crate::stream::{
     DetectorView, FirstTab, Mark, Opening, ScanView, ServedRecording, Stream, StreamError, StreamOptions,
     TaskView, ViewerChoice, ViewerState,
 };
-use crate::task::Task;
 
 /// An open recording that follows a run.
 #[must_use = "a recording that is not finished may be incomplete without anyone knowing"]

@@ -54,7 +54,9 @@ use crate::run::detector_list::{ListedDetector, detectors_named};
 use crate::run::scores::{DatasetScores, overall_time_rows};
 use crate::run::side_by_side::{ScanResults, SideBySide};
 #[cfg(feature = "rerun")]
-use crate::{stream::ServedRecording, task::Task};
+use crate::stream::ServedRecording;
+#[cfg(feature = "rerun")]
+use reports::vocabulary::task::Task;
 
 /// What is to be run.
 struct Plan<'a> {
@@ -186,7 +188,7 @@ impl Archive<'_> {
         for result in results.results {
             for assignment in &result.assignments {
                 let row = scan_row(dataset, (results.scan, time_s), result, assignment);
-                let criterion = self.criterion.name();
+                let criterion = self.criterion.kind();
                 let matches = match_rows(dataset, criterion, results.scan, result, assignment);
                 self.tally.add_scan(&row);
                 self.scans.write(&row)?;

@@ -113,9 +113,7 @@ pub fn dataset_entry(opened: &OpenedDataset, arguments: &DatasetArgs) -> Dataset
         simulated: description.is_simulated(),
         annotated: match &description.annotated {
             dataset::AnnotatedClasses::EveryObject => AnnotatedClasses::EveryObject,
-            dataset::AnnotatedClasses::Only(classes) => {
-                AnnotatedClasses::Only(classes.iter().map(|it| it.name().to_owned()).collect())
-            }
+            dataset::AnnotatedClasses::Only(classes) => AnnotatedClasses::Only(classes.clone()),
         },
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,

@@ -3,15 +3,18 @@
 use std::time::Duration;
 
 use detector::detector::DropReason;
-use detector::{Detection, OrientedBox};
+use detector::{DetectedClass, Detection, OrientedBox};
 use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
 use reports::rows::match_row::MatchRow;
 use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use reports::vocabulary::class::DetectionClass;
+use reports::vocabulary::criterion::CriterionKind;
+use reports::vocabulary::reason::IgnoredAnnotation;
 
-use crate::annotation::{LabeledScan, Occlusion, PointRegion};
+use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::DatasetDescription;
 use crate::matching::eligibility::n_points_in;
-use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, IgnoredAnnotation};
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::metrics::segmentation_quality::SegmentationQuality;
 use crate::run::side_by_side::DetectorScan;
@@ -37,7 +40,7 @@ pub fn scan_row(
         scan: scan.id.index,
         time_s,
         detector: result.detector.to_owned(),
-        task: assignment.task.name().to_owned(),
+        task: assignment.task,
         outcome: ScanOutcome::Evaluated(ScanNumbers {
             n_points: scan.cloud.len() as u64,
             latency_ms: Some(ms(result.times.first)),
@@ -65,7 +68,7 @@ pub fn scan_row(
 /// that found none. A tall annotation stands in one row with the detection that found it all the same.
 pub fn match_rows(
     dataset: &DatasetDescription,
-    criterion: &str,
+    criterion: CriterionKind,
     scan: &LabeledScan,
     result: &DetectorScan,
     assignment: &Assignment,
@@ -81,17 +84,14 @@ pub fn match_rows(
                     found.map(|it| FoundBy { detection: detection(it.detection_idx), cost: it.cost });
                 MatchOutcome::Tall { annotation: annotation(idx), found_by }
             }
-            AnnotationOutcome::Ignored(reason) => MatchOutcome::IgnoredAnnotation {
-                annotation: annotation(idx),
-                reason: reason.name().to_owned(),
-            },
+            AnnotationOutcome::Ignored(reason) => {
+                MatchOutcome::IgnoredAnnotation { annotation: annotation(idx), reason }
+            }
             AnnotationOutcome::Matched { detection_idx, cost } => {
                 let (annotation, detection) = (annotation(idx), detection(detection_idx));
                 MatchOutcome::Matched { annotation, detection, cost }
             }
-            AnnotationOutcome::Missed(reason) => {
-                MatchOutcome::Missed { annotation: annotation(idx), reason: reason.name().to_owned() }
-            }
+            AnnotationOutcome::Missed(reason) => MatchOutcome::Missed { annotation: annotation(idx), reason },
         })
     });
     let mut is_told = vec![false; assignment.detections.len()];
@@ -100,14 +100,12 @@ pub fn match_rows(
     }
     let untold = assignment.detections.iter().enumerate().filter(|(idx, _)| !is_told[*idx]);
     let of_detections = untold.filter_map(|(idx, outcome)| {
-        Some(match outcome {
+        Some(match *outcome {
             DetectionOutcome::NotAsked | DetectionOutcome::Matched { .. } => return None,
             DetectionOutcome::Ignored(reason) => {
-                MatchOutcome::IgnoredDetection { detection: detection(idx), reason: reason.name().to_owned() }
+                MatchOutcome::IgnoredDetection { detection: detection(idx), reason }
             }
-            DetectionOutcome::False(reason) => {
-                MatchOutcome::False { detection: detection(idx), reason: reason.name().to_owned() }
-            }
+            DetectionOutcome::False(reason) => MatchOutcome::False { detection: detection(idx), reason },
             DetectionOutcome::Unknowable => MatchOutcome::Unknowable { detection: detection(idx) },
         })
     });
@@ -116,8 +114,8 @@ pub fn match_rows(
         sequence: scan.id.sequence.clone(),
         scan: scan.id.index,
         detector: result.detector.to_owned(),
-        task: assignment.task.name().to_owned(),
-        criterion: criterion.to_owned(),
+        task: assignment.task,
+        criterion,
         outcome,
     };
     of_annotations.chain(of_detections).map(row).collect()
@@ -128,8 +126,8 @@ fn annotation_facts(scan: &LabeledScan, annotation_idx: usize) -> AnnotationFact
     AnnotationFacts {
         id: annotation_idx as u64,
         track: annotation.track,
-        class: annotation.class.name().to_owned(),
-        occlusion: annotation.occlusion.map(Occlusion::name).map(str::to_owned),
+        class: annotation.class,
+        occlusion: annotation.occlusion,
         n_points: annotation.point_indices.len() as u64,
         n_points_outside: n_points_in(scan, annotation, PointRegion::Outside) as u64,
         bounding_box: annotation.bounding_box.as_ref().map(box_facts),
@@ -144,7 +142,10 @@ fn annotation_facts(scan: &LabeledScan, annotation_idx: usize) -> AnnotationFact
 pub fn detection_facts(detection_idx: usize, detection: &Detection<'_>) -> DetectionFacts {
     DetectionFacts {
         id: detection_idx as u64,
-        class: detection.class.name().to_owned(),
+        class: match detection.class {
+            DetectedClass::Object => DetectionClass::Object,
+            DetectedClass::Vehicle => DetectionClass::Vehicle,
+        },
         score: detection.score,
         n_points: detection.point_indices.len() as u64,
         bounding_box: box_facts(&detection.bounding_box),
@@ -164,17 +165,19 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    use detector::{DetectedClass, DetectorOutput, PointCloud};
+    use detector::{DetectorOutput, PointCloud};
     use reports::numbers::tally::Tally;
     use reports::vocabulary::metric::Metric;
+    use reports::vocabulary::slice::Slice;
 
-    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, ScanId};
+    use crate::annotation::{Annotation, LabeledArea, ScanId};
     use crate::dataset::AnnotatedClasses;
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
     use crate::run::side_by_side::DetectionTimes;
-    use crate::task::Task;
+    use reports::vocabulary::class::AnnotationClass;
+    use reports::vocabulary::task::Task;
 
     /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
     fn scan_without_boxes() -> LabeledScan {
@@ -251,7 +254,7 @@ mod tests {
             },
             assignments: vec![assignment.clone()],
         };
-        let rows = match_rows(&dataset(), "points", scan, &result, &assignment);
+        let rows = match_rows(&dataset(), CriterionKind::Points, scan, &result, &assignment);
         (scan_row(&dataset(), (scan, 0.0), &result, &assignment), rows)
     }
 
@@ -265,16 +268,16 @@ mod tests {
             tally.add_match(row);
         }
         let rows = tally.metric_rows();
-        let sum = |metric: &Metric, is_asked: &dyn Fn(&str) -> bool| -> f64 {
-            let asked = rows.iter().filter(|it| it.metric == *metric && is_asked(&it.subject.slice));
+        let sum = |metric: &Metric, is_asked: &dyn Fn(Slice) -> bool| -> f64 {
+            let asked = rows.iter().filter(|it| it.metric == *metric && is_asked(it.subject.slice));
             asked.filter_map(reports::numbers::run_report::MetricRow::value).sum()
         };
         for (metric, expected) in [(Metric::No, 3.0), (Metric::Tp, 2.0), (Metric::Fo, 1.0)] {
-            assert_eq!(sum(&metric, &|it| it == "all"), expected, "{}", metric.id());
-            assert_eq!(sum(&metric, &|it| it.starts_with("range/")), expected, "{}", metric.id());
+            assert_eq!(sum(&metric, &|it| it == Slice::All), expected, "{}", metric.id());
+            assert_eq!(sum(&metric, &|it| matches!(it, Slice::Range(_))), expected, "{}", metric.id());
         }
-        assert_eq!(sum(&Metric::No, &|it| it == "range/15-30"), 1.0);
-        assert_eq!(sum(&Metric::No, &|it| it == "tall"), 1.0);
+        assert_eq!(sum(&Metric::No, &|it| it == Slice::Range(1)), 1.0);
+        assert_eq!(sum(&Metric::No, &|it| it == Slice::Tall), 1.0);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use detector::{DetectedClass, Detection, Detections, OrientedBox};
 use reports::rows::counts::Counts as Scored;
+use reports::vocabulary::task::Task;
 
 use crate::annotation::{Annotation, LabeledScan};
 use crate::cli::SelftestArgs;
@@ -16,7 +17,6 @@ use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle};
 use crate::matching::outcome::AnnotationOutcome;
 use crate::metrics::counts::{Counts, FalseDetections};
-use crate::task::Task;
 
 /// The scores are not what they must be.
 #[derive(Debug, thiserror::Error)]

@@ -6,6 +6,7 @@ use detector::{Detector, DetectorOutput};
 use reports::numbers::sweep_score::{SweepScore, SweepScores};
 use reports::run_folder::run_directory::RunDirectory;
 use reports::vocabulary::extent::Extent;
+use reports::vocabulary::task::Task;
 
 use crate::annotation::LabeledScan;
 use crate::commands::recording::task_views;
@@ -19,7 +20,6 @@ use crate::stream::{
 use crate::sweep::scan_at_point::of_sensor;
 use crate::sweep::summary::SweepResults;
 use crate::sweep::swept_values::SweptValues;
-use crate::task::Task;
 
 /// The file in the directory.
 const SWEEP_RRD: &str = "sweep.rrd";

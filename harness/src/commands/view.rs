@@ -24,7 +24,7 @@ pub fn view(arguments: &ViewArgs) -> anyhow::Result<()> {
     );
     let choice = MistakeChoice {
         detector,
-        task: arguments.task.task().name(),
+        task: arguments.task.task(),
         kind: arguments.outcome.map(|it| match it {
             OutcomeName::Missed => Mistake::Missed,
             OutcomeName::False => Mistake::False,

@@ -379,9 +379,9 @@ fn is_sha256(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
     use crate::dataset::kitti::label::KITTI_CLASSES;
     use proptest::prelude::*;
+    use reports::vocabulary::class::AnnotationClass;
 
     const ENTRY: &str = r#"
 [recorded.my-drive]

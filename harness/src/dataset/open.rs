@@ -4,6 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use reports::vocabulary::class::AnnotationClass;
+
 use super::argoverse2::sensor_logs::{
     ARGOVERSE2_CLASSES, ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M, open_argoverse2,
 };
@@ -30,7 +32,6 @@ use super::simulated_street::{StreetDrive, open_simulated_street};
 use super::source::{DamagePolicy, DatasetSource, StatedBy};
 use super::velodyne_capture::revolutions::open_velodyne_capture;
 use super::{AnnotatedClasses, Dataset, DatasetError};
-use crate::annotation::AnnotationClass;
 
 /// The group of the built-in catalogue that is run when no data set is asked for.
 pub const DEFAULT_DATASETS: &str = "streets";

@@ -1,6 +1,8 @@
 //! From one scan's annotations and detections to what became of each.
 
 use detector::Detections;
+use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+use reports::vocabulary::task::Task;
 
 use crate::annotation::LabeledScan;
 use crate::dataset::AnnotatedClasses;
@@ -9,12 +11,8 @@ use crate::matching::detection_order::detection_ranks;
 use crate::matching::eligibility::{EligibilityParams, asks_for, exclusions};
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 use crate::matching::ignored_detections::UnjudgedPlaces;
-use crate::matching::outcome::{
-    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, FoundTall, IgnoredAnnotation,
-    IgnoredDetection, MissReason,
-};
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FoundTall};
 use crate::matching::point_overlap::PointOverlap;
-use crate::task::Task;
 
 /// How scans are judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -209,8 +207,9 @@ mod properties;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use crate::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use reports::vocabulary::class::AnnotationClass;
     use std::ops::Range;
 
     use AnnotationClass::{Car, Pedestrian, Tram, Tree};

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use detector::stage_product::{Shape, SurfaceClass};
 use detector::{Detections, StageProduct};
+use reports::vocabulary::reason::{FalseReason, MissReason};
 
 use crate::annotation::{LabeledScan, range_m};
 use crate::matching::box_overlap::{bev_iou, iou_3d};
 use crate::matching::criterion::Criterion;
-use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason};
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::matching::point_overlap::PointOverlap;
 
 /// A mistake, in a sentence.
@@ -303,12 +304,12 @@ mod tests {
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
 
     use super::*;
-    use crate::annotation::AnnotationClass::{self, Car, Pedestrian};
     use crate::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use crate::dataset::AnnotatedClasses;
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::eligibility::EligibilityParams;
-    use crate::task::Task;
+    use reports::vocabulary::class::AnnotationClass::{self, Car, Pedestrian};
+    use reports::vocabulary::task::Task;
 
     const N_POINTS: u32 = 200;
 

@@ -137,9 +137,10 @@ fn ends_of_lists(owners: impl Iterator<Item = usize>, n: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use crate::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
     use proptest::prelude::*;
+    use reports::vocabulary::class::AnnotationClass;
     use std::collections::BTreeSet;
 
     const N_POINTS: u32 = 30;

@@ -1,10 +1,10 @@
 //! What was found, missed and false, and the ratios of these.
 
+use reports::vocabulary::task::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::AnnotatedClasses;
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
-use crate::task::Task;
 
 /// Bumped whenever the same detections would score differently.
 pub const SCORING_VERSION: u32 = 2;
@@ -93,7 +93,7 @@ impl std::ops::AddAssign for Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matching::outcome::{FalseReason, MissReason};
+    use reports::vocabulary::reason::{FalseReason, MissReason};
 
     fn scan(n_matched: usize, n_missed: usize, n_false: usize) -> Counts {
         let matched = |idx| AnnotationOutcome::Matched { detection_idx: idx, cost: 0.2 };

@@ -1,11 +1,12 @@
 //! Whether two objects next to each other were told apart.
 
+use reports::vocabulary::task::Task;
+
 use crate::annotation::LabeledScan;
 use crate::dataset::AnnotatedClasses;
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::AnnotationOutcome;
 use crate::matching::point_overlap::PointOverlap;
-use crate::task::Task;
 use detector::Detections;
 
 /// What became of a pair of objects.
@@ -71,10 +72,11 @@ fn is_joined(scan: &LabeledScan, overlap: &PointOverlap, pair: [usize; 2]) -> bo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use crate::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use reports::vocabulary::class::AnnotationClass;
 
     /// Ten points a letter: each letter of a drawing is one object, a dot is no object.
     fn points_of(drawing: &str, letter: char) -> Vec<u32> {

@@ -91,13 +91,14 @@ impl std::ops::AddAssign for SegmentationQuality {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use crate::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use crate::dataset::AnnotatedClasses;
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
-    use crate::task::Task;
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
+    use reports::vocabulary::class::AnnotationClass;
+    use reports::vocabulary::task::Task;
 
     const UNIT: OrientedBox =
         OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };

@@ -6,8 +6,9 @@ use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::{OrientedBox, PointCloud};
+use reports::vocabulary::class::AnnotationClass;
 
-use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 
 const SENSOR_HEIGHT_M: f32 = 1.73;
 const N_ROAD_CELLS: u64 = 40 * 20;

@@ -1,9 +1,10 @@
 //! How many points a car has, by its range.
 
 use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::distribution::median_of_sorted;
-use crate::annotation::{AnnotationClass, LabeledScan, Occlusion, PointRegion, points_inside};
+use crate::annotation::{LabeledScan, PointRegion, points_inside};
 
 /// Width of a bin in metres.
 const BIN_M: f64 = 5.0;

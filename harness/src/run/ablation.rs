@@ -6,6 +6,7 @@ use reports::numbers::ablation_score::AblationScore;
 use reports::rows::counts::Counts as Scored;
 use reports::vocabulary::extent::Extent;
 use reports::vocabulary::origin::Origin;
+use reports::vocabulary::task::Task;
 
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetDescription;
@@ -15,7 +16,6 @@ use crate::metrics::segmentation_quality::SegmentationQuality;
 use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig};
 use crate::run::side_by_side::DetectorScan;
-use crate::task::Task;
 
 /// What the method is judged by: its parts are there to find objects, whatever they are.
 pub const TASK: Task = Task::Objects;

@@ -7,8 +7,10 @@ use detector::{Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
 use reports::numbers::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
 use reports::numbers::box_errors::{BoxError, BoxErrorLine};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
+use reports::vocabulary::task::Task;
 
-use crate::annotation::{AnnotationClass, LabeledScan, Occlusion, ScanId};
+use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::Dataset;
 use crate::matching::assign::assign;
 use crate::matching::eligibility::counts_as_vehicle;
@@ -19,7 +21,6 @@ use crate::object_box::ObjectBox;
 use crate::realism::survey::SurveyError;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
-use crate::task::Task;
 
 /// Ranges of the annotations, from and to in metres.
 pub const RANGES_M: [[f64; 2]; 4] = [[0.0, 15.0], [15.0, 30.0], [30.0, 50.0], [50.0, 80.0]];

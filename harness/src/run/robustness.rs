@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use detector::{Detector, DetectorOutput};
 use rayon::prelude::*;
 use reports::numbers::condition_scores::{ConditionScores, DetectorCounts};
+use reports::vocabulary::task::Task;
 
 use crate::annotation::LabeledScan;
 use crate::dataset::simulated_street::{Shutter, StreetDrive, open_simulated_street};
@@ -16,7 +17,6 @@ use crate::run::detector_list::ListedDetector;
 use crate::run::side_by_side::RunError;
 use crate::simulator::StreetKind;
 use crate::simulator::street_conditions::StreetConditions;
-use crate::task::Task;
 
 /// One condition: what it changes of the standard drive.
 #[derive(Debug, Clone)]

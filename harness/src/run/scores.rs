@@ -5,13 +5,12 @@ use std::time::Duration;
 use reports::numbers::run_report::{MetricRow, Subject};
 use reports::vocabulary::extent::OVERALL;
 use reports::vocabulary::metric::{LatencyStatistic, Metric};
-use reports::vocabulary::slice::SLICE_ALL;
+use reports::vocabulary::task::Task;
 
 use crate::dataset::DatasetDescription;
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::metrics::latency::Latencies;
 use crate::run::side_by_side::DetectorScan;
-use crate::task::Task;
 
 /// Everything measured on one data set.
 #[derive(Debug, Clone)]
@@ -108,12 +107,7 @@ fn time_rows(dataset: &str, detectors: &[DetectorScores]) -> Vec<MetricRow> {
     let mut rows = Vec::new();
     for task in Task::ALL {
         for detector in detectors {
-            let subject = Subject {
-                dataset: dataset.to_owned(),
-                task: task.name().to_owned(),
-                detector: detector.name.to_owned(),
-                slice: SLICE_ALL.to_owned(),
-            };
+            let subject = Subject::of_all(dataset, task, detector.name);
             detector.push_times(&mut |metric, value, n| {
                 rows.push(MetricRow::new(subject.clone(), metric, value, n));
             });

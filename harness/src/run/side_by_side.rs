@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 
 use detector::{Detector, DetectorOutput};
 use rayon::prelude::*;
+use reports::vocabulary::task::Task;
 
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::{Dataset, DatasetError};
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::Assignment;
 use crate::run::grid_write::GridWrite;
-use crate::task::Task;
 
 /// What is run, and how.
 pub struct SideBySide<'a> {

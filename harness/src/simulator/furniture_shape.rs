@@ -2,11 +2,11 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::solid::Solid;
-use crate::annotation::AnnotationClass;
 
 /// A lamp post whose arm reaches over the road, toward +y.
 pub fn lamp_post(rng: &mut ChaCha8Rng) -> ObjectShape {

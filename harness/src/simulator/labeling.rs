@@ -1,13 +1,14 @@
 //! From what the pulses met to annotations.
 
 use parry3d::math::{Pose, Vector};
+use reports::vocabulary::class::Occlusion;
 
 use super::object_shape::ObjectShape;
 use super::portable_math;
 use super::scan::{PulseEnd, Turn};
 use super::sensor::SensorModel;
 use super::solid::PlacedSolid;
-use crate::annotation::{Annotation, Occlusion};
+use crate::annotation::Annotation;
 use detector::OrientedBox;
 
 /// An object that has at least one point.
@@ -145,10 +146,10 @@ fn angular_window(solids: &[PlacedSolid]) -> AngularWindow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
     use crate::simulator::material::Material;
     use crate::simulator::solid::Solid;
     use parry3d::math::Rotation;
+    use reports::vocabulary::class::AnnotationClass;
 
     #[test]
     fn the_box_of_a_turned_object_has_its_heading_and_size() {

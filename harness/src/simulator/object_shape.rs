@@ -2,10 +2,10 @@
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::material::Material;
 use super::solid::Solid;
-use crate::annotation::AnnotationClass;
 
 /// The form of an object in its own frame: x forward, y left, z up, the origin on the ground below its middle.
 #[derive(Debug, Clone, PartialEq)]

@@ -193,8 +193,8 @@ mod tests {
     use super::super::roadside::Side;
     use super::super::world::{Body, Course, Motion};
     use super::*;
-    use crate::annotation::AnnotationClass;
     use rand::SeedableRng;
+    use reports::vocabulary::class::AnnotationClass;
 
     const LANES_M: f32 = 3.5;
     const REACH_M: [f32; 2] = [0.0, 400.0];

@@ -2,12 +2,12 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::portable_math;
 use super::solid::Solid;
-use crate::annotation::AnnotationClass;
 
 /// What tells one person from another.
 #[derive(Debug, Clone, Copy, PartialEq)]

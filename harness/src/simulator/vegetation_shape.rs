@@ -2,11 +2,11 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::solid::Solid;
-use crate::annotation::AnnotationClass;
 
 /// A street tree: trunk, and a crown of several lobes that begins above head height.
 pub fn tree(rng: &mut ChaCha8Rng) -> ObjectShape {

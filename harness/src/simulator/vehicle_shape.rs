@@ -2,11 +2,11 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::solid::{Prism, Solid};
-use crate::annotation::AnnotationClass;
 
 /// A car, van, truck or bus, as often as they are seen in a town.
 pub fn any_vehicle(rng: &mut ChaCha8Rng) -> ObjectShape {

@@ -2,10 +2,10 @@
 
 use detector::stage_product::Shape;
 use detector::{DetectedClass, StageProduct};
+use reports::vocabulary::task::Task;
 use rerun::{ComponentIdentifier, EntityPath, EntityPathPart};
 
 use super::legend::OutcomeLayer;
-use crate::task::Task;
 
 /// The timeline: the number of the scan within the run.
 pub const SCAN_TIMELINE: &str = "scan";

@@ -1,11 +1,11 @@
 //! Logs what was missed or is false, and why, in words.
 
+use reports::vocabulary::task::Task;
 use rerun::{RecordingStream, TextLog, TextLogLevel};
 
 use super::error::StreamError;
 use super::{entity_paths, legend, palette, recording};
 use crate::matching::mistake::{Mistake, MistakeKind};
-use crate::task::Task;
 
 /// Logs a line for each of the `mistakes` of `detector` at the current time.
 ///

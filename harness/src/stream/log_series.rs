@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use detector::detector::StageTime;
+use reports::vocabulary::task::Task;
 use rerun::{RecordingStream, Scalars, SeriesLines};
 
 use super::error::StreamError;
@@ -10,7 +11,6 @@ use super::palette::Rgb;
 use super::{entity_paths, legend, palette, recording};
 use crate::matching::outcome::Assignment;
 use crate::metrics::counts::{Counts, FalseDetections};
-use crate::task::Task;
 
 /// Names and colours of the lines of counts.
 const COUNT_LINES: [(&str, Rgb); 3] =

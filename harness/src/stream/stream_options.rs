@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use reports::vocabulary::task::Task;
+
 use super::viewer::ViewerChoice;
-use crate::task::Task;
 
 /// Where a recording goes and how it opens.
 #[derive(Debug, Clone, PartialEq, Eq)]

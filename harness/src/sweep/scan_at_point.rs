@@ -3,6 +3,7 @@
 use detector::DetectorOutput;
 use detector::grid::cell_fitness::CellTally;
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use reports::vocabulary::task::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::annotation::LabeledScan;
@@ -12,7 +13,6 @@ use crate::metrics::counts::Counts;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
 use crate::sweep::sweep_plan::SweepPlan;
-use crate::task::Task;
 
 /// One scan at one point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

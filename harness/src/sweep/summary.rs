@@ -8,6 +8,7 @@ use reports::numbers::sweep_score::{
 };
 use reports::vocabulary::extent::Extent;
 use reports::vocabulary::origin::Origin;
+use reports::vocabulary::task::Task;
 
 use crate::dataset::scan_times::scan_times_s;
 use crate::metrics::counts::{Counts, FalseDetections};
@@ -16,7 +17,6 @@ use crate::sweep::quality_pass::SweptDataset;
 use crate::sweep::scan_at_point::{DetectorAtPoint, ScanAtPoint};
 use crate::sweep::sweep_plan::SweepPlan;
 use crate::sweep::timed_scan::TimedScan;
-use crate::task::Task;
 
 /// Everything that a sweep has counted.
 pub struct SweepResults<'a> {
@@ -153,7 +153,7 @@ impl SweepResults<'_> {
             |it: &Counts| [2.0 * it.n_matched as f64, (it.n_annotations + it.n_matched + it.n_false) as f64];
         SweepScore {
             subject: self.subject(group, detector_idx, point_idx),
-            task: Task::ALL[task_idx].name().to_owned(),
+            task: Task::ALL[task_idx],
             n_scans: found.iter().map(|it| it.scans.len() as u64).sum(),
             blocks: blocks_of(group),
             f_rate_within: counts.fo().and_then(|_| within(f_rate_terms)),

@@ -2,7 +2,7 @@
 
 use detector::OrientedBox;
 
-use crate::annotation::{AnnotationClass, Occlusion};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 /// What a candidate is.
 #[derive(Debug, Clone, Copy, PartialEq)]

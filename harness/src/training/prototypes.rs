@@ -4,10 +4,10 @@ use detector::describe::box_frame_points::BoxFramePoints;
 use detector::describe::prototype_library::Prototype;
 use detector::describe::side_profile::SideProfile;
 use detector::describe::turning_function::TurningFunction;
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::candidate_kind::CandidateKind;
 use super::candidates::Candidate;
-use crate::annotation::{AnnotationClass, Occlusion};
 
 /// Width of the columns of the profiles.
 ///

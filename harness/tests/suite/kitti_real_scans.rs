@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use detector::OrientedBox;
-use harness::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, points_inside};
+use harness::annotation::{Annotation, LabeledScan, PointRegion, points_inside};
 use harness::dataset::Dataset;
 use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::kitti::calibration::{KittiCalibration, parse_calibration};
 use harness::dataset::open::{OpenOptions, open_dataset};
 use nalgebra::Vector4;
+use reports::vocabulary::class::AnnotationClass;
 use test_data::{needs_test_data, test_data};
 
 /// The scans of `kitti_object` by their numbers, with the scans of `kitti_tracking` they are.

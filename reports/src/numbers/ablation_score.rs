@@ -7,6 +7,7 @@ use crate::files::fixed_decimals::Fixed;
 use crate::rows::counts::Counts;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
+use crate::vocabulary::task::Task;
 
 /// What one variant reached on one data set, or on all together.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,9 +49,9 @@ impl AblationScore {
 /// A row of `ablation.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AblationRow {
-    task: String,
+    task: Task,
     dataset: String,
-    origin: String,
+    origin: Origin,
     variant: String,
     n_scans: u64,
     no: u64,
@@ -95,12 +96,12 @@ impl CsvRow for AblationRow {
 
 impl AblationRow {
     /// The row of `score`, which is of `task`.
-    pub fn new(task: &str, score: &AblationScore) -> Self {
+    pub fn new(task: Task, score: &AblationScore) -> Self {
         let counts = score.counts;
         Self {
-            task: task.to_owned(),
+            task,
             dataset: score.extent.name().to_owned(),
-            origin: score.origin.name().to_owned(),
+            origin: score.origin,
             variant: score.variant.clone(),
             n_scans: score.n_scans,
             no: counts.no(),

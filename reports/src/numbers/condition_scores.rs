@@ -1,6 +1,7 @@
 //! What detectors find under one condition after another.
 
 use crate::rows::counts::Counts;
+use crate::vocabulary::task::Task;
 
 /// What was counted under one condition.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +28,8 @@ pub struct DetectorCounts {
 }
 
 impl DetectorCounts {
-    /// Both tasks with their names.
-    pub fn tasks(&self) -> [(&'static str, Counts); 2] {
-        [("objects", self.objects), ("vehicles", self.vehicles)]
+    /// What was found in each task.
+    pub fn tasks(&self) -> [(Task, Counts); 2] {
+        [(Task::Objects, self.objects), (Task::Vehicles, self.vehicles)]
     }
 }

@@ -5,12 +5,13 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::average_precision::OperatingPoint;
+use crate::vocabulary::task::Task;
 
 /// One detector on one data set in one task, from one score on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PrecisionRecallRow {
     dataset: String,
-    task: String,
+    task: Task,
     detector: String,
     min_score: Fixed<6>,
     no: u64,
@@ -27,8 +28,8 @@ impl CsvRow for PrecisionRecallRow {
 
 impl PrecisionRecallRow {
     /// The row of `point`, where there are `no` annotations. Recall is undefined without any.
-    pub fn new(dataset: &str, task: &str, detector: &str, no: u64, point: &OperatingPoint) -> Self {
-        let [dataset, task, detector] = [dataset, task, detector].map(str::to_owned);
+    pub fn new(dataset: &str, task: Task, detector: &str, no: u64, point: &OperatingPoint) -> Self {
+        let [dataset, detector] = [dataset, detector].map(str::to_owned);
         Self {
             dataset,
             task,
@@ -43,8 +44,8 @@ impl PrecisionRecallRow {
     }
 
     /// Of which data set, in which task, of which detector.
-    pub fn subject(&self) -> [&str; 3] {
-        [&self.dataset, &self.task, &self.detector]
+    pub fn subject(&self) -> (&str, Task, &str) {
+        (&self.dataset, self.task, &self.detector)
     }
 
     /// Recall and precision, where recall is defined.

@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
 use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 /// The numbers of a run.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -25,12 +27,19 @@ pub struct RunReport {
 pub struct Subject {
     /// Id of the data set; [`OVERALL`](crate::vocabulary::extent::OVERALL) in the rows about all of them.
     pub dataset: String,
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// Name of the detector.
     pub detector: String,
-    /// The part of the objects that is looked at; [`SLICE_ALL`](crate::vocabulary::slice::SLICE_ALL) for all of them.
-    pub slice: String,
+    /// The part of the objects that is looked at.
+    pub slice: Slice,
+}
+
+impl Subject {
+    /// All objects of a data set, as a detector sees them in a task.
+    pub fn of_all(dataset: &str, task: Task, detector: &str) -> Self {
+        Self { dataset: dataset.to_owned(), task, detector: detector.to_owned(), slice: Slice::All }
+    }
 }
 
 /// One number with all that is needed to read it.
@@ -58,11 +67,11 @@ pub enum RunReportError {
         /// Id of the data set.
         dataset: String,
         /// Name of the task.
-        task: String,
+        task: Task,
         /// Name of the detector.
         detector: String,
         /// Name of the slice.
-        slice: String,
+        slice: Slice,
         /// Id of the metric.
         metric: String,
     },
@@ -178,6 +187,11 @@ impl RunReport {
         &self.overall
     }
 
+    /// The task that rows come first about, for what is the same in every task; `None` of an empty report.
+    pub fn first_task(&self) -> Option<Task> {
+        self.rows.first().map(|it| it.subject.task)
+    }
+
     /// The row about `subject` and `metric`, whether of one data set or of all.
     pub fn row(&self, subject: &Subject, metric: &Metric) -> Option<&MetricRow> {
         self.rows.iter().chain(&self.overall).find(|it| it.subject == *subject && it.metric == *metric)
@@ -244,9 +258,9 @@ impl TryFrom<ReportRecord> for RunReport {
 #[serde(deny_unknown_fields)]
 struct RowRecord {
     dataset: String,
-    task: String,
+    task: Task,
     detector: String,
-    slice: String,
+    slice: Slice,
     metric: String,
     // Spelled out, because serde lets an absent field pass for null otherwise.
     #[serde(deserialize_with = "Option::deserialize")]
@@ -322,12 +336,9 @@ mod tests {
     use super::*;
     use crate::vocabulary::extent::OVERALL;
     use crate::vocabulary::metric::LatencyStatistic;
-    use crate::vocabulary::slice::SLICE_ALL;
 
     fn row(metric: Metric, value: Option<f64>, n: u64) -> MetricRow {
-        let [dataset, task, detector, slice] =
-            ["main_road", "objects", "kd-tree", SLICE_ALL].map(str::to_owned);
-        MetricRow::new(Subject { dataset, task, detector, slice }, metric, value, n)
+        MetricRow::new(Subject::of_all("main_road", Task::Objects, "kd-tree"), metric, value, n)
     }
 
     fn three_rows() -> RunReport {

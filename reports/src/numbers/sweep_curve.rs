@@ -116,7 +116,7 @@ mod tests {
             cell_sizes(&[(5, Some(5), None, 0.1), (8, Some(1), None, 0.2), (8, Some(1), None, 0.3)]);
         let mut vehicles: Vec<SweepScore> = sweep.scores.clone();
         for it in &mut vehicles {
-            it.task = "vehicles".to_owned();
+            it.task = crate::vocabulary::task::Task::Vehicles;
         }
         sweep.scores.extend(vehicles);
         let curves = sweep.curves();

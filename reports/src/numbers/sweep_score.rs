@@ -5,6 +5,7 @@ use crate::numbers::blocks::BlockCount;
 use crate::rows::counts::Counts;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
+use crate::vocabulary::task::Task;
 
 /// All numbers of a sweep.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +47,7 @@ pub struct SweepScore {
     /// Where.
     pub subject: SweepSubject,
     /// What was asked of it.
-    pub task: String,
+    pub task: Task,
     /// Number of scans.
     pub n_scans: u64,
     /// The blocks of scans that intervals are drawn from.
@@ -215,7 +216,7 @@ impl SweepScore {
         let counts = self.counts;
         let whole = |it: Option<u64>| it.map(|it| it.to_string()).unwrap_or_default();
         let mut row = self.subject.cells_of_row();
-        row.push(self.task.clone());
+        row.push(self.task.name().to_owned());
         row.extend([self.n_scans, self.blocks.n_blocks].map(|it| it.to_string()));
         row.extend([self.blocks.kind.name().to_owned(), self.blocks.are_too_few().to_string()]);
         let counted = [Some(counts.no()), Some(counts.tp()), Some(counts.mo()), counts.fo(), counts.nd()];
@@ -300,7 +301,7 @@ pub(crate) mod tests {
                     readings: vec![reading("printed", printed), reading("dense-share", Some(share))],
                 }),
                 subject: subject(&[&size_m], point_idx, "street"),
-                task: "objects".to_owned(),
+                task: Task::Objects,
                 n_scans: 2,
                 blocks: BlockCount::of_dataset(2, BlockKind::Seconds),
                 counts: Counts::new(10, tp, fo).unwrap(),

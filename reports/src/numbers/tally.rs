@@ -10,16 +10,14 @@ use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, Matc
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::vocabulary::slice::Slice;
-
-/// The task whose detections are ranked by score: it says how sure a detector is of a vehicle, whatever is asked.
-const RANKED_TASK: &str = "vehicles";
+use crate::vocabulary::task::Task;
 
 /// Numbers of a run, gathered row by row.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     // All three in the order in which they were first seen.
     datasets: Vec<String>,
-    tasks: Vec<String>,
+    tasks: Vec<Task>,
     detectors: Vec<String>,
     // Of each of `datasets`, the scans of each drive with the seconds they were taken in.
     scans: Vec<BTreeMap<String, BTreeMap<u32, DriveSecond>>>,
@@ -30,7 +28,7 @@ pub struct Tally {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
     dataset: usize,
-    task: usize,
+    task: Task,
     detector: usize,
 }
 
@@ -48,12 +46,12 @@ pub(crate) struct Gathered {
 impl Tally {
     /// Adds what one detector made of one scan in one task.
     pub fn add_scan(&mut self, row: &ScanRow) {
-        let key = self.key(&row.dataset, &row.task, &row.detector);
+        let key = self.key(&row.dataset, row.task, &row.detector);
         let block = DriveSecond::of(&row.sequence, row.time_s);
         let drives = &mut self.scans[key.dataset];
         drives.entry(row.sequence.clone()).or_default().insert(row.scan, block.clone());
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
-        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(&row.task));
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task));
         gathered.n_scans += 1;
         if numbers.counts.fo().is_none() {
             gathered.false_objects = FalseObjects::Unknown;
@@ -87,10 +85,10 @@ impl Tally {
     /// Adds what became of an annotation, a detection or a pair of them, whose scan was added before. What is of another scan
     /// is left out.
     pub fn add_match(&mut self, row: &MatchRow) {
-        let key = self.key(&row.dataset, &row.task, &row.detector);
+        let key = self.key(&row.dataset, row.task, &row.detector);
         let block = self.scans[key.dataset].get(&row.sequence).and_then(|scans| scans.get(&row.scan));
         let Some(block) = block.cloned() else { return };
-        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(&row.task));
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task));
         match &row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => {
                 gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
@@ -119,14 +117,13 @@ impl Tally {
         }
     }
 
-    fn key(&mut self, dataset: &str, task: &str, detector: &str) -> Key {
+    fn key(&mut self, dataset: &str, task: Task, detector: &str) -> Key {
         let dataset = place_of(&mut self.datasets, dataset);
         self.scans.resize(self.datasets.len(), BTreeMap::new());
-        Key {
-            dataset,
-            task: place_of(&mut self.tasks, task),
-            detector: place_of(&mut self.detectors, detector),
+        if !self.tasks.contains(&task) {
+            self.tasks.push(task);
         }
+        Key { dataset, task, detector: place_of(&mut self.detectors, detector) }
     }
 
     /// Ids of the data sets, in the order in which they were seen.
@@ -134,8 +131,8 @@ impl Tally {
         &self.datasets
     }
 
-    /// Names of the tasks, in the order in which they were seen.
-    pub fn tasks(&self) -> &[String] {
+    /// The tasks, in the order in which they were seen.
+    pub fn tasks(&self) -> &[Task] {
         &self.tasks
     }
 
@@ -153,22 +150,21 @@ impl Tally {
     }
 
     /// All slices that detector `detector` has an object in, in the task `task`.
-    pub fn slices(&self, task: &str, detector: &str) -> BTreeSet<Slice> {
-        let is_asked = |key: &Key| self.tasks[key.task] == task && self.detectors[key.detector] == detector;
+    pub fn slices(&self, task: Task, detector: &str) -> BTreeSet<Slice> {
+        let is_asked = |key: &Key| key.task == task && self.detectors[key.detector] == detector;
         let gathered = self.of_key.iter().filter(|(key, _)| is_asked(key));
-        gathered.flat_map(|(_, gathered)| gathered.slices.keys().cloned()).collect()
+        gathered.flat_map(|(_, gathered)| gathered.slices.keys().copied()).collect()
     }
 
-    pub(crate) fn gathered(&self, dataset_idx: usize, task: &str, detector: &str) -> Option<&Gathered> {
-        let task = self.tasks.iter().position(|it| it == task)?;
+    pub(crate) fn gathered(&self, dataset_idx: usize, task: Task, detector: &str) -> Option<&Gathered> {
         let detector = self.detectors.iter().position(|it| it == detector)?;
         self.of_key.get(&Key { dataset: dataset_idx, task, detector })
     }
 }
 
 impl Gathered {
-    fn of_task(task: &str) -> Self {
-        let ranked = (task == RANKED_TASK).then(Vec::new);
+    fn of_task(task: Task) -> Self {
+        let ranked = task.ranks_detections().then(Vec::new);
         Self { n_scans: 0, false_objects: FalseObjects::Known, slices: BTreeMap::new(), ranked }
     }
 
@@ -194,7 +190,7 @@ impl Gathered {
 
     fn add_to_slices(&mut self, slices: &[Slice], block: &DriveSecond, term: Term) {
         for slice in slices {
-            self.sums(slice.clone(), block).add(term, 1.0);
+            self.sums(*slice, block).add(term, 1.0);
         }
     }
 
@@ -215,9 +211,9 @@ fn place_of(names: &mut Vec<String>, name: &str) -> usize {
 }
 
 fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
-    let mut slices = vec![Slice::Class(annotation.class.clone()), Slice::of_points(annotation.n_points)];
+    let mut slices = vec![Slice::Class(annotation.class), Slice::of_points(annotation.n_points)];
     slices.extend(annotation.center_m().and_then(|it| Slice::of_range(range_m(it))));
-    slices.extend(annotation.occlusion.clone().map(Slice::Occlusion));
+    slices.extend(annotation.occlusion.map(Slice::Occlusion));
     slices.extend(annotation.is_truncated().then_some(Slice::Truncated));
     slices
 }

@@ -21,10 +21,11 @@ use crate::run_folder::run_directory::{
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question};
-use crate::verdicts::standing::{Speeds, Standing, extent_of_run, speeds, standings};
+use crate::verdicts::standing::{Speeds, Standing, speeds, standings};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
-use crate::vocabulary::slice::{SLICE_ALL, Slice};
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 use crate::worst::places::{WorstPlace, WorstPlaces};
 use crate::worst::points::WorstPoints;
 
@@ -56,7 +57,7 @@ pub(super) struct RunFacts {
 /// Rates over range in one task.
 #[derive(Debug)]
 pub(super) struct TaskRanges {
-    pub(super) task: String,
+    pub(super) task: Task,
     /// Names of the bins in metres, the nearest first.
     pub(super) bins: Vec<String>,
     /// Number of annotations that count in each.
@@ -69,7 +70,7 @@ pub(super) struct TaskRanges {
 #[derive(Debug)]
 pub(super) struct DatasetCurves {
     pub(super) dataset: String,
-    pub(super) task: String,
+    pub(super) task: Task,
     /// Recall and precision, from the highest score on, of every detector.
     pub(super) of_detectors: Vec<(String, Vec<(f64, f64)>)>,
 }
@@ -80,7 +81,7 @@ pub(super) type ScanName = (String, String, u32);
 /// A box in a scan.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SeenBox {
-    pub(super) task: String,
+    pub(super) task: Task,
     /// Whose detection; `None` for an annotation.
     pub(super) detector: Option<String>,
     pub(super) id: u64,
@@ -100,7 +101,7 @@ impl RunFacts {
         each_row(&directory.join(SCANS_CSV), |row: ScanRow| {
             tally.add_scan(&row);
             // Every task has a row about the same detection.
-            let is_first = *first_task.get_or_insert_with(|| row.task.clone()) == row.task;
+            let is_first = *first_task.get_or_insert(row.task) == row.task;
             let times = times_ms.iter_mut().find(|(name, _)| is_first && *name == row.detector);
             if let (Some((_, times)), ScanOutcome::Evaluated(numbers)) = (times, &row.outcome) {
                 times.extend(numbers.latency_ms.filter(|it| *it > 0.0));
@@ -119,7 +120,7 @@ impl RunFacts {
             standings: standings(&tally, &manifest, &report),
             speeds: speeds(&manifest, &report),
             blocks: tally.draw().iter().map(Draw::blocks).reduce(BlockCount::with),
-            ranges: tally.tasks().iter().filter_map(|task| task_ranges(&tally, task, &detectors)).collect(),
+            ranges: tally.tasks().iter().filter_map(|task| task_ranges(&tally, *task, &detectors)).collect(),
             curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),
             stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(&report, &manifest, it))).collect(),
             boxes: boxes_of(&matches, &worst)?,
@@ -148,20 +149,20 @@ impl RunFacts {
     }
 }
 
-fn task_ranges(tally: &Tally, task: &str, detectors: &[String]) -> Option<TaskRanges> {
+fn task_ranges(tally: &Tally, task: Task, detectors: &[String]) -> Option<TaskRanges> {
     let is_range = |it: &Slice| matches!(it, Slice::Range(_));
     let slices: BTreeSet<Slice> =
         detectors.iter().flat_map(|it| tally.slices(task, it)).filter(is_range).collect();
     let draws = tally.draw();
-    let sample = |detector: &str, slice: &Slice| {
+    let sample = |detector: &str, slice: Slice| {
         tally.sample(&Question { dataset: OVERALL, task, detector, slice }, &draws)
     };
     // They are the same for every detector.
-    let n_annotations = |slice: &Slice| {
+    let n_annotations = |&slice: &Slice| {
         let of_detectors = detectors.iter().filter_map(|it| sample(it, slice));
         of_detectors.map(|it| it.total.of(Term::Annotations) as u64).max().unwrap_or(0)
     };
-    let rate = |detector: &str, slice: &Slice, metric: &Metric| {
+    let rate = |detector: &str, slice: Slice, metric: &Metric| {
         let sample = sample(detector, slice)?;
         let interval = Distribution::new(sample.resampled_values(metric), sample.blocks)
             .map(|it| it.interval().ends.map(|it| 100.0 * it));
@@ -169,7 +170,7 @@ fn task_ranges(tally: &Tally, task: &str, detectors: &[String]) -> Option<TaskRa
     };
     let of_detectors = |metric: &Metric| {
         let of_detector = |it: &String| {
-            let rates = slices.iter().map(|slice| rate(it, slice, metric));
+            let rates = slices.iter().map(|slice| rate(it, *slice, metric));
             RatesOverRange { detector: it.clone(), rates: rates.collect() }
         };
         detectors.iter().map(of_detector).collect::<Vec<_>>()
@@ -182,19 +183,18 @@ fn task_ranges(tally: &Tally, task: &str, detectors: &[String]) -> Option<TaskRa
     let rates: Vec<_> = rates.filter(is_defined).collect();
     let bins = slices.iter().map(|it| it.name().trim_start_matches("range/").to_owned()).collect();
     let n_annotations = slices.iter().map(n_annotations).collect();
-    (!rates.is_empty()).then(|| TaskRanges { task: task.to_owned(), bins, n_annotations, rates })
+    (!rates.is_empty()).then_some(TaskRanges { task, bins, n_annotations, rates })
 }
 
 fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurves> {
     let mut all: Vec<DatasetCurves> = Vec::new();
     for row in rows {
-        let [dataset, task, detector] = row.subject();
+        let (dataset, task, detector) = row.subject();
         let Some(place) = row.place() else { continue };
         let known = all.iter().position(|it| it.dataset == dataset && it.task == task);
         let curves_idx = known.unwrap_or_else(|| {
             let of_detectors = detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
-            let [dataset, task] = [dataset, task].map(str::to_owned);
-            all.push(DatasetCurves { dataset, task, of_detectors });
+            all.push(DatasetCurves { dataset: dataset.to_owned(), task, of_detectors });
             all.len() - 1
         });
         let curves = &mut all[curves_idx];
@@ -206,11 +206,9 @@ fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurve
 }
 
 fn stages_of(report: &RunReport, manifest: &Manifest, detector: &str) -> Vec<(String, f64)> {
-    let task = report.rows().first().map_or("", |it| it.subject.task.as_str());
-    let [dataset, task, detector, slice] =
-        [extent_of_run(manifest), task, detector, SLICE_ALL].map(str::to_owned);
-    let subject = Subject { dataset, task, detector, slice };
-    let rows = report.rows().iter().chain(report.overall()).filter(|it| it.subject == subject);
+    let subject = report.first_task().map(|task| Subject::of_all(manifest.extent(), task, detector));
+    let rows = report.rows().iter().chain(report.overall());
+    let rows = rows.filter(|it| subject.as_ref() == Some(&it.subject));
     let stage = rows.filter_map(|it| match &it.metric {
         Metric::StageP50(stage) => Some((stage.clone(), it.value()?)),
         _ => None,
@@ -242,7 +240,7 @@ fn boxes_of(
         };
         if let Some((id, bounding_box)) = annotation.and_then(|it| Some((it.id, it.bounding_box?))) {
             // Every detector has a row about it.
-            let seen = SeenBox { task: row.task.clone(), detector: None, id, bounding_box };
+            let seen = SeenBox { task: row.task, detector: None, id, bounding_box };
             if !boxes.contains(&seen) {
                 boxes.push(seen);
             }

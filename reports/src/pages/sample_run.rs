@@ -16,20 +16,23 @@ use crate::run_folder::manifest::{DetectorEntry, Manifest};
 use crate::run_folder::run_directory::{MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, SCANS_CSV};
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::sample;
+use crate::vocabulary::class::{AnnotationClass, DetectionClass};
+use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
-use crate::vocabulary::slice::SLICE_ALL;
+use crate::vocabulary::reason::{FalseReason, MissReason};
+use crate::vocabulary::task::Task;
 
 /// What is in the run.
 pub(super) struct SampleRun<'a> {
     pub(super) datasets: &'a [&'a str],
     /// The first finds all but one of ten objects on every scan, the next ones one fewer each.
     pub(super) detectors: &'a [&'a str],
-    pub(super) tasks: &'a [&'a str],
+    pub(super) tasks: &'a [Task],
     /// Whether false objects can be known.
     pub(super) knows_false: bool,
     /// Class of what is missed.
-    pub(super) class: &'a str,
+    pub(super) class: AnnotationClass,
     /// Scans, each of a second of its own.
     pub(super) n_blocks: u32,
 }
@@ -38,9 +41,9 @@ pub(super) struct SampleRun<'a> {
 pub(super) const USUAL: SampleRun<'_> = SampleRun {
     datasets: &["main_road"],
     detectors: &["hierarchical", "kd-tree", "pca"],
-    tasks: &["objects", "vehicles"],
+    tasks: &Task::ALL,
     knows_false: true,
-    class: "car",
+    class: AnnotationClass::Car,
     n_blocks: 12,
 };
 
@@ -91,12 +94,12 @@ impl SampleRun<'_> {
     }
 
     /// What `row` makes of every data set, detector with its place, task and scan.
-    fn each<Row>(&self, row: impl Fn(&str, (usize, &str), &str, u32) -> Vec<Row>) -> Vec<Row> {
+    fn each<Row>(&self, row: impl Fn(&str, (usize, &str), Task, u32) -> Vec<Row>) -> Vec<Row> {
         let mut rows = Vec::new();
         for dataset in self.datasets {
             for scan in 0..self.n_blocks {
                 for (detector_idx, detector) in self.detectors.iter().enumerate() {
-                    for task in self.tasks {
+                    for &task in self.tasks {
                         rows.extend(row(dataset, (detector_idx, detector), task, 10 * scan));
                     }
                 }
@@ -111,7 +114,7 @@ impl SampleRun<'_> {
 
     fn scans(&self) -> Vec<ScanRow> {
         self.each(|dataset, (detector_idx, detector), task, scan| {
-            let fo = (self.knows_false || task == "vehicles").then_some(1);
+            let fo = (self.knows_false || task == Task::Vehicles).then_some(1);
             let tp = N_OBJECTS - Self::n_missed(detector_idx);
             let numbers = ScanNumbers {
                 n_points: 1000,
@@ -126,7 +129,7 @@ impl SampleRun<'_> {
                 n_dropped_too_small: 0,
                 n_dropped_too_large: 0,
             };
-            let [dataset, sequence, detector, task] = [dataset, "drive", detector, task].map(str::to_owned);
+            let [dataset, sequence, detector] = [dataset, "drive", detector].map(str::to_owned);
             vec![ScanRow {
                 dataset,
                 sequence,
@@ -146,7 +149,7 @@ impl SampleRun<'_> {
                 let annotation = AnnotationFacts {
                     id,
                     track: Some(id as u32),
-                    class: self.class.to_owned(),
+                    class: self.class,
                     occlusion: None,
                     n_points: 100 + id,
                     n_points_outside: 0,
@@ -156,19 +159,19 @@ impl SampleRun<'_> {
                 if id < n_found {
                     MatchOutcome::Matched { annotation, detection: detection(id), cost: 0.1 }
                 } else {
-                    MatchOutcome::Missed { annotation, reason: "nothing <there>".to_owned() }
+                    MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
                 }
             });
             let mut false_one = detection(N_OBJECTS);
             false_one.bounding_box = box_at(N_OBJECTS);
-            let beyond = if self.knows_false || task == "vehicles" {
-                MatchOutcome::False { detection: false_one, reason: "on no annotation".to_owned() }
+            let beyond = if self.knows_false || task == Task::Vehicles {
+                MatchOutcome::False { detection: false_one, reason: FalseReason::NothingThere }
             } else {
                 MatchOutcome::Unknowable { detection: false_one }
             };
             let row = |outcome| {
-                let [dataset, sequence] = [dataset, "drive"].map(str::to_owned);
-                let [detector, task, criterion] = [detector, task, "points"].map(str::to_owned);
+                let [dataset, sequence, detector] = [dataset, "drive", detector].map(str::to_owned);
+                let criterion = CriterionKind::Points;
                 MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
             };
             of_annotations.chain([beyond]).map(row).collect()
@@ -179,11 +182,9 @@ impl SampleRun<'_> {
     fn times(&self, dataset: &str) -> Vec<MetricRow> {
         let mut rows = Vec::new();
         for (detector_idx, detector) in self.detectors.iter().enumerate() {
-            for task in self.tasks {
+            for &task in self.tasks {
                 let median_ms = 4.0 * 10_f64.powi(detector_idx as i32);
-                let [dataset, task, detector, slice] =
-                    [dataset, task, detector, SLICE_ALL].map(str::to_owned);
-                let subject = Subject { dataset, task, detector, slice };
+                let subject = Subject::of_all(dataset, task, detector);
                 let row = |metric, value| {
                     MetricRow::new(subject.clone(), metric, Some(value), u64::from(self.n_blocks))
                 };
@@ -202,7 +203,7 @@ fn box_at(id: u64) -> BoxFacts {
 }
 
 fn detection(id: u64) -> DetectionFacts {
-    let class = "vehicle".to_owned();
+    let class = DetectionClass::Vehicle;
     DetectionFacts { id, class, score: Some(1.0 - id as f32 / 20.0), n_points: 90, bounding_box: box_at(id) }
 }
 

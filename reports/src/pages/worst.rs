@@ -5,6 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use super::markup::key;
 use super::run_facts::{RunFacts, SeenBox, scan_name};
 use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
+use crate::vocabulary::task::Task;
 use crate::worst::mistakes::Mistake;
 use crate::worst::places::{MistakeList, WorstPlace};
 
@@ -13,7 +14,7 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
     if facts.worst.lists().all(|(_, places)| places.is_empty()) {
         return html! {};
     }
-    let tasks: Vec<&str> = facts.standings.iter().map(|it| it.task.as_str()).collect();
+    let tasks: Vec<Task> = facts.standings.iter().map(|it| it.task).collect();
     html! {
         section #worst aria-labelledby="worst-title" {
             h2 #worst-title { "The worst mistakes, from above" }
@@ -22,7 +23,7 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
                 @if facts.points.is_some() { "Dots are where the sensor saw something: strong on what stands on the road, faint on the road." }
             }
             (key(&scene_keys(&facts.detectors())))
-            @for task in &tasks {
+            @for &task in &tasks {
                 @for (detector_idx, detector) in facts.detectors().iter().enumerate() {
                     (of_detector(facts, task, detector, detector_idx == 0))
                 }
@@ -31,9 +32,9 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
     }
 }
 
-fn of_detector(facts: &RunFacts, task: &str, detector: &str, is_open: bool) -> Markup {
+fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> Markup {
     let lists = [Mistake::Missed, Mistake::False].map(|kind| {
-        let list = MistakeList { task: task.to_owned(), detector: detector.to_owned(), kind };
+        let list = MistakeList { task, detector: detector.to_owned(), kind };
         (kind, facts.worst.of(&list))
     });
     html! {
@@ -50,7 +51,7 @@ fn of_detector(facts: &RunFacts, task: &str, detector: &str, is_open: bool) -> M
     }
 }
 
-fn scene(facts: &RunFacts, task: &str, detector: &str, kind: Mistake, place: &WorstPlace<()>) -> Markup {
+fn scene(facts: &RunFacts, task: Task, detector: &str, kind: Mistake, place: &WorstPlace<()>) -> Markup {
     let word = match kind {
         Mistake::Missed => "missed",
         Mistake::False => "false",

@@ -1,18 +1,18 @@
 //! The plot of rates against times.
 
+use std::collections::BTreeSet;
+
 use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
 use super::sweep_panels::{curves_of, heading};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
+use crate::vocabulary::task::Task;
 
 /// The rates of `extent` against the time of a scan, with the Pareto front: the points that no other is both faster
 /// and better than. A panel for each task. `None` if nothing was timed.
 pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
     let curves = curves_of(sweep, extent);
-    let mut tasks: Vec<&str> = curves.iter().map(|it| it.points[0].score.task.as_str()).collect();
-    tasks.dedup();
-    tasks.sort_unstable();
-    tasks.dedup();
+    let tasks: BTreeSet<Task> = curves.iter().map(|it| it.points[0].score.task).collect();
     let mut panels = Vec::new();
     for task in tasks {
         let of_task: Vec<_> = curves.iter().filter(|it| it.points[0].score.task == task).collect();
@@ -45,7 +45,7 @@ pub fn pareto_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
         });
         let notes = front_notes(&points, &front);
         panels.push(Panel {
-            title: task.to_owned(),
+            title: task.name().to_owned(),
             x_title: "time of a scan (ms): median of the shortest of each".to_owned(),
             y_title: format!("{} (%)", of_task[0].points[0].score.rate_name()),
             x_words: None,

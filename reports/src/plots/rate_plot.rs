@@ -7,6 +7,7 @@ use super::sweep_panels::{about_bars, curves_of, heading, words};
 use crate::numbers::sweep_curve::{CurvePoint, SweepCurve};
 use crate::numbers::sweep_score::SweepScores;
 use crate::vocabulary::extent::Extent;
+use crate::vocabulary::task::Task;
 
 /// The rates of `extent` over the first parameter, in percent with 95 % intervals: a panel for each task and each
 /// combination of the others, a series for each detector.
@@ -19,7 +20,7 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
     for curve in &curves {
         let first = curve.points[0].score;
         let panel = panels.entry(places.of_curve(curve)).or_insert_with(|| Panel {
-            title: [vec![first.task.clone()], curve.others.clone()].concat().join(", "),
+            title: [vec![first.task.name().to_owned()], curve.others.clone()].concat().join(", "),
             x_title: sweep.axis_title(),
             y_title: format!("{} (%)", first.rate_name()),
             x_words: words(curve),
@@ -52,7 +53,7 @@ pub fn rate_plot(sweep: &SweepScores, extent: &Extent) -> String {
 
 /// Tasks from above, and for each the combinations of other parameters.
 struct PanelPlaces {
-    tasks: Vec<String>,
+    tasks: Vec<Task>,
     others: Vec<Vec<String>>,
 }
 
@@ -60,9 +61,9 @@ impl PanelPlaces {
     fn of(curves: &[SweepCurve<'_>]) -> Self {
         let mut places = Self { tasks: Vec::new(), others: Vec::new() };
         for curve in curves {
-            let task = &curve.points[0].score.task;
-            if !places.tasks.contains(task) {
-                places.tasks.push(task.clone());
+            let task = curve.points[0].score.task;
+            if !places.tasks.contains(&task) {
+                places.tasks.push(task);
             }
             if !places.others.contains(&curve.others) {
                 places.others.push(curve.others.clone());

@@ -5,12 +5,13 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::rows::match_outcome::DetectionFacts;
+use crate::vocabulary::class::DetectionClass;
 
 /// One detection with its box, in the sensor frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoxRow {
     id: u64,
-    class: String,
+    class: DetectionClass,
     score: Option<Fixed<6>>,
     center_x_m: Fixed<4>,
     center_y_m: Fixed<4>,
@@ -47,7 +48,7 @@ impl BoxRow {
         let [length_m, width_m, height_m] = bounding_box.length_width_height_m.map(fixed);
         Self {
             id: detection.id,
-            class: detection.class.clone(),
+            class: detection.class,
             score: detection.score.map(|score| Fixed(score.into())),
             center_x_m,
             center_y_m,
@@ -77,7 +78,7 @@ mod tests {
         let detection = |id, score| {
             BoxRow::new(&DetectionFacts {
                 id,
-                class: "vehicle".to_owned(),
+                class: DetectionClass::Vehicle,
                 score,
                 n_points: 120,
                 bounding_box,

@@ -1,5 +1,8 @@
 //! What became of an annotation, a detection or a pair of them, with all that is needed to judge it again.
 
+use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
+use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+
 /// What became of an annotation, a detection or a pair of them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MatchOutcome {
@@ -17,14 +20,14 @@ pub enum MatchOutcome {
         /// What was missed.
         annotation: AnnotationFacts,
         /// Why.
-        reason: String,
+        reason: MissReason,
     },
     /// The annotation is neither found nor missed.
     IgnoredAnnotation {
         /// What does not count.
         annotation: AnnotationFacts,
         /// Why.
-        reason: String,
+        reason: IgnoredAnnotation,
     },
     /// The annotation is too tall for the task: neither found nor missed, and counted apart.
     Tall {
@@ -38,14 +41,14 @@ pub enum MatchOutcome {
         /// What is false.
         detection: DetectionFacts,
         /// Why.
-        reason: String,
+        reason: FalseReason,
     },
     /// The detection is neither right nor false.
     IgnoredDetection {
         /// What does not count.
         detection: DetectionFacts,
         /// Why.
-        reason: String,
+        reason: IgnoredDetection,
     },
     /// It cannot be known whether the detection is false.
     Unknowable {
@@ -71,9 +74,9 @@ pub struct AnnotationFacts {
     /// Number of the object within its drive.
     pub track: Option<u32>,
     /// What it is.
-    pub class: String,
-    /// How much of it other things hide from the sensor, in words.
-    pub occlusion: Option<String>,
+    pub class: AnnotationClass,
+    /// How much of it other things hide from the sensor.
+    pub occlusion: Option<Occlusion>,
     /// Number of its points.
     pub n_points: u64,
     /// How many of these lie outside the labelled region.
@@ -107,7 +110,7 @@ pub struct DetectionFacts {
     /// Its place among the detections of the scan, from 0.
     pub id: u64,
     /// What the detector takes it for.
-    pub class: String,
+    pub class: DetectionClass,
     /// How sure the detector is; higher is surer.
     pub score: Option<f32>,
     /// Number of its points.

@@ -10,6 +10,10 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
+use crate::vocabulary::criterion::CriterionKind;
+use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+use crate::vocabulary::task::Task;
 
 /// What became of an annotation, a detection or a pair of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,10 +27,10 @@ pub struct MatchRow {
     pub scan: u32,
     /// Name of the detector.
     pub detector: String,
-    /// Name of the task.
-    pub task: String,
-    /// Name of the criterion by which they were matched.
-    pub criterion: String,
+    /// The task.
+    pub task: Task,
+    /// By what they were matched.
+    pub criterion: CriterionKind,
     /// What became of it.
     pub outcome: MatchOutcome,
 }
@@ -76,16 +80,16 @@ struct MatchRecord {
     sequence: String,
     scan: u32,
     detector: String,
-    task: String,
-    criterion: String,
+    task: Task,
+    criterion: CriterionKind,
     kind: Kind,
     outcome: Outcome,
     reason: Option<String>,
     cost: Option<Fixed<6>>,
     annotation_id: Option<u64>,
     annotation_track: Option<u32>,
-    annotation_class: Option<String>,
-    annotation_occlusion: Option<String>,
+    annotation_class: Option<AnnotationClass>,
+    annotation_occlusion: Option<Occlusion>,
     annotation_n_points: Option<u64>,
     annotation_n_points_outside: Option<u64>,
     annotation_center_x_m: Option<Fixed<4>>,
@@ -96,7 +100,7 @@ struct MatchRecord {
     annotation_height_m: Option<Fixed<4>>,
     annotation_yaw_rad: Option<Fixed<4>>,
     detection_id: Option<u64>,
-    detection_class: Option<String>,
+    detection_class: Option<DetectionClass>,
     detection_score: Option<Fixed<6>>,
     detection_n_points: Option<u64>,
     detection_center_x_m: Option<Fixed<4>>,
@@ -126,9 +130,6 @@ enum Outcome {
     Unknowable,
 }
 
-/// Why an annotation is ignored that makes an outcome of its own.
-const TALL: &str = "tall";
-
 /// The columns of an outcome, before they are spread.
 struct Parts {
     kind: Kind,
@@ -140,20 +141,13 @@ struct Parts {
 }
 
 impl Parts {
-    fn of_annotation(outcome: Outcome, annotation: AnnotationFacts, reason: String) -> Self {
-        let kind = Kind::Annotation;
-        Self {
-            kind,
-            outcome,
-            reason: Some(reason),
-            cost: None,
-            annotation: Some(annotation),
-            detection: None,
-        }
+    fn of_annotation(outcome: Outcome, annotation: AnnotationFacts, reason: &str) -> Self {
+        let (kind, reason) = (Kind::Annotation, Some(reason.to_owned()));
+        Self { kind, outcome, reason, cost: None, annotation: Some(annotation), detection: None }
     }
 
-    fn of_detection(outcome: Outcome, detection: DetectionFacts, reason: Option<String>) -> Self {
-        let kind = Kind::Detection;
+    fn of_detection(outcome: Outcome, detection: DetectionFacts, reason: Option<&str>) -> Self {
+        let (kind, reason) = (Kind::Detection, reason.map(str::to_owned));
         Self { kind, outcome, reason, cost: None, annotation: None, detection: Some(detection) }
     }
 }
@@ -170,27 +164,27 @@ impl From<MatchOutcome> for Parts {
                 detection: Some(detection),
             },
             MatchOutcome::Missed { annotation, reason } => {
-                Self::of_annotation(Outcome::Missed, annotation, reason)
+                Self::of_annotation(Outcome::Missed, annotation, reason.name())
             }
             MatchOutcome::IgnoredAnnotation { annotation, reason } => {
-                Self::of_annotation(Outcome::Ignored, annotation, reason)
+                Self::of_annotation(Outcome::Ignored, annotation, reason.name())
             }
             MatchOutcome::Tall { annotation, found_by: None } => {
-                Self::of_annotation(Outcome::Ignored, annotation, TALL.to_owned())
+                Self::of_annotation(Outcome::Ignored, annotation, IgnoredAnnotation::Tall.name())
             }
             MatchOutcome::Tall { annotation, found_by: Some(FoundBy { detection, cost }) } => Self {
                 kind: Kind::Pair,
                 outcome: Outcome::Ignored,
-                reason: Some(TALL.to_owned()),
+                reason: Some(IgnoredAnnotation::Tall.name().to_owned()),
                 cost: Some(cost),
                 annotation: Some(annotation),
                 detection: Some(detection),
             },
             MatchOutcome::False { detection, reason } => {
-                Self::of_detection(Outcome::False, detection, Some(reason))
+                Self::of_detection(Outcome::False, detection, Some(reason.name()))
             }
             MatchOutcome::IgnoredDetection { detection, reason } => {
-                Self::of_detection(Outcome::Ignored, detection, Some(reason))
+                Self::of_detection(Outcome::Ignored, detection, Some(reason.name()))
             }
             MatchOutcome::Unknowable { detection } => {
                 Self::of_detection(Outcome::Unknowable, detection, None)
@@ -204,8 +198,7 @@ impl TryFrom<Parts> for MatchOutcome {
 
     fn try_from(parts: Parts) -> Result<Self, &'static str> {
         let Parts { kind, outcome, reason, cost, annotation, detection } = parts;
-        let is_tall = reason.as_deref() == Some(TALL);
-        let reason = reason.ok_or("a missed, false or ignored object gives no reason");
+        let is_tall = reason.as_deref() == Some(IgnoredAnnotation::Tall.name());
         match (kind, outcome, annotation, detection) {
             (Kind::Pair, Outcome::Matched, Some(annotation), Some(detection)) => {
                 let cost = cost.ok_or("a matched pair has no cost")?;
@@ -219,23 +212,31 @@ impl TryFrom<Parts> for MatchOutcome {
                 Ok(Self::Tall { annotation, found_by: None })
             }
             (Kind::Annotation, Outcome::Missed, Some(annotation), None) => {
-                Ok(Self::Missed { annotation, reason: reason? })
+                Ok(Self::Missed { annotation, reason: known_reason(reason, MissReason::from_name)? })
             }
-            (Kind::Annotation, Outcome::Ignored, Some(annotation), None) => {
-                Ok(Self::IgnoredAnnotation { annotation, reason: reason? })
-            }
+            (Kind::Annotation, Outcome::Ignored, Some(annotation), None) => Ok(Self::IgnoredAnnotation {
+                annotation,
+                reason: known_reason(reason, IgnoredAnnotation::from_name)?,
+            }),
             (Kind::Detection, Outcome::False, None, Some(detection)) => {
-                Ok(Self::False { detection, reason: reason? })
+                Ok(Self::False { detection, reason: known_reason(reason, FalseReason::from_name)? })
             }
-            (Kind::Detection, Outcome::Ignored, None, Some(detection)) => {
-                Ok(Self::IgnoredDetection { detection, reason: reason? })
-            }
+            (Kind::Detection, Outcome::Ignored, None, Some(detection)) => Ok(Self::IgnoredDetection {
+                detection,
+                reason: known_reason(reason, IgnoredDetection::from_name)?,
+            }),
             (Kind::Detection, Outcome::Unknowable, None, Some(detection)) => {
                 Ok(Self::Unknowable { detection })
             }
             _ => Err("kind, outcome and the filled columns contradict each other"),
         }
     }
+}
+
+/// What stands in the column of reasons, which depends on the outcome.
+fn known_reason<T>(name: Option<String>, from_name: fn(&str) -> Option<T>) -> Result<T, &'static str> {
+    let name = name.ok_or("a missed, false or ignored object gives no reason")?;
+    from_name(&name).ok_or("there is no such reason for this outcome")
 }
 
 /// Centre x, y, z, length, width, height and yaw as they are written.
@@ -293,8 +294,8 @@ impl From<MatchRow> for MatchRecord {
             annotation_track: annotation_ref.and_then(|it| it.track),
             annotation_n_points: annotation_ref.map(|it| it.n_points),
             annotation_n_points_outside: annotation_ref.map(|it| it.n_points_outside),
-            annotation_occlusion: annotation_ref.and_then(|it| it.occlusion.clone()),
-            annotation_class: annotation.map(|it| it.class),
+            annotation_occlusion: annotation_ref.and_then(|it| it.occlusion),
+            annotation_class: annotation_ref.map(|it| it.class),
             annotation_center_x_m: annotation_box[0],
             annotation_center_y_m: annotation_box[1],
             annotation_center_z_m: annotation_box[2],
@@ -305,7 +306,7 @@ impl From<MatchRow> for MatchRecord {
             detection_id: detection_ref.map(|it| it.id),
             detection_score: detection_ref.and_then(|it| it.score).map(|it| Fixed(f64::from(it))),
             detection_n_points: detection_ref.map(|it| it.n_points),
-            detection_class: detection.map(|it| it.class),
+            detection_class: detection_ref.map(|it| it.class),
             detection_center_x_m: detection_box[0],
             detection_center_y_m: detection_box[1],
             detection_center_z_m: detection_box[2],
@@ -331,8 +332,8 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
     Ok(Some(AnnotationFacts {
         id,
         track: record.annotation_track,
-        class: record.annotation_class.clone().ok_or("an annotation has no class")?,
-        occlusion: record.annotation_occlusion.clone(),
+        class: record.annotation_class.ok_or("an annotation has no class")?,
+        occlusion: record.annotation_occlusion,
         n_points: record.annotation_n_points.ok_or("an annotation has no number of points")?,
         n_points_outside: record
             .annotation_n_points_outside
@@ -355,7 +356,7 @@ fn detection_of(record: &MatchRecord) -> Result<Option<DetectionFacts>, &'static
     let Some(id) = record.detection_id else { return Ok(None) };
     Ok(Some(DetectionFacts {
         id,
-        class: record.detection_class.clone().ok_or("a detection has no class")?,
+        class: record.detection_class.ok_or("a detection has no class")?,
         score: record.detection_score.map(|Fixed(score)| score as f32),
         n_points: record.detection_n_points.ok_or("a detection has no number of points")?,
         bounding_box: bounding_box.ok_or("a detection has no box")?,
@@ -397,8 +398,8 @@ mod tests {
         AnnotationFacts {
             id: 3,
             track: Some(12),
-            class: "car".to_owned(),
-            occlusion: Some("partly".to_owned()),
+            class: AnnotationClass::Car,
+            occlusion: Some(Occlusion::Partly),
             n_points: 240,
             n_points_outside: 130,
             bounding_box: Some(BoxFacts {
@@ -416,7 +417,13 @@ mod tests {
             length_width_height_m: [4.0, 1.5, 1.25],
             yaw_rad: 0.125,
         };
-        DetectionFacts { id: 0, class: "object".to_owned(), score: Some(0.75), n_points: 201, bounding_box }
+        DetectionFacts {
+            id: 0,
+            class: DetectionClass::Object,
+            score: Some(0.75),
+            n_points: 201,
+            bounding_box,
+        }
     }
 
     fn rows() -> Vec<MatchRow> {
@@ -430,22 +437,21 @@ mod tests {
             bounding_box: BoxFacts { center_m: [1.0, 2.0, 3.0], ..blob().bounding_box },
             ..blob()
         };
-        let reason = |it: &str| it.to_owned();
         let found = DetectionFacts { bounding_box: unscored.bounding_box, ..blob() };
         let outcomes = [
             MatchOutcome::Matched { annotation: car(), detection: found, cost: 0.125 },
-            MatchOutcome::Missed { annotation: unboxed, reason: reason("nothing there") },
-            MatchOutcome::IgnoredAnnotation { annotation: car(), reason: reason("too few points") },
-            MatchOutcome::IgnoredAnnotation { annotation: nowhere, reason: reason("too few points") },
+            MatchOutcome::Missed { annotation: unboxed, reason: MissReason::NothingThere },
+            MatchOutcome::IgnoredAnnotation { annotation: car(), reason: IgnoredAnnotation::TooFewPoints },
+            MatchOutcome::IgnoredAnnotation { annotation: nowhere, reason: IgnoredAnnotation::TooFewPoints },
             MatchOutcome::Tall { annotation: car(), found_by: None },
             MatchOutcome::Tall {
                 annotation: car(),
                 found_by: Some(FoundBy { detection: unscored.clone(), cost: 0.25 }),
             },
-            MatchOutcome::False { detection: unscored.clone(), reason: reason("fragment") },
+            MatchOutcome::False { detection: unscored.clone(), reason: FalseReason::Fragment },
             MatchOutcome::IgnoredDetection {
                 detection: unscored.clone(),
-                reason: reason("on ignored points"),
+                reason: IgnoredDetection::OnIgnoredPoints,
             },
             MatchOutcome::Unknowable { detection: unscored },
         ];
@@ -453,8 +459,8 @@ mod tests {
     }
 
     fn row(outcome: MatchOutcome) -> MatchRow {
-        let [dataset, sequence, detector, task, criterion] =
-            ["main_road", "0000", "pca", "objects", "points"].map(str::to_owned);
+        let [dataset, sequence, detector] = ["main_road", "0000", "pca"].map(str::to_owned);
+        let (task, criterion) = (Task::Objects, CriterionKind::Points);
         MatchRow { dataset, sequence, scan: 7, detector, task, criterion, outcome }
     }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::rows::counts::Counts;
+use crate::vocabulary::task::Task;
 
 /// What one detector made of one scan in one task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,8 +21,8 @@ pub struct ScanRow {
     pub time_s: f64,
     /// Name of the detector.
     pub detector: String,
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// What came of it.
     pub outcome: ScanOutcome,
 }
@@ -123,7 +124,7 @@ struct ScanRecord {
     scan: u32,
     time_s: Fixed<3>,
     detector: String,
-    task: String,
+    task: Task,
     status: Status,
     reason: Option<String>,
     n_points: Option<u64>,
@@ -253,8 +254,8 @@ mod tests {
     use crate::files::whole_file::WholeFile;
 
     fn row(scan: u32, outcome: ScanOutcome) -> ScanRow {
-        let [dataset, sequence, detector, task] =
-            ["kitti, tracking", "0000", "kd-tree", "objects"].map(str::to_owned);
+        let [dataset, sequence, detector] = ["kitti, tracking", "0000", "kd-tree"].map(str::to_owned);
+        let task = Task::Objects;
         ScanRow { dataset, sequence, scan, time_s: f64::from(scan) / 10.0, detector, task, outcome }
     }
 

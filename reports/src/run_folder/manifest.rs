@@ -6,6 +6,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, read_json};
+use crate::vocabulary::class::AnnotationClass;
+use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::origin::Origin;
 
 /// Everything that decides the numbers of a run.
@@ -85,7 +87,7 @@ pub struct DatasetEntry {
     pub n_points_left_out: u64,
     /// What the user said names of classes in the labels stand for.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub classes: BTreeMap<String, String>,
+    pub classes: BTreeMap<String, AnnotationClass>,
     /// Which scans were selected, as the command line writes it; `None` for all.
     pub selection: Option<String>,
     /// Height of the sensor above the road, in metres.
@@ -158,7 +160,7 @@ pub enum AnnotatedClasses {
     /// Every free-standing object.
     EveryObject,
     /// Objects of these classes only.
-    Only(Vec<String>),
+    Only(Vec<AnnotationClass>),
 }
 
 /// A detector of the run.
@@ -201,6 +203,14 @@ fn once() -> u32 {
 }
 
 impl Manifest {
+    /// The data set that numbers about the whole run are about: the only one, or all of them.
+    pub fn extent(&self) -> &str {
+        match &self.datasets[..] {
+            [only] => &only.id,
+            _ => OVERALL,
+        }
+    }
+
     /// The content of `manifest.json`.
     pub fn to_json(&self) -> String {
         let mut json = serde_json::to_string_pretty(self).expect("a manifest has text keys only");
@@ -242,7 +252,7 @@ mod tests {
                 format: "kitti-tracking".to_owned(),
                 root: Some("/data/kitti".to_owned()),
                 simulated: false,
-                annotated: AnnotatedClasses::Only(vec!["car".to_owned()]),
+                annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car]),
                 checksum: None,
                 n_scans: 40,
                 skipped_scans: Vec::new(),

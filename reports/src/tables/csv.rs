@@ -69,7 +69,7 @@ fn measured_record(table: &TaskTable, row: &MeasuredRow, detector: &str, score: 
         |text: fn(BlockCount) -> String| recall.or(f_rate).map_or_else(String::new, |it| text(it.blocks));
     let end = |interval: Option<Interval>, end_idx: usize| rate(interval.map(|it| it.ends[end_idx]));
     [
-        table.task.clone(),
+        table.task.name().to_owned(),
         "measured".to_owned(),
         row.extent.name().to_owned(),
         row.origin.name().to_owned(),
@@ -101,7 +101,7 @@ fn measured_record(table: &TaskTable, row: &MeasuredRow, detector: &str, score: 
 fn paper_record(table: &TaskTable, row: &PaperRow, detector: &str) -> Option<[String; 26]> {
     let score = table.paper?.score_beside(row, detector)?;
     let mut record: [String; 26] = Default::default();
-    record[0].clone_from(&table.task);
+    table.task.name().clone_into(&mut record[0]);
     "paper".clone_into(&mut record[1]);
     row.name.clone_into(&mut record[2]);
     "recorded".clone_into(&mut record[3]);

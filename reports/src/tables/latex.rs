@@ -17,7 +17,7 @@ pub fn to_latex(table: &TaskTable) -> String {
     push("\\begin{table}");
     push("  \\centering");
     push(&format!("  \\caption{{{}}}", escaped(&title(table))));
-    push(&format!("  \\label{{tab:scanbench-{}}}", label_part(&table.task)));
+    push(&format!("  \\label{{tab:scanbench-{}}}", label_part(table.task.name())));
     push(&format!("  \\begin{{tabular}}{{{}}}", column_kinds(&grid)));
     push("    \\toprule");
     for line in group_heads(&grid) {

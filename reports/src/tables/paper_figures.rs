@@ -3,11 +3,13 @@
 //! HG: Fast 3-D Urban Object Detection on Streaming Point Clouds. VM: A Model-based Approach for Fast Vehicle
 //! Detection in Continuously Streamed Urban LIDAR Point Clouds.
 
+use crate::vocabulary::task::Task;
+
 /// Table 1 of a paper.
 #[derive(Debug, PartialEq)]
 pub struct PaperTable {
     /// The task that it is about.
-    pub task: &'static str,
+    pub task: Task,
     /// Where it is printed.
     pub source: &'static str,
     /// The two methods that it compares.
@@ -85,7 +87,7 @@ pub const PAPER_TABLES: &[PaperTable] = &[OBJECTS, VEHICLES];
 
 /// Paper: HG section 5, table 1.
 const OBJECTS: PaperTable = PaperTable {
-    task: "objects",
+    task: Task::Objects,
     source: "Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1",
     methods: [
         PaperMethod { name: "connected component analysis", detector: "kd-tree" },
@@ -101,7 +103,7 @@ const OBJECTS: PaperTable = PaperTable {
 
 /// Paper: VM section 6, table 1.
 const VEHICLES: PaperTable = PaperTable {
-    task: "vehicles",
+    task: Task::Vehicles,
     source: "Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in Continuously \
              Streamed Urban LIDAR Point Clouds, table 1",
     methods: [

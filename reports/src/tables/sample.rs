@@ -10,8 +10,9 @@ use crate::run_folder::manifest::{
     AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Machine, Manifest,
 };
 use crate::tables::task_table::{TaskTable, task_tables};
+use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::metric::Metric;
-use crate::vocabulary::slice::SLICE_ALL;
+use crate::vocabulary::task::Task;
 
 pub(crate) const DATASETS: [&str; 3] = ["main_road", "kitti_tracking", "kitti_object"];
 
@@ -54,7 +55,7 @@ fn dataset(id: &str) -> DatasetEntry {
         annotated: if simulated {
             AnnotatedClasses::EveryObject
         } else {
-            AnnotatedClasses::Only(vec!["car".to_owned()])
+            AnnotatedClasses::Only(vec![AnnotationClass::Car])
         },
         checksum: None,
         n_scans: 20,
@@ -70,33 +71,32 @@ fn dataset(id: &str) -> DatasetEntry {
 }
 
 /// Data set, task, detector, NO, TP, FO, scans per second.
-type Numbers = (&'static str, &'static str, &'static str, u64, u64, Option<u64>, Option<f64>);
+type Numbers = (&'static str, Task, &'static str, u64, u64, Option<u64>, Option<f64>);
 
 const NUMBERS: [Numbers; 18] = [
-    ("main_road", "objects", "hierarchical", 412, 371, Some(52), Some(121.3)),
-    ("main_road", "objects", "kd-tree", 412, 340, Some(140), Some(8.04)),
-    ("main_road", "objects", "pca", 412, 318, Some(97), Some(46.0)),
-    ("kitti_tracking", "objects", "hierarchical", 318, 290, None, Some(98.2)),
-    ("kitti_tracking", "objects", "kd-tree", 318, 271, None, Some(0.471)),
-    ("kitti_tracking", "objects", "pca", 318, 204, None, Some(39.9)),
-    ("kitti_object", "objects", "hierarchical", 61, 55, None, Some(104.0)),
-    ("kitti_object", "objects", "kd-tree", 61, 61, None, Some(0.5)),
-    ("kitti_object", "objects", "pca", 61, 40, None, Some(41.0)),
-    ("main_road", "vehicles", "hierarchical", 190, 181, Some(8), Some(121.3)),
-    ("main_road", "vehicles", "kd-tree", 190, 170, Some(44), Some(8.04)),
-    ("main_road", "vehicles", "pca", 190, 190, Some(0), Some(46.0)),
-    ("kitti_tracking", "vehicles", "hierarchical", 240, 211, Some(33), Some(98.2)),
-    ("kitti_tracking", "vehicles", "kd-tree", 240, 199, Some(1040), Some(0.471)),
-    ("kitti_tracking", "vehicles", "pca", 240, 150, Some(29), Some(39.9)),
-    ("kitti_object", "vehicles", "hierarchical", 0, 0, Some(0), None),
-    ("kitti_object", "vehicles", "kd-tree", 0, 0, Some(3), None),
-    ("kitti_object", "vehicles", "pca", 0, 0, Some(0), Some(41.0)),
+    ("main_road", Task::Objects, "hierarchical", 412, 371, Some(52), Some(121.3)),
+    ("main_road", Task::Objects, "kd-tree", 412, 340, Some(140), Some(8.04)),
+    ("main_road", Task::Objects, "pca", 412, 318, Some(97), Some(46.0)),
+    ("kitti_tracking", Task::Objects, "hierarchical", 318, 290, None, Some(98.2)),
+    ("kitti_tracking", Task::Objects, "kd-tree", 318, 271, None, Some(0.471)),
+    ("kitti_tracking", Task::Objects, "pca", 318, 204, None, Some(39.9)),
+    ("kitti_object", Task::Objects, "hierarchical", 61, 55, None, Some(104.0)),
+    ("kitti_object", Task::Objects, "kd-tree", 61, 61, None, Some(0.5)),
+    ("kitti_object", Task::Objects, "pca", 61, 40, None, Some(41.0)),
+    ("main_road", Task::Vehicles, "hierarchical", 190, 181, Some(8), Some(121.3)),
+    ("main_road", Task::Vehicles, "kd-tree", 190, 170, Some(44), Some(8.04)),
+    ("main_road", Task::Vehicles, "pca", 190, 190, Some(0), Some(46.0)),
+    ("kitti_tracking", Task::Vehicles, "hierarchical", 240, 211, Some(33), Some(98.2)),
+    ("kitti_tracking", Task::Vehicles, "kd-tree", 240, 199, Some(1040), Some(0.471)),
+    ("kitti_tracking", Task::Vehicles, "pca", 240, 150, Some(29), Some(39.9)),
+    ("kitti_object", Task::Vehicles, "hierarchical", 0, 0, Some(0), None),
+    ("kitti_object", Task::Vehicles, "kd-tree", 0, 0, Some(3), None),
+    ("kitti_object", Task::Vehicles, "pca", 0, 0, Some(0), Some(41.0)),
 ];
 
 fn rows() -> Vec<MetricRow> {
     let rows = NUMBERS.into_iter().flat_map(|(dataset, task, detector, no, tp, fo, fps)| {
-        let [dataset, task, detector, slice] = [dataset, task, detector, SLICE_ALL].map(str::to_owned);
-        let subject = Subject { dataset, task, detector, slice };
+        let subject = Subject::of_all(dataset, task, detector);
         let counts = Counts::new(no, tp, fo).unwrap();
         let n_scans = 20;
         [
@@ -111,7 +111,7 @@ fn rows() -> Vec<MetricRow> {
         ]
         .map(|(metric, value, n)| {
             // The vehicles come without intervals, as from a single block of scans.
-            let has_interval = metric == Metric::FRate && subject.task == "objects";
+            let has_interval = metric == Metric::FRate && subject.task == Task::Objects;
             let interval = value.filter(|_| has_interval).map(interval_around);
             MetricRow::new(subject.clone(), metric, value, n).within(interval)
         })

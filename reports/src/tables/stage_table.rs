@@ -1,14 +1,13 @@
 //! The table of how long each step of the method takes, beside the paper's times.
 
 use crate::files::fixed_decimals::fixed_decimals;
-use crate::numbers::run_report::{MetricRow, RunReport};
+use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::run_folder::manifest::Manifest;
 use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Undefined};
 use crate::tables::markdown;
 use crate::tables::notes::Notes;
 use crate::tables::paper_figures::VEHICLE_STEPS;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
-use crate::vocabulary::slice::SLICE_ALL;
 
 /// The detector whose stages are those of the paper.
 const DETECTOR: &str = "hierarchical";
@@ -24,16 +23,10 @@ impl StageTable {
     /// The stages of `hierarchical` in `report`; `None` if it did not run.
     pub fn new(report: &RunReport, manifest: &Manifest) -> Option<Self> {
         manifest.detectors.iter().find(|it| it.name == DETECTOR)?;
-        let task = report.rows().first()?.subject.task.as_str();
+        let task = report.first_task()?;
         let rows_of = |dataset: &str| -> Vec<&MetricRow> {
-            let is_asked = |it: &&MetricRow| {
-                let subject = &it.subject;
-                subject.dataset == dataset
-                    && subject.task == task
-                    && subject.detector == DETECTOR
-                    && subject.slice == SLICE_ALL
-            };
-            report.rows().iter().filter(is_asked).collect()
+            let subject = Subject::of_all(dataset, task, DETECTOR);
+            report.rows().iter().filter(|it| it.subject == subject).collect()
         };
         let datasets: Vec<Vec<&MetricRow>> = manifest.datasets.iter().map(|it| rows_of(&it.id)).collect();
         let mut others: Vec<&str> = Vec::new();
@@ -122,17 +115,13 @@ fn ms_cell(ms: Option<f64>) -> Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::run_report::Subject;
     use crate::tables::sample;
+    use crate::vocabulary::task::Task;
 
     fn table(stages: &[(&str, f64)]) -> String {
         let mut manifest = sample::manifest();
         manifest.datasets.truncate(1);
-        let subject = || {
-            let [dataset, task, detector, slice] =
-                ["main_road", "objects", DETECTOR, SLICE_ALL].map(str::to_owned);
-            Subject { dataset, task, detector, slice }
-        };
+        let subject = || Subject::of_all("main_road", Task::Objects, DETECTOR);
         let times = stages.iter().map(|(stage, ms)| (Metric::StageP50((*stage).to_owned()), *ms));
         let whole = (Metric::Latency(LatencyStatistic::P50), 9.5);
         let rows = times.chain([whole]).map(|(metric, ms)| MetricRow::new(subject(), metric, Some(ms), 20));

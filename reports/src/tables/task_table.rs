@@ -8,13 +8,13 @@ use crate::tables::paper_figures::{PAPER_TABLES, PaperRow, PaperTable, Recording
 use crate::vocabulary::extent::{Extent, OVERALL};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
-use crate::vocabulary::slice::SLICE_ALL;
+use crate::vocabulary::task::Task;
 
 /// The table of one task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskTable {
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// By what detections were matched with annotations, in words.
     pub matching_criterion: String,
     /// The processor that all times are for.
@@ -95,8 +95,8 @@ pub enum TableError {
     Missing {
         /// Id of the data set.
         dataset: String,
-        /// Name of the task.
-        task: String,
+        /// The task.
+        task: Task,
         /// Name of the detector.
         detector: String,
         /// Id of the metric.
@@ -107,8 +107,8 @@ pub enum TableError {
     BadCount {
         /// Id of the data set.
         dataset: String,
-        /// Name of the task.
-        task: String,
+        /// The task.
+        task: Task,
         /// Name of the detector.
         detector: String,
         /// Id of the metric.
@@ -177,7 +177,7 @@ impl TaskTable {
 ///
 /// Paper: HG section 5, table 1; VM section 6, table 1.
 pub fn task_tables(report: &RunReport, manifest: &Manifest) -> Result<Vec<TaskTable>, TableError> {
-    let mut tasks: Vec<&str> = Vec::new();
+    let mut tasks: Vec<Task> = Vec::new();
     for Subject { dataset, task, detector, .. } in report.rows().iter().map(|it| &it.subject) {
         if !manifest.datasets.iter().any(|it| it.id == *dataset) {
             return Err(TableError::UnknownDataset(dataset.clone()));
@@ -185,14 +185,14 @@ pub fn task_tables(report: &RunReport, manifest: &Manifest) -> Result<Vec<TaskTa
         if !manifest.detectors.iter().any(|it| it.name == *detector) {
             return Err(TableError::UnknownDetector(detector.clone()));
         }
-        if !tasks.contains(&task.as_str()) {
-            tasks.push(task);
+        if !tasks.contains(task) {
+            tasks.push(*task);
         }
     }
     tasks.into_iter().map(|task| task_table(report, manifest, task)).collect()
 }
 
-fn task_table(report: &RunReport, manifest: &Manifest, task: &str) -> Result<TaskTable, TableError> {
+fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<TaskTable, TableError> {
     let is_about = |field: fn(&Subject) -> &str, name: &str| {
         report.rows().iter().any(|it| it.subject.task == task && field(&it.subject) == name)
     };
@@ -208,7 +208,7 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: &str) -> Result<Tas
         it.task == task && it.methods.iter().any(|method| detectors.iter().any(|our| our == method.detector))
     });
     Ok(TaskTable {
-        task: task.to_owned(),
+        task,
         matching_criterion: manifest.matching_criterion.clone(),
         cpu_model: manifest.machine.cpu_model.clone(),
         rules: rules(manifest, &detectors),
@@ -272,7 +272,7 @@ fn counterpart(entry: &DatasetEntry) -> Option<Recordings> {
 fn measured_row(
     report: &RunReport,
     entry: &DatasetEntry,
-    task: &str,
+    task: Task,
     detectors: &[String],
 ) -> Result<MeasuredRow, TableError> {
     let scores = detectors
@@ -296,7 +296,7 @@ fn measured_row(
 /// Sums counts and times, so that every object and every scan weighs the same; `datasets` is not empty.
 fn overall_row(
     report: &RunReport,
-    task: &str,
+    task: Task,
     detectors: &[String],
     datasets: &[&MeasuredRow],
 ) -> MeasuredRow {
@@ -309,8 +309,7 @@ fn overall_row(
         overall.origin = overall.origin.with(dataset.origin);
     }
     for (score, detector) in overall.scores.iter_mut().zip(detectors) {
-        let [dataset, task, detector, slice] = [OVERALL, task, detector, SLICE_ALL].map(str::to_owned);
-        score.intervals = rate_intervals(report, &Subject { dataset, task, detector, slice });
+        score.intervals = rate_intervals(report, &Subject::of_all(OVERALL, task, detector));
     }
     overall
 }
@@ -325,9 +324,8 @@ fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {
 }
 
 /// The numbers of one data set, task and detector.
-fn score(report: &RunReport, entry: &DatasetEntry, task: &str, detector: &str) -> Result<Score, TableError> {
-    let (dataset, task, detector) = (entry.id.clone(), task.to_owned(), detector.to_owned());
-    let subject = Subject { dataset, task, detector, slice: SLICE_ALL.to_owned() };
+fn score(report: &RunReport, entry: &DatasetEntry, task: Task, detector: &str) -> Result<Score, TableError> {
+    let subject = Subject::of_all(&entry.id, task, detector);
     let row = |metric: Metric| {
         report.row(&subject, &metric).ok_or_else(|| {
             let Subject { dataset, task, detector, .. } = subject.clone();

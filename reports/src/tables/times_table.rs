@@ -1,7 +1,7 @@
 //! The table of how long detection takes.
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
-use crate::numbers::run_report::{RunReport, Subject};
+use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::run_folder::manifest::Manifest;
 use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark, Undefined};
 use crate::tables::notes::Notes;
@@ -10,7 +10,6 @@ use crate::tables::{markdown, terminal};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
-use crate::vocabulary::slice::SLICE_ALL;
 
 /// How long each detector of a run takes, data set by data set.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,12 +53,12 @@ impl TimesTable {
             let all = extents.iter().map(|(_, origin)| *origin).reduce(Origin::with);
             extents.extend(all.map(|origin| (Extent::Overall, origin)));
         }
-        let task = report.rows().first().map_or("", |it| it.subject.task.as_str());
         let mut lines = Vec::new();
         for (extent, origin) in extents {
             for (detector_idx, detector) in manifest.detectors.iter().enumerate() {
-                let [dataset, task, slice] = [extent.name(), task, SLICE_ALL].map(str::to_owned);
-                let subject = Subject { dataset, task, detector: detector.name.clone(), slice };
+                let row = |metric: &Metric| {
+                    report.row(&Subject::of_all(extent.name(), report.first_task()?, &detector.name), metric)
+                };
                 let is_first = detector_idx == 0;
                 let label = if is_first { extent_cell(&extent, origin) } else { Cell::default() };
                 let kind = match extent {
@@ -67,7 +66,7 @@ impl TimesTable {
                     Extent::Overall => LineKind::Overall,
                     Extent::Dataset(_) => LineKind::Dataset,
                 };
-                lines.push(Line { kind, cells: cells(report, &subject, label) });
+                lines.push(Line { kind, cells: cells(row, &detector.name, label) });
             }
         }
         Self { grid: Grid { columns, lines }, cpu_model: manifest.machine.cpu_model.clone() }
@@ -115,11 +114,10 @@ impl TimesTable {
     }
 }
 
-fn cells(report: &RunReport, subject: &Subject, label: Cell) -> Vec<Cell> {
-    let n_scans = report.row(subject, &Metric::FpsMean).map_or(0, |it| it.n);
+fn cells<'a>(row: impl Fn(&Metric) -> Option<&'a MetricRow>, detector: &str, label: Cell) -> Vec<Cell> {
+    let n_scans = row(&Metric::FpsMean).map_or(0, |it| it.n);
     let numbers = STATISTICS.iter().map(|(_, metric)| {
-        let row = report.row(subject, metric);
-        let Some((row, value)) = row.and_then(|row| Some((row, row.value()?))) else {
+        let Some((row, value)) = row(metric).and_then(|row| Some((row, row.value()?))) else {
             return Cell::undefined(Undefined::NotTimed);
         };
         let text = if metric.unit() == "ms" { fixed_decimals(value, 2) } else { three_digits(value) };
@@ -128,17 +126,14 @@ fn cells(report: &RunReport, subject: &Subject, label: Cell) -> Vec<Cell> {
             None => Cell::new(text),
         }
     });
-    [label, Cell::new(subject.detector.clone()), Cell::new(n_scans.to_string())]
-        .into_iter()
-        .chain(numbers)
-        .collect()
+    [label, Cell::new(detector), Cell::new(n_scans.to_string())].into_iter().chain(numbers).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::run_report::MetricRow;
     use crate::tables::sample;
+    use crate::vocabulary::task::Task;
 
     /// A run of `n` scans on one street.
     fn table(n: u64) -> String {
@@ -146,9 +141,7 @@ mod tests {
         manifest.datasets.truncate(1);
         manifest.detectors.truncate(2);
         let row = |detector: &str, metric: &Metric, value: Option<f64>| {
-            let [dataset, task, detector, slice] =
-                ["main_road", "objects", detector, SLICE_ALL].map(str::to_owned);
-            MetricRow::new(Subject { dataset, task, detector, slice }, metric.clone(), value, n)
+            MetricRow::new(Subject::of_all("main_road", Task::Objects, detector), metric.clone(), value, n)
         };
         let rows = STATISTICS.iter().zip(1..).flat_map(|((_, metric), place)| {
             [row("hierarchical", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]

@@ -25,16 +25,16 @@ impl Tally {
 
     fn rows_about(&self, dataset: &str, draws: &[Draw]) -> Vec<MetricRow> {
         let mut rows = Vec::new();
-        for task in self.tasks() {
+        for &task in self.tasks() {
             for detector in self.detectors() {
-                for slice in &self.slices(task, detector) {
+                for slice in self.slices(task, detector) {
                     let question = Question { dataset, task, detector, slice };
                     let Some(sample) = self.sample(&question, draws) else { continue };
-                    if *slice != Slice::All && sample.total.is_zero() {
+                    if slice != Slice::All && sample.total.is_zero() {
                         continue;
                     }
                     rows.extend(sample.rows(&question));
-                    if *slice == Slice::All {
+                    if slice == Slice::All {
                         rows.extend(self.average_precision_rows(&question, &sample));
                     }
                 }
@@ -57,7 +57,7 @@ impl Tally {
     pub fn precision_recall_rows(&self) -> Vec<PrecisionRecallRow> {
         let mut rows = Vec::new();
         for (dataset_idx, dataset) in self.datasets().iter().enumerate() {
-            for task in self.tasks() {
+            for &task in self.tasks() {
                 for detector in self.detectors() {
                     let Some(gathered) = self.gathered(dataset_idx, task, detector) else { continue };
                     let is_known = gathered.false_objects == FalseObjects::Known;
@@ -92,8 +92,8 @@ impl Tally {
 
 impl Question<'_> {
     fn subject(&self) -> Subject {
-        let [dataset, task, detector] = [self.dataset, self.task, self.detector].map(str::to_owned);
-        Subject { dataset, task, detector, slice: self.slice.name() }
+        let [dataset, detector] = [self.dataset, self.detector].map(str::to_owned);
+        Subject { dataset, task: self.task, detector, slice: self.slice }
     }
 }
 
@@ -155,16 +155,19 @@ mod tests {
     use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
     use crate::rows::match_row::MatchRow;
     use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+    use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
+    use crate::vocabulary::criterion::CriterionKind;
     use crate::vocabulary::metric::BoxDimension;
-    use crate::vocabulary::slice::SLICE_ALL;
+    use crate::vocabulary::reason::{FalseReason, IgnoredDetection, MissReason};
+    use crate::vocabulary::task::Task;
 
     fn boxed(x_m: f32, length_m: f32, yaw_deg: f32) -> BoxFacts {
         let yaw_rad = yaw_deg.to_radians();
         BoxFacts { center_m: [x_m, 0.0, 0.0], length_width_height_m: [length_m, 2.0, 1.5], yaw_rad }
     }
 
-    fn annotation(class: &str, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
-        let (class, occlusion) = (class.to_owned(), Some("none".to_owned()));
+    fn annotation(class: AnnotationClass, n_points: u64, bounding_box: BoxFacts) -> AnnotationFacts {
+        let occlusion = Some(Occlusion::None);
         AnnotationFacts {
             id: 0,
             track: None,
@@ -178,17 +181,18 @@ mod tests {
     }
 
     fn detection(score: Option<f32>, n_points: u64, bounding_box: BoxFacts) -> DetectionFacts {
-        DetectionFacts { id: 0, class: "vehicle".to_owned(), score, n_points, bounding_box }
+        DetectionFacts { id: 0, class: DetectionClass::Vehicle, score, n_points, bounding_box }
     }
 
     fn match_row(scan: u32, outcome: MatchOutcome) -> MatchRow {
-        let [dataset, sequence, detector, task, criterion] =
-            ["street", "0000", "pca", "vehicles", "points"].map(str::to_owned);
+        let [dataset, sequence, detector] = ["street", "0000", "pca"].map(str::to_owned);
+        let (task, criterion) = (Task::Vehicles, CriterionKind::Points);
         MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
     }
 
     fn scan_row(scan: u32, no: u64, tp: u64, fo: Option<u64>) -> ScanRow {
-        let [dataset, sequence, detector, task] = ["street", "0000", "pca", "vehicles"].map(str::to_owned);
+        let [dataset, sequence, detector] = ["street", "0000", "pca"].map(str::to_owned);
+        let task = Task::Vehicles;
         let numbers = ScanNumbers {
             n_points: 1000,
             latency_ms: Some(1.0),
@@ -220,30 +224,30 @@ mod tests {
         tally.add_scan(&scan_row(3, 4, 2, Some(1)));
         let outcomes = [
             MatchOutcome::Matched {
-                annotation: annotation("car", 300, boxed(10.0, 4.0, 0.0)),
+                annotation: annotation(AnnotationClass::Car, 300, boxed(10.0, 4.0, 0.0)),
                 detection: detection(Some(0.9), 250, boxed(10.5, 3.0, 190.0)),
                 cost: 0.1,
             },
             MatchOutcome::Matched {
-                annotation: annotation("car", 30, boxed(20.0, 4.0, 170.0)),
+                annotation: annotation(AnnotationClass::Car, 30, boxed(20.0, 4.0, 170.0)),
                 detection: detection(Some(0.7), 30, boxed(20.0, 4.0, -30.0)),
                 cost: 0.0,
             },
             MatchOutcome::Missed {
-                annotation: annotation("van", 100, boxed(12.0, 5.0, 0.0)),
-                reason: "split".to_owned(),
+                annotation: annotation(AnnotationClass::Van, 100, boxed(12.0, 5.0, 0.0)),
+                reason: MissReason::Split,
             },
             MatchOutcome::Missed {
-                annotation: annotation("truck", 60, boxed(40.0, 8.0, 0.0)),
-                reason: "split".to_owned(),
+                annotation: annotation(AnnotationClass::Truck, 60, boxed(40.0, 8.0, 0.0)),
+                reason: MissReason::Split,
             },
             MatchOutcome::False {
                 detection: detection(Some(0.8), 70, boxed(20.0, 1.0, 0.0)),
-                reason: "nothing there".to_owned(),
+                reason: FalseReason::NothingThere,
             },
             MatchOutcome::IgnoredDetection {
                 detection: detection(Some(0.99), 70, boxed(20.0, 1.0, 0.0)),
-                reason: "beyond range".to_owned(),
+                reason: IgnoredDetection::BeyondRange,
             },
         ];
         for outcome in outcomes {
@@ -255,6 +259,7 @@ mod tests {
     #[track_caller]
     fn check(tally: &Tally, slice: &str, expected: &[(Metric, f64)]) {
         let rows = tally.metric_rows();
+        let slice = Slice::from_name(slice).unwrap();
         for (metric, value) in expected {
             let row = rows.iter().find(|it| it.subject.slice == slice && it.metric == *metric);
             let found = row.unwrap_or_else(|| panic!("no {} of {slice}", metric.id())).value();
@@ -267,7 +272,7 @@ mod tests {
     fn everything_about_four_objects_can_be_done_in_the_head() {
         check(
             &scene(),
-            SLICE_ALL,
+            "all",
             &[
                 (Metric::No, 4.0),
                 (Metric::Tp, 2.0),
@@ -307,7 +312,8 @@ mod tests {
         check(&tally, "range/15-30", &[(Metric::No, 1.0), (Metric::Fo, 1.0), (Metric::FRate, 2.0 / 3.0)]);
         check(&tally, "points/50-199", &[(Metric::No, 2.0), (Metric::Fo, 1.0), (Metric::FRate, 0.0)]);
         check(&tally, "occlusion/none", &[(Metric::No, 4.0), (Metric::Recall, 0.5)]);
-        let has_false = |it: &MetricRow| it.subject.slice.starts_with("class/") && it.metric == Metric::Fo;
+        let has_false =
+            |it: &MetricRow| matches!(it.subject.slice, Slice::Class(_)) && it.metric == Metric::Fo;
         assert!(!tally.metric_rows().iter().any(has_false));
     }
 
@@ -317,13 +323,13 @@ mod tests {
         tally.add_scan(&scan_row(3, 3, 1, Some(0)));
         let cut = |n_points_outside| AnnotationFacts {
             n_points_outside,
-            ..annotation("car", 100, boxed(10.0, 4.0, 0.0))
+            ..annotation(AnnotationClass::Car, 100, boxed(10.0, 4.0, 0.0))
         };
-        let reason = "split".to_owned();
+        let reason = MissReason::Split;
         let detection = detection(Some(0.9), 100, boxed(10.0, 4.0, 0.0));
         for outcome in [
             MatchOutcome::Matched { annotation: cut(50), detection, cost: 0.1 },
-            MatchOutcome::Missed { annotation: cut(100), reason: reason.clone() },
+            MatchOutcome::Missed { annotation: cut(100), reason },
             MatchOutcome::Missed { annotation: cut(49), reason },
         ] {
             tally.add_match(&match_row(3, outcome));
@@ -331,7 +337,8 @@ mod tests {
         check(&tally, "truncated", &[(Metric::No, 2.0), (Metric::Tp, 1.0), (Metric::Recall, 0.5)]);
         check(&tally, "class/car", &[(Metric::No, 3.0)]);
         check(&tally, "range/0-15", &[(Metric::No, 3.0)]);
-        let of_truncated = |it: &MetricRow| it.subject.slice == "truncated" && it.metric == Metric::Precision;
+        let of_truncated =
+            |it: &MetricRow| it.subject.slice == Slice::Truncated && it.metric == Metric::Precision;
         assert!(!tally.metric_rows().iter().any(of_truncated));
     }
 
@@ -339,14 +346,14 @@ mod tests {
     fn what_is_tall_is_counted_apart_and_in_nothing_else() {
         let plain = scene();
         let mut with_tall = scene();
-        let tree = || annotation("tree", 300, boxed(10.0, 4.0, 0.0));
+        let tree = || annotation(AnnotationClass::Tree, 300, boxed(10.0, 4.0, 0.0));
         let found = FoundBy { detection: detection(Some(0.95), 250, boxed(10.5, 3.0, 0.0)), cost: 0.1 };
         for found_by in [Some(found), None, None] {
             with_tall.add_match(&match_row(3, MatchOutcome::Tall { annotation: tree(), found_by }));
         }
         check(&with_tall, "tall", &[(Metric::No, 3.0), (Metric::Tp, 1.0), (Metric::Recall, 1.0 / 3.0)]);
         let mut rows = with_tall.metric_rows();
-        rows.retain(|it| it.subject.slice != "tall");
+        rows.retain(|it| it.subject.slice != Slice::Tall);
         assert_eq!(rows, plain.metric_rows());
     }
 
@@ -358,26 +365,31 @@ mod tests {
         let unboxed = |x_m| AnnotationFacts {
             bounding_box: None,
             centroid_m: Some([x_m, 3.0, 0.0]),
-            ..annotation("car", 100, boxed(0.0, 4.0, 0.0))
+            ..annotation(AnnotationClass::Car, 100, boxed(0.0, 4.0, 0.0))
         };
         let found = |x_m| MatchOutcome::Matched {
             annotation: unboxed(x_m),
             detection: detection(Some(0.9), 100, boxed(x_m, 4.0, 0.0)),
             cost: 0.1,
         };
-        let missed = |x_m| MatchOutcome::Missed { annotation: unboxed(x_m), reason: "split".to_owned() };
+        let missed = |x_m| MatchOutcome::Missed { annotation: unboxed(x_m), reason: MissReason::Split };
         let detection = detection(Some(0.9), 100, boxed(20.0, 4.0, 0.0));
-        let false_one = MatchOutcome::False { detection, reason: "fragment".to_owned() };
+        let false_one = MatchOutcome::False { detection, reason: FalseReason::Fragment };
         for outcome in [found(10.0), found(40.0), missed(10.0), missed(70.0), false_one] {
             tally.add_match(&match_row(3, outcome));
         }
         let rows = tally.metric_rows();
         for metric in [Metric::No, Metric::Tp, Metric::Fo] {
-            let sum = |is_asked: &dyn Fn(&str) -> bool| -> f64 {
-                let asked = rows.iter().filter(|it| it.metric == metric && is_asked(&it.subject.slice));
+            let sum = |is_asked: &dyn Fn(Slice) -> bool| -> f64 {
+                let asked = rows.iter().filter(|it| it.metric == metric && is_asked(it.subject.slice));
                 asked.filter_map(MetricRow::value).sum()
             };
-            assert_eq!(sum(&|it| it.starts_with("range/")), sum(&|it| it == SLICE_ALL), "{}", metric.id());
+            assert_eq!(
+                sum(&|it| matches!(it, Slice::Range(_))),
+                sum(&|it| it == Slice::All),
+                "{}",
+                metric.id()
+            );
         }
         check(&tally, "range/30-50", &[(Metric::No, 1.0), (Metric::Recall, 1.0), (Metric::FRate, 1.0)]);
         check(&tally, "range/50-80", &[(Metric::No, 1.0), (Metric::Recall, 0.0)]);
@@ -386,15 +398,15 @@ mod tests {
     #[test]
     fn a_detector_that_found_nothing_has_an_average_precision_of_zero() {
         let missed = || MatchOutcome::Missed {
-            annotation: annotation("car", 100, boxed(10.0, 4.0, 0.0)),
-            reason: "nothing there".to_owned(),
+            annotation: annotation(AnnotationClass::Car, 100, boxed(10.0, 4.0, 0.0)),
+            reason: MissReason::NothingThere,
         };
         let average_precision = |scan: ScanRow, outcomes: Vec<MatchOutcome>| -> Vec<Option<f64>> {
             let mut tally = Tally::default();
-            let task = scan.task.clone();
+            let task = scan.task;
             tally.add_scan(&scan);
             for outcome in outcomes {
-                tally.add_match(&MatchRow { task: task.clone(), ..match_row(3, outcome) });
+                tally.add_match(&MatchRow { task, ..match_row(3, outcome) });
             }
             let rows = tally.metric_rows().into_iter();
             rows.filter(|it| matches!(it.metric, Metric::AveragePrecision(_))).map(|it| it.value()).collect()
@@ -404,7 +416,7 @@ mod tests {
         // Nothing to find, false ones unknown, and a task without a ranking.
         assert_eq!(average_precision(scan_row(3, 0, 0, Some(0)), vec![]), [None; 2]);
         assert_eq!(average_precision(scan_row(3, 1, 0, None), vec![missed()]), []);
-        let objects = ScanRow { task: "objects".to_owned(), ..scan_row(3, 1, 0, Some(0)) };
+        let objects = ScanRow { task: Task::Objects, ..scan_row(3, 1, 0, Some(0)) };
         assert_eq!(average_precision(objects, vec![missed()]), []);
     }
 
@@ -412,11 +424,11 @@ mod tests {
     fn average_precision_does_not_depend_on_the_order_of_equal_scores() {
         let outcome = |is_match: bool| {
             let detection = detection(Some(0.5), 70, boxed(20.0, 1.0, 0.0));
-            let annotation = annotation("car", 100, boxed(20.0, 4.0, 0.0));
+            let annotation = annotation(AnnotationClass::Car, 100, boxed(20.0, 4.0, 0.0));
             if is_match {
                 MatchOutcome::Matched { annotation, detection, cost: 0.25 }
             } else {
-                MatchOutcome::False { detection, reason: "fragment".to_owned() }
+                MatchOutcome::False { detection, reason: FalseReason::Fragment }
             }
         };
         let rows = |order: [bool; 4]| {
@@ -445,7 +457,7 @@ mod tests {
     fn a_detection_without_a_score_leaves_no_ranking() {
         let mut tally = scene();
         let detection = detection(None, 70, boxed(20.0, 1.0, 0.0));
-        tally.add_match(&match_row(3, MatchOutcome::False { detection, reason: "fragment".to_owned() }));
+        tally.add_match(&match_row(3, MatchOutcome::False { detection, reason: FalseReason::Fragment }));
         assert!(!tally.metric_rows().iter().any(|it| matches!(it.metric, Metric::AveragePrecision(_))));
     }
 
@@ -488,17 +500,19 @@ mod tests {
         let mut tally = Tally::default();
         for (scan, time_s) in [(3, 20.3), (4, 0.4)] {
             tally.add_scan(&ScanRow { time_s, ..scan_row(scan, 1, 0, Some(0)) });
-            let annotation = annotation("car", 30, boxed(10.0, 4.0, 0.0));
-            let reason = "split".to_owned();
+            let annotation = annotation(AnnotationClass::Car, 30, boxed(10.0, 4.0, 0.0));
+            let reason = MissReason::Split;
             tally.add_match(&match_row(scan, MatchOutcome::Missed { annotation, reason }));
         }
         let rows = tally.metric_rows();
-        let of_cars = rows.iter().find(|it| it.subject.slice == "class/car" && it.metric == Metric::Recall);
+        let of_cars = rows
+            .iter()
+            .find(|it| it.subject.slice == Slice::Class(AnnotationClass::Car) && it.metric == Metric::Recall);
         assert_eq!(of_cars.unwrap().interval().unwrap().blocks.n_blocks, 2);
         // One of a scan that is not there counts nowhere.
-        let annotation = annotation("bus", 30, boxed(10.0, 4.0, 0.0));
-        tally.add_match(&match_row(5, MatchOutcome::Missed { annotation, reason: "split".to_owned() }));
-        assert!(!tally.metric_rows().iter().any(|it| it.subject.slice == "class/bus"));
+        let annotation = annotation(AnnotationClass::Bus, 30, boxed(10.0, 4.0, 0.0));
+        tally.add_match(&match_row(5, MatchOutcome::Missed { annotation, reason: MissReason::Split }));
+        assert!(!tally.metric_rows().iter().any(|it| it.subject.slice == Slice::Class(AnnotationClass::Bus)));
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::uncertainty::bootstrap::Resamples;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 /// The blocks of a data set, and how often each is drawn.
 #[derive(Debug, Clone)]
@@ -44,12 +45,12 @@ pub struct Sample {
 pub struct Question<'a> {
     /// Id of the data set; [`OVERALL`] for all together.
     pub dataset: &'a str,
-    /// Name of the task.
-    pub task: &'a str,
+    /// The task.
+    pub task: Task,
     /// Name of the detector.
     pub detector: &'a str,
     /// The slice.
-    pub slice: &'a Slice,
+    pub slice: Slice,
 }
 
 impl Tally {
@@ -81,7 +82,7 @@ impl Tally {
 
     fn sample_of(&self, dataset_idx: usize, question: &Question<'_>, draw: &Draw) -> Option<Sample> {
         let gathered = self.gathered(dataset_idx, question.task, question.detector)?;
-        let placed = gathered.sums_of_blocks(question.slice, &draw.blocks);
+        let placed = gathered.sums_of_blocks(&question.slice, &draw.blocks);
         let mut total = Sums::default();
         for (_, sums) in &placed {
             total.add_times(sums, 1.0);
@@ -90,7 +91,7 @@ impl Tally {
             n_scans: gathered.n_scans,
             blocks: draw.blocks.count(),
             false_objects: gathered.false_objects,
-            slice: question.slice.clone(),
+            slice: question.slice,
             total,
             resampled: draw.resamples.sums(&placed),
         })

@@ -14,9 +14,8 @@ use crate::run_folder::run_archive::RunArchive;
 use crate::run_folder::run_directory::{MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV};
 use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError};
 use crate::verdicts::comparability::{NotComparable, check_comparable};
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
-use crate::vocabulary::slice::SLICE_ALL;
+use crate::vocabulary::task::Task;
 
 /// The folder of the accepted run within a baseline.
 pub const ACCEPTED_RUN: &str = "run";
@@ -169,7 +168,7 @@ fn history_line(before: Option<&RunArchive>, run: &RunArchive, acceptance: Accep
         write!(line, ", {commit}").expect("a string takes all that is written");
     }
     let tally = run.tally();
-    for task in tally.tasks() {
+    for &task in tally.tasks() {
         let of_detectors = tally.detectors().iter().filter_map(|detector| {
             let now = percent(run, task, detector)?;
             Some(match before.and_then(|it| percent(it, task, detector)) {
@@ -189,10 +188,8 @@ fn history_line(before: Option<&RunArchive>, run: &RunArchive, acceptance: Accep
 }
 
 /// The F-rate over all data sets.
-fn percent(run: &RunArchive, task: &str, detector: &str) -> Option<String> {
-    let datasets = &run.manifest.datasets;
-    let dataset = if let [only] = datasets.as_slice() { &only.id } else { OVERALL };
-    let [dataset, task, detector, slice] = [dataset, task, detector, SLICE_ALL].map(str::to_owned);
-    let row = run.report.row(&Subject { dataset, task, detector, slice }, &Metric::FRate)?;
+fn percent(run: &RunArchive, task: Task, detector: &str) -> Option<String> {
+    let dataset = run.manifest.extent();
+    let row = run.report.row(&Subject::of_all(dataset, task, detector), &Metric::FRate)?;
     Some(fixed_decimals(100.0 * row.value()?, 1))
 }

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::rows::scan_row::ScanOutcome;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
+use crate::vocabulary::task::Task;
 
 /// Two runs cannot be compared.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
@@ -97,9 +98,9 @@ fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
 /// Detectors of `baseline` that `run` has not evaluated on all of the same scans.
 fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     let evaluated = |it: &'_ RunArchive| {
-        let mut scans: BTreeMap<(String, String, String), BTreeSet<(String, u32)>> = BTreeMap::new();
+        let mut scans: BTreeMap<(String, Task, String), BTreeSet<(String, u32)>> = BTreeMap::new();
         for row in it.scans.iter().filter(|row| matches!(row.outcome, ScanOutcome::Evaluated(_))) {
-            let subject = (row.detector.clone(), row.task.clone(), row.dataset.clone());
+            let subject = (row.detector.clone(), row.task, row.dataset.clone());
             scans.entry(subject).or_default().insert((row.sequence.clone(), row.scan));
         }
         scans

@@ -8,6 +8,8 @@ use crate::rows::match_outcome::{AnnotationFacts, DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::run_folder::run_archive::RunArchive;
+use crate::vocabulary::reason::MissReason;
+use crate::vocabulary::task::Task;
 
 /// A scan that a detector is judged otherwise on than before.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +29,8 @@ pub struct Place {
     pub sequence: String,
     /// Number of the scan within the drive.
     pub scan: u32,
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// Name of the detector.
     pub detector: String,
 }
@@ -57,7 +59,7 @@ struct ScanObjects<'a> {
 #[derive(PartialEq)]
 enum Fate<'a> {
     Matched { detection: &'a DetectionFacts, cost: f64 },
-    Missed { reason: &'a str },
+    Missed { reason: MissReason },
 }
 
 /// A detection that matched nothing, told from others by where it is: its number changes with those of others.
@@ -86,9 +88,8 @@ fn place_of_scan(row: &ScanRow) -> Place {
 }
 
 fn place_of_match(row: &MatchRow) -> Place {
-    let [dataset, sequence, task, detector] =
-        [&row.dataset, &row.sequence, &row.task, &row.detector].map(String::clone);
-    Place { dataset, sequence, scan: row.scan, task, detector }
+    let [dataset, sequence, detector] = [&row.dataset, &row.sequence, &row.detector].map(String::clone);
+    Place { dataset, sequence, scan: row.scan, task: row.task, detector }
 }
 
 impl<'a> ScanObjects<'a> {
@@ -99,10 +100,10 @@ impl<'a> ScanObjects<'a> {
                 self.annotations.insert(annotation.id, (annotation, fate));
             }
             MatchOutcome::Missed { annotation, reason } => {
-                self.annotations.insert(annotation.id, (annotation, Fate::Missed { reason }));
+                self.annotations.insert(annotation.id, (annotation, Fate::Missed { reason: *reason }));
             }
             MatchOutcome::False { detection, reason } => {
-                self.unmatched.insert(key(detection), (detection, format!("false ({reason})")));
+                self.unmatched.insert(key(detection), (detection, format!("false ({})", reason.name())));
             }
             MatchOutcome::Unknowable { detection } => {
                 self.unmatched.insert(key(detection), (detection, "unknowable".to_owned()));
@@ -168,10 +169,14 @@ fn fate_change(annotation: &AnnotationFacts, before: &Fate<'_>, now: &Fate<'_>) 
                 old.n_points, detection.n_points
             )
         }
-        (Fate::Matched { .. }, Fate::Missed { reason }) => format!("found before, missed now ({reason})"),
-        (Fate::Missed { reason }, Fate::Matched { .. }) => format!("missed before ({reason}), found now"),
+        (Fate::Matched { .. }, Fate::Missed { reason }) => {
+            format!("found before, missed now ({})", reason.name())
+        }
+        (Fate::Missed { reason }, Fate::Matched { .. }) => {
+            format!("missed before ({}), found now", reason.name())
+        }
         (Fate::Missed { reason: old }, Fate::Missed { reason }) => {
-            format!("missed before ({old}) and now ({reason})")
+            format!("missed before ({}) and now ({})", old.name(), reason.name())
         }
     };
     Some(format!("{}: {what}", name(annotation)))
@@ -182,6 +187,7 @@ fn name(annotation: &AnnotationFacts) -> String {
     let place =
         annotation.center_m().map_or_else(String::new, |[x_m, y_m, _]| format!(" at ({x_m:.1}, {y_m:.1}) m"));
     let AnnotationFacts { id, class, n_points, .. } = annotation;
+    let class = class.name();
     format!("{class} {id}{track}, {n_points} points{place}")
 }
 

@@ -7,6 +7,8 @@ use crate::files::fixed_decimals::Fixed;
 use crate::numbers::rank_correlation::rank_correlation;
 use crate::numbers::sweep_curve::{SweepCurve, highest};
 use crate::numbers::sweep_score::SweepScores;
+use crate::vocabulary::origin::Origin;
+use crate::vocabulary::task::Task;
 
 /// What stands in the place of a reading for the cell size that the detector has where it is not swept.
 pub const CONFIGURED: &str = "as configured";
@@ -17,7 +19,7 @@ pub struct FitnessVerdict {
     /// The data set.
     pub(crate) dataset: String,
     /// Where the scans come from.
-    pub(crate) origin: String,
+    pub(crate) origin: Origin,
     /// The sensor.
     pub(crate) sensor: String,
     /// The detector.
@@ -25,7 +27,7 @@ pub struct FitnessVerdict {
     /// What else is swept, as `name = value`.
     pub(crate) others: String,
     /// The task.
-    pub(crate) task: String,
+    pub(crate) task: Task,
     /// Annotations that count.
     pub(crate) no: u64,
     /// Which rate is meant by the following.
@@ -127,11 +129,11 @@ fn verdict(curve: &SweepCurve<'_>, reading_idx: usize) -> FitnessVerdict {
     let rate_there = recommended.and_then(rate);
     FitnessVerdict {
         dataset: first.subject.extent.name().to_owned(),
-        origin: first.subject.origin.name().to_owned(),
+        origin: first.subject.origin,
         sensor: first.subject.sensor.clone(),
         detector: first.subject.detector.clone(),
         others: curve.others.join(", "),
-        task: first.task.clone(),
+        task: first.task,
         no: first.counts.no(),
         rate: first.rate_name().to_owned(),
         n_points: curve.points.len() as u64,

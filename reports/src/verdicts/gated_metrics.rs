@@ -11,16 +11,17 @@ use crate::verdicts::tolerances::{GatedPlace, QualityRule, RuleProblems, Toleran
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 /// A number that is gated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatedMetric {
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// Name of the detector.
     pub detector: String,
-    /// Name of the slice.
-    pub slice: String,
+    /// The slice.
+    pub slice: Slice,
     /// What was measured.
     pub metric: Metric,
     /// Before and after, or where there is no number.
@@ -80,10 +81,10 @@ impl Sides<'_> {
         RuleProblems::check(self.unknown_names(tolerances, &slices))?;
         let metrics = tolerances.metrics();
         let mut gated = Vec::new();
-        for task in self.before.tasks() {
+        for &task in self.before.tasks() {
             for detector in self.before.detectors() {
-                for (name, slice) in &slices {
-                    let place = GatedPlace { task, detector, slice: name };
+                for &slice in &slices {
+                    let place = GatedPlace { task, detector, slice };
                     let wanted =
                         metrics.iter().filter_map(|it| Some((it, tolerances.rule_about(it, place)?)));
                     let wanted: Vec<(&Metric, usize)> = wanted.collect();
@@ -100,28 +101,28 @@ impl Sides<'_> {
         Ok(gated)
     }
 
-    /// All slices of both sides with their names, in the order of a report.
-    fn slices(&self) -> Vec<(String, Slice)> {
+    /// All slices of both sides, in the order of a report.
+    fn slices(&self) -> BTreeSet<Slice> {
         let mut slices = BTreeSet::new();
         for tally in [self.before, self.after] {
-            for task in tally.tasks() {
+            for &task in tally.tasks() {
                 slices.extend(tally.detectors().iter().flat_map(|detector| tally.slices(task, detector)));
             }
         }
-        slices.into_iter().map(|it| (it.name(), it)).collect()
+        slices
     }
 
-    fn samples(&self, task: &str, detector: &str, slice: &Slice) -> [Option<Sample>; 2] {
+    fn samples(&self, task: Task, detector: &str, slice: Slice) -> [Option<Sample>; 2] {
         let question = Question { dataset: OVERALL, task, detector, slice };
         [self.before, self.after].map(|it| it.sample(&question, self.draws))
     }
 
     /// Names of the rules that neither side knows.
-    fn unknown_names(&self, tolerances: &Tolerances, slices: &[(String, Slice)]) -> Vec<String> {
-        let union = |names: fn(&Tally) -> &[String]| -> BTreeSet<String> {
-            names(self.before).iter().chain(names(self.after)).cloned().collect()
-        };
-        let (tasks, detectors) = (union(Tally::tasks), union(Tally::detectors));
+    fn unknown_names(&self, tolerances: &Tolerances, slices: &BTreeSet<Slice>) -> Vec<String> {
+        let sides = || [self.before, self.after].into_iter();
+        let tasks: BTreeSet<String> = sides().flat_map(Tally::tasks).map(|it| it.name().to_owned()).collect();
+        let detectors: BTreeSet<String> = sides().flat_map(Tally::detectors).cloned().collect();
+        let slice_names: Vec<String> = slices.iter().map(Slice::name).collect();
         let mut problems = Vec::new();
         for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
             let mut complain = |what: &str, name: &str, suggestion: String| {
@@ -130,16 +131,16 @@ impl Sides<'_> {
                     rule_name(rule_idx)
                 ));
             };
-            for (what, names, known) in
-                [("task", &rule.tasks, &tasks), ("detector", &rule.detectors, &detectors)]
+            let of_tasks = rule.tasks.iter().flatten().map(|it| ("task", it.name(), &tasks));
+            let of_detectors =
+                rule.detectors.iter().flatten().map(|it| ("detector", it.as_str(), &detectors));
+            for (what, name, known) in
+                of_tasks.chain(of_detectors).filter(|(_, name, known)| !known.contains(*name))
             {
-                for name in names.iter().flatten().filter(|it| !known.contains(*it)) {
-                    complain(what, name, did_you_mean(name, known.iter()));
-                }
+                complain(what, name, did_you_mean(name, known.iter()));
             }
-            for pattern in rule.slices.iter().filter(|it| !slices.iter().any(|(name, _)| is_meant(it, name)))
-            {
-                complain("slice", pattern, did_you_mean(pattern, slices.iter().map(|(name, _)| name)));
+            for pattern in rule.slices.iter().filter(|it| !slices.iter().any(|slice| is_meant(it, *slice))) {
+                complain("slice", pattern, did_you_mean(pattern, slice_names.iter()));
             }
         }
         problems
@@ -150,18 +151,19 @@ impl Sides<'_> {
 fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric]) -> Vec<String> {
     let mut problems = Vec::new();
     for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
-        for id in &rule.metrics {
+        for metric in &rule.metrics {
             for pattern in &rule.slices {
                 let is_held = |it: &&GatedMetric| {
-                    let place = GatedPlace { task: &it.task, detector: &it.detector, slice: &it.slice };
-                    it.metric.id() == *id
-                        && is_meant(pattern, &it.slice)
+                    let place = GatedPlace { task: it.task, detector: &it.detector, slice: it.slice };
+                    it.metric == *metric
+                        && is_meant(pattern, it.slice)
                         && tolerances.rule_about(&it.metric, place) == Some(rule_idx)
                 };
                 if !gated.iter().any(|it| is_held(&it)) {
                     problems.push(format!(
-                        "{}: nothing is held to it: neither run has {id} of {pattern:?} that no rule before it decides about",
-                        rule_name(rule_idx)
+                        "{}: nothing is held to it: neither run has {} of {pattern:?} that no rule before it decides about",
+                        rule_name(rule_idx),
+                        metric.id()
                     ));
                 }
             }
@@ -191,6 +193,7 @@ fn gated_metric(
     let finding = difference
         .as_ref()
         .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
-    let [task, detector, slice] = [place.task, place.detector, place.slice].map(str::to_owned);
-    Some(GatedMetric { task, detector, slice, metric: metric.clone(), difference, tolerance, finding })
+    let GatedPlace { task, detector, slice } = place;
+    let (detector, metric) = (detector.to_owned(), metric.clone());
+    Some(GatedMetric { task, detector, slice, metric, difference, tolerance, finding })
 }

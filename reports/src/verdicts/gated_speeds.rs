@@ -10,6 +10,7 @@ use crate::verdicts::tolerances::SpeedRule;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 /// How long a detector takes, divided by how long the reference takes on the same scans: the geometric mean over scans.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,13 +80,14 @@ impl Sides<'_> {
             return SpeedComparison::NotCompared { reason };
         }
         // Every task has the same times.
-        let task = self.before.tasks().first().map_or("", String::as_str);
+        let task = self.before.tasks().first();
         let detectors = self.before.detectors().iter();
-        SpeedComparison::Compared(detectors.map(|it| self.gated_speed(task, it, rule)).collect())
+        let speeds = detectors.filter_map(|it| Some(self.gated_speed(*task?, it, rule)));
+        SpeedComparison::Compared(speeds.collect())
     }
 
-    fn gated_speed(&self, task: &str, detector: &str, rule: &SpeedRule) -> GatedSpeed {
-        let question = Question { dataset: OVERALL, task, detector, slice: &Slice::All };
+    fn gated_speed(&self, task: Task, detector: &str, rule: &SpeedRule) -> GatedSpeed {
+        let question = Question { dataset: OVERALL, task, detector, slice: Slice::All };
         let [before, after] = [self.before, self.after].map(|it| {
             let sample = it.sample(&question, self.draws)?;
             Some((sample.value(&Metric::TimeRatio)?, sample))

@@ -10,13 +10,14 @@ use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
-use crate::vocabulary::slice::{SLICE_ALL, Slice};
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 /// Where the detectors of a run stand in one task, over all its data sets together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Standing {
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// Whether a simulator made the scans.
     pub origin: Origin,
     /// What they are ordered by: the F-rate or, where false objects cannot be known, recall.
@@ -45,14 +46,6 @@ pub struct Speeds {
     pub medians_ms: Vec<(String, f64)>,
 }
 
-/// The data set that numbers about a whole run are about: all of them, or the only one.
-pub fn extent_of_run(manifest: &Manifest) -> &str {
-    match &manifest.datasets[..] {
-        [only] => &only.id,
-        _ => OVERALL,
-    }
-}
-
 /// Where the scans of a run come from.
 pub fn origin_of_run(manifest: &Manifest) -> Origin {
     manifest.datasets.iter().map(DatasetEntry::origin).reduce(Origin::with).unwrap_or(Origin::Recorded)
@@ -61,11 +54,9 @@ pub fn origin_of_run(manifest: &Manifest) -> Origin {
 /// The standings in all tasks of a run.
 pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<Standing> {
     let draws = tally.draw();
-    let standing = |task: &String| {
+    let standing = |&task: &Task| {
         let row = |detector: &str, metric: &Metric| {
-            let [dataset, task, detector, slice] =
-                [extent_of_run(manifest), task, detector, SLICE_ALL].map(str::to_owned);
-            report.row(&Subject { dataset, task, detector, slice }, metric)
+            report.row(&Subject::of_all(manifest.extent(), task, detector), metric)
         };
         let has_f_rate =
             tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
@@ -85,22 +76,19 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
         });
         let lead = places.get(1).and_then(|second| {
             let sample = |detector| {
-                tally.sample(&Question { dataset: OVERALL, task, detector, slice: &Slice::All }, &draws)
+                tally.sample(&Question { dataset: OVERALL, task, detector, slice: Slice::All }, &draws)
             };
             paired_difference(&sample(&second.detector)?, &sample(&places[0].detector)?, &metric)
         });
-        Standing { task: task.clone(), origin: origin_of_run(manifest), metric, places, lead }
+        Standing { task, origin: origin_of_run(manifest), metric, places, lead }
     };
     tally.tasks().iter().map(standing).collect()
 }
 
 /// How long the detectors of a run take, over all its data sets together.
 pub fn speeds(manifest: &Manifest, report: &RunReport) -> Speeds {
-    let task = report.rows().first().map_or("", |it| it.subject.task.as_str());
     let median = |detector: &str| {
-        let [dataset, task, detector, slice] =
-            [extent_of_run(manifest), task, detector, SLICE_ALL].map(str::to_owned);
-        let subject = Subject { dataset, task, detector, slice };
+        let subject = Subject::of_all(manifest.extent(), report.first_task()?, detector);
         report.row(&subject, &Metric::Latency(LatencyStatistic::P50))?.value()
     };
     let names = manifest.detectors.iter().map(|it| &it.name);
@@ -262,7 +250,7 @@ mod tests {
             interval: Some(Interval { ends: [low, high], blocks: drives(12) }),
             least_effect: None,
         });
-        let (task, origin, metric) = ("objects".to_owned(), Origin::Simulated, Metric::FRate);
+        let (task, origin, metric) = (Task::Objects, Origin::Simulated, Metric::FRate);
         Standing { task, origin, metric, places, lead }
     }
 

@@ -6,10 +6,11 @@ use serde::Deserialize;
 
 use crate::verdicts::suggestion::did_you_mean;
 use crate::vocabulary::metric::{Direction, Metric, SPEED_REFERENCE};
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 /// What is gated, and how tightly.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Tolerances {
     /// Rules about what is deterministic; the first that is about a number decides.
     pub quality: Vec<QualityRule>,
@@ -18,15 +19,14 @@ pub struct Tolerances {
 }
 
 /// How much worse some metrics may become.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct QualityRule {
-    /// Ids of metrics.
-    pub metrics: Vec<String>,
+    /// The metrics.
+    pub metrics: Vec<Metric>,
     /// Names of slices; a name that ends in `*` stands for all that begin so.
     pub slices: Vec<String>,
-    /// Names of tasks; all, if left out.
-    pub tasks: Option<Vec<String>>,
+    /// The tasks; all, if left out.
+    pub tasks: Option<Vec<Task>>,
     /// Names of detectors; all, if left out.
     pub detectors: Option<Vec<String>>,
     /// In the unit of the metric.
@@ -48,12 +48,32 @@ pub struct SpeedRule {
 /// What a number is of that may be gated.
 #[derive(Debug, Clone, Copy)]
 pub struct GatedPlace<'a> {
-    /// Name of the task.
-    pub task: &'a str,
+    /// The task.
+    pub task: Task,
     /// Name of the detector.
     pub detector: &'a str,
-    /// Name of the slice.
-    pub slice: &'a str,
+    /// The slice.
+    pub slice: Slice,
+}
+
+/// The file as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TolerancesRecord {
+    quality: Vec<QualityRecord>,
+    speed: Option<SpeedRule>,
+}
+
+/// A rule as it is written: with names, of which there may be none such.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct QualityRecord {
+    metrics: Vec<String>,
+    slices: Vec<String>,
+    tasks: Option<Vec<String>>,
+    detectors: Option<Vec<String>>,
+    absolute: f64,
+    relative: f64,
 }
 
 /// Why a file gives no tolerances.
@@ -112,31 +132,22 @@ impl Tolerances {
     pub fn read(path: &Path) -> Result<Self, TolerancesError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| TolerancesError::Read { path: path.to_path_buf(), source })?;
-        let tolerances: Self = toml::from_str(&text)
+        let record: TolerancesRecord = toml::from_str(&text)
             .map_err(|source| TolerancesError::Toml { path: path.to_path_buf(), source: source.into() })?;
         let rules = |problems| TolerancesError::Rules { path: path.to_path_buf(), problems };
-        RuleProblems::check(tolerances.problems()).map_err(rules)?;
-        Ok(tolerances)
-    }
-
-    fn problems(&self) -> Vec<String> {
-        let of_rules = self.quality.iter().enumerate().flat_map(|(rule_idx, rule)| {
-            rule.problems().into_iter().map(move |problem| format!("{}: {problem}", rule_name(rule_idx)))
-        });
-        let of_speed = self.speed.iter().flat_map(SpeedRule::problems);
-        of_rules.chain(of_speed.map(|problem| format!("[speed]: {problem}"))).collect()
+        RuleProblems::check(record.problems()).map_err(rules)?;
+        let quality = record.quality.into_iter().map(QualityRule::from).collect();
+        Ok(Self { quality, speed: record.speed })
     }
 
     /// Place of the rule that decides about `metric` of `place`; `None` if it is not gated.
     pub fn rule_about(&self, metric: &Metric, place: GatedPlace<'_>) -> Option<usize> {
-        let id = metric.id();
-        self.quality.iter().position(|rule| rule.metrics.contains(&id) && rule.is_about(place))
+        self.quality.iter().position(|rule| rule.metrics.contains(metric) && rule.is_about(place))
     }
 
     /// All metrics that some rule is about, in the order of a report.
     pub fn metrics(&self) -> Vec<Metric> {
-        let ids = self.quality.iter().flat_map(|it| &it.metrics);
-        let mut metrics: Vec<Metric> = ids.filter_map(|id| Metric::from_id(id)).collect();
+        let mut metrics: Vec<Metric> = self.quality.iter().flat_map(|it| &it.metrics).cloned().collect();
         metrics.sort();
         metrics.dedup();
         metrics
@@ -156,22 +167,42 @@ impl QualityRule {
 
     /// Whether it is about numbers of `place`.
     pub fn is_about(&self, place: GatedPlace<'_>) -> bool {
-        let holds = |names: &Option<Vec<String>>, name: &str| {
-            names.as_ref().is_none_or(|it| it.iter().any(|it| it == name))
-        };
         self.slices.iter().any(|it| is_meant(it, place.slice))
-            && holds(&self.tasks, place.task)
-            && holds(&self.detectors, place.detector)
+            && self.tasks.as_ref().is_none_or(|it| it.contains(&place.task))
+            && self.detectors.as_ref().is_none_or(|it| it.iter().any(|it| it == place.detector))
     }
 
     /// Whether it names the slice and the task of `place`, so that a number is expected there.
     pub fn names(&self, place: GatedPlace<'_>) -> bool {
-        let is_in = |names: &[String], name: &str| names.iter().any(|it| it == name);
-        is_in(&self.slices, place.slice) && self.tasks.as_ref().is_some_and(|it| is_in(it, place.task))
+        let slice = place.slice.name();
+        self.slices.contains(&slice) && self.tasks.as_ref().is_some_and(|it| it.contains(&place.task))
     }
+}
 
+impl From<QualityRecord> for QualityRule {
+    /// Of a record without problems.
+    fn from(record: QualityRecord) -> Self {
+        let QualityRecord { metrics, slices, tasks, detectors, absolute, relative } = record;
+        let metrics = metrics.iter().filter_map(|id| Metric::from_id(id)).collect();
+        let tasks = tasks.map(|names| names.iter().filter_map(|name| Task::from_name(name)).collect());
+        Self { metrics, slices, tasks, detectors, absolute, relative }
+    }
+}
+
+impl TolerancesRecord {
+    fn problems(&self) -> Vec<String> {
+        let of_rules = self.quality.iter().enumerate().flat_map(|(rule_idx, rule)| {
+            rule.problems().into_iter().map(move |problem| format!("{}: {problem}", rule_name(rule_idx)))
+        });
+        let of_speed = self.speed.iter().flat_map(SpeedRule::problems);
+        of_rules.chain(of_speed.map(|problem| format!("[speed]: {problem}"))).collect()
+    }
+}
+
+impl QualityRecord {
     fn problems(&self) -> Vec<String> {
         let mut problems: Vec<String> = self.metrics.iter().filter_map(|id| metric_problem(id)).collect();
+        problems.extend(self.tasks.iter().flatten().filter_map(|name| task_problem(name)));
         let lists = [
             ("metrics", Some(&self.metrics)),
             ("slices", Some(&self.slices)),
@@ -213,9 +244,17 @@ impl SpeedRule {
     }
 }
 
-/// Whether `pattern` stands for the slice `slice`.
-pub fn is_meant(pattern: &str, slice: &str) -> bool {
-    pattern.strip_suffix('*').map_or(pattern == slice, |beginning| slice.starts_with(beginning))
+/// Whether `pattern` stands for `slice`: it is its name, or a beginning of it and a `*`.
+pub fn is_meant(pattern: &str, slice: Slice) -> bool {
+    let name = slice.name();
+    pattern.strip_suffix('*').map_or(pattern == name, |beginning| name.starts_with(beginning))
+}
+
+fn task_problem(name: &str) -> Option<String> {
+    let known = Task::ALL.map(|it| it.name().to_owned());
+    Task::from_name(name)
+        .is_none()
+        .then(|| format!("there is no task {name:?}{}", did_you_mean(name, known.iter())))
 }
 
 fn metric_problem(id: &str) -> Option<String> {
@@ -294,14 +333,15 @@ mod tests {
     #[test]
     fn the_first_rule_that_is_about_it_decides() {
         let tolerances = read(TOML).unwrap();
-        let about = |metric: &Metric, task, detector, slice| {
+        let about = |metric: &Metric, task, detector, slice: &str| {
+            let slice = Slice::from_name(slice).unwrap();
             tolerances.rule_about(metric, GatedPlace { task, detector, slice })
         };
-        assert_eq!(about(&Metric::Recall, "vehicles", "pca", "class/car"), Some(0));
-        assert_eq!(about(&Metric::Recall, "objects", "pca", "class/car"), Some(1));
-        assert_eq!(about(&Metric::Recall, "vehicles", "hierarchical", "class/car"), Some(1));
-        assert_eq!(about(&Metric::Recall, "objects", "pca", "range/0-15"), None);
-        assert_eq!(about(&Metric::Precision, "objects", "pca", "all"), None);
+        assert_eq!(about(&Metric::Recall, Task::Vehicles, "pca", "class/car"), Some(0));
+        assert_eq!(about(&Metric::Recall, Task::Objects, "pca", "class/car"), Some(1));
+        assert_eq!(about(&Metric::Recall, Task::Vehicles, "hierarchical", "class/car"), Some(1));
+        assert_eq!(about(&Metric::Recall, Task::Objects, "pca", "range/0-15"), None);
+        assert_eq!(about(&Metric::Precision, Task::Objects, "pca", "all"), None);
         assert_eq!(tolerances.metrics(), [Metric::Recall, Metric::FRate]);
         assert_eq!([0.5, 0.02].map(|before| tolerances.quality[1].tolerance(before)), [0.05, 0.01]);
     }
@@ -309,10 +349,11 @@ mod tests {
     #[test]
     fn a_number_is_expected_where_slice_and_task_are_named() {
         let tolerances = read(&TOML.replacen("class/*", "class/car", 1)).unwrap();
-        let place = |slice, task| GatedPlace { task, detector: "pca", slice };
+        let place =
+            |slice, task| GatedPlace { task, detector: "pca", slice: Slice::from_name(slice).unwrap() };
         let names = |rule: usize, slice, task| tolerances.quality[rule].names(place(slice, task));
-        assert!(names(0, "class/car", "vehicles") && !names(0, "class/van", "vehicles"));
-        assert!(!names(1, "all", "vehicles") && !names(1, "class/car", "vehicles"));
+        assert!(names(0, "class/car", Task::Vehicles) && !names(0, "class/van", Task::Vehicles));
+        assert!(!names(1, "all", Task::Vehicles) && !names(1, "class/car", Task::Vehicles));
     }
 
     #[track_caller]
@@ -333,6 +374,11 @@ mod tests {
         check_refused("\"f_rate\"", "\"time_over_reference\"", "times are gated by [speed]");
         check_refused("\"f_rate\"", "\"no\"", "has no better way");
         check_refused("\"f_rate\"", "\"ap_r40\"", "has no interval");
+        check_refused(
+            "[\"vehicles\"]",
+            "[\"vehicle\"]",
+            "[[quality]] 1: there is no task \"vehicle\"; did you mean \"vehicles\"?",
+        );
         check_refused("absolute = 0.05", "absolut = 0.05", "unknown field `absolut`");
         check_refused("[\"class/*\"]", "[]", "[[quality]] 1: slices is empty");
         check_refused("[\"pca\", \"kd-tree\"]", "[]", "[[quality]] 1: detectors is empty");

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use crate::rows::match_outcome::MatchOutcome;
 use crate::rows::match_row::MatchRow;
+use crate::vocabulary::task::Task;
 
 /// The two kinds of mistakes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,7 +21,7 @@ pub struct MistakeChoice<'a> {
     /// Whose.
     pub detector: &'a str,
     /// At which task.
-    pub task: &'a str,
+    pub task: Task,
     /// Of which kind; both if not given.
     pub kind: Option<Mistake>,
     /// What is annotated so, or was taken for it.
@@ -35,9 +36,9 @@ pub struct ListedMistake<'a> {
     /// What it is.
     pub kind: Mistake,
     /// Annotated class, or what it was taken for.
-    pub class: &'a str,
+    pub class: &'static str,
     /// Why.
-    pub reason: &'a str,
+    pub reason: &'static str,
     /// Number of its points.
     pub n_points: u64,
     /// Where it is on the ground plan, in metres: the middle of its box or of its points.
@@ -64,16 +65,16 @@ fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
         MatchOutcome::Missed { annotation, reason } => Some(ListedMistake {
             row,
             kind: Mistake::Missed,
-            class: &annotation.class,
-            reason,
+            class: annotation.class.name(),
+            reason: reason.name(),
             n_points: annotation.n_points,
             place_m: annotation.center_m().map(place_m),
         }),
         MatchOutcome::False { detection, reason } => Some(ListedMistake {
             row,
             kind: Mistake::False,
-            class: &detection.class,
-            reason,
+            class: detection.class.name(),
+            reason: reason.name(),
             n_points: detection.n_points,
             place_m: Some(place_m(detection.bounding_box.center_m)),
         }),
@@ -119,6 +120,9 @@ pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
 mod tests {
     use super::*;
     use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts};
+    use crate::vocabulary::class::{AnnotationClass, DetectionClass};
+    use crate::vocabulary::criterion::CriterionKind;
+    use crate::vocabulary::reason::{FalseReason, MissReason};
 
     fn row(detector: &str, outcome: MatchOutcome) -> MatchRow {
         MatchRow {
@@ -126,8 +130,8 @@ mod tests {
             sequence: "drive".to_owned(),
             scan: 3,
             detector: detector.to_owned(),
-            task: "vehicles".to_owned(),
-            criterion: "points".to_owned(),
+            task: Task::Vehicles,
+            criterion: CriterionKind::Points,
             outcome,
         }
     }
@@ -135,32 +139,38 @@ mod tests {
     const BOX: BoxFacts =
         BoxFacts { center_m: [3.0, 4.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
 
-    fn missed(class: &str, n_points: u64) -> MatchOutcome {
+    fn missed(class: AnnotationClass, n_points: u64) -> MatchOutcome {
         let annotation = AnnotationFacts {
             id: 0,
             track: None,
-            class: class.to_owned(),
+            class,
             occlusion: None,
             n_points,
             n_points_outside: 0,
             bounding_box: None,
             centroid_m: Some([6.0, -8.0, 0.0]),
         };
-        MatchOutcome::Missed { annotation, reason: "nothing there".to_owned() }
+        MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
     }
 
     fn false_one(n_points: u64) -> MatchOutcome {
-        let detection =
-            DetectionFacts { id: 0, class: "vehicle".to_owned(), score: None, n_points, bounding_box: BOX };
-        MatchOutcome::False { detection, reason: "wrong class".to_owned() }
+        let detection = DetectionFacts {
+            id: 0,
+            class: DetectionClass::Vehicle,
+            score: None,
+            n_points,
+            bounding_box: BOX,
+        };
+        MatchOutcome::False { detection, reason: FalseReason::WrongClass }
     }
 
     const ANY: MistakeChoice<'_> =
-        MistakeChoice { detector: "grid", task: "vehicles", kind: None, class: None };
+        MistakeChoice { detector: "grid", task: Task::Vehicles, kind: None, class: None };
 
     #[test]
     fn what_was_seen_best_comes_first() {
-        let rows = [missed("car", 30), missed("van", 500), false_one(90)].map(|it| row("grid", it));
+        let rows = [missed(AnnotationClass::Car, 30), missed(AnnotationClass::Van, 500), false_one(90)]
+            .map(|it| row("grid", it));
         let points: Vec<u64> = worst(&rows, &ANY, 10).iter().map(|it| it.n_points).collect();
         assert_eq!(points, [500, 90, 30]);
         assert_eq!(worst(&rows, &ANY, 1).len(), 1);
@@ -168,21 +178,22 @@ mod tests {
 
     #[test]
     fn only_what_is_asked_for_is_listed() {
-        let mut rows =
-            [missed("car", 30), missed("van", 500), false_one(90)].map(|it| row("grid", it)).to_vec();
-        rows.push(row("tree", missed("car", 1000)));
+        let mut rows = [missed(AnnotationClass::Car, 30), missed(AnnotationClass::Van, 500), false_one(90)]
+            .map(|it| row("grid", it))
+            .to_vec();
+        rows.push(row("tree", missed(AnnotationClass::Car, 1000)));
         let points = |choice: MistakeChoice<'_>| -> Vec<u64> {
             worst(&rows, &choice, 10).iter().map(|it| it.n_points).collect()
         };
         assert_eq!(points(MistakeChoice { kind: Some(Mistake::False), ..ANY }), [90]);
         assert_eq!(points(MistakeChoice { kind: Some(Mistake::Missed), ..ANY }), [500, 30]);
         assert_eq!(points(MistakeChoice { class: Some("car"), ..ANY }), [30]);
-        assert_eq!(points(MistakeChoice { task: "objects", ..ANY }), [0; 0]);
+        assert_eq!(points(MistakeChoice { task: Task::Objects, ..ANY }), [0; 0]);
     }
 
     #[test]
     fn a_line_says_where_what_and_why() {
-        let rows = [missed("car", 30), false_one(90)].map(|it| row("grid", it));
+        let rows = [missed(AnnotationClass::Car, 30), false_one(90)].map(|it| row("grid", it));
         insta::assert_snapshot!(worst_to_terminal(&worst(&rows, &ANY, 10)), @r"
               data set, drive, scan          class     points   range m       x m       y m  why
            1  street drive 3         false   vehicle       90       5.0       3.0       4.0  wrong class

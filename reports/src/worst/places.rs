@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
+use crate::vocabulary::task::Task;
 use crate::worst::mistakes::Mistake;
 
 /// Scans whose numbers begin alike when divided by this are taken for scans of one second.
@@ -24,8 +25,8 @@ pub struct WorstPlaces<T> {
 /// Whose mistakes, at what, and of which kind.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MistakeList {
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// Name of the detector.
     pub detector: String,
     /// Missed or false.
@@ -54,9 +55,9 @@ pub struct WorstPlace<T> {
     /// Which object.
     pub object: ObjectName,
     /// What it is, or was taken for.
-    pub class: String,
+    pub class: &'static str,
     /// Why it is a mistake.
-    pub reason: String,
+    pub reason: &'static str,
     /// Number of its points.
     pub n_points: u64,
     /// Where it is; without extent, at the centroid of its points, where no box is labelled.
@@ -104,16 +105,28 @@ impl<T> WorstPlaces<T> {
     /// then.
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
         let (kind, class, reason, n_points, bounding_box, id, track) = match &row.outcome {
-            MatchOutcome::Missed { annotation: it, reason } => {
-                (Mistake::Missed, &it.class, reason, it.n_points, subject_of(it), it.id, it.track)
-            }
-            MatchOutcome::False { detection: it, reason } => {
-                (Mistake::False, &it.class, reason, it.n_points, Some(it.bounding_box), it.id, None)
-            }
+            MatchOutcome::Missed { annotation: it, reason } => (
+                Mistake::Missed,
+                it.class.name(),
+                reason.name(),
+                it.n_points,
+                subject_of(it),
+                it.id,
+                it.track,
+            ),
+            MatchOutcome::False { detection: it, reason } => (
+                Mistake::False,
+                it.class.name(),
+                reason.name(),
+                it.n_points,
+                Some(it.bounding_box),
+                it.id,
+                None,
+            ),
             _ => return,
         };
         let Some(bounding_box) = bounding_box else { return };
-        let list = MistakeList { task: row.task.clone(), detector: row.detector.clone(), kind };
+        let list = MistakeList { task: row.task, detector: row.detector.clone(), kind };
         let list = self.lists.entry(list).or_default();
         let same = list.iter().position(|it| it.is_same_object(row, track));
         let is_worse = match same {
@@ -134,7 +147,6 @@ impl<T> WorstPlaces<T> {
             detector: (kind == Mistake::False).then(|| row.detector.clone()),
             id,
         };
-        let [class, reason] = [class, reason].map(Clone::clone);
         let place =
             WorstPlace { object, class, reason, n_points, bounding_box, window, track, kept: kept(&window) };
         list.insert(list.partition_point(|it| it.n_points >= n_points), place);
@@ -174,10 +186,13 @@ fn subject_of(annotation: &AnnotationFacts) -> Option<BoxFacts> {
 mod tests {
     use super::*;
     use crate::rows::match_outcome::DetectionFacts;
+    use crate::vocabulary::class::{AnnotationClass, DetectionClass};
+    use crate::vocabulary::criterion::CriterionKind;
+    use crate::vocabulary::reason::{FalseReason, MissReason};
 
     fn row(scan: u32, outcome: MatchOutcome) -> MatchRow {
-        let [dataset, sequence, detector, task, criterion] =
-            ["street", "drive", "grid", "vehicles", "points"].map(str::to_owned);
+        let [dataset, sequence, detector] = ["street", "drive", "grid"].map(str::to_owned);
+        let (task, criterion) = (Task::Vehicles, CriterionKind::Points);
         MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
     }
 
@@ -185,7 +200,7 @@ mod tests {
         BoxFacts { center_m: [30.0, 4.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
 
     fn missed(track: Option<u32>, n_points: u64, bounding_box: Option<BoxFacts>) -> MatchOutcome {
-        let (class, occlusion) = ("car".to_owned(), None);
+        let (class, occlusion) = (AnnotationClass::Car, None);
         let annotation = AnnotationFacts {
             id: 0,
             track,
@@ -196,13 +211,13 @@ mod tests {
             bounding_box,
             centroid_m: None,
         };
-        MatchOutcome::Missed { annotation, reason: "nothing there".to_owned() }
+        MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
     }
 
     fn false_one(n_points: u64) -> MatchOutcome {
-        let class = "vehicle".to_owned();
+        let class = DetectionClass::Vehicle;
         let detection = DetectionFacts { id: 7, class, score: None, n_points, bounding_box: BOX };
-        MatchOutcome::False { detection, reason: "on no annotation".to_owned() }
+        MatchOutcome::False { detection, reason: FalseReason::NothingThere }
     }
 
     fn kept(rows: &[MatchRow], kind: Mistake) -> Vec<(u32, u64)> {
@@ -210,7 +225,7 @@ mod tests {
         for row in rows {
             places.add(row, |_| ());
         }
-        let [task, detector] = ["vehicles", "grid"].map(str::to_owned);
+        let (task, detector) = (Task::Vehicles, "grid".to_owned());
         let list = places.of(&MistakeList { task, detector, kind });
         list.iter().map(|it| (it.object.scan, it.n_points)).collect()
     }

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
 use proptest::prelude::*;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::*;
-use crate::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::metrics::segmentation_quality::SegmentationQuality;
 

@@ -211,8 +211,8 @@ fn number(table: &Table, name: &str) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
     use crate::matching::eligibility::EligibilityParams;
+    use reports::vocabulary::class::AnnotationClass;
 
     fn resolve(text: &str) -> Result<RunConfig, ConfigError> {
         RunConfig::resolve(text, Path::new("mine.toml"))

@@ -1,5 +1,6 @@
 //! Detectors side by side: where each is right and wrong, and why.
 
+use reports::vocabulary::task::Task;
 use rerun::EntityPath;
 use rerun::blueprint::{
     ContainerLike, Horizontal, Spatial2DView, Tabs, TextLogView, TimeSeriesView, Vertical,
@@ -17,7 +18,6 @@ use super::scene::{Eye, Property, Scene, ScenePoints, add, hide, plain_backgroun
 use crate::stream::entity_paths::{self, ProductKind};
 use crate::stream::legend;
 use crate::stream::product_views::DetectorViews;
-use crate::task::Task;
 
 /// A scene for each detector, and below them what is wrong in words and the series.
 pub fn compare(layout: &RecordingLayout<'_>, properties: &mut Vec<Property>) -> ContainerLike {

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use detector::stage_product::Shape;
 use detector::{PointCloud, StageProduct};
+use reports::vocabulary::task::Task;
 use rerun::ComponentIdentifier;
 use rerun::external::arrow::array::{Array as _, AsArray as _};
 use rerun::external::arrow::datatypes::UInt16Type;
@@ -17,7 +18,6 @@ use self::drawn_recording::{
 use super::*;
 use crate::matching::outcome::Assignment;
 use crate::stream::{ViewerChoice, entity_paths};
-use crate::task::Task;
 
 mod drawn_recording;
 

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use harness::annotation::AnnotationClass;
 use mcap::WriteOptions;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::mcap::{SECOND, category, foxglove_messages, write};
 use super::{made, open};

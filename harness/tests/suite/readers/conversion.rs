@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use detector::PointCloud;
-use harness::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use harness::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use harness::conversion::ConversionError;
 use harness::conversion::convert::{Output, convert};
 use harness::conversion::mcap_writer::ChunkCompression;
@@ -12,6 +12,7 @@ use harness::conversion::output_format::OutputFormat;
 use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::{Dataset, DatasetDescription, DatasetError};
+use reports::vocabulary::class::AnnotationClass;
 use test_data::{needs_test_data, test_data};
 
 use super::open;

@@ -1,9 +1,10 @@
 //! LAS and LAZ in folders of scans, with labels on a map.
 
+use reports::vocabulary::class::AnnotationClass;
+
 use super::made::{las_file, write};
 use super::{check_damaged, open};
 use crate::program::Workplace;
-use harness::annotation::AnnotationClass;
 
 /// Points of a drawn hill, in centimetres from the offset.
 fn hill(n_points: i32) -> Vec<[i32; 3]> {

@@ -6,13 +6,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use base64::Engine as _;
-use harness::annotation::{AnnotationClass, PointRegion};
+use harness::annotation::PointRegion;
 use harness::dataset::DatasetError;
 use harness::dataset::catalogue::built_in_catalogue;
 use harness::dataset::mcap::topics::TopicChoice;
 use harness::dataset::open::{OpenOptions, open_dataset};
 use harness::dataset::source::DamagePolicy;
 use mcap::{Channel, Compression, Message, Schema, WriteOptions};
+use reports::vocabulary::class::AnnotationClass;
 
 use super::{check_damaged, open, try_open};
 use crate::program::Workplace;

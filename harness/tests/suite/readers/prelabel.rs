@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use harness::annotation::{AnnotationClass, LabeledScan};
+use harness::annotation::LabeledScan;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::made::scans;
 use super::open;

@@ -1,6 +1,7 @@
 //! Folders of scans in PCD, PLY, `.npy` and `.bin`.
 
-use harness::annotation::{AnnotationClass, PointRegion};
+use harness::annotation::PointRegion;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::{check_damaged, open};
 use crate::program::Workplace;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use harness::annotation::{AnnotationClass, PointRegion};
+use harness::annotation::PointRegion;
+use reports::vocabulary::class::AnnotationClass;
 use test_data::{needs_test_data, test_data};
 
 use super::{check_damaged, open};

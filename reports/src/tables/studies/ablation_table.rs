@@ -7,6 +7,7 @@ use crate::tables::notes::Notes;
 use crate::tables::task_grids::{extent_cell, rate_cell, recall_cell};
 use crate::tables::{markdown, terminal};
 use crate::vocabulary::extent::Extent;
+use crate::vocabulary::task::Task;
 
 /// Scores with what is to be said of them all.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,7 +15,7 @@ pub struct AblationTable {
     /// The method whose parts are left out.
     pub method: String,
     /// What is asked of it.
-    pub task: String,
+    pub task: Task,
     /// When a detection matches an annotation, in words.
     pub matching_criterion: String,
     /// The processor that the times were taken on.
@@ -144,7 +145,7 @@ mod tests {
         let (whole, less) = ("whole method", "without terrain");
         AblationTable {
             method: "hierarchical".to_owned(),
-            task: "objects".to_owned(),
+            task: Task::Objects,
             matching_criterion: "points, IoU at least 0.5".to_owned(),
             cpu_model: "Example CPU @ 2 GHz".to_owned(),
             scores: vec![
@@ -219,7 +220,7 @@ mod tests {
 
     #[test]
     fn rows_of_the_file_stand_alone() {
-        let rows: Vec<_> = table().scores.iter().map(|it| AblationRow::new("objects", it)).collect();
+        let rows: Vec<_> = table().scores.iter().map(|it| AblationRow::new(Task::Objects, it)).collect();
         insta::assert_snapshot!(String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap(), @r"
         task,dataset,origin,variant,n_scans,no,tp,mo,fo,f_rate,precision,recall,n_split,over_segmentation,n_holding,n_joining,under_segmentation,latency_min_ms,latency_p50_ms
         objects,street,simulated,whole method,20,100,80,20,20,0.800000,0.800000,0.800000,5,0.050000,80,10,0.125000,3.5000,4.2500

@@ -6,6 +6,7 @@ use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::blocks::BlockCount;
 use crate::numbers::box_errors::BoxErrorLine;
+use crate::vocabulary::class::{AnnotationClass, Occlusion};
 
 /// A box fitted to the cluster of a matched vehicle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,9 +14,9 @@ pub struct FittedBoxRow {
     data: String,
     simulated: bool,
     scan: String,
-    class: String,
+    class: AnnotationClass,
     track: Option<u32>,
-    occlusion: Option<String>,
+    occlusion: Option<Occlusion>,
     range_m: Fixed<2>,
     n_points: usize,
     fit: String,
@@ -53,11 +54,11 @@ pub struct MatchedVehicle<'a> {
     /// The scan.
     pub scan: &'a str,
     /// What it is.
-    pub class: &'a str,
+    pub class: AnnotationClass,
     /// Its number within its drive.
     pub track: Option<u32>,
     /// How much of it is hidden.
-    pub occlusion: Option<&'a str>,
+    pub occlusion: Option<Occlusion>,
     /// Distance of its annotation from the sensor, in metres.
     pub range_m: f64,
     /// Points of the cluster.
@@ -72,9 +73,9 @@ impl FittedBoxRow {
             data: vehicle.data.to_owned(),
             simulated: vehicle.is_simulated,
             scan: vehicle.scan.to_owned(),
-            class: vehicle.class.to_owned(),
+            class: vehicle.class,
             track: vehicle.track,
-            occlusion: vehicle.occlusion.map(str::to_owned),
+            occlusion: vehicle.occlusion,
             range_m: Fixed(vehicle.range_m),
             n_points: vehicle.n_points,
             fit: fit.to_owned(),

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::numbers::condition_scores::ConditionScores;
+use crate::vocabulary::task::Task;
 
 /// What one detector found under one condition, with what the rates are made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -12,7 +13,7 @@ pub struct ConditionRow {
     data: String,
     group: String,
     condition: String,
-    task: String,
+    task: Task,
     detector: String,
     n_scans: u64,
     no: u64,
@@ -45,11 +46,11 @@ impl CsvRow for ConditionRow {
 impl ConditionRow {
     /// The rows of a condition that was simulated.
     pub fn simulated(scores: &ConditionScores) -> Vec<Self> {
-        let row = |detector: &str, task: &str, counts: crate::rows::counts::Counts| Self {
+        let row = |detector: &str, task: Task, counts: crate::rows::counts::Counts| Self {
             data: "simulated".to_owned(),
             group: scores.group.clone(),
             condition: scores.condition.clone(),
-            task: task.to_owned(),
+            task,
             detector: detector.to_owned(),
             n_scans: scores.n_scans,
             no: counts.no(),

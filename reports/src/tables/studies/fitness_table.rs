@@ -9,6 +9,7 @@ use crate::tables::notes::Notes;
 use crate::tables::terminal::{wrapped, write_grid};
 use crate::verdicts::fitness_verdict::FitnessVerdict;
 use crate::vocabulary::extent::Extent;
+use crate::vocabulary::origin::Origin;
 
 const TITLE: &str = "What each reading of the cell fitness recommends.";
 
@@ -113,7 +114,10 @@ fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> L
 /// What all readings of a curve have in common.
 fn subject(verdict: &FitnessVerdict) -> String {
     let FitnessVerdict { dataset, origin, sensor, detector, others, task, rate, .. } = verdict;
-    let origin = if origin == "recorded" { String::new() } else { format!(" ({origin})") };
+    let origin = match origin {
+        Origin::Recorded => String::new(),
+        Origin::Simulated | Origin::PartlySimulated => format!(" ({})", origin.name()),
+    };
     let others = if others.is_empty() { String::new() } else { format!(", {others}") };
     format!("{dataset}{origin}, {sensor}, {detector}{others}, {task}, {rate}")
 }

@@ -64,7 +64,7 @@ fn line(curve: &SweepCurve<'_>) -> Line {
     let texts = [
         name,
         detector,
-        first.task.clone(),
+        first.task.name().to_owned(),
         first.rate_name().to_owned(),
         first.n_scans.to_string(),
         first.counts.no().to_string(),

@@ -9,7 +9,7 @@ use crate::numbers::blocks::Interval;
 use crate::numbers::run_report::{MetricRow, RunReport};
 use crate::numbers::sums::RATIOS;
 use crate::vocabulary::metric::{Direction, LatencyStatistic, Metric};
-use crate::vocabulary::slice::SLICE_ALL;
+use crate::vocabulary::slice::Slice;
 
 /// The numbers as github-action-benchmark takes them under `customSmallerIsBetter`.
 ///
@@ -60,7 +60,7 @@ fn headline_rows(report: &RunReport) -> impl Iterator<Item = &MetricRow> {
     let rows = if report.overall().is_empty() { report.rows() } else { report.overall() };
     let is_headline =
         |metric: &Metric| RATIOS.contains(metric) || *metric == Metric::Latency(LatencyStatistic::P50);
-    rows.iter().filter(move |it| it.subject.slice == SLICE_ALL && is_headline(&it.metric))
+    rows.iter().filter(move |it| it.subject.slice == Slice::All && is_headline(&it.metric))
 }
 
 fn pretty(value: &Value) -> String {

@@ -14,6 +14,7 @@ use crate::verdicts::drift::drift;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 /// What was compared with what, and what came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,12 +31,12 @@ pub struct Comparison {
 /// A difference with what it is of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedDifference {
-    /// Name of the task.
-    pub task: String,
+    /// The task.
+    pub task: Task,
     /// Name of the detector, or of both.
     pub detector: String,
-    /// Name of the slice.
-    pub slice: String,
+    /// The slice.
+    pub slice: Slice,
     /// The numbers.
     pub difference: PairedDifference,
 }
@@ -63,9 +64,9 @@ pub fn compare_runs(
     let tallies = [before.tally(), after.tally()];
     let draws = tallies[0].draw();
     let mut differences = Vec::new();
-    for task in tallies[0].tasks() {
+    for &task in tallies[0].tasks() {
         for detector in tallies[0].detectors() {
-            for slice in tallies[0].slices(task, detector).iter().filter(|it| is_compared(it, slices)) {
+            for slice in tallies[0].slices(task, detector).into_iter().filter(|it| is_compared(*it, slices)) {
                 let question = Question { dataset: OVERALL, task, detector, slice };
                 let [Some(before), Some(after)] = [0, 1].map(|side| tallies[side].sample(&question, &draws))
                 else {
@@ -85,8 +86,8 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     let tally = run.tally();
     let draws = tally.draw();
     let mut differences = Vec::new();
-    for task in tally.tasks() {
-        for slice in tally.slices(task, first).iter().filter(|it| is_compared(it, slices)) {
+    for &task in tally.tasks() {
+        for slice in tally.slices(task, first).into_iter().filter(|it| is_compared(*it, slices)) {
             let sample =
                 |detector| tally.sample(&Question { dataset: OVERALL, task, detector, slice }, &draws);
             let [Some(before), Some(after)] = [first, second].map(sample) else { continue };
@@ -100,13 +101,12 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     Comparison { title, differences, n_changed_scans: None }
 }
 
-fn is_compared(slice: &Slice, slices: ComparedSlices) -> bool {
-    slices == ComparedSlices::Each || *slice == Slice::All
+fn is_compared(slice: Slice, slices: ComparedSlices) -> bool {
+    slices == ComparedSlices::Each || slice == Slice::All
 }
 
-fn named(task: &str, detector: &str, slice: &Slice, difference: PairedDifference) -> NamedDifference {
-    let [task, detector] = [task, detector].map(str::to_owned);
-    NamedDifference { task, detector, slice: slice.name(), difference }
+fn named(task: Task, detector: &str, slice: Slice, difference: PairedDifference) -> NamedDifference {
+    NamedDifference { task, detector: detector.to_owned(), slice, difference }
 }
 
 impl Comparison {
@@ -162,9 +162,9 @@ impl Comparison {
             let it = &named.difference;
             let metric = &it.metric;
             let cells = vec![
-                Cell::new(named.task.clone()),
+                Cell::new(named.task.name()),
                 Cell::new(named.detector.clone()),
-                Cell::new(named.slice.clone()),
+                Cell::new(named.slice.name()),
                 Cell::new(metric_text(metric)),
                 Cell::new(value_text(metric, it.before)),
                 Cell::new(value_text(metric, it.after)),

@@ -16,7 +16,7 @@ use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
 use crate::verdicts::verdict::{Conclusion, Verdict};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
-use crate::vocabulary::slice::SLICE_ALL;
+use crate::vocabulary::slice::Slice;
 
 /// Scans, and objects of each, that the Markdown lists; a job's summary may not be long.
 const MOST_LISTED: usize = 20;
@@ -173,7 +173,7 @@ fn finding_text(finding: Finding, verdict: &Verdict) -> String {
 fn is_shown(gated: &GatedMetric) -> bool {
     let is_changed = gated.difference.as_ref().is_ok_and(|it| it.difference() != 0.0);
     let is_headline = gated.metric == Metric::FRate || is_changed;
-    gated.finding != Finding::Pass || (gated.slice == SLICE_ALL && is_headline)
+    gated.finding != Finding::Pass || (gated.slice == Slice::All && is_headline)
 }
 
 fn sentences(verdict: &Verdict) -> Vec<String> {
@@ -219,7 +219,7 @@ fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
             Err(_) => ["–"; 5].map(Cell::new),
         };
         let tolerance = difference_text(metric, gated.tolerance).trim_start_matches('+').to_owned();
-        let names = [gated.task.clone(), gated.detector.clone(), gated.slice.clone(), metric_text(metric)];
+        let names = [gated.task.to_string(), gated.detector.clone(), gated.slice.name(), metric_text(metric)];
         let last = [tolerance, finding_text(gated.finding, verdict)];
         let cells = names.map(Cell::new).into_iter().chain(numbers).chain(last.map(Cell::new));
         Line { kind: LineKind::Dataset, cells: cells.collect() }

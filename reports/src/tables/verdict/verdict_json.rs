@@ -7,6 +7,8 @@ use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, Slowdown, SpeedComparison};
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::verdicts::verdict::Verdict;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
 
 #[derive(Serialize)]
 struct VerdictRecord<'a> {
@@ -26,9 +28,9 @@ struct VerdictRecord<'a> {
 
 #[derive(Serialize)]
 struct MetricRecord<'a> {
-    task: &'a str,
+    task: Task,
     detector: &'a str,
-    slice: &'a str,
+    slice: Slice,
     metric: String,
     unit: &'static str,
     higher_is_better: Option<bool>,
@@ -61,7 +63,7 @@ struct DriftRecord<'a> {
     sequence: &'a str,
     scan: u32,
     detector: &'a str,
-    task: &'a str,
+    task: Task,
     changes: &'a [String],
 }
 
@@ -89,7 +91,7 @@ pub fn to_json(verdict: &Verdict) -> String {
                 sequence: &it.place.sequence,
                 scan: it.place.scan,
                 detector: &it.place.detector,
-                task: &it.place.task,
+                task: it.place.task,
                 changes: &it.changes,
             })
             .collect(),
@@ -102,9 +104,9 @@ pub fn to_json(verdict: &Verdict) -> String {
 fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
     let difference = gated.difference.as_ref().ok();
     MetricRecord {
-        task: &gated.task,
+        task: gated.task,
         detector: &gated.detector,
-        slice: &gated.slice,
+        slice: gated.slice,
         metric: gated.metric.id(),
         unit: gated.metric.unit(),
         higher_is_better: gated.metric.direction().higher_is_better(),

@@ -9,8 +9,11 @@ use crate::tables::verdict::summary::{to_markdown, to_terminal};
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::gated_speeds::Slowdown;
 use crate::verdicts::tolerances::{QualityRule, SpeedRule};
+use crate::vocabulary::class::AnnotationClass;
+use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
-use crate::vocabulary::slice::SLICE_ALL;
+use crate::vocabulary::reason::MissReason;
+use crate::vocabulary::task::Task;
 
 /// A run of the detectors `kd-tree`, which finds 5 of 10 cars in every scan in 100 ms, and `pca`.
 struct SampleScans<'a> {
@@ -54,8 +57,8 @@ impl SampleScans<'_> {
     }
 
     fn row(&self, step: u32, detector: &str, tp: u64, ms: Option<f64>) -> ScanRow {
-        let [dataset, sequence, detector, task] =
-            ["main_road", "0000", detector, "objects"].map(str::to_owned);
+        let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
+        let task = Task::Objects;
         let numbers = ScanNumbers {
             n_points: 1000,
             latency_ms: ms,
@@ -81,16 +84,16 @@ fn missed(detector: &str, scan: u32, id: u64) -> MatchRow {
     let annotation = AnnotationFacts {
         id,
         track: None,
-        class: "car".to_owned(),
+        class: AnnotationClass::Car,
         occlusion: None,
         n_points: 100,
         centroid_m: None,
         n_points_outside: 0,
         bounding_box: Some(bounding_box),
     };
-    let [dataset, sequence, detector, task, criterion] =
-        ["main_road", "0000", detector, "objects", "points"].map(str::to_owned);
-    let outcome = MatchOutcome::Missed { annotation, reason: "split".to_owned() };
+    let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
+    let (task, criterion) = (Task::Objects, CriterionKind::Points);
+    let outcome = MatchOutcome::Missed { annotation, reason: MissReason::Split };
     MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
 }
 
@@ -99,14 +102,15 @@ fn texts(names: &[&str]) -> Vec<String> {
 }
 
 fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
-    let (metrics, slices) = (texts(metrics), texts(slices));
+    let metrics = metrics.iter().map(|it| Metric::from_id(it).unwrap()).collect();
+    let slices = texts(slices);
     QualityRule { metrics, slices, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
 }
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.
 fn tolerances() -> Tolerances {
     let speed = SpeedRule { reference: SPEED_REFERENCE.to_owned(), relative: 0.25 };
-    Tolerances { quality: vec![rule(&["recall"], &[SLICE_ALL])], speed: Some(speed) }
+    Tolerances { quality: vec![rule(&["recall"], &["all"])], speed: Some(speed) }
 }
 
 fn judged(run: &SampleScans<'_>) -> Verdict {
@@ -230,42 +234,39 @@ fn rules_about_nothing_are_refused_all_at_once() {
             other => panic!("{other:?}"),
         }
     };
-    let of_task = |task: &str| QualityRule { tasks: Some(texts(&[task])), ..rule(&["recall"], &[SLICE_ALL]) };
-    let of_detector = QualityRule { detectors: Some(texts(&["pcaa"])), ..rule(&["recall"], &[SLICE_ALL]) };
+    let of_task = |task| QualityRule { tasks: Some(vec![task]), ..rule(&["recall"], &["all"]) };
+    let of_detector = QualityRule { detectors: Some(texts(&["pcaa"])), ..rule(&["recall"], &["all"]) };
     assert_eq!(
         problem(vec![
-            of_task("object"),
+            of_task(Task::Vehicles),
             rule(&["recall"], &["al"]),
             rule(&["recall"], &["range/0-20"]),
             of_detector
         ]),
-        "[[quality]] 1: there is no task \"object\" in either run; did you mean \"objects\"?; \
+        "[[quality]] 1: there is no task \"vehicles\" in either run; there are objects; \
          [[quality]] 2: there is no slice \"al\" in either run; did you mean \"all\"?; \
          [[quality]] 3: there is no slice \"range/0-20\" in either run; did you mean \"range/0-15\"?; \
          [[quality]] 4: there is no detector \"pcaa\" in either run; did you mean \"pca\"?"
     );
-    // A task that neither run was asked for.
-    assert!(problem(vec![of_task("vehicles")]).contains("there is no task \"vehicles\""));
     // A beginning that no slice has.
     assert!(problem(vec![rule(&["recall"], &["occlusion/*"])]).contains("there is no slice \"occlusion/*\""));
     // Precision is not measured of classes, and what is torn apart is measured of everything alone.
     for (metric, slice) in
-        [("precision", "class/car"), ("over_segmentation", "range/*"), ("box_yaw_error_deg", SLICE_ALL)]
+        [("precision", "class/car"), ("over_segmentation", "range/*"), ("box_yaw_error_deg", "all")]
     {
-        let problem = problem(vec![rule(&[metric, "recall"], &[slice, SLICE_ALL])]);
+        let problem = problem(vec![rule(&[metric, "recall"], &[slice, "all"])]);
         assert!(problem.contains(&format!("neither run has {metric} of {slice:?}")), "{problem}");
         assert!(!problem.contains("has recall"), "{problem}");
     }
     // A rule before it decides about all that it is about.
-    let shadowed =
-        problem(vec![rule(&["recall"], &["class/*", SLICE_ALL]), rule(&["recall"], &["class/car"])]);
+    let shadowed = problem(vec![rule(&["recall"], &["class/*", "all"]), rule(&["recall"], &["class/car"])]);
     assert!(shadowed.starts_with("[[quality]] 2: nothing is held to it"), "{shadowed}");
 }
 
 #[test]
 fn a_beginning_that_stands_for_some_slices_is_no_mistake() {
     let tolerances =
-        Tolerances { quality: vec![rule(&["recall", "f_rate"], &[SLICE_ALL, "range/*"])], speed: None };
+        Tolerances { quality: vec![rule(&["recall", "f_rate"], &["all", "range/*"])], speed: None };
     let verdict = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap();
     let of_pca: Vec<String> = verdict
         .metrics
@@ -280,7 +281,7 @@ fn a_beginning_that_stands_for_some_slices_is_no_mistake() {
 fn a_number_that_is_missing_is_named_and_nothing_passes() {
     // False objects cannot be known in the run: no F-rate, which a rule is about.
     let unknown = SampleScans { fo: None, ..USUAL };
-    let of_task = QualityRule { tasks: Some(texts(&["objects"])), ..rule(&["f_rate"], &[SLICE_ALL]) };
+    let of_task = QualityRule { tasks: Some(vec![Task::Objects]), ..rule(&["f_rate"], &["all"]) };
     for (before, after, named, missing) in [
         (&USUAL, &unknown, &of_task, Missing::InRun),
         (&unknown, &USUAL, &of_task, Missing::InBaseline),
@@ -295,7 +296,7 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
         assert!(to_terminal(&verdict).lines().any(|it| it == said), "{}", to_terminal(&verdict));
     }
     // Of no named task, and nowhere else either: the rule is about nothing.
-    let tolerances = Tolerances { quality: vec![rule(&["f_rate"], &[SLICE_ALL])], speed: None };
+    let tolerances = Tolerances { quality: vec![rule(&["f_rate"], &["all"])], speed: None };
     let error = judge(&unknown.archive(), &unknown.archive(), &tolerances).unwrap_err();
     assert!(error.to_string().contains("neither run has f_rate of \"all\""), "{error}");
 }
@@ -304,7 +305,7 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
 fn a_missing_number_is_no_regression_but_a_regression_goes_first() {
     let worse = SampleScans { fo: None, tp_of: &|step| seven_or_five(step) - 2, ..USUAL };
     let mut tolerances = tolerances();
-    tolerances.quality.push(rule(&["f_rate"], &[SLICE_ALL]));
+    tolerances.quality.push(rule(&["f_rate"], &["all"]));
     let verdict = judge(&USUAL.archive(), &worse.archive(), &tolerances).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Regression);
     assert_eq!((verdict.n(Finding::Incomparable), verdict.n(Finding::Regression)), (2, 1));

@@ -12,20 +12,22 @@ use detector::stage_product::{
 };
 use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, StageProduct};
 use nalgebra::Isometry3;
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::reason::{FalseReason, MissReason};
+use reports::vocabulary::task::Task;
 use rerun::external::arrow::array::Array as _;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 
 use super::super::{Stream, StreamEnding};
-use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::matching::mistake::{Mistake, MistakeKind};
-use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason};
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::metrics::counts::FalseDetections;
 use crate::stream::{
     DetectorView, FirstTab, Mark, Opening, ScanView, StreamError, StreamOptions, TaskView, ViewerChoice,
 };
-use crate::task::Task;
 
 pub const N_POINTS: usize = 6;
 

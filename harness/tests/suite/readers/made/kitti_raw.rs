@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use harness::annotation::Occlusion;
 use harness::dataset::Dataset;
+use reports::vocabulary::class::Occlusion;
 
 use super::{boxed, scans, write};
 
