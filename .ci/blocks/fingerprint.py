@@ -23,7 +23,6 @@ GROUPS = {
     "judging": (
         [
             "harness/scans/src/annotation.rs",
-            "harness/scans/src/task.rs",
             "harness/evaluation/src/object_box.rs",
             "harness/evaluation/src/matching",
             "harness/evaluation/src/metrics",
@@ -31,14 +30,14 @@ GROUPS = {
             "harness/evaluation/src/sweep",
             "reports/src/",
         ],
-        ["reports/src/plot", "reports/src/html", "reports/src/gate", "reports/src/palette.rs"],
+        ["reports/src/plots", "reports/src/pages", "reports/src/verdicts"],
     ),
-    "realism": (["harness/evaluation/src/realism", "reports/src/curve_pair.rs"], []),
+    "realism": (["harness/evaluation/src/realism", "reports/src/numbers/curve_pair.rs"], []),
     "training": (["harness/evaluation/src/training", "harness/scanbench/src/commands/train"], []),
     "readers": (["harness/scans/src/dataset/"], []),
-    "plots": (["reports/src/plot", "reports/src/palette.rs"], []),
-    "page": (["reports/src/html", "reports/src/plot", "reports/src/palette.rs"], []),
-    "recording": (["harness/viewer/src", "reports/src/palette.rs"], []),
+    "plots": (["reports/src/plots"], []),
+    "page": (["reports/src/pages", "reports/src/plots"], []),
+    "recording": (["harness/viewer/src", "reports/src/plots/palette.rs"], []),
 }
 
 # Parameters that people choose; what else is no program below detector/ and baselines/ was trained or fitted.

@@ -64,8 +64,8 @@ def checkout(test):
         "harness/evaluation/src/training/select.rs": "fn select() {}\n",
         "harness/scans/src/dataset/kitti.rs": "fn kitti() {}\n",
         "harness/viewer/src/log.rs": "fn log() {}\n",
-        "reports/src/plot/gap_plot.rs": "fn plot() {}\n",
-        "reports/src/html/page.rs": "fn page() {}\n",
+        "reports/src/plots/gap_plot.rs": "fn plot() {}\n",
+        "reports/src/pages/page.rs": "fn page() {}\n",
         "docs/page.md": PAGE,
         "README.md": "# No blocks\n",
     }

@@ -6,10 +6,10 @@
 use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Binomial, Poisson, StandardNormal};
-use reports::blocks::{BlockCount, BlockKind};
-use reports::bootstrap::{Distribution, Resamples};
-use reports::metric::Metric;
-use reports::sums::{FalseObjects, Sums, Term};
+use reports::numbers::blocks::{BlockCount, BlockKind};
+use reports::numbers::sums::{FalseObjects, Sums, Term};
+use reports::uncertainty::bootstrap::{Distribution, Resamples};
+use reports::vocabulary::metric::Metric;
 
 /// What two detectors find on drives of a kind. Drives differ in how hard they are and in how much there is to find: hard ones have
 /// more annotations, a smaller share of them is found, and more is false. Values are such that drives vary as the streets of

@@ -14,9 +14,10 @@ use evaluation::matching::criterion::Criterion;
 use evaluation::matching::eligibility::EligibilityParams;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use scans::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::task::Task;
+use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::AnnotatedClasses;
-use scans::task::Task;
 
 const N_ANNOTATIONS: usize = 200;
 const N_DETECTIONS: usize = 10_000;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use detector::grid::density_curve::{DensityCurve, LEAST_POINTS};
 use detector::grid::ring_density::{FIRST_RING_M, N_RINGS, RingCounts, ring_middle_m};
 use rayon::prelude::*;
-use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
+use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 use scans::dataset::Dataset;
 
 use crate::realism::survey::SurveyError;

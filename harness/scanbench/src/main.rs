@@ -5,7 +5,7 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use reports::unfinished;
+use reports::files::unfinished;
 
 mod cli;
 mod commands;

@@ -4,6 +4,7 @@
 
 use detector::{OrientedBox, PointCloud};
 use nalgebra::Matrix3x4;
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 /// One scan with its ground truth.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,28 +89,6 @@ pub fn range_m(place_m: [f32; 3]) -> f64 {
     f64::from(place_m[0]).hypot(f64::from(place_m[1]))
 }
 
-/// How much of an object is hidden by others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Occlusion {
-    /// Less than a tenth.
-    None,
-    /// Up to a half.
-    Partly,
-    /// More than a half.
-    Largely,
-}
-
-impl Occlusion {
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Partly => "partly",
-            Self::Largely => "largely",
-        }
-    }
-}
-
 /// Whether the labels say anything about a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PointRegion {
@@ -141,88 +120,6 @@ pub enum LabeledArea {
     },
     /// Only said point by point, by [`LabeledScan::point_regions`]: a place is as what the sensor saw in its direction.
     AsPoints,
-}
-
-/// What an annotated object is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AnnotationClass {
-    /// Passenger car.
-    Car,
-    /// Van or large people carrier.
-    Van,
-    /// Truck.
-    Truck,
-    /// Bus.
-    Bus,
-    /// Person on foot.
-    Pedestrian,
-    /// Person sitting.
-    SittingPerson,
-    /// Bicycle or motorcycle with its rider.
-    Cyclist,
-    /// Bicycle or motorcycle without a rider.
-    ParkedCycle,
-    /// Tram or train.
-    Tram,
-    /// Trailer.
-    Trailer,
-    /// Pole, lamp post, traffic light or sign.
-    Pole,
-    /// Trunk and crown of a tree.
-    Tree,
-    /// Hedge or bush.
-    Hedge,
-    /// Fence or railing.
-    Fence,
-    /// Mail box, bin, bench, advertising column and the like.
-    StreetFurniture,
-    /// Labelled, but none of the above.
-    Misc,
-}
-
-impl AnnotationClass {
-    /// All classes, in the order in which tables list them.
-    pub const ALL: [Self; 16] = [
-        Self::Car,
-        Self::Van,
-        Self::Truck,
-        Self::Bus,
-        Self::Pedestrian,
-        Self::SittingPerson,
-        Self::Cyclist,
-        Self::ParkedCycle,
-        Self::Tram,
-        Self::Trailer,
-        Self::Pole,
-        Self::Tree,
-        Self::Hedge,
-        Self::Fence,
-        Self::StreetFurniture,
-        Self::Misc,
-    ];
-
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Car => "car",
-            Self::Van => "van",
-            Self::Truck => "truck",
-            Self::Bus => "bus",
-            Self::Pedestrian => "pedestrian",
-            Self::SittingPerson => "sitting-person",
-            Self::Cyclist => "cyclist",
-            Self::ParkedCycle => "parked-cycle",
-            Self::Tram => "tram",
-            Self::Trailer => "trailer",
-            Self::Pole => "pole",
-            Self::Tree => "tree",
-            Self::Hedge => "hedge",
-            Self::Fence => "fence",
-            Self::StreetFurniture => "street-furniture",
-            Self::Misc => "misc",
-        }
-    }
 }
 
 /// Indices of the points of `cloud` inside or on `bounding_box`, ascending.

@@ -3,7 +3,6 @@
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
 pub mod annotation;
-pub mod task;
 pub mod dataset;
 pub mod conversion;
 pub mod data_check;

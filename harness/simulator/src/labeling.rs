@@ -1,6 +1,7 @@
 //! From what the pulses met to annotations.
 
 use parry3d::math::{Pose, Vector};
+use reports::vocabulary::class::Occlusion;
 
 use super::object_shape::ObjectShape;
 use super::portable_math;
@@ -8,7 +9,7 @@ use super::scan::{PulseEnd, Turn};
 use super::sensor::SensorModel;
 use super::solid::PlacedSolid;
 use detector::OrientedBox;
-use scans::annotation::{Annotation, Occlusion};
+use scans::annotation::Annotation;
 
 /// An object that has at least one point.
 #[derive(Debug, Clone)]
@@ -148,7 +149,7 @@ mod tests {
     use crate::material::Material;
     use crate::solid::Solid;
     use parry3d::math::Rotation;
-    use scans::annotation::AnnotationClass;
+    use reports::vocabulary::class::AnnotationClass;
 
     #[test]
     fn the_box_of_a_turned_object_has_its_heading_and_size() {

@@ -2,7 +2,7 @@
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
-use scans::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::material::Material;
 use super::solid::Solid;

@@ -194,7 +194,7 @@ mod tests {
     use super::super::world::{Body, Course, Motion};
     use super::*;
     use rand::SeedableRng;
-    use scans::annotation::AnnotationClass;
+    use reports::vocabulary::class::AnnotationClass;
 
     const LANES_M: f32 = 3.5;
     const REACH_M: [f32; 2] = [0.0, 400.0];

@@ -521,7 +521,7 @@ mod tests {
 
     #[test]
     fn no_two_vehicles_stand_or_drive_in_one_another() {
-        use scans::annotation::AnnotationClass::{Bus, Car, Truck, Van};
+        use reports::vocabulary::class::AnnotationClass::{Bus, Car, Truck, Van};
         for kind in StreetKind::ALL {
             for seed in 0..10 {
                 let scan = Street::new(kind, seed).scan(&coarse_sensor(), 45);

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use scans::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::material::Material;
 use super::object_shape::ObjectShape;

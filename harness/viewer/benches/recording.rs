@@ -17,10 +17,10 @@ use evaluation::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detector
 use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
+use reports::vocabulary::task::Task;
 use scans::dataset::Dataset;
 use scans::dataset::scan_selection::ScanSelection;
 use scans::dataset::scan_times::scan_times_s;
-use scans::task::Task;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 use viewer::run_recording::{RunRecording, RunRecordingOptions};

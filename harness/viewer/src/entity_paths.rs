@@ -2,8 +2,8 @@
 
 use detector::stage_product::Shape;
 use detector::{DetectedClass, StageProduct};
+use reports::vocabulary::task::Task;
 use rerun::{ComponentIdentifier, EntityPath, EntityPathPart};
-use scans::task::Task;
 
 use super::legend::OutcomeLayer;
 

@@ -3,8 +3,8 @@
 use evaluation::matching::mistake::{Mistake, MistakeKind};
 use re_sdk_types::archetypes::TextLog;
 use re_sdk_types::components::TextLogLevel;
+use reports::vocabulary::task::Task;
 use rerun::RecordingStream;
-use scans::task::Task;
 
 use super::error::StreamError;
 use super::{entity_paths, legend, palette, recording};

@@ -6,8 +6,8 @@ use detector::detector::StageTime;
 use evaluation::matching::outcome::Assignment;
 use evaluation::metrics::counts::{Counts, FalseDetections};
 use re_sdk_types::archetypes::{Scalars, SeriesLines};
+use reports::vocabulary::task::Task;
 use rerun::RecordingStream;
-use scans::task::Task;
 
 use super::error::StreamError;
 use super::palette::Rgb;

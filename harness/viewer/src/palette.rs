@@ -4,8 +4,10 @@
 
 use detector::stage_product::LinkFate;
 use detector::surface_class::SurfaceClass;
-use reports::palette::detector_hue;
-pub use reports::palette::{BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW};
+use reports::plots::palette::detector_hue;
+pub use reports::plots::palette::{
+    BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW,
+};
 
 /// A grey between the two ends.
 pub const GREY: Rgb = [150, 150, 150];

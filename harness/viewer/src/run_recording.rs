@@ -7,8 +7,8 @@ use evaluation::matching::outcome::Assignment;
 use evaluation::metrics::counts::FalseDetections;
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder, Served};
 use evaluation::run::side_by_side::DetectorScan;
-use reports::tally::Tally;
-use reports::unfinished::{Kind, Unfinished};
+use reports::files::unfinished::{Kind, Unfinished};
+use reports::numbers::tally::Tally;
 use scans::dataset::{DatasetDescription, DatasetError};
 use tempfile::NamedTempFile;
 
@@ -109,7 +109,7 @@ impl ScanRecorder for RunRecording {
             let f_rates = result
                 .assignments
                 .iter()
-                .map(|it| self.tally.counts(&description.id, it.task.name(), result.detector)?.f_rate());
+                .map(|it| self.tally.counts(&description.id, it.task, result.detector)?.f_rate());
             let tasks = task_views(result, description, &evidence, f_rates);
             let view = DetectorView {
                 name: result.detector,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use scans::task::Task;
+use reports::vocabulary::task::Task;
 
 use super::viewer::ViewerChoice;
 

@@ -9,12 +9,13 @@ use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
 use evaluation::sweep::scan_at_point::of_sensor;
 use evaluation::sweep::summary::SweepResults;
 use evaluation::sweep::swept_values::SweptValues;
-use reports::run_directory::RunDirectory;
-use reports::table::sweep_score::{SweepScore, SweepScores};
-use reports::table::task_table::Extent;
+use reports::numbers::sweep_score::{SweepScore, SweepScores};
+use reports::run_folder::run_directory::RunDirectory;
+use reports::vocabulary::extent::Extent;
+
+use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::DatasetDescription;
-use scans::task::Task;
 
 use super::error::StreamError;
 use super::recording_axis::RecordingAxis;

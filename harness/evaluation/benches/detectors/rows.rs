@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use reports::latencies::Latencies;
+use reports::numbers::latencies::Latencies;
 
 /// The detector that is measured, with the parameters of the paper.
 pub fn hierarchical(sensor_height_m: f32) -> HierarchicalDetector {

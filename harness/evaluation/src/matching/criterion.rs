@@ -1,6 +1,7 @@
 //! When a detection is good enough for an annotation, and what it costs.
 
 use detector::{Detections, OrientedBox};
+use reports::vocabulary::criterion::CriterionKind;
 use scans::annotation::LabeledScan;
 
 use crate::matching::box_overlap::{bev_iou, iou_3d};
@@ -49,11 +50,16 @@ impl Criterion {
 
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
+        self.kind().name()
+    }
+
+    /// What is compared, without the gate.
+    pub fn kind(self) -> CriterionKind {
         match self {
-            Self::Points { .. } => "points",
-            Self::BevIou { .. } => "bev-iou",
-            Self::Iou3d { .. } => "iou-3d",
-            Self::Centre { .. } => "centre",
+            Self::Points { .. } => CriterionKind::Points,
+            Self::BevIou { .. } => CriterionKind::BevIou,
+            Self::Iou3d { .. } => CriterionKind::Iou3d,
+            Self::Centre { .. } => CriterionKind::Centre,
         }
     }
 
@@ -161,7 +167,8 @@ mod tests {
     use super::*;
     use detector::{DetectedClass, Detection, PointCloud};
     use proptest::prelude::*;
-    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 
     fn any_box() -> impl Strategy<Value = OrientedBox> {
         let place = [-6.0_f32..6.0, -6.0..6.0, -1.0..1.0];

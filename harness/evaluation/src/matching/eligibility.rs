@@ -1,12 +1,14 @@
 //! What counts, and what is neither right nor wrong.
 
 use detector::DetectedClass;
-use scans::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, range_m};
-use scans::task::Task;
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::reason::IgnoredAnnotation;
+use reports::vocabulary::task::Task;
+use scans::annotation::{Annotation, LabeledScan, PointRegion, range_m};
 
 use crate::matching::criterion::Criterion;
 use crate::matching::height_above_ground::heights_above_ground_m;
-use crate::matching::outcome::{AnnotationOutcome, IgnoredAnnotation};
+use crate::matching::outcome::AnnotationOutcome;
 
 /// In the task *objects* what reaches higher above the ground is tall, unless it is a vehicle, in metres.
 ///

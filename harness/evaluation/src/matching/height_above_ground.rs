@@ -3,7 +3,8 @@
 //! Tall objects are left out of the task *objects* whatever the data set, so the height is taken from what every data set has:
 //! boxes, or points, and the points around.
 
-use scans::annotation::{Annotation, AnnotationClass, LabeledScan, range_m};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::{Annotation, LabeledScan, range_m};
 
 /// The ground around an object is looked for up to this distance from its footprint, in metres.
 const REACH_M: f32 = 2.0;

@@ -3,11 +3,12 @@
 use std::cell::OnceCell;
 
 use detector::{Detection, OrientedBox};
+use reports::vocabulary::reason::IgnoredDetection;
 use scans::annotation::{LabeledScan, PointRegion, range_m};
 
 use crate::matching::eligibility::EligibilityParams;
 use crate::matching::labeled_places::LabeledPlaces;
-use crate::matching::outcome::{AnnotationOutcome, IgnoredDetection};
+use crate::matching::outcome::AnnotationOutcome;
 
 /// Where detections of a scan are not judged.
 pub struct UnjudgedPlaces<'a> {

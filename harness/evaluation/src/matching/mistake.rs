@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use detector::stage_product::Shape;
 use detector::surface_class::SurfaceClass;
 use detector::{Detections, StageProduct};
+use reports::vocabulary::reason::FalseReason;
+use reports::vocabulary::reason::MissReason;
 use scans::annotation::{LabeledScan, range_m};
 
 use crate::matching::box_overlap::{bev_iou, iou_3d};
 use crate::matching::criterion::Criterion;
-use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason};
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::matching::point_overlap::PointOverlap;
 
 /// A mistake, in a sentence.
@@ -306,10 +308,10 @@ mod tests {
     use super::*;
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::eligibility::EligibilityParams;
-    use scans::annotation::AnnotationClass::{self, Car, Pedestrian};
+    use reports::vocabulary::class::AnnotationClass::{self, Car, Pedestrian};
+    use reports::vocabulary::task::Task;
     use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use scans::dataset::AnnotatedClasses;
-    use scans::task::Task;
 
     const N_POINTS: u32 = 200;
 

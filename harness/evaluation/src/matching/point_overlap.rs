@@ -138,7 +138,8 @@ mod tests {
     use super::*;
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
     use proptest::prelude::*;
-    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use std::collections::BTreeSet;
 
     const N_POINTS: u32 = 30;

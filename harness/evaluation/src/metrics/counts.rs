@@ -1,7 +1,7 @@
 //! What was found, missed and false, and the ratios of these.
 
+use reports::vocabulary::task::Task;
 use scans::dataset::AnnotatedClasses;
-use scans::task::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
@@ -72,9 +72,9 @@ impl Counts {
     }
 
     /// The counts that rates are made of; `false_detections` says whether the false ones are all known.
-    pub fn scored(&self, false_detections: FalseDetections) -> reports::counts::Counts {
+    pub fn scored(&self, false_detections: FalseDetections) -> reports::rows::counts::Counts {
         let n_false = (false_detections == FalseDetections::Known).then_some(self.n_false);
-        reports::counts::Counts::new(self.n_annotations, self.n_matched, n_false)
+        reports::rows::counts::Counts::new(self.n_annotations, self.n_matched, n_false)
             .expect("a matched annotation is counted as one")
     }
 }
@@ -93,7 +93,7 @@ impl std::ops::AddAssign for Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matching::outcome::{FalseReason, MissReason};
+    use reports::vocabulary::reason::{FalseReason, MissReason};
 
     fn scan(n_matched: usize, n_missed: usize, n_false: usize) -> Counts {
         let matched = |idx| AnnotationOutcome::Matched { detection_idx: idx, cost: 0.2 };

@@ -2,9 +2,9 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use reports::blocks::BlockCount;
-use reports::bootstrap::{Distribution, N_RESAMPLES};
-use reports::box_errors::MedianWithin;
+use reports::numbers::blocks::BlockCount;
+use reports::numbers::box_errors::MedianWithin;
+use reports::uncertainty::bootstrap::{Distribution, N_RESAMPLES};
 
 /// The lower median of `values`, with its 95 % interval by a bootstrap of the blocks that the second of each pair names by their
 /// places: whole blocks are drawn, as values of one block are not independent. The same seed draws the same blocks. `None`
@@ -41,7 +41,7 @@ fn weighted_median(sorted: &[(f64, usize)], weight_of_group: &[u32]) -> Option<f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use reports::blocks::BlockKind;
+    use reports::numbers::blocks::BlockKind;
 
     fn interval(values: &[(f64, usize)], n_groups: u64) -> MedianWithin {
         median_within(values, BlockCount::of_dataset(n_groups, BlockKind::Tracks), 1).unwrap()

@@ -4,9 +4,9 @@ use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::AnnotationOutcome;
 use crate::matching::point_overlap::PointOverlap;
 use detector::Detections;
+use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::AnnotatedClasses;
-use scans::task::Task;
 
 /// What became of a pair of objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,7 +74,8 @@ mod tests {
     use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
-    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 
     /// Ten points a letter: each letter of a drawing is one object, a dot is no object.
     fn points_of(drawing: &str, letter: char) -> Vec<u32> {

@@ -95,9 +95,10 @@ mod tests {
     use crate::matching::criterion::Criterion;
     use crate::matching::eligibility::EligibilityParams;
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
-    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use reports::vocabulary::class::AnnotationClass;
+    use reports::vocabulary::task::Task;
+    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use scans::dataset::AnnotatedClasses;
-    use scans::task::Task;
 
     const UNIT: OrientedBox =
         OrientedBox { center_m: [0.0; 3], length_width_height_m: [1.0; 3], yaw_rad: 0.0 };

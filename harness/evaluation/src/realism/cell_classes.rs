@@ -2,7 +2,7 @@
 
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::surface_class::SurfaceClass;
-use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
+use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
 /// The classes of occupied cells, in the order of the bins.
 const CLASSES: [SurfaceClass; 4] =

@@ -4,7 +4,7 @@ use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components};
 use detector::PointCloud;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::segment::clusters::Clusters;
-use reports::curve_pair::{CurvePair, Sides};
+use reports::numbers::curve_pair::{CurvePair, Sides};
 
 use super::distribution::distribution;
 

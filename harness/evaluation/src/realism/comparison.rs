@@ -1,6 +1,6 @@
 //! All statistics of two collections of scans.
 
-use reports::curve_pair::{CurvePair, Sides};
+use reports::numbers::curve_pair::{CurvePair, Sides};
 
 use super::cell_classes::cell_classes;
 use super::clusters_per_scan::clusters_per_scan;

@@ -1,6 +1,6 @@
 //! The spread of a number that every scan has one of.
 
-use reports::curve_pair::{CurveBin, Measured, Sides};
+use reports::numbers::curve_pair::{CurveBin, Measured, Sides};
 
 /// Least, median and greatest of the values of either side, a bin each. A bin is made of as many things as there are
 /// values.

@@ -6,7 +6,8 @@ use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::{OrientedBox, PointCloud};
-use scans::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 
 const SENSOR_HEIGHT_M: f32 = 1.73;
 const N_ROAD_CELLS: u64 = 40 * 20;

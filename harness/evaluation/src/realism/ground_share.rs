@@ -2,7 +2,7 @@
 
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::surface_class::SurfaceClass;
-use reports::curve_pair::{CurvePair, Sides};
+use reports::numbers::curve_pair::{CurvePair, Sides};
 
 use super::distribution::distribution;
 

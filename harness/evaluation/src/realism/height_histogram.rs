@@ -3,7 +3,7 @@
 use detector::PointCloud;
 use detector::grid::hierarchical_grid::NO_CELL;
 use detector::pipeline::foreground_stages::ForegroundStages;
-use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
+use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
 /// The lowest bin begins this far above the ground, in metres.
 const LOWEST_M: f32 = -1.0;

@@ -1,7 +1,8 @@
 //! How many points a car has, by its range.
 
-use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
-use scans::annotation::{AnnotationClass, LabeledScan, Occlusion, PointRegion, points_inside};
+use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
+use scans::annotation::{LabeledScan, PointRegion, points_inside};
 
 use super::distribution::median_of_sorted;
 

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use reports::curve_pair::{CurvePair, Measured, Sides};
+use reports::numbers::curve_pair::{CurvePair, Measured, Sides};
 
 use super::distribution::median_of_sorted;
 use super::points_per_car::{CarsInScan, Comparable, range_bins};

@@ -1,7 +1,7 @@
 //! How many pulses come back.
 
 use detector::PointCloud;
-use reports::curve_pair::{CurvePair, Sides};
+use reports::numbers::curve_pair::{CurvePair, Sides};
 
 use super::distribution::distribution;
 

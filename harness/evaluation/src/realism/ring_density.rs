@@ -1,7 +1,7 @@
 //! How densely points lie, ring by ring around the sensor.
 
 use detector::grid::ring_density::{FIRST_RING_M, N_RINGS, RingCounts, ring_area_m2};
-use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
+use reports::numbers::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
 /// Nearer the car's own roof matters, farther single walls: the agreement in between is told on its own.
 const FOCUS_M: [f64; 2] = [5.0, 50.0];

@@ -1,9 +1,14 @@
 //! What became of annotations and detections, as a Foxglove scene.
 
 use detector::OrientedBox;
-use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
-use reports::match_row::MatchRow;
-use reports::palette::{BLUISH_GREEN, Rgb, VERMILION, YELLOW};
+use reports::plots::palette::{BLUISH_GREEN, Rgb, VERMILION, YELLOW};
+use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use reports::rows::match_row::MatchRow;
+use reports::vocabulary::class::DetectionClass;
+use reports::vocabulary::reason::FalseReason;
+use reports::vocabulary::reason::IgnoredAnnotation;
+use reports::vocabulary::reason::IgnoredDetection;
+use reports::vocabulary::reason::MissReason;
 use scans::annotation::LabeledScan;
 use scans::conversion::scene::{entity_of, line_between, pair};
 use scans::dataset::mcap::foxglove_messages::{Color, KeyValuePair, SceneEntity};
@@ -40,11 +45,11 @@ fn outcome_entity(time_ns: u64, scan: &LabeledScan, number: usize, outcome: &Mat
             pair_entity(annotation, detection, BLUISH_GREEN, 0.4, metadata)
         }
         MatchOutcome::Missed { annotation, reason } => {
-            let metadata = metadata_of_annotation("missed", reason, annotation);
+            let metadata = metadata_of_annotation("missed", reason.name(), annotation);
             entity(box_of_annotation(scan, annotation), YELLOW, 0.4, metadata)
         }
         MatchOutcome::IgnoredAnnotation { annotation, reason } => {
-            let metadata = metadata_of_annotation("ignored", reason, annotation);
+            let metadata = metadata_of_annotation("ignored", reason.name(), annotation);
             entity(box_of_annotation(scan, annotation), GREY, 0.15, metadata)
         }
         MatchOutcome::Tall { annotation, found_by: None } => {
@@ -57,11 +62,11 @@ fn outcome_entity(time_ns: u64, scan: &LabeledScan, number: usize, outcome: &Mat
             pair_entity(annotation, detection, GREY, 0.15, metadata)
         }
         MatchOutcome::False { detection, reason } => {
-            let metadata = metadata_of_detection("false", reason, detection);
+            let metadata = metadata_of_detection("false", reason.name(), detection);
             entity(Some(box_of(detection.bounding_box)), VERMILION, 0.4, metadata)
         }
         MatchOutcome::IgnoredDetection { detection, reason } => {
-            let metadata = metadata_of_detection("ignored", reason, detection);
+            let metadata = metadata_of_detection("ignored", reason.name(), detection);
             entity(Some(box_of(detection.bounding_box)), GREY, 0.15, metadata)
         }
         MatchOutcome::Unknowable { detection } => {
@@ -82,7 +87,7 @@ fn metadata_of_pair(
     metadata.extend(facts_of_detection(detection));
     metadata.push(pair("cost", cost.to_string()));
     metadata.push(pair("annotation", annotation.id.to_string()));
-    metadata.push(pair("annotation_class", annotation.class.clone()));
+    metadata.push(pair("annotation_class", annotation.class.name().to_owned()));
     metadata
 }
 
@@ -90,12 +95,12 @@ fn metadata_of_annotation(outcome: &str, reason: &str, annotation: &AnnotationFa
     let mut metadata = vec![
         pair("outcome", outcome.to_owned()),
         pair("reason", reason.to_owned()),
-        pair(keys::CLASS, annotation.class.clone()),
+        pair(keys::CLASS, annotation.class.name().to_owned()),
         pair("n_points", annotation.n_points.to_string()),
         pair("annotation", annotation.id.to_string()),
     ];
     metadata.extend(annotation.track.map(|it| pair(keys::TRACK, it.to_string())));
-    metadata.extend(annotation.occlusion.clone().map(|it| pair(keys::OCCLUSION, it)));
+    metadata.extend(annotation.occlusion.map(|it| pair(keys::OCCLUSION, it.name().to_owned())));
     metadata
 }
 
@@ -110,7 +115,7 @@ fn metadata_of_detection(outcome: &str, reason: &str, detection: &DetectionFacts
 
 fn facts_of_detection(detection: &DetectionFacts) -> impl Iterator<Item = KeyValuePair> {
     let facts = [
-        pair(keys::CLASS, detection.class.clone()),
+        pair(keys::CLASS, detection.class.name().to_owned()),
         pair("n_points", detection.n_points.to_string()),
         pair("detection", detection.id.to_string()),
     ];
@@ -141,7 +146,8 @@ fn color_of(rgb: Rgb, a: f64) -> Color {
 mod tests {
     use super::*;
     use detector::PointCloud;
-    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 
     /// One annotation without a box, with the four points of a square.
     fn scan() -> LabeledScan {
@@ -166,7 +172,7 @@ mod tests {
     }
 
     fn annotation() -> AnnotationFacts {
-        let (class, occlusion) = ("car".to_owned(), None);
+        let (class, occlusion) = (AnnotationClass::Car, None);
         AnnotationFacts {
             id: 0,
             track: Some(7),
@@ -182,7 +188,7 @@ mod tests {
     fn detection() -> DetectionFacts {
         let bounding_box =
             BoxFacts { center_m: [5.0, 1.0, 0.5], length_width_height_m: [2.0, 1.0, 1.0], yaw_rad: 0.0 };
-        DetectionFacts { id: 3, class: "vehicle".to_owned(), score: Some(0.5), n_points: 9, bounding_box }
+        DetectionFacts { id: 3, class: DetectionClass::Vehicle, score: Some(0.5), n_points: 9, bounding_box }
     }
 
     /// The colour of the box, how many boxes and lines there are, and one of the metadata.
@@ -198,13 +204,15 @@ mod tests {
 
     #[test]
     fn an_outcome_has_its_colour_and_says_why() {
-        let reason = || "too far".to_owned();
         let matched = MatchOutcome::Matched { annotation: annotation(), detection: detection(), cost: 0.25 };
         check(&matched, BLUISH_GREEN, [1, 1], "cost", "0.25");
-        let missed = MatchOutcome::Missed { annotation: annotation(), reason: reason() };
-        check(&missed, YELLOW, [1, 0], "reason", "too far");
+        let missed = MatchOutcome::Missed { annotation: annotation(), reason: MissReason::Split };
+        check(&missed, YELLOW, [1, 0], "reason", "split");
         check(&missed, YELLOW, [1, 0], "track", "7");
-        let ignored = MatchOutcome::IgnoredAnnotation { annotation: annotation(), reason: reason() };
+        let ignored = MatchOutcome::IgnoredAnnotation {
+            annotation: annotation(),
+            reason: IgnoredAnnotation::BeyondRange,
+        };
         check(&ignored, GREY, [1, 0], "outcome", "ignored");
         let found_by = Some(FoundBy { detection: detection(), cost: 0.25 });
         let tall = MatchOutcome::Tall { annotation: annotation(), found_by };
@@ -212,10 +220,11 @@ mod tests {
         check(&tall, GREY, [1, 1], "detection", "3");
         let not_found = MatchOutcome::Tall { annotation: annotation(), found_by: None };
         check(&not_found, GREY, [1, 0], "reason", "tall");
-        let wrong = MatchOutcome::False { detection: detection(), reason: reason() };
+        let wrong = MatchOutcome::False { detection: detection(), reason: FalseReason::Fragment };
         check(&wrong, VERMILION, [1, 0], "score", "0.5");
-        let ignored = MatchOutcome::IgnoredDetection { detection: detection(), reason: reason() };
-        check(&ignored, GREY, [1, 0], "reason", "too far");
+        let ignored =
+            MatchOutcome::IgnoredDetection { detection: detection(), reason: IgnoredDetection::BeyondRange };
+        check(&ignored, GREY, [1, 0], "reason", "beyond range");
         let unknowable = MatchOutcome::Unknowable { detection: detection() };
         check(&unknowable, GREY, [1, 0], "class", "vehicle");
     }

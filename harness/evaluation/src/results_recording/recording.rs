@@ -8,7 +8,7 @@
 
 use std::path::Path;
 
-use reports::tally::Tally;
+use reports::numbers::tally::Tally;
 use scans::annotation::LabeledScan;
 use scans::conversion::convert::{sheet_of, times_of};
 use scans::conversion::mcap_writer::{ChunkCompression, McapWriter};
@@ -76,7 +76,7 @@ impl ResultsRecording {
         let scene = scene_of(time_ns, outcome_entities(time_ns, scan, matches));
         self.writer.write_scene(&format!("{topic}/outcomes"), time_ns, &scene)?;
         self.tally.add_scan(row);
-        let so_far = self.tally.counts(&row.dataset, &row.task, &row.detector);
+        let so_far = self.tally.counts(&row.dataset, row.task, &row.detector);
         if let Some(so_far) = so_far
             && let Some(message) = ScanNumbersMessage::new(row, &detector.stages, so_far)
         {

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use reports::counts::Counts;
-use reports::scan_row::ScanRow;
-use reports::stage_row::StageRow;
+use reports::rows::counts::Counts;
+use reports::rows::scan_row::ScanRow;
+use reports::rows::stage_row::StageRow;
 use serde::Serialize;
 
 /// The name of such messages.
@@ -43,7 +43,7 @@ pub struct ScanNumbersMessage<'a> {
     sequence: &'a str,
     scan: u32,
     detector: &'a str,
-    task: &'a str,
+    task: &'static str,
     n_points: u64,
     latency_ms: Option<f64>,
     stage_ms: BTreeMap<&'a str, f64>,
@@ -68,7 +68,7 @@ impl<'a> ScanNumbersMessage<'a> {
             sequence: &row.sequence,
             scan: row.scan,
             detector: &row.detector,
-            task: &row.task,
+            task: row.task.name(),
             n_points: numbers.n_points,
             latency_ms: numbers.latency_ms,
             stage_ms: stages.iter().map(|it| (it.stage.as_str(), it.time_ms)).collect(),

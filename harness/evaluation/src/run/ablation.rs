@@ -1,6 +1,6 @@
 //! The hierarchical detector whole, and without each of its parts.
 
-use scans::task::Task;
+use reports::vocabulary::task::Task;
 
 use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig};

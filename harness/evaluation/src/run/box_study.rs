@@ -5,11 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rayon::prelude::*;
-use reports::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
-use reports::box_errors::{BoxError, BoxErrorLine};
-use scans::annotation::{AnnotationClass, LabeledScan, Occlusion, ScanId};
+use reports::numbers::blocks::{BlockCount, BlockKind, FEWEST_DRIVES};
+use reports::numbers::box_errors::{BoxError, BoxErrorLine};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
+use reports::vocabulary::task::Task;
+use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::Dataset;
-use scans::task::Task;
 
 use crate::matching::assign::assign;
 use crate::matching::eligibility::counts_as_vehicle;

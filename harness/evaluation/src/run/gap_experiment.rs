@@ -9,7 +9,7 @@ use detector::{Detector, DetectorOutput};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use reports::gap_curve::{GapBin, PairCounts};
+use reports::numbers::gap_curve::{GapBin, PairCounts};
 use scans::annotation::LabeledScan;
 use simulator::object_pair::{ObjectPair, PairKind, PairLayout, any_bearing_rad};
 use simulator::sensor::SensorModel;
@@ -160,7 +160,7 @@ fn counted(outcome: PairOutcome) -> PairCounts {
 mod tests {
     use super::*;
     use crate::run::detector_list::detectors_named;
-    use reports::gap_curve::gap_curves;
+    use reports::numbers::gap_curve::gap_curves;
 
     #[test]
     fn every_scan_has_a_pair_at_each_range_whatever_the_gap() {

@@ -4,7 +4,7 @@
 
 use detector::grid::hierarchical_grid::HierarchicalGrid;
 use detector::{Detector, DetectorOutput};
-use reports::plot::plan_plot::Plan;
+use reports::plots::plan_plot::Plan;
 use scans::annotation::LabeledScan;
 use simulator::object_pair::{PairKind, PairLayout};
 

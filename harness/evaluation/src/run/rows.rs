@@ -3,18 +3,22 @@
 use std::time::Duration;
 
 use detector::detector::{DropReason, StageTime};
-use detector::{Detection, OrientedBox};
-use reports::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
-use reports::match_row::MatchRow;
-use reports::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
-use reports::stage_row::StageRow;
-use scans::annotation::{LabeledScan, Occlusion, PointRegion};
+use detector::{DetectedClass, Detection, OrientedBox};
+use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use reports::rows::match_row::MatchRow;
+use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use reports::rows::stage_row::StageRow;
+use reports::vocabulary::class::DetectionClass;
+use reports::vocabulary::class::Occlusion;
+use reports::vocabulary::criterion::CriterionKind;
+use reports::vocabulary::reason::IgnoredAnnotation;
+use scans::annotation::{LabeledScan, PointRegion};
 use scans::dataset::DatasetDescription;
 
 use super::side_by_side::DetectorScan;
 use crate::matching::criterion::Criterion;
 use crate::matching::eligibility::n_points_in;
-use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, IgnoredAnnotation};
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::metrics::segmentation_quality::SegmentationQuality;
 
@@ -47,7 +51,7 @@ impl DetectorRows {
     ) -> Self {
         let of_task = |assignment: &Assignment| TaskRows {
             scan: scan_row(dataset, (scan, time_s), result, assignment),
-            matches: match_rows(dataset, criterion.name(), scan, result, assignment),
+            matches: match_rows(dataset, criterion.kind(), scan, result, assignment),
         };
         Self {
             tasks: result.assignments.iter().map(of_task).collect(),
@@ -90,7 +94,7 @@ fn scan_row(
         scan: scan.id.index,
         time_s,
         detector: result.detector.to_owned(),
-        task: assignment.task.name().to_owned(),
+        task: assignment.task,
         outcome: ScanOutcome::Evaluated(ScanNumbers {
             n_points: scan.cloud.len() as u64,
             latency_ms: Some(ms(result.times.first)),
@@ -118,7 +122,7 @@ fn scan_row(
 /// that found it all the same.
 fn match_rows(
     dataset: &DatasetDescription,
-    criterion: &str,
+    criterion: CriterionKind,
     scan: &LabeledScan,
     result: &DetectorScan,
     assignment: &Assignment,
@@ -134,17 +138,14 @@ fn match_rows(
                     found.map(|it| FoundBy { detection: detection(it.detection_idx), cost: it.cost });
                 MatchOutcome::Tall { annotation: annotation(idx), found_by }
             }
-            AnnotationOutcome::Ignored(reason) => MatchOutcome::IgnoredAnnotation {
-                annotation: annotation(idx),
-                reason: reason.name().to_owned(),
-            },
+            AnnotationOutcome::Ignored(reason) => {
+                MatchOutcome::IgnoredAnnotation { annotation: annotation(idx), reason }
+            }
             AnnotationOutcome::Matched { detection_idx, cost } => {
                 let (annotation, detection) = (annotation(idx), detection(detection_idx));
                 MatchOutcome::Matched { annotation, detection, cost }
             }
-            AnnotationOutcome::Missed(reason) => {
-                MatchOutcome::Missed { annotation: annotation(idx), reason: reason.name().to_owned() }
-            }
+            AnnotationOutcome::Missed(reason) => MatchOutcome::Missed { annotation: annotation(idx), reason },
         })
     });
     let mut is_told = vec![false; assignment.detections.len()];
@@ -153,14 +154,12 @@ fn match_rows(
     }
     let untold = assignment.detections.iter().enumerate().filter(|(idx, _)| !is_told[*idx]);
     let of_detections = untold.filter_map(|(idx, outcome)| {
-        Some(match outcome {
+        Some(match *outcome {
             DetectionOutcome::NotAsked | DetectionOutcome::Matched { .. } => return None,
             DetectionOutcome::Ignored(reason) => {
-                MatchOutcome::IgnoredDetection { detection: detection(idx), reason: reason.name().to_owned() }
+                MatchOutcome::IgnoredDetection { detection: detection(idx), reason }
             }
-            DetectionOutcome::False(reason) => {
-                MatchOutcome::False { detection: detection(idx), reason: reason.name().to_owned() }
-            }
+            DetectionOutcome::False(reason) => MatchOutcome::False { detection: detection(idx), reason },
             DetectionOutcome::Unknowable => MatchOutcome::Unknowable { detection: detection(idx) },
         })
     });
@@ -169,8 +168,8 @@ fn match_rows(
         sequence: scan.id.sequence.clone(),
         scan: scan.id.index,
         detector: result.detector.to_owned(),
-        task: assignment.task.name().to_owned(),
-        criterion: criterion.to_owned(),
+        task: assignment.task,
+        criterion,
         outcome,
     };
     of_annotations.chain(of_detections).map(row).collect()
@@ -181,8 +180,8 @@ fn annotation_facts(scan: &LabeledScan, annotation_idx: usize) -> AnnotationFact
     AnnotationFacts {
         id: annotation_idx as u64,
         track: annotation.track,
-        class: annotation.class.name().to_owned(),
-        occlusion: annotation.occlusion.map(Occlusion::name).map(str::to_owned),
+        class: annotation.class,
+        occlusion: annotation.occlusion,
         n_points: annotation.point_indices.len() as u64,
         n_points_outside: n_points_in(scan, annotation, PointRegion::Outside) as u64,
         bounding_box: annotation.bounding_box.as_ref().map(box_facts),
@@ -197,7 +196,10 @@ fn annotation_facts(scan: &LabeledScan, annotation_idx: usize) -> AnnotationFact
 pub fn detection_facts(detection_idx: usize, detection: &Detection<'_>) -> DetectionFacts {
     DetectionFacts {
         id: detection_idx as u64,
-        class: detection.class.name().to_owned(),
+        class: match detection.class {
+            DetectedClass::Object => DetectionClass::Object,
+            DetectedClass::Vehicle => DetectionClass::Vehicle,
+        },
         score: detection.score,
         n_points: detection.point_indices.len() as u64,
         bounding_box: box_facts(&detection.bounding_box),
@@ -216,16 +218,18 @@ fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
 mod tests {
     use super::*;
 
-    use detector::{DetectedClass, DetectorOutput, PointCloud};
-    use reports::metric::Metric;
-    use reports::tally::Tally;
+    use detector::{DetectorOutput, PointCloud};
+    use reports::numbers::tally::Tally;
+    use reports::vocabulary::metric::Metric;
+    use reports::vocabulary::slice::Slice;
 
     use crate::matching::assign::{MatchingParams, assign};
     use crate::matching::eligibility::EligibilityParams;
     use crate::run::side_by_side::DetectionTimes;
-    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, ScanId};
+    use reports::vocabulary::class::AnnotationClass;
+    use reports::vocabulary::task::Task;
+    use scans::annotation::{Annotation, LabeledArea, ScanId};
     use scans::dataset::AnnotatedClasses;
-    use scans::task::Task;
 
     /// Heaps of 30 points along x, without boxes: cars at 5, 20 and 40 m, and a tree of 6 m at 60 m.
     fn scan_without_boxes() -> LabeledScan {
@@ -317,16 +321,16 @@ mod tests {
             tally.add_match(row);
         }
         let rows = tally.metric_rows();
-        let sum = |metric: &Metric, is_asked: &dyn Fn(&str) -> bool| -> f64 {
-            let asked = rows.iter().filter(|it| it.metric == *metric && is_asked(&it.subject.slice));
-            asked.filter_map(reports::run_report::MetricRow::value).sum()
+        let sum = |metric: &Metric, is_asked: &dyn Fn(Slice) -> bool| -> f64 {
+            let asked = rows.iter().filter(|it| it.metric == *metric && is_asked(it.subject.slice));
+            asked.filter_map(reports::numbers::run_report::MetricRow::value).sum()
         };
         for (metric, expected) in [(Metric::No, 3.0), (Metric::Tp, 2.0), (Metric::Fo, 1.0)] {
-            assert_eq!(sum(&metric, &|it| it == "all"), expected, "{}", metric.id());
-            assert_eq!(sum(&metric, &|it| it.starts_with("range/")), expected, "{}", metric.id());
+            assert_eq!(sum(&metric, &|it| it == Slice::All), expected, "{}", metric.id());
+            assert_eq!(sum(&metric, &|it| matches!(it, Slice::Range(_))), expected, "{}", metric.id());
         }
-        assert_eq!(sum(&Metric::No, &|it| it == "range/15-30"), 1.0);
-        assert_eq!(sum(&Metric::No, &|it| it == "tall"), 1.0);
+        assert_eq!(sum(&Metric::No, &|it| it == Slice::Range(1)), 1.0);
+        assert_eq!(sum(&Metric::No, &|it| it == Slice::Tall), 1.0);
     }
 
     #[test]

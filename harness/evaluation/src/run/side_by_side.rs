@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use detector::{Detector, DetectorOutput};
 use rayon::prelude::*;
+use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::{Dataset, DatasetError};
-use scans::task::Task;
 
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::Assignment;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use detector::{Detections, Detector, DetectorOutput, PointCloud};
-use reports::latencies::Latencies;
+use reports::numbers::latencies::Latencies;
 
 /// What a detector made of a scan.
 #[derive(Debug, Clone)]

@@ -1,6 +1,7 @@
 //! What watches a run, scan by scan.
 
 use detector::Detector;
+use reports::vocabulary::task::Task;
 use scans::annotation::ScanId;
 use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
@@ -169,7 +170,7 @@ mod tests {
     use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
     use crate::run::entrant::Entrant;
-    use reports::tally::Tally;
+    use reports::numbers::tally::Tally;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
 
@@ -242,7 +243,7 @@ mod tests {
         assert_eq!(first, expected.collect::<Vec<_>>());
         assert_eq!(second, first);
         assert_eq!(judged.n_scans, 3);
-        let counts = tally.counts("street-narrow", "objects", "hierarchical").unwrap();
+        let counts = tally.counts("street-narrow", Task::Objects, "hierarchical").unwrap();
         assert!(judged.n_annotations > 0 && judged.n_annotations == counts.no());
     }
 }

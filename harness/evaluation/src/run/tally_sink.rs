@@ -1,6 +1,6 @@
 //! The sums of a run, which are lent to it.
 
-use reports::tally::Tally;
+use reports::numbers::tally::Tally;
 
 use super::sink::{JudgedScan, RunSink};
 

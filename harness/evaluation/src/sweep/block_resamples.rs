@@ -1,7 +1,7 @@
 //! How sure ratios of sums over scans are.
 
-use reports::blocks::{BlockCount, Blocks, DriveSecond};
-use reports::bootstrap::{Distribution, N_RESAMPLES, Resamples};
+use reports::numbers::blocks::{BlockCount, Blocks, DriveSecond};
+use reports::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
 use scans::annotation::ScanId;
 
 /// The blocks that the scans of a data set are in, and how often each block is drawn.

@@ -3,9 +3,9 @@
 use detector::DetectorOutput;
 use detector::grid::cell_fitness::CellTally;
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::DatasetDescription;
-use scans::task::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::matching::assign::assign;

@@ -2,13 +2,15 @@
 
 use detector::grid::cell_fitness::{CellTally, FitnessReading};
 use rayon::prelude::*;
-use reports::blocks::BlockCount;
-use reports::table::sweep_score::{
+use reports::numbers::blocks::BlockCount;
+use reports::numbers::sweep_score::{
     CellScore, FitnessValue, SweepScore, SweepScores, SweepSubject, SweepTime,
 };
-use reports::table::task_table::{Extent, Origin};
+use reports::vocabulary::extent::Extent;
+use reports::vocabulary::origin::Origin;
+
+use reports::vocabulary::task::Task;
 use scans::dataset::scan_times::scan_times_s;
-use scans::task::Task;
 
 use crate::metrics::counts::{Counts, FalseDetections};
 use crate::sweep::block_resamples::{BlockResamples, ratio_interval};
@@ -152,7 +154,7 @@ impl SweepResults<'_> {
             |it: &Counts| [2.0 * it.n_matched as f64, (it.n_annotations + it.n_matched + it.n_false) as f64];
         SweepScore {
             subject: self.subject(group, detector_idx, point_idx),
-            task: Task::ALL[task_idx].name().to_owned(),
+            task: Task::ALL[task_idx],
             n_scans: found.iter().map(|it| it.scans.len() as u64).sum(),
             blocks: blocks_of(group),
             f_rate_within: counts.fo().and_then(|_| within(f_rate_terms)),

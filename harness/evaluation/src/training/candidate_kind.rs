@@ -1,7 +1,7 @@
 //! What an object to train with shows.
 
 use detector::OrientedBox;
-use scans::annotation::{AnnotationClass, Occlusion};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 /// What a candidate is.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ use detector::describe::box_frame_points::BoxFramePoints;
 use detector::describe::prototype_library::Prototype;
 use detector::describe::side_profile::SideProfile;
 use detector::describe::turning_function::TurningFunction;
-use scans::annotation::{AnnotationClass, Occlusion};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::candidate_kind::CandidateKind;
 use super::candidates::Candidate;

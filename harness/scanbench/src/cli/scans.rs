@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
-use scans::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 use scans::dataset::class_table::class_of_word;
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::source::DamagePolicy;

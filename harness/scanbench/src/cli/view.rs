@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use scans::task::Task;
+use reports::vocabulary::task::Task;
 
 use super::stream::StreamArgs;
 

@@ -5,11 +5,12 @@ use std::num::NonZeroUsize;
 use evaluation::run::ablation::{TASK, variants};
 use evaluation::run::detector_list::detectors_named;
 use jiff::Timestamp;
-use reports::csv_rows::to_csv_bytes;
-use reports::run_directory::{LatestPointer, RunDirectory};
-use reports::table::ablation_score::AblationRow;
-use reports::table::ablation_table::AblationTable;
-use reports::tally::Tally;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::numbers::tally::Tally;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::LatestPointer;
+use reports::tables::studies::ablation_score::AblationRow;
+use reports::tables::studies::ablation_table::AblationTable;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::AblationArgs;
@@ -70,7 +71,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
         started,
     });
     let numbers = write_numbers(&directory, &manifest, &tally)?;
-    let of_task = numbers.tables.iter().filter(|it| it.task == TASK.name());
+    let of_task = numbers.tables.iter().filter(|it| it.task == TASK);
     let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &numbers.report)).collect();
     tables.iter().try_for_each(|it| write_table(&directory, it))?;
     let finished = directory.finish()?;
@@ -81,7 +82,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
 }
 
 fn write_table(directory: &RunDirectory, table: &AblationTable) -> Result<(), Failure> {
-    let rows: Vec<AblationRow> = table.scores.iter().map(|it| AblationRow::new(&table.task, it)).collect();
+    let rows: Vec<AblationRow> = table.scores.iter().map(|it| AblationRow::new(table.task, it)).collect();
     directory.write_file(ABLATION_CSV, &to_csv_bytes(&rows)?)?;
     Ok(directory.write_file(ABLATION_MD, table.to_markdown().as_bytes())?)
 }

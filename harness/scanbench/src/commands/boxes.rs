@@ -9,13 +9,15 @@ use evaluation::run::box_study::{BoxPair, box_error_lines, box_pairs};
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ListedDetector, detectors_named};
 use jiff::Timestamp;
-use reports::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
-use reports::box_errors::BoxErrorLine;
-use reports::csv_rows::CsvRowWriter;
-use reports::plot::box_plot::box_plot;
-use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
-use reports::table::box_table::{boxes_to_markdown, boxes_to_terminal};
-use scans::annotation::Occlusion;
+use reports::files::csv_rows::CsvRowWriter;
+use reports::numbers::box_errors::BoxErrorLine;
+use reports::plots::box_plot::box_plot;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::LatestPointer;
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
+use reports::tables::studies::box_table::{boxes_to_markdown, boxes_to_terminal};
+use reports::vocabulary::class::Occlusion;
 
 use crate::cli::BoxesArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
@@ -137,9 +139,9 @@ fn write_pairs(directory: &RunDirectory, groups: &[Group<'_>]) -> Result<(), Fai
                 data: dataset,
                 is_simulated: group.is_simulated,
                 scan: &scan,
-                class: pair.class.name(),
+                class: pair.class,
                 track: pair.track,
-                occlusion: pair.occlusion.map(Occlusion::name),
+                occlusion: pair.occlusion,
                 range_m: pair.range_m,
                 n_points: pair.n_points,
             };

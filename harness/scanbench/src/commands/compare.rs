@@ -1,7 +1,7 @@
 //! `scanbench compare`.
 
-use reports::gate::comparison::{ComparedSlices, Comparison, compare_detectors, compare_runs};
-use reports::run_archive::RunArchive;
+use reports::run_folder::run_archive::RunArchive;
+use reports::tables::verdict::comparison::{ComparedSlices, Comparison, compare_detectors, compare_runs};
 
 use crate::cli::CompareArgs;
 use crate::commands::failure::{Failure, Usage};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use evaluation::run::side_by_side::RunError;
-use reports::new_folders::NewFolders;
+use reports::files::new_folders::NewFolders;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::output_format::OutputFormat;
 use scans::conversion::{ConversionError, whole_folder::folder_name};

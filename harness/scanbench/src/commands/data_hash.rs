@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use reports::whole_file::WholeFile;
+use reports::files::whole_file::WholeFile;
 use scans::dataset::catalogue::parse_catalogue;
 use scans::dataset::class_table::whatever_classes;
 use scans::dataset::text_file::read_text_file;

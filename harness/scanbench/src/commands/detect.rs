@@ -7,10 +7,10 @@ use detector::DetectedClass;
 use evaluation::run::detector_list::detectors_named;
 use evaluation::run::rows::detection_facts;
 use evaluation::run::single_scan::{SingleScan, clusters_of_points, detect_repeatedly};
-use reports::box_row::BoxRow;
-use reports::cluster_of_point;
-use reports::csv_rows::to_csv_bytes;
-use reports::latencies::Latencies;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::numbers::latencies::Latencies;
+use reports::rows::box_row::BoxRow;
+use reports::rows::cluster_of_point;
 use scans::dataset::positioned_points::values_of_file;
 
 use crate::cli::DetectArgs;

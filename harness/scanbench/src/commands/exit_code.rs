@@ -43,8 +43,8 @@ mod tests {
     use evaluation::realism::survey::SurveyError;
     use evaluation::run::side_by_side::RunError;
     use evaluation::run::single_scan;
-    use reports::archive::ArchiveError;
-    use reports::run_directory::RunDirectoryError;
+    use reports::files::archive::ArchiveError;
+    use reports::run_folder::run_target::RunDirectoryError;
     use scans::dataset::DatasetError;
 
     use super::*;

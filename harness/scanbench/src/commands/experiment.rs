@@ -4,9 +4,10 @@ use evaluation::metrics::counts::SCORING_VERSION;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ListedDetector, detectors_named};
 use jiff::Timestamp;
-use reports::archive::SCHEMA;
-use reports::experiment_manifest::ExperimentManifest;
-use reports::run_directory::{LatestPointer, RunDirectory};
+use reports::files::archive::SCHEMA;
+use reports::run_folder::experiment_manifest::ExperimentManifest;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::LatestPointer;
 use simulator::SIMULATOR_VERSION;
 
 use crate::cli::{ExperimentArgs, OutputArgs};

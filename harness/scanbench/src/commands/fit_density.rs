@@ -7,12 +7,12 @@ use std::path::Path;
 use detector::grid::density_curve::{CurveOrigin, DensityCurve};
 use detector::grid::ring_density::RingCounts;
 use evaluation::density_survey::{count_rings, density_curves};
-use reports::archive::ArchiveError;
-use reports::csv_rows::CsvRowWriter;
-use reports::curve_pair::Sides;
-use reports::curve_row::CurveRow;
-use reports::plot::curve_plot::curve_plot;
-use reports::whole_file::{WholeFile, write_whole};
+use reports::files::archive::ArchiveError;
+use reports::files::csv_rows::CsvRowWriter;
+use reports::files::whole_file::{WholeFile, write_whole};
+use reports::numbers::curve_pair::Sides;
+use reports::plots::curve_plot::curve_plot;
+use reports::tables::studies::curve_row::CurveRow;
 use scans::dataset::class_table::ClassTable;
 use simulator::simulated_street::StreetDrive;
 

@@ -3,13 +3,14 @@
 use evaluation::metrics::pair_separation::SEPARATED;
 use evaluation::run::gap_experiment::{GAPS_DM, GapExperiment, RANGES_M};
 use evaluation::run::gap_picture::gap_picture;
-use reports::csv_rows::CsvRowWriter;
-use reports::gap_curve::{GapBin, gap_curves};
-use reports::gap_row::GapRow;
-use reports::plot::gap_plot::gap_plot;
-use reports::plot::plan_plot::plan_plot;
-use reports::run_directory::{MANIFEST_JSON, RunDirectory};
-use reports::table::gap_table::gap_table;
+use reports::files::csv_rows::CsvRowWriter;
+use reports::numbers::gap_curve::{GapBin, gap_curves};
+use reports::plots::gap_plot::gap_plot;
+use reports::plots::plan_plot::plan_plot;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::tables::studies::gap_row::GapRow;
+use reports::tables::studies::gap_table::gap_table;
 use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 

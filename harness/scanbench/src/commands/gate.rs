@@ -4,15 +4,15 @@ use std::io::Write as _;
 use std::path::Path;
 
 use jiff::Timestamp;
-use reports::gate::accept::{Acceptance, Succession, TOLERANCES_TOML, accept, run_of_baseline};
-use reports::gate::benchmark_formats::{to_bencher_metric_format, to_custom_smaller_is_better};
-use reports::gate::junit::to_junit;
-use reports::gate::summary::{to_markdown, to_terminal};
-use reports::gate::tolerances::{Tolerances, TolerancesError};
-use reports::gate::verdict::{Conclusion, Verdict, judge};
-use reports::gate::verdict_json::to_json;
-use reports::run_archive::RunArchive;
-use reports::whole_file::write_whole;
+use reports::files::whole_file::write_whole;
+use reports::run_folder::run_archive::RunArchive;
+use reports::tables::verdict::benchmark_formats::{to_bencher_metric_format, to_custom_smaller_is_better};
+use reports::tables::verdict::junit::to_junit;
+use reports::tables::verdict::summary::{to_markdown, to_terminal};
+use reports::tables::verdict::verdict_json::to_json;
+use reports::verdicts::accept::{Acceptance, Succession, TOLERANCES_TOML, accept, run_of_baseline};
+use reports::verdicts::tolerances::{Tolerances, TolerancesError};
+use reports::verdicts::verdict::{Conclusion, Verdict, judge};
 
 use crate::cli::{AcceptArgs, GateArgs};
 use crate::commands::failure::{Failure, GateClosed, Usage};

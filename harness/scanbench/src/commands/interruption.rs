@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use reports::unfinished;
+use reports::files::unfinished;
 
 use crate::commands::failure::{Failure, Reason};
 use crate::commands::standard_streams::{Verbosity, is_said};

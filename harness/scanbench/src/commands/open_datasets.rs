@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::str::FromStr as _;
 
-use reports::manifest::SkippedScan;
+use reports::run_folder::manifest::SkippedScan;
 use scans::annotation::ScanId;
 use scans::dataset::catalogue::read_catalogue;
 use scans::dataset::class_table::{ClassRules, ClassTable};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use reports::run_archive::RunArchive;
+use reports::run_folder::run_archive::RunArchive;
 
 use crate::commands::failure::{Failure, Usage};
 

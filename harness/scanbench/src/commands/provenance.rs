@@ -1,7 +1,7 @@
 //! Where and with what a run was made.
 
 use jiff::Timestamp;
-use reports::manifest::{GitState, Machine};
+use reports::run_folder::manifest::{GitState, Machine};
 
 /// The command line, the program's name first.
 pub fn command_line() -> Vec<String> {

@@ -1,8 +1,8 @@
 //! `scanbench report`.
 
-use reports::html::run_page::RunPage;
-use reports::html::sweep_page::SweepPage;
-use reports::run_directory::REPORT_HTML;
+use reports::pages::run_page::RunPage;
+use reports::pages::sweep_page::SweepPage;
+use reports::run_folder::run_directory::REPORT_HTML;
 
 use crate::cli::ReportArgs;
 use crate::commands::failure::{Failure, Usage};

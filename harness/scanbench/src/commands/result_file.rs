@@ -3,8 +3,8 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use reports::archive::ArchiveError;
-use reports::whole_file::WholeFile;
+use reports::files::archive::ArchiveError;
+use reports::files::whole_file::WholeFile;
 
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::standard_streams::print_bytes;

@@ -4,15 +4,15 @@ use std::num::NonZeroUsize;
 
 use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
-use reports::condition_row::ConditionRow;
-use reports::condition_scores::ConditionScores;
-use reports::csv_rows::to_csv_bytes;
-use reports::manifest::Manifest;
-use reports::run_directory::RunDirectory;
-use reports::table::robustness_table::{
+use reports::files::csv_rows::to_csv_bytes;
+use reports::numbers::condition_scores::ConditionScores;
+use reports::numbers::tally::Tally;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::tables::studies::condition_row::ConditionRow;
+use reports::tables::studies::robustness_table::{
     NamedCondition, condition_scores, robustness_to_markdown, robustness_to_terminal,
 };
-use reports::tally::Tally;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::RobustnessArgs;

@@ -5,11 +5,13 @@ use std::path::Path;
 use evaluation::run::detector_list::detectors_named;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
-use reports::run_directory::{LatestPointer, RunDirectory};
-use reports::standing::{Speeds, Standing, speeds, standing_to_terminal, standings};
-use reports::table::terminal::to_terminal;
-use reports::tally::Tally;
-use scans::task::Task;
+use reports::numbers::tally::Tally;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::LatestPointer;
+use reports::tables::terminal::to_terminal;
+use reports::tables::verdict::standing::standing_to_terminal;
+use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
+use reports::vocabulary::task::Task;
 
 use crate::cli::RunArgs;
 use crate::commands::config::judging_config;

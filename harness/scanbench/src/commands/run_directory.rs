@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use reports::run_directory::{ClaimedTarget, ExistingTarget, LatestPointer, RunDirectory, RunDirectoryError};
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::{ClaimedTarget, ExistingTarget, LatestPointer, RunDirectoryError};
 
 use crate::cli::OutputArgs;
 use crate::commands::failure::{Failure, Usage};

@@ -9,8 +9,10 @@ use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
-use reports::archive::SCHEMA;
-use reports::manifest::{AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation};
+use reports::files::archive::SCHEMA;
+use reports::run_folder::manifest::{
+    AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation,
+};
 use scans::dataset;
 use simulator::SIMULATOR_VERSION;
 use simulator::simulated_street::StreetDrive;
@@ -114,9 +116,7 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         simulated: description.is_simulated(),
         annotated: match &description.annotated {
             dataset::AnnotatedClasses::EveryObject => AnnotatedClasses::EveryObject,
-            dataset::AnnotatedClasses::Only(classes) => {
-                AnnotatedClasses::Only(classes.iter().map(|it| it.name().to_owned()).collect())
-            }
+            dataset::AnnotatedClasses::Only(classes) => AnnotatedClasses::Only(classes.clone()),
         },
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,

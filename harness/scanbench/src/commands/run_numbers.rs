@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 
 use evaluation::metrics::counts::SCORING_VERSION;
-use reports::csv_rows::to_csv_bytes;
-use reports::html::run_page::RunPage;
-use reports::manifest::Manifest;
-use reports::run_directory::{MANIFEST_JSON, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory};
-use reports::run_report::RunReport;
-use reports::table::stage_table::StageTable;
-use reports::table::task_table::{TaskTable, task_tables};
-use reports::table::times_table::TimesTable;
-use reports::table::{csv::to_csv, latex::to_latex, markdown::to_markdown};
-use reports::tally::Tally;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::numbers::run_report::RunReport;
+use reports::numbers::tally::Tally;
+use reports::pages::run_page::RunPage;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::{PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory};
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::tables::stage_table::StageTable;
+use reports::tables::task_table::{TaskTable, task_tables};
+use reports::tables::times_table::TimesTable;
+use reports::tables::{csv::to_csv, latex::to_latex, markdown::to_markdown};
 
 use crate::commands::failure::Failure;
 

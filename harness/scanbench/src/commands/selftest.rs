@@ -6,11 +6,11 @@ use evaluation::matching::criterion::Criterion;
 use evaluation::matching::eligibility::{EligibilityParams, counts_as_vehicle};
 use evaluation::matching::outcome::AnnotationOutcome;
 use evaluation::metrics::counts::{Counts, FalseDetections};
-use reports::counts::Counts as Scored;
+use reports::rows::counts::Counts as Scored;
+use reports::vocabulary::task::Task;
 use scans::annotation::{Annotation, LabeledScan};
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::source::DamagePolicy;
-use scans::task::Task;
 
 use crate::cli::SelftestArgs;
 use crate::commands::failure::{Failure, NothingEvaluated};

@@ -14,9 +14,11 @@ use evaluation::sweep::swept_values::SweptValues;
 use evaluation::sweep::timed_scan::TimedScan;
 use evaluation::sweep::timing_pass::DETECTIONS_PER_SCAN;
 use jiff::Timestamp;
-use reports::manifest::Manifest;
-use reports::run_directory::{LatestPointer, MANIFEST_JSON, RunDirectory};
-use reports::table::sweep_score::SweepScores;
+use reports::numbers::sweep_score::SweepScores;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::LatestPointer;
+use reports::run_folder::run_target::MANIFEST_JSON;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::{ConfigArgs, SweepArgs};

@@ -1,15 +1,15 @@
 //! What `scanbench sweep` leaves behind.
 
-use reports::archive::ArchiveError;
-use reports::csv_rows::CsvRowWriter;
-use reports::plot::fitness_plot::fitness_plot;
-use reports::plot::pareto_plot::pareto_plot;
-use reports::plot::rate_plot::rate_plot;
-use reports::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV};
-use reports::table::fitness_table::{fitness_to_markdown, fitness_to_terminal};
-use reports::table::fitness_verdict::fitness_verdicts;
-use reports::table::sweep_score::SweepScores;
-use reports::table::sweep_table::sweep_to_terminal;
+use reports::files::archive::ArchiveError;
+use reports::files::csv_rows::CsvRowWriter;
+use reports::numbers::sweep_score::SweepScores;
+use reports::plots::fitness_plot::fitness_plot;
+use reports::plots::pareto_plot::pareto_plot;
+use reports::plots::rate_plot::rate_plot;
+use reports::run_folder::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV};
+use reports::tables::studies::fitness_table::{fitness_to_markdown, fitness_to_terminal};
+use reports::tables::studies::sweep_table::sweep_to_terminal;
+use reports::verdicts::fitness_verdict::fitness_verdicts;
 
 /// Writes tables and plots into `directory`, and returns what is to be printed.
 ///

@@ -9,12 +9,12 @@ use evaluation::training::described_object::DescribedObject;
 use evaluation::training::evaluation::Evaluation;
 use evaluation::training::held_out::HeldOut;
 use jiff::Timestamp;
-use reports::archive::SCHEMA;
-use reports::csv_rows::to_csv_bytes;
-use reports::operating_curve::OperatingRow;
-use reports::plot::operating_plot::operating_plot;
-use reports::run_directory::MANIFEST_JSON;
-use reports::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjects};
+use reports::files::archive::SCHEMA;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::numbers::operating_curve::OperatingRow;
+use reports::plots::operating_plot::operating_plot;
+use reports::rows::training_row::{ImportanceRow, JudgedObjectPlace, JudgedObjects};
+use reports::run_folder::run_target::MANIFEST_JSON;
 
 use crate::cli::DatasetArgs;
 use crate::commands::failure::Failure;

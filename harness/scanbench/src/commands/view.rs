@@ -1,6 +1,6 @@
 //! `scanbench view`.
 
-use reports::worst::{Mistake, MistakeChoice, worst, worst_to_terminal};
+use reports::worst::mistakes::{Mistake, MistakeChoice, worst, worst_to_terminal};
 
 use crate::cli::{OutcomeName, ViewArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
@@ -22,7 +22,7 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     }
     let choice = MistakeChoice {
         detector,
-        task: arguments.task.task().name(),
+        task: arguments.task.task(),
         kind: arguments.outcome.map(|it| match it {
             OutcomeName::Missed => Mistake::Missed,
             OutcomeName::False => Mistake::False,

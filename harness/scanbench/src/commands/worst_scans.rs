@@ -10,8 +10,8 @@ use evaluation::run::detector_list::{ListedDetector, detectors_named};
 use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
-use reports::manifest::{DatasetEntry, Manifest};
-use reports::worst::{ListedMistake, Mistake};
+use reports::run_folder::manifest::{DatasetEntry, Manifest};
+use reports::worst::mistakes::{ListedMistake, Mistake};
 use scans::dataset::scan_times::scan_times_s;
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};

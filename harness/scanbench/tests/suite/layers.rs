@@ -196,7 +196,7 @@ const FLOORS: [(&str, &[&str]); 8] = [
     ("baselines", &["detector"]),
     ("reports", &[]),
     ("harness/scans", &["detector", "reports"]),
-    ("harness/simulator", &["detector", "scans"]),
+    ("harness/simulator", &["detector", "reports", "scans"]),
     ("harness/evaluation", &["baselines", "detector", "reports", "scans", "simulator"]),
     ("harness/viewer", &["detector", "evaluation", "reports", "scans"]),
     (

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use reports::archive::ArchiveError;
+use reports::files::archive::ArchiveError;
 
 use crate::dataset::DatasetError;
 

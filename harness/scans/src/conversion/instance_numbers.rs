@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 
 /// The most that a drive can have.
 pub const MAX_INSTANCES: u32 = u16::MAX as u32;

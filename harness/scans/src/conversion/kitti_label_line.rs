@@ -3,8 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use detector::OrientedBox;
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
-use crate::annotation::{Annotation, AnnotationClass, Occlusion};
+use crate::annotation::Annotation;
 use crate::dataset::kitti::label::WRITTEN_CLASSES;
 
 /// A camera at the sensor that looks along x, so that boxes change axes and nothing else.

@@ -12,7 +12,7 @@ use mcap::write::NoSeek;
 use mcap::{Compression, McapError, WriteOptions, Writer};
 use nalgebra::Isometry3;
 use prost::Message;
-use reports::whole_file::WholeFile;
+use reports::files::whole_file::WholeFile;
 use serde::Serialize;
 
 use super::foxglove_schema::file_descriptor_set;

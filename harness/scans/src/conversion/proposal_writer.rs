@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use detector::{OrientedBox, PointCloud};
+use reports::vocabulary::class::AnnotationClass;
 use serde::Serialize;
 use serde_json::json;
 
@@ -12,7 +13,7 @@ use super::kitti_label_line::{CALIBRATION, label_line};
 use super::kitti_writer::bin_bytes;
 use super::proposal_format::ProposalFormat;
 use super::whole_folder::{WholeFolder, folder_name};
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan};
+use crate::annotation::{Annotation, LabeledScan};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
 use crate::dataset::scan_folder::label_cloud::{LabelCloudFile, LabelCloudObject};
 use crate::dataset::scan_folder::listed_box::ListedBox;

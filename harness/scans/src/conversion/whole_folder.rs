@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use reports::claimed_name::ClaimedName;
-use reports::unfinished::{Kind, Unfinished};
+use reports::files::claimed_name::ClaimedName;
+use reports::files::unfinished::{Kind, Unfinished};
 use tempfile::TempDir;
 
 use super::ConversionError;

@@ -248,8 +248,8 @@ fn share(part: usize, whole: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
     use crate::data_check::scan_facts::AnnotationFacts;
+    use reports::vocabulary::class::AnnotationClass;
 
     fn description() -> DatasetDescription {
         DatasetDescription {

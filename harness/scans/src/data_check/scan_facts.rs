@@ -4,8 +4,9 @@ use std::f32::consts::PI;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use detector::PointCloud;
+use reports::vocabulary::class::AnnotationClass;
 
-use crate::annotation::{AnnotationClass, LabeledScan, PointRegion};
+use crate::annotation::{LabeledScan, PointRegion};
 
 /// Points are counted between these distances, in metres on the ground plan.
 pub const RANGES_M: [f32; 5] = [0.0, 10.0, 20.0, 40.0, 80.0];

@@ -344,8 +344,8 @@ fn is_sha256(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
     use proptest::prelude::*;
+    use reports::vocabulary::class::AnnotationClass;
 
     #[derive(Debug, Clone, PartialEq, Deserialize)]
     #[serde(deny_unknown_fields)]

@@ -1,6 +1,6 @@
 //! What annotation tools, recordings and other data sets call the classes.
 
-use crate::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 
 /// The class that `name` stands for, in whatever spelling: ours, KITTI's, that of nuScenes or Argoverse 2, or a plain word; `None` if it stands for
 /// nothing known.

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use reports::vocabulary::class::AnnotationClass;
+
 use super::class_name::{class_named, plain_name};
 use super::{AnnotatedClasses, DatasetError};
-use crate::annotation::AnnotationClass;
 
 /// More names than this are not listed.
 const MAX_LISTED: usize = 50;
@@ -36,9 +37,9 @@ impl ClassTable {
         self.by_name.get(&plain_name(name)).map(|(_, class)| *class)
     }
 
-    /// The names as they were written, each with the name of its class.
-    pub fn written(&self) -> BTreeMap<String, String> {
-        self.by_name.values().map(|(name, class)| (name.clone(), class.name().to_owned())).collect()
+    /// The names as they were written, each with its class.
+    pub fn written(&self) -> BTreeMap<String, AnnotationClass> {
+        self.by_name.values().cloned().collect()
     }
 }
 

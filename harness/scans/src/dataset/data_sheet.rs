@@ -97,7 +97,7 @@ impl DataSheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
+    use reports::vocabulary::class::AnnotationClass;
 
     fn sheet() -> DataSheet {
         DataSheet {

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use nalgebra::Isometry3;
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::task::Task;
 
 use self::simulation::Simulation;
-use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
-use crate::task::Task;
+use crate::annotation::{LabeledScan, ScanId};
 
 pub mod shown_name;
 pub mod error;

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use reports::vocabulary::class::AnnotationClass;
+
 use super::argoverse2::sensor_logs::{
     ARGOVERSE2_CLASSES, ARGOVERSE2_SENSOR, ARGOVERSE2_SENSOR_HEIGHT_M, open_argoverse2,
 };
@@ -29,7 +31,6 @@ use super::shown_name::is_printable;
 use super::source::{DamagePolicy, DatasetSource, StatedBy};
 use super::velodyne_capture::revolutions::open_velodyne_capture;
 use super::{AnnotatedClasses, Dataset, DatasetError};
-use crate::annotation::AnnotationClass;
 
 /// How a data set is opened other than the catalogue says.
 #[derive(Debug, Clone, Default)]

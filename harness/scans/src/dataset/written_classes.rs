@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use reports::vocabulary::class::AnnotationClass;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error as _, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::AnnotatedClasses;
-use crate::annotation::AnnotationClass;
 
 /// The word for all of them.
 const EVERY_OBJECT: &str = "every-object";

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use detector::OrientedBox;
 use nalgebra::Vector4;
-use scans::annotation::{Annotation, AnnotationClass, LabeledScan, PointRegion, points_inside};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::{Annotation, LabeledScan, PointRegion, points_inside};
 use scans::dataset::Dataset;
 use scans::dataset::kitti::calibration::{KittiCalibration, parse_calibration};
 use simulator::catalogue::built_in_catalogue;

@@ -5,11 +5,11 @@ use re_sdk_types::blueprint::components::{Corner2D, TextLogColumn};
 use re_sdk_types::blueprint::datatypes;
 use re_sdk_types::blueprint::datatypes::TextLogColumnKind;
 use re_sdk_types::datatypes::{Range1D, Range2D};
+use reports::vocabulary::task::Task;
 use rerun::EntityPath;
 use rerun::blueprint::{
     ContainerLike, Horizontal, Spatial2DView, Tabs, TextLogView, TimeSeriesView, Vertical,
 };
-use scans::task::Task;
 
 use super::RecordingLayout;
 use super::scene::{Eye, Property, Scene, ScenePoints, add, hide, plain_background};

@@ -1,19 +1,20 @@
 //! From one scan's annotations and detections to what became of each.
 
 use detector::Detections;
+use reports::vocabulary::reason::FalseReason;
+use reports::vocabulary::reason::IgnoredAnnotation;
+use reports::vocabulary::reason::IgnoredDetection;
+use reports::vocabulary::reason::MissReason;
+use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::AnnotatedClasses;
-use scans::task::Task;
 
 use crate::matching::criterion::Criterion;
 use crate::matching::detection_order::detection_ranks;
 use crate::matching::eligibility::{EligibilityParams, asks_for, exclusions};
 use crate::matching::hungarian::{AdmissiblePair, match_pairs};
 use crate::matching::ignored_detections::UnjudgedPlaces;
-use crate::matching::outcome::{
-    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, FoundTall, IgnoredAnnotation,
-    IgnoredDetection, MissReason,
-};
+use crate::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome, FoundTall};
 use crate::matching::point_overlap::PointOverlap;
 
 /// How scans are judged.
@@ -210,7 +211,8 @@ mod properties;
 mod tests {
     use super::*;
     use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
-    use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
     use std::ops::Range;
 
     use AnnotationClass::{Car, Pedestrian, Tram, Tree};

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use detector::{DetectedClass, Detection, OrientedBox, PointCloud};
 use proptest::prelude::*;
-use scans::annotation::{Annotation, AnnotationClass, LabeledArea, PointRegion, ScanId};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 
 use super::*;
 use crate::metrics::counts::{Counts, FalseDetections};

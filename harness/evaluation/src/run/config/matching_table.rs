@@ -1,6 +1,7 @@
 //! How detections are judged, as a table of the configuration.
 
 use detector::params::{ParamsError, check_range};
+use reports::vocabulary::criterion::CriterionKind;
 use serde::Deserialize;
 
 use crate::matching::assign::MatchingParams;
@@ -20,22 +21,12 @@ tall_above_ground_m = 3.1
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MatchingTable {
-    criterion: CriterionTable,
+    criterion: CriterionKind,
     min_iou: f64,
     max_centre_distance_m: f64,
     min_points: usize,
     max_range_m: f64,
     tall_above_ground_m: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum CriterionTable {
-    Points,
-    BevIou,
-    #[serde(rename = "iou-3d")]
-    Iou3d,
-    Centre,
 }
 
 /// The parameters in a complete TOML document.
@@ -47,10 +38,10 @@ pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
     check_range("max_range_m", table.max_range_m, [1.0, 1000.0], "1 to 1000 m")?;
     check_range("tall_above_ground_m", table.tall_above_ground_m, [0.1, 1000.0], "0.1 to 1000 m")?;
     let criterion = match table.criterion {
-        CriterionTable::Points => Criterion::Points { min_iou: table.min_iou },
-        CriterionTable::BevIou => Criterion::BevIou { min_iou: table.min_iou },
-        CriterionTable::Iou3d => Criterion::Iou3d { min_iou: table.min_iou },
-        CriterionTable::Centre => Criterion::Centre { max_distance_m: table.max_centre_distance_m },
+        CriterionKind::Points => Criterion::Points { min_iou: table.min_iou },
+        CriterionKind::BevIou => Criterion::BevIou { min_iou: table.min_iou },
+        CriterionKind::Iou3d => Criterion::Iou3d { min_iou: table.min_iou },
+        CriterionKind::Centre => Criterion::Centre { max_distance_m: table.max_centre_distance_m },
     };
     let eligibility = EligibilityParams {
         min_points: table.min_points,

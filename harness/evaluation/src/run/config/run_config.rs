@@ -212,7 +212,7 @@ fn number(table: &Table, name: &str) -> f64 {
 mod tests {
     use super::*;
     use crate::matching::eligibility::EligibilityParams;
-    use scans::annotation::AnnotationClass;
+    use reports::vocabulary::class::AnnotationClass;
 
     fn resolve(text: &str) -> Result<RunConfig, ConfigError> {
         RunConfig::resolve(text, Path::new("mine.toml"))

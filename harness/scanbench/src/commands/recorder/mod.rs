@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use evaluation::run::scan_recorder::{RecordingEnding, Served};
-use scans::task::Task;
+use reports::vocabulary::task::Task;
 
 use crate::cli::StreamArgs;
 use crate::commands::standard_streams::print_diagnostic;

@@ -2,8 +2,8 @@
 
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
 use evaluation::sweep::summary::SweepResults;
-use reports::run_directory::RunDirectory;
-use reports::table::sweep_score::SweepScores;
+use reports::numbers::sweep_score::SweepScores;
+use reports::run_folder::run_directory::RunDirectory;
 use viewer::run_recording::{RecordingError, RunRecording, RunRecordingOptions};
 use viewer::sweep_recording;
 use viewer::{FirstTab, Opening, StreamError, StreamOptions, ViewerChoice};

@@ -1,11 +1,11 @@
 //! `scans.csv`, `matches.csv` and `stages.csv`.
 
 use evaluation::run::sink::{JudgedScan, RunSink};
-use reports::csv_rows::CsvRowWriter;
-use reports::match_row::MatchRow;
-use reports::run_directory::{MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV};
-use reports::scan_row::ScanRow;
-use reports::stage_row::StageRow;
+use reports::files::csv_rows::CsvRowWriter;
+use reports::rows::match_row::MatchRow;
+use reports::rows::scan_row::ScanRow;
+use reports::rows::stage_row::StageRow;
+use reports::run_folder::run_directory::{MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV};
 
 use crate::commands::failure::Failure;
 

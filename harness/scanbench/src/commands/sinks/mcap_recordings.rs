@@ -2,7 +2,7 @@
 
 use evaluation::results_recording::recording::ResultsRecording;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
-use reports::run_directory::RunDirectory;
+use reports::run_folder::run_directory::RunDirectory;
 use scans::conversion::whole_folder::folder_name;
 
 use crate::commands::failure::Failure;

@@ -1,8 +1,8 @@
 //! The sinks that every run has.
 
 use evaluation::run::sink::Sinks;
-use reports::run_directory::RunDirectory;
-use reports::tally::Tally;
+use reports::numbers::tally::Tally;
+use reports::run_folder::run_directory::RunDirectory;
 
 use super::csv_files::CsvFiles;
 use super::terminal::Terminal;

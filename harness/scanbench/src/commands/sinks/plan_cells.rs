@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use detector::PointCloud;
-use reports::worst_places::PlanWindow;
-use reports::worst_points::{PLAN_CELL_M, PlanCells, STANDING_M};
+use reports::worst::places::PlanWindow;
+use reports::worst::points::{PLAN_CELL_M, PlanCells, STANDING_M};
 
 /// The cells of `window` that hold points of `cloud`, which was recorded `sensor_height_m` above the road.
 pub fn plan_cells(cloud: &PointCloud, window: &PlanWindow, sensor_height_m: f32) -> PlanCells {

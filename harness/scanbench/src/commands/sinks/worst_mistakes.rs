@@ -1,9 +1,9 @@
 //! `worst_points.json`: what the sensor saw around the worst mistakes.
 
 use evaluation::run::sink::{JudgedScan, RunSink};
-use reports::run_directory::{RunDirectory, WORST_POINTS_JSON};
-use reports::worst_places::WorstPlaces;
-use reports::worst_points::{PlanCells, WorstPoints};
+use reports::run_folder::run_directory::{RunDirectory, WORST_POINTS_JSON};
+use reports::worst::places::WorstPlaces;
+use reports::worst::points::{PlanCells, WorstPoints};
 
 use super::plan_cells::plan_cells;
 use crate::commands::failure::Failure;

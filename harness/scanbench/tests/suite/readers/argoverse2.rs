@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use scans::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 use test_data::{needs_test_data, test_data};
 
 use super::{check_damaged, open};

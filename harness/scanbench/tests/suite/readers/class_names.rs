@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mcap::WriteOptions;
-use scans::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::mcap::{SECOND, category, foxglove_messages, write};
 use super::{made, open};

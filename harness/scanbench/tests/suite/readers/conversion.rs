@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use detector::PointCloud;
-use scans::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::conversion::ConversionError;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;

@@ -1,6 +1,6 @@
 //! LAS and LAZ in folders of scans, with labels on a map.
 
-use scans::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::made::{las_file, write};
 use super::{check_damaged, open};

@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use base64::Engine as _;
 use mcap::{Channel, Compression, Message, Schema, WriteOptions};
-use scans::annotation::{AnnotationClass, PointRegion};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::PointRegion;
 use scans::dataset::DatasetError;
 use scans::dataset::mcap::topics::TopicChoice;
 use scans::dataset::source::DamagePolicy;

@@ -1,6 +1,6 @@
 //! nuScenes, made of a simulated drive: there is no real one here.
 
-use scans::annotation::{AnnotationClass, Occlusion};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::made::{boxed, nuscenes, scans, street, write};
 use super::{check_damaged, open, try_open};

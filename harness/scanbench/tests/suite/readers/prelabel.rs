@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use scans::annotation::{AnnotationClass, LabeledScan};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::LabeledScan;
 
 use super::made::scans;
 use super::open;

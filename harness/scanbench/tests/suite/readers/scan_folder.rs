@@ -1,6 +1,7 @@
 //! Folders of scans in PCD, PLY, `.npy` and `.bin`.
 
-use scans::annotation::{AnnotationClass, PointRegion};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::PointRegion;
 
 use super::{check_damaged, open};
 use crate::program::Workplace;

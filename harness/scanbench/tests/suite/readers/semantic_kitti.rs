@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use scans::annotation::{AnnotationClass, PointRegion};
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::PointRegion;
 use test_data::{needs_test_data, test_data};
 
 use super::{check_damaged, open};

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use detector::OrientedBox;
 use nalgebra::{Isometry3, Vector3};
+use reports::vocabulary::class::AnnotationClass;
 
-use crate::annotation::{Annotation, AnnotationClass};
+use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;

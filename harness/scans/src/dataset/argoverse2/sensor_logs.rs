@@ -14,9 +14,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::{Isometry3, Vector3};
+use reports::vocabulary::class::AnnotationClass;
 
 use super::log_truth::{ANNOTATIONS, LogTruth, survey_classes};
-use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
+use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;

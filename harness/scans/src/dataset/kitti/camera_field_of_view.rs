@@ -75,9 +75,9 @@ fn region_of(position_m: [f32; 3], view: &CameraFieldOfView<'_>) -> PointRegion 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
     use crate::dataset::kitti::calibration::parse_calibration;
     use crate::dataset::kitti::calibration::tests::FORWARD_CAMERA;
+    use reports::vocabulary::class::AnnotationClass;
     use std::path::Path;
 
     /// One point, with an image of 1242 × 375 pixels whose left half down to the horizon is `DontCare`.

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::annotation::{AnnotationClass, Occlusion};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
+
 use crate::dataset::DatasetError;
 use crate::dataset::class_name::plain_name;
 use crate::dataset::class_table::{ClassReader, Vocabulary};

@@ -6,8 +6,9 @@ use std::path::Path;
 use detector::OrientedBox;
 use quick_xml::Reader;
 use quick_xml::events::Event;
+use reports::vocabulary::class::Occlusion;
 
-use crate::annotation::{Annotation, Occlusion};
+use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 
@@ -226,9 +227,9 @@ fn annotations_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::annotation::AnnotationClass;
     use crate::dataset::class_table::ClassRules;
     use crate::dataset::kitti::label::KITTI_VOCABULARY;
+    use reports::vocabulary::class::AnnotationClass;
 
     const POSE_XML: &str = "<item><tx>10</tx><ty>2</ty><tz>-1.7</tz><rx>0</rx><ry>0</ry><rz>0.5</rz><state>2</state>\
         <occlusion>1</occlusion><truncation>0</truncation></item>";

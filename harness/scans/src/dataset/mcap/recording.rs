@@ -8,6 +8,7 @@ use std::path::Path;
 
 use detector::PointCloud;
 use nalgebra::{Isometry3, Point3};
+use reports::vocabulary::class::AnnotationClass;
 
 use super::foxglove_messages::{FrameTransform, FrameTransforms, SceneUpdate, decode, decode_cloud};
 use super::frame_tree::FrameTree;
@@ -16,7 +17,7 @@ use super::recording_index::{MessagePlace, RecordingIndex, index_recording};
 use super::ros_messages::{StampedTransform, detection_3d_array, point_cloud_2, tf_message};
 use super::scene_objects::{SceneObject, objects_of_detections, objects_of_scene};
 use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
-use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::data_sheet::DataSheet;

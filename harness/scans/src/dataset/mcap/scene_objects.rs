@@ -2,10 +2,11 @@
 
 use detector::OrientedBox;
 use nalgebra::{Isometry3, Vector3};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::foxglove_messages::{SceneEntity, SceneUpdate};
 use super::ros_messages::Detection3D;
-use crate::annotation::{Annotation, AnnotationClass, Occlusion};
+use crate::annotation::Annotation;
 
 /// The names of what is known about an object, in the metadata of Foxglove's scene entities.
 pub mod keys {

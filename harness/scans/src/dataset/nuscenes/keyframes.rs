@@ -9,9 +9,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use nalgebra::Isometry3;
+use reports::vocabulary::class::AnnotationClass;
 
 use super::lidar_tables::{Keyframe, LidarTables, read_keyframes};
-use crate::annotation::{Annotation, AnnotationClass, LabeledScan, ScanId};
+use crate::annotation::{Annotation, LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;

@@ -5,10 +5,11 @@ use std::path::{Component, Path, PathBuf};
 
 use detector::OrientedBox;
 use nalgebra::{Isometry3, Vector3};
+use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use serde::Deserialize;
 
 use super::table::read_table;
-use crate::annotation::{Annotation, AnnotationClass, Occlusion};
+use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::mcap::ros_messages::isometry;

@@ -7,13 +7,14 @@
 
 use std::path::{Path, PathBuf};
 
+use reports::vocabulary::class::AnnotationClass;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::label_cloud::{LabelCloudFile, LabelCloudObject};
 use super::listed_box::ListedBox;
 use super::sustech_points::SustechObject;
-use crate::annotation::{Annotation, AnnotationClass};
+use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;

@@ -1,9 +1,10 @@
 //! A box of a label file, in the coordinates of its scan's file.
 
 use detector::OrientedBox;
+use reports::vocabulary::class::AnnotationClass;
 use serde::{Deserialize, Serialize};
 
-use crate::annotation::{Annotation, AnnotationClass};
+use crate::annotation::Annotation;
 
 /// A box in a file; a list of these in JSON is our own format.
 ///

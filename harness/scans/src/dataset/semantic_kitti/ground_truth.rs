@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use reports::vocabulary::class::AnnotationClass;
+
 use super::semantic_class::{SemanticClass, semantic_class};
 use super::upright_components::upright_components;
-use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::positioned_points::PositionedPoints;
 

@@ -1,6 +1,6 @@
 //! What the numbers of SemanticKITTI's labels stand for, and what becomes of them here.
 
-use crate::annotation::AnnotationClass;
+use reports::vocabulary::class::AnnotationClass;
 
 /// What becomes of the points of a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,18 +11,18 @@ use detector::stage_product::{LinkFate, ObjectCell, ProductCell, ProductLink, Pr
 use detector::surface_class::SurfaceClass;
 use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, StageProduct};
 use evaluation::matching::mistake::{Mistake, MistakeKind};
-use evaluation::matching::outcome::{
-    AnnotationOutcome, Assignment, DetectionOutcome, FalseReason, MissReason,
-};
+use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use evaluation::metrics::counts::FalseDetections;
 use evaluation::run::scan_recorder::Mark;
 use nalgebra::Isometry3;
+use reports::vocabulary::class::AnnotationClass;
+use reports::vocabulary::reason::{FalseReason, MissReason};
+use reports::vocabulary::task::Task;
 use rerun::external::arrow::array::Array as _;
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
-use scans::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
-use scans::task::Task;
+use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 
 use super::super::{Stream, StreamEnding};
 use crate::{DetectorView, FirstTab, Opening, ScanView, StreamError, StreamOptions, TaskView, ViewerChoice};

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use detector::stage_product::Shape;
 use detector::{PointCloud, StageProduct};
 use evaluation::matching::outcome::Assignment;
+use reports::vocabulary::task::Task;
 use rerun::ComponentIdentifier;
 use rerun::external::arrow::array::{Array as _, AsArray as _};
 use rerun::external::arrow::datatypes::UInt16Type;
 use rerun::external::re_log_types::LogMsg;
-use scans::task::Task;
 
 use self::drawn_recording::{
     N_POINTS, chunks, log_detector, log_scan, messages, n_logged, one_of_each, options, products, record,

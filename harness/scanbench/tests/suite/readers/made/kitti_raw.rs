@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use scans::annotation::Occlusion;
+use reports::vocabulary::class::Occlusion;
 use scans::dataset::Dataset;
 
 use super::{boxed, scans, write};

@@ -1,0 +1,122 @@
+//! Rows to and from the CSV files of a run.
+
+use std::marker::PhantomData;
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::files::archive::ArchiveError;
+use crate::files::whole_file::WholeFile;
+
+/// A row of a CSV file.
+pub trait CsvRow: Serialize + DeserializeOwned {
+    /// The columns, in order; units are in the names.
+    const COLUMNS: &'static [&'static str];
+}
+
+/// Writes rows to a file that appears once it is complete.
+#[derive(Debug)]
+#[must_use = "rows that are not finished are thrown away"]
+pub struct CsvRowWriter<Row> {
+    writer: csv::Writer<WholeFile>,
+    path: std::path::PathBuf,
+    rows: PhantomData<Row>,
+}
+
+impl<Row: CsvRow> CsvRowWriter<Row> {
+    /// Begins with the names of the columns.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if the file cannot be written.
+    pub fn new(file: WholeFile) -> Result<Self, ArchiveError> {
+        let path = file.path().to_path_buf();
+        // The names are written here, so that a file without rows has them too.
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(file);
+        writer.write_record(Row::COLUMNS).map_err(|error| not_written(&path, error))?;
+        Ok(Self { writer, path, rows: PhantomData })
+    }
+
+    /// Appends a row.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if the file cannot be written, or if a number of the row is not finite.
+    pub fn write(&mut self, row: &Row) -> Result<(), ArchiveError> {
+        self.writer.serialize(row).map_err(|error| not_written(&self.path, error))
+    }
+
+    /// Completes the file.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if the file cannot be written.
+    pub fn finish(self) -> Result<(), ArchiveError> {
+        let Self { writer, path, .. } = self;
+        let file = writer.into_inner().map_err(|it| ArchiveError::Write { path, source: it.into_error() })?;
+        file.finish()
+    }
+}
+
+/// Rows as the content of a CSV file, for where it does not become one.
+///
+/// # Errors
+///
+/// If a number of a row is not finite.
+pub fn to_csv_bytes<Row: CsvRow>(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.write_record(Row::COLUMNS)?;
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    Ok(writer.into_inner().expect("memory takes all that is written"))
+}
+
+/// A full disk is not the fault of the row.
+fn not_written(path: &Path, error: csv::Error) -> ArchiveError {
+    let path = path.to_path_buf();
+    if !error.is_io_error() {
+        return ArchiveError::Csv { path, source: error };
+    }
+    match error.into_kind() {
+        csv::ErrorKind::Io(source) => ArchiveError::Write { path, source },
+        kind => unreachable!("{kind:?} is what the check above excludes"),
+    }
+}
+
+/// Reads all rows of a CSV file.
+///
+/// # Errors
+///
+/// [`ArchiveError`] if the file cannot be read, has other columns, or a row (the source says at which line) does not
+/// fit them or contradicts itself.
+pub fn read_rows<Row: CsvRow>(path: &Path) -> Result<Vec<Row>, ArchiveError> {
+    let mut rows = Vec::new();
+    each_row(path, |row| rows.push(row))?;
+    Ok(rows)
+}
+
+/// Hands the rows of a CSV file to `on_row`, one after the other.
+///
+/// # Errors
+///
+/// As [`read_rows`].
+pub fn each_row<Row: CsvRow>(path: &Path, mut on_row: impl FnMut(Row)) -> Result<(), ArchiveError> {
+    let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
+    let file = std::fs::File::open(path)
+        .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
+    let mut reader = csv::Reader::from_reader(file);
+    let columns = reader.headers().map_err(bad_row)?;
+    if !columns.iter().eq(Row::COLUMNS.iter().copied()) {
+        return Err(ArchiveError::Columns {
+            path: path.to_path_buf(),
+            expected: Row::COLUMNS.join(","),
+            found: columns.iter().collect::<Vec<_>>().join(","),
+        });
+    }
+    for row in reader.deserialize() {
+        on_row(row.map_err(bad_row)?);
+    }
+    Ok(())
+}

@@ -1,0 +1,9 @@
+//! How files are read, and written whole or not at all.
+
+pub mod archive;
+pub mod unfinished;
+pub mod whole_file;
+pub mod claimed_name;
+pub mod new_folders;
+pub(crate) mod fixed_decimals;
+pub mod csv_rows;

@@ -1,0 +1,21 @@
+//! Numbers made of rows: sums and ratios of runs, and those of each study.
+
+// Of a run.
+pub mod blocks;
+pub mod sums;
+pub mod latencies;
+pub(crate) mod times;
+pub mod average_precision;
+pub mod precision_recall_row;
+pub mod tally;
+pub mod run_report;
+
+// Of a study.
+pub mod operating_curve;
+pub mod rank_correlation;
+pub mod curve_pair;
+pub mod gap_curve;
+pub mod box_errors;
+pub mod condition_scores;
+pub mod sweep_score;
+pub mod sweep_curve;

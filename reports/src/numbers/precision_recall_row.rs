@@ -1,0 +1,55 @@
+//! `precision_recall.csv`: what each detector would reach if detections below a score were left out.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::fixed_decimals::Fixed;
+use crate::numbers::average_precision::OperatingPoint;
+use crate::vocabulary::task::Task;
+
+/// One detector on one data set in one task, from one score on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PrecisionRecallRow {
+    dataset: String,
+    task: Task,
+    detector: String,
+    min_score: Fixed<6>,
+    no: u64,
+    tp: u64,
+    fo: u64,
+    precision: Fixed<6>,
+    recall: Option<Fixed<6>>,
+}
+
+impl CsvRow for PrecisionRecallRow {
+    const COLUMNS: &'static [&'static str] =
+        &["dataset", "task", "detector", "min_score", "no", "tp", "fo", "precision", "recall"];
+}
+
+impl PrecisionRecallRow {
+    /// The row of `point`, where there are `no` annotations. Recall is undefined without any.
+    pub fn new(dataset: &str, task: Task, detector: &str, no: u64, point: &OperatingPoint) -> Self {
+        let [dataset, detector] = [dataset, detector].map(str::to_owned);
+        Self {
+            dataset,
+            task,
+            detector,
+            min_score: Fixed(f64::from(point.min_score)),
+            no,
+            tp: point.tp,
+            fo: point.fo,
+            precision: Fixed(point.precision()),
+            recall: (no > 0).then(|| Fixed(point.tp as f64 / no as f64)),
+        }
+    }
+
+    /// Of which data set, in which task, of which detector.
+    pub fn subject(&self) -> (&str, Task, &str) {
+        (&self.dataset, self.task, &self.detector)
+    }
+
+    /// Recall and precision, where recall is defined.
+    pub fn place(&self) -> Option<(f64, f64)> {
+        Some((self.recall?.0, self.precision.0))
+    }
+}

@@ -1,0 +1,476 @@
+//! `report.json`: the numbers of a run.
+
+use std::collections::HashSet;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::archive::{ArchiveError, SCHEMA, read_json};
+use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::vocabulary::metric::Metric;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
+
+/// The numbers of a run.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "ReportRecord")]
+pub struct RunReport {
+    // Invariant: no two rows have the same subject and metric.
+    scoring_version: u32,
+    rows: Vec<MetricRow>,
+    overall: Vec<MetricRow>,
+}
+
+/// What a number is about.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Subject {
+    /// Id of the data set; [`OVERALL`](crate::vocabulary::extent::OVERALL) in the rows about all of them.
+    pub dataset: String,
+    /// The task.
+    pub task: Task,
+    /// Name of the detector.
+    pub detector: String,
+    /// The part of the objects that is looked at.
+    pub slice: Slice,
+}
+
+impl Subject {
+    /// All objects of a data set, as a detector sees them in a task.
+    pub fn of_all(dataset: &str, task: Task, detector: &str) -> Self {
+        Self { dataset: dataset.to_owned(), task, detector: detector.to_owned(), slice: Slice::All }
+    }
+}
+
+/// One number with all that is needed to read it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(into = "RowRecord")]
+pub struct MetricRow {
+    /// What it is about.
+    pub subject: Subject,
+    /// What was measured; says the unit and which way is better.
+    pub metric: Metric,
+    // Invariant: finite.
+    value: Option<f64>,
+    /// What it is made of: for a rate the denominator, for a count the number of scans, for a time or a speed the
+    /// number of timed scans.
+    pub n: u64,
+    interval: Option<Interval>,
+}
+
+/// Why numbers make no report.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RunReportError {
+    /// Two rows say the same thing.
+    #[error("{metric} of {detector} on {dataset}, task {task}, slice {slice}, is reported twice")]
+    Duplicate {
+        /// Id of the data set.
+        dataset: String,
+        /// Name of the task.
+        task: Task,
+        /// Name of the detector.
+        detector: String,
+        /// Name of the slice.
+        slice: Slice,
+        /// Id of the metric.
+        metric: String,
+    },
+    /// A row contradicts its metric.
+    #[error("row {row_idx}: {source}")]
+    Row {
+        /// Its place in the report, from 0.
+        row_idx: usize,
+        /// How.
+        source: MetricRowError,
+    },
+}
+
+/// Why a row contradicts its metric.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MetricRowError {
+    /// No metric has this id.
+    #[error("unknown metric {0:?}")]
+    UnknownMetric(String),
+    /// A row states another unit than that of its metric.
+    #[error("{metric} has the unit {expected:?}, not {found:?}")]
+    Unit {
+        /// Id of the metric.
+        metric: String,
+        /// Its unit.
+        expected: &'static str,
+        /// The unit of the row.
+        found: String,
+    },
+    /// A row names blocks of scans of a kind that there is not.
+    #[error("unknown blocks of scans {0:?}")]
+    UnknownBlocks(String),
+    /// A row states another direction than that of its metric.
+    #[error("higher_is_better of {metric} is {expected:?}, not {found:?}")]
+    Direction {
+        /// Id of the metric.
+        metric: String,
+        /// Its direction.
+        expected: Option<bool>,
+        /// The direction of the row.
+        found: Option<bool>,
+    },
+}
+
+impl MetricRow {
+    /// A number. One that is not finite, as a ratio over zero gives it, is undefined and kept as `None`.
+    pub fn new(subject: Subject, metric: Metric, value: Option<f64>, n: u64) -> Self {
+        Self { subject, metric, value: value.filter(|it| it.is_finite()), n, interval: None }
+    }
+
+    /// The same with how sure it is.
+    pub fn within(self, interval: Option<Interval>) -> Self {
+        Self { interval: interval.filter(|it| it.ends.iter().all(|end| end.is_finite())), ..self }
+    }
+
+    /// How sure the number is, where that is known. Its ends are finite.
+    pub fn interval(&self) -> Option<Interval> {
+        self.interval
+    }
+
+    /// The number; `None` where it is undefined. Never NaN or infinite.
+    pub fn value(&self) -> Option<f64> {
+        self.value
+    }
+}
+
+impl RunReport {
+    /// The report of these numbers, in this order.
+    ///
+    /// `scoring_version` is that of the rules by which the detections were judged: numbers of different versions must
+    /// not be compared.
+    ///
+    /// # Errors
+    ///
+    /// [`RunReportError::Duplicate`] if two rows say the same thing.
+    pub fn new(scoring_version: u32, rows: Vec<MetricRow>) -> Result<Self, RunReportError> {
+        Self::with_overall(scoring_version, rows, Vec::new())
+    }
+
+    /// The report of these numbers, and of those about all data sets together.
+    ///
+    /// # Errors
+    ///
+    /// [`RunReportError::Duplicate`] if two rows say the same thing.
+    pub fn with_overall(
+        scoring_version: u32,
+        rows: Vec<MetricRow>,
+        overall: Vec<MetricRow>,
+    ) -> Result<Self, RunReportError> {
+        let mut seen = HashSet::new();
+        for row in rows.iter().chain(&overall) {
+            if !seen.insert((&row.subject, &row.metric)) {
+                let Subject { dataset, task, detector, slice } = row.subject.clone();
+                let metric = row.metric.id();
+                return Err(RunReportError::Duplicate { dataset, task, detector, slice, metric });
+            }
+        }
+        Ok(Self { scoring_version, rows, overall })
+    }
+
+    /// The version of the rules by which the detections were judged.
+    pub fn scoring_version(&self) -> u32 {
+        self.scoring_version
+    }
+
+    /// The numbers, in the order of the report.
+    pub fn rows(&self) -> &[MetricRow] {
+        &self.rows
+    }
+
+    /// The numbers about all data sets together; none if there is only one data set.
+    pub fn overall(&self) -> &[MetricRow] {
+        &self.overall
+    }
+
+    /// The task that rows come first about, for what is the same in every task; `None` of an empty report.
+    pub fn first_task(&self) -> Option<Task> {
+        self.rows.first().map(|it| it.subject.task)
+    }
+
+    /// The row about `subject` and `metric`, whether of one data set or of all.
+    pub fn row(&self, subject: &Subject, metric: &Metric) -> Option<&MetricRow> {
+        self.rows.iter().chain(&self.overall).find(|it| it.subject == *subject && it.metric == *metric)
+    }
+
+    /// The content of `report.json`: one row a line, so that two reports can be compared line by line.
+    ///
+    /// Numbers are written with as many digits as it takes to read the same number back.
+    pub fn to_json(&self) -> String {
+        let scoring_version = self.scoring_version;
+        let mut json =
+            format!("{{\n  \"schema\": {SCHEMA},\n  \"scoring_version\": {scoring_version},\n  \"rows\": [");
+        push_rows(&mut json, &self.rows);
+        json.push_str("\n  ],\n  \"overall\": [");
+        push_rows(&mut json, &self.overall);
+        json.push_str("\n  ]\n}\n");
+        json
+    }
+
+    /// Reads and checks a `report.json`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if the file cannot be read, has another schema, misses a field or has an unknown one, or if a
+    /// row contradicts its metric or another row.
+    pub fn read(path: &Path) -> Result<Self, ArchiveError> {
+        read_json(path)
+    }
+}
+
+fn push_rows(json: &mut String, rows: &[MetricRow]) {
+    for (row_idx, row) in rows.iter().enumerate() {
+        let separator = if row_idx == 0 { "" } else { "," };
+        let row = serde_json::to_string(row).expect("a row has text keys and finite numbers");
+        write!(json, "{separator}\n    {row}").expect("a string takes all that is written");
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReportRecord {
+    #[serde(rename = "schema")]
+    _schema: u32,
+    scoring_version: u32,
+    rows: Vec<RowRecord>,
+    overall: Vec<RowRecord>,
+}
+
+impl TryFrom<ReportRecord> for RunReport {
+    type Error = RunReportError;
+
+    fn try_from(record: ReportRecord) -> Result<Self, RunReportError> {
+        let rows = |records: Vec<RowRecord>| {
+            let rows = records.into_iter().enumerate().map(|(row_idx, row)| {
+                MetricRow::try_from(row).map_err(|source| RunReportError::Row { row_idx, source })
+            });
+            rows.collect::<Result<Vec<_>, _>>()
+        };
+        Self::with_overall(record.scoring_version, rows(record.rows)?, rows(record.overall)?)
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RowRecord {
+    dataset: String,
+    task: Task,
+    detector: String,
+    slice: Slice,
+    metric: String,
+    // Spelled out, because serde lets an absent field pass for null otherwise.
+    #[serde(deserialize_with = "Option::deserialize")]
+    value: Option<f64>,
+    unit: String,
+    #[serde(deserialize_with = "Option::deserialize")]
+    higher_is_better: Option<bool>,
+    n: u64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    interval_95: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    n_blocks: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    degrees_of_freedom: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    blocks: Option<String>,
+    // For people; it follows from the metric, n and the blocks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    caveat: Option<String>,
+}
+
+impl From<MetricRow> for RowRecord {
+    fn from(row: MetricRow) -> Self {
+        let Subject { dataset, task, detector, slice } = row.subject;
+        Self {
+            dataset,
+            task,
+            detector,
+            slice,
+            metric: row.metric.id(),
+            value: row.value,
+            unit: row.metric.unit().to_owned(),
+            higher_is_better: row.metric.direction().higher_is_better(),
+            n: row.n,
+            interval_95: row.interval.map(|it| it.ends),
+            n_blocks: row.interval.map(|it| it.blocks.n_blocks),
+            degrees_of_freedom: row.interval.map(|it| it.blocks.degrees_of_freedom),
+            blocks: row.interval.map(|it| it.blocks.kind.name().to_owned()),
+            caveat: row.metric.caveat(row.n).map(str::to_owned).or_else(|| row.interval?.caveat()),
+        }
+    }
+}
+
+impl TryFrom<RowRecord> for MetricRow {
+    type Error = MetricRowError;
+
+    fn try_from(record: RowRecord) -> Result<Self, MetricRowError> {
+        let metric = Metric::from_id(&record.metric)
+            .ok_or_else(|| MetricRowError::UnknownMetric(record.metric.clone()))?;
+        if record.unit != metric.unit() {
+            let expected = metric.unit();
+            return Err(MetricRowError::Unit { metric: record.metric, expected, found: record.unit });
+        }
+        let expected = metric.direction().higher_is_better();
+        if record.higher_is_better != expected {
+            let found = record.higher_is_better;
+            return Err(MetricRowError::Direction { metric: record.metric, expected, found });
+        }
+        let kind = record.blocks.map(|it| BlockKind::from_name(&it).ok_or(MetricRowError::UnknownBlocks(it)));
+        let blocks = record.n_blocks.zip(record.degrees_of_freedom).zip(kind.transpose()?);
+        let interval =
+            record.interval_95.zip(blocks).map(|(ends, ((n_blocks, degrees_of_freedom), kind))| Interval {
+                ends,
+                blocks: BlockCount { n_blocks, degrees_of_freedom, kind },
+            });
+        let RowRecord { dataset, task, detector, slice, value, n, .. } = record;
+        Ok(Self::new(Subject { dataset, task, detector, slice }, metric, value, n).within(interval))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vocabulary::extent::OVERALL;
+    use crate::vocabulary::metric::LatencyStatistic;
+
+    fn row(metric: Metric, value: Option<f64>, n: u64) -> MetricRow {
+        MetricRow::new(Subject::of_all("main_road", Task::Objects, "kd-tree"), metric, value, n)
+    }
+
+    fn three_rows() -> RunReport {
+        let rows = vec![
+            row(Metric::No, Some(31.0), 2),
+            row(Metric::FRate, Some(0.1 + 0.2), 62),
+            row(Metric::StageP50("grid".to_owned()), Some(f64::NAN), 0),
+        ];
+        RunReport::new(1, rows).unwrap()
+    }
+
+    fn read_back(json: &str) -> Result<RunReport, ArchiveError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("report.json");
+        std::fs::write(&path, json).unwrap();
+        RunReport::read(&path)
+    }
+
+    #[test]
+    fn a_row_is_a_line() {
+        insta::assert_snapshot!(three_rows().to_json(), @r#"
+        {
+          "schema": 1,
+          "scoring_version": 1,
+          "rows": [
+            {"dataset":"main_road","task":"objects","detector":"kd-tree","slice":"all","metric":"no","value":31.0,"unit":"count","higher_is_better":null,"n":2},
+            {"dataset":"main_road","task":"objects","detector":"kd-tree","slice":"all","metric":"f_rate","value":0.30000000000000004,"unit":"ratio","higher_is_better":true,"n":62},
+            {"dataset":"main_road","task":"objects","detector":"kd-tree","slice":"all","metric":"stage_p50_ms/grid","value":null,"unit":"ms","higher_is_better":false,"n":0}
+          ],
+          "overall": [
+          ]
+        }
+        "#);
+    }
+
+    #[test]
+    fn a_report_reads_back_as_it_was() {
+        assert_eq!(read_back(&three_rows().to_json()).unwrap(), three_rows());
+        let empty = RunReport::new(7, Vec::new()).unwrap();
+        assert_eq!(read_back(&empty.to_json()).unwrap(), empty);
+    }
+
+    #[test]
+    fn intervals_and_overall_numbers_read_back_as_they_were() {
+        let interval =
+            Interval { ends: [0.1 + 0.2, 0.5], blocks: BlockCount::of_dataset(7, BlockKind::Seconds) };
+        let sure = row(Metric::Recall, Some(0.4), 9).within(Some(interval));
+        let mut overall = row(Metric::Latency(LatencyStatistic::P95), Some(4.0), 58);
+        OVERALL.clone_into(&mut overall.subject.dataset);
+        let report = RunReport::with_overall(1, vec![sure], vec![overall.clone()]).unwrap();
+        let json = report.to_json();
+        let sureness = r#""interval_95":[0.30000000000000004,0.5],"n_blocks":7,"degrees_of_freedom":6,"blocks":"seconds""#;
+        assert!(json.contains(sureness), "{json}");
+        assert!(json.contains(r#""caveat":"interval of only 7 blocks of scans""#), "{json}");
+        let of_other_blocks = json.replace("\"seconds\"", "\"minutes\"");
+        let error = read_back(&of_other_blocks).unwrap_err();
+        assert!(
+            matches!(&error, ArchiveError::Json { source, .. } if source.to_string().contains("minutes"))
+        );
+        assert!(json.contains(r#""caveat":"p95 of fewer than 59 scans""#), "{json}");
+        assert_eq!(read_back(&json).unwrap(), report);
+        assert_eq!(report.row(&overall.subject, &overall.metric), Some(&overall));
+        let endless = Interval { ends: [f64::NAN, 0.5], ..interval };
+        assert_eq!(row(Metric::Recall, Some(0.4), 9).within(Some(endless)).interval(), None);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_undefined() {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(row(Metric::Recall, Some(value), 0).value(), None);
+        }
+    }
+
+    /// The report with `from` replaced by `to` is refused, and the reason contains `expected`.
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, expected: &str) {
+        let json = three_rows().to_json();
+        assert!(json.contains(from), "{json}");
+        let error = read_back(&json.replacen(from, to, 1)).unwrap_err();
+        let reason = match &error {
+            ArchiveError::Json { source, .. } => source.to_string(),
+            other => other.to_string(),
+        };
+        assert!(reason.contains(expected), "{reason}");
+    }
+
+    #[test]
+    fn another_schema_is_refused() {
+        check_refused("\"schema\": 1", "\"schema\": 2", "has schema 2, but this program reads schema 1");
+    }
+
+    #[test]
+    fn an_unknown_metric_is_refused_with_its_row() {
+        check_refused("f_rate", "g_rate", "row 1: unknown metric \"g_rate\"");
+    }
+
+    #[test]
+    fn a_wrong_unit_is_refused() {
+        check_refused("\"count\"", "\"ms\"", "no has the unit \"count\", not \"ms\"");
+    }
+
+    #[test]
+    fn a_wrong_direction_is_refused() {
+        check_refused(
+            "\"higher_is_better\":true",
+            "\"higher_is_better\":false",
+            "higher_is_better of f_rate is Some(true), not Some(false)",
+        );
+    }
+
+    #[test]
+    fn a_missing_value_is_refused() {
+        check_refused("\"value\":31.0,", "", "missing field `value`");
+    }
+
+    #[test]
+    fn an_unknown_field_is_refused() {
+        check_refused("\"value\":31.0", "\"value\":31.0,\"note\":\"\"", "unknown field `note`");
+    }
+
+    #[test]
+    fn a_cut_file_is_refused() {
+        check_refused("\n  ]\n}", "", "EOF");
+    }
+
+    #[test]
+    fn two_rows_about_the_same_are_refused() {
+        let twice = vec![row(Metric::No, Some(1.0), 1), row(Metric::No, Some(2.0), 1)];
+        let error = RunReport::new(1, twice).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "no of kd-tree on main_road, task objects, slice all, is reported twice"
+        );
+    }
+}

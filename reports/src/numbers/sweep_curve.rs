@@ -1,0 +1,153 @@
+//! The points of a sweep as curves over its first parameter.
+
+use crate::numbers::sweep_score::{SweepScore, SweepScores, SweepTime};
+use crate::vocabulary::extent::Extent;
+
+/// What one detector reaches in one task over the values of the first parameter, all others being the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepCurve<'a> {
+    /// The other swept parameters, as `name = value`.
+    pub others: Vec<String>,
+    /// One for each value of the first parameter.
+    pub points: Vec<CurvePoint<'a>>,
+}
+
+/// One point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint<'a> {
+    /// The value of the first parameter as a number; its place among the values if one of these is none.
+    pub x: f64,
+    /// The value as it is written.
+    pub x_text: &'a str,
+    /// What was reached.
+    pub score: &'a SweepScore,
+    /// How long it took.
+    pub time: Option<&'a SweepTime>,
+}
+
+impl SweepScores {
+    /// The curves of all extents, detectors and tasks, in this order.
+    pub fn curves(&self) -> Vec<SweepCurve<'_>> {
+        let is_numeric = self.scores.iter().all(|it| number(&it.subject.values[0]).is_some());
+        let mut curves: Vec<SweepCurve<'_>> = Vec::new();
+        for score in &self.scores {
+            let others = self.others(score);
+            let fits = |curve: &SweepCurve<'_>| {
+                let first = curve.points[0].score;
+                curve.others == others
+                    && first.task == score.task
+                    && first.subject.detector == score.subject.detector
+                    && first.subject.extent == score.subject.extent
+            };
+            let place = curves.iter().position(fits).unwrap_or_else(|| {
+                curves.push(SweepCurve { others, points: Vec::new() });
+                curves.len() - 1
+            });
+            let x_text = score.subject.values[0].as_str();
+            let x = number(x_text).filter(|_| is_numeric).unwrap_or(curves[place].points.len() as f64);
+            let time = self.times.iter().find(|it| it.subject == score.subject);
+            curves[place].points.push(CurvePoint { x, x_text, score, time });
+        }
+        curves
+    }
+
+    /// The extents, in the order of the rows.
+    pub fn extents(&self) -> Vec<&Extent> {
+        let mut extents: Vec<&Extent> = self.scores.iter().map(|it| &it.subject.extent).collect();
+        extents.dedup();
+        extents
+    }
+
+    /// The last part of the name of the first parameter, with its unit.
+    pub fn axis_title(&self) -> String {
+        let name = short(&self.parameters[0]);
+        let units = [("_m", "m"), ("_deg", "degrees")];
+        let with_unit = units.iter().find_map(|(ending, unit)| {
+            let bare = name.strip_suffix(ending)?;
+            Some(format!("{} ({unit})", bare.replace('_', " ")))
+        });
+        with_unit.unwrap_or_else(|| name.replace('_', " "))
+    }
+
+    fn others(&self, score: &SweepScore) -> Vec<String> {
+        let swept = self.parameters.iter().zip(&score.subject.values).take(self.n_swept).skip(1);
+        swept.map(|(name, value)| format!("{} = {value}", short(name))).collect()
+    }
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|it: &f64| it.is_finite())
+}
+
+/// The last part of a full name.
+fn short(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or(name)
+}
+
+impl SweepCurve<'_> {
+    /// Place of the point with the highest rate, the first of several.
+    pub fn best(&self) -> Option<usize> {
+        highest(self.points.iter().map(|it| it.score.rate()))
+    }
+
+    /// Whether every point has cells, not all of one size.
+    pub fn sweeps_cells(&self) -> bool {
+        let sizes: Option<Vec<f64>> =
+            self.points.iter().map(|it| it.score.cells.as_ref().map(|it| it.cell_size_m)).collect();
+        sizes.is_some_and(|sizes| sizes.iter().any(|it| *it != sizes[0]))
+    }
+}
+
+/// Place of the highest value, the first of several; `None` if there is no value at all.
+pub(crate) fn highest(values: impl Iterator<Item = Option<f64>>) -> Option<usize> {
+    let defined = values.enumerate().filter_map(|(place, value)| Some((place, value?)));
+    let higher = |best: (usize, f64), it: (usize, f64)| if it.1 > best.1 { it } else { best };
+    defined.reduce(higher).map(|(place, _)| place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::sweep_score::tests::cell_sizes;
+
+    #[test]
+    fn a_sweep_of_one_parameter_is_one_curve_for_each_detector_and_task() {
+        let mut sweep =
+            cell_sizes(&[(5, Some(5), None, 0.1), (8, Some(1), None, 0.2), (8, Some(1), None, 0.3)]);
+        let mut vehicles: Vec<SweepScore> = sweep.scores.clone();
+        for it in &mut vehicles {
+            it.task = crate::vocabulary::task::Task::Vehicles;
+        }
+        sweep.scores.extend(vehicles);
+        let curves = sweep.curves();
+        assert_eq!(curves.len(), 2);
+        let xs: Vec<f64> = curves[0].points.iter().map(|it| it.x).collect();
+        assert_eq!(xs, [0.2, 0.4, 0.6]);
+        assert!(curves[0].points.iter().all(|it| it.time.is_some()));
+        // The first of two that are equally good.
+        assert_eq!((curves[0].best(), curves[0].sweeps_cells()), (Some(1), true));
+        assert_eq!(sweep.axis_title(), "cell size (m)");
+    }
+
+    #[test]
+    fn other_parameters_make_other_curves_and_words_have_places() {
+        let mut sweep = cell_sizes(&[(5, Some(5), None, 0.1), (8, Some(1), None, 0.2)]);
+        sweep.parameters = vec!["kd_tree.foreground".to_owned(), "hierarchical.grid.xi".to_owned()];
+        sweep.n_swept = 2;
+        let mut scores = Vec::new();
+        for (foreground, xi) in [("short", "2"), ("short", "3"), ("all", "2"), ("all", "3")] {
+            let mut score = sweep.scores[0].clone();
+            score.subject.values = vec![foreground.to_owned(), xi.to_owned()];
+            scores.push(score);
+        }
+        sweep.scores = scores;
+        let curves = sweep.curves();
+        assert_eq!(curves.iter().map(|it| it.others.join(", ")).collect::<Vec<_>>(), ["xi = 2", "xi = 3"]);
+        assert_eq!(
+            curves[1].points.iter().map(|it| (it.x, it.x_text)).collect::<Vec<_>>(),
+            [(0.0, "short"), (1.0, "all")]
+        );
+        assert!(!curves[0].sweeps_cells());
+        assert_eq!(sweep.axis_title(), "foreground");
+    }
+}

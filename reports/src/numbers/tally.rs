@@ -1,0 +1,283 @@
+//! Sums of a run, gathered from the rows of scans and matches: by subject, by slice, and by blocks of scans that are drawn
+//! together.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::numbers::average_precision::RankedDetection;
+use crate::numbers::blocks::{Blocks, DriveSecond};
+use crate::numbers::sums::{FalseObjects, Sums, Term};
+use crate::numbers::times::Times;
+use crate::rows::counts::Counts;
+use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome, range_m};
+use crate::rows::match_row::MatchRow;
+use crate::rows::scan_row::{ScanOutcome, ScanRow};
+use crate::rows::stage_row::StageRow;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
+
+/// Numbers of a run, gathered row by row.
+#[derive(Debug, Clone, Default)]
+pub struct Tally {
+    // All three in the order in which they were first seen.
+    datasets: Vec<String>,
+    tasks: Vec<Task>,
+    detectors: Vec<String>,
+    // Of each of `datasets`, the scans of each drive with the seconds they were taken in.
+    scans: Vec<BTreeMap<String, BTreeMap<u32, DriveSecond>>>,
+    // Of each of `datasets`.
+    times: Vec<Times>,
+    of_key: BTreeMap<Key, Gathered>,
+}
+
+/// Places of data set, task and detector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    dataset: usize,
+    task: Task,
+    detector: usize,
+}
+
+/// What one detector made of one data set in one task.
+#[derive(Debug, Clone)]
+pub(crate) struct Gathered {
+    pub(crate) n_scans: u64,
+    pub(crate) false_objects: FalseObjects,
+    counts: Option<Counts>,
+    // Whether whole drives or seconds are drawn shows when all scans are known; seconds serve for both.
+    slices: BTreeMap<Slice, BTreeMap<DriveSecond, Sums>>,
+    /// The detections that count, where they are ranked; nothing once one of them came without a score.
+    pub(crate) ranked: Option<Vec<RankedDetection>>,
+}
+
+impl Tally {
+    /// Adds what one detector made of one scan in one task.
+    pub fn add_scan(&mut self, row: &ScanRow) {
+        let key = self.key(&row.dataset, row.task, &row.detector);
+        let block = DriveSecond::of(&row.sequence, row.time_s);
+        let drives = &mut self.scans[key.dataset];
+        drives.entry(row.sequence.clone()).or_default().insert(row.scan, block.clone());
+        let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task));
+        gathered.n_scans += 1;
+        gathered.add_counts(numbers.counts);
+        if numbers.counts.fo().is_none() {
+            gathered.false_objects = FalseObjects::Unknown;
+        }
+        let sums = gathered.sums(Slice::All, &block);
+        let segmentation = &numbers.segmentation;
+        for (term, value) in [
+            (Term::Annotations, numbers.counts.no() as f64),
+            (Term::Matched, numbers.counts.tp() as f64),
+            (Term::False, numbers.counts.fo().unwrap_or(0) as f64),
+            (Term::IgnoredAnnotations, numbers.n_ignored_annotations as f64),
+            (Term::IgnoredDetections, numbers.n_ignored_detections as f64),
+            (Term::Unknowable, numbers.n_unknowable_detections as f64),
+            (Term::Split, segmentation.n_split as f64),
+            (Term::Holding, segmentation.n_holding as f64),
+            (Term::Joining, segmentation.n_joining as f64),
+            (Term::Touching, segmentation.n_touching as f64),
+            (Term::OverEntropy, segmentation.over_entropy_nats),
+            (Term::UnderEntropy, segmentation.under_entropy_nats),
+        ] {
+            sums.add(term, value);
+        }
+        let times_ms = numbers.least_latency_ms.zip(numbers.reference_ms);
+        if let Some((least_ms, reference_ms)) = times_ms.filter(|it| it.0 > 0.0 && it.1 > 0.0) {
+            sums.add(Term::TimedScans, 1.0);
+            sums.add(Term::LogTimeRatio, (least_ms / reference_ms).ln());
+            sums.add(Term::LogReference, reference_ms.ln());
+        }
+        if let Some(latency_ms) = numbers.latency_ms {
+            self.times[key.dataset].add_scan(key.task, key.detector, latency_ms);
+        }
+    }
+
+    /// Adds how long a stage of a detector took on a scan.
+    pub fn add_stage(&mut self, row: &StageRow) {
+        let dataset = self.dataset_place(&row.dataset);
+        let detector = place_of(&mut self.detectors, &row.detector);
+        self.times[dataset].add_stage(detector, &row.stage, row.time_ms);
+    }
+
+    /// Adds what became of an annotation, a detection or a pair of them, whose scan was added before. What is of another scan
+    /// is left out.
+    pub fn add_match(&mut self, row: &MatchRow) {
+        let key = self.key(&row.dataset, row.task, &row.detector);
+        let block = self.scans[key.dataset].get(&row.sequence).and_then(|scans| scans.get(&row.scan));
+        let Some(block) = block.cloned() else { return };
+        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task));
+        match &row.outcome {
+            MatchOutcome::Matched { annotation, detection, .. } => {
+                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
+                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Matched);
+                gathered.rank(detection, true);
+                if let Some(labelled) = &annotation.bounding_box {
+                    add_box_errors(gathered.sums(Slice::All, &block), labelled, &detection.bounding_box);
+                }
+            }
+            MatchOutcome::Missed { annotation, .. } => {
+                gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
+            }
+            MatchOutcome::False { detection, .. } => {
+                gathered.add_to_slices(&slices_of_detection(detection), &block, Term::False);
+                gathered.rank(detection, false);
+            }
+            MatchOutcome::Tall { found_by, .. } => {
+                gathered.add_to_slices(&[Slice::Tall], &block, Term::Annotations);
+                if found_by.is_some() {
+                    gathered.add_to_slices(&[Slice::Tall], &block, Term::Matched);
+                }
+            }
+            MatchOutcome::IgnoredAnnotation { .. }
+            | MatchOutcome::IgnoredDetection { .. }
+            | MatchOutcome::Unknowable { .. } => {}
+        }
+    }
+
+    fn key(&mut self, dataset: &str, task: Task, detector: &str) -> Key {
+        let dataset = self.dataset_place(dataset);
+        if !self.tasks.contains(&task) {
+            self.tasks.push(task);
+        }
+        Key { dataset, task, detector: place_of(&mut self.detectors, detector) }
+    }
+
+    fn dataset_place(&mut self, dataset: &str) -> usize {
+        let dataset = place_of(&mut self.datasets, dataset);
+        self.scans.resize(self.datasets.len(), BTreeMap::new());
+        self.times.resize(self.datasets.len(), Times::default());
+        dataset
+    }
+
+    /// Ids of the data sets, in the order in which they were seen.
+    pub fn datasets(&self) -> &[String] {
+        &self.datasets
+    }
+
+    /// The tasks, in the order in which they were seen.
+    pub fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    /// Names of the detectors, in the order in which they were seen.
+    pub fn detectors(&self) -> &[String] {
+        &self.detectors
+    }
+
+    /// What one detector has found so far on one data set in one task; `None` if no scan of the kind was evaluated.
+    pub fn counts(&self, dataset: &str, task: Task, detector: &str) -> Option<Counts> {
+        let dataset_idx = self.datasets.iter().position(|it| it == dataset)?;
+        self.gathered(dataset_idx, task, detector)?.counts
+    }
+
+    /// The times on each of the data sets.
+    pub(crate) fn times(&self) -> &[Times] {
+        &self.times
+    }
+
+    /// Which scans of each data set are drawn together, in the order of the data sets.
+    pub fn blocks(&self) -> Vec<Blocks> {
+        let seconds = |drives: &BTreeMap<String, BTreeMap<u32, DriveSecond>>| {
+            Blocks::of(drives.values().flat_map(BTreeMap::values).cloned())
+        };
+        self.scans.iter().map(seconds).collect()
+    }
+
+    /// All slices that detector `detector` has an object in, in the task `task`.
+    pub fn slices(&self, task: Task, detector: &str) -> BTreeSet<Slice> {
+        let is_asked = |key: &Key| key.task == task && self.detectors[key.detector] == detector;
+        let gathered = self.of_key.iter().filter(|(key, _)| is_asked(key));
+        gathered.flat_map(|(_, gathered)| gathered.slices.keys().copied()).collect()
+    }
+
+    pub(crate) fn gathered(&self, dataset_idx: usize, task: Task, detector: &str) -> Option<&Gathered> {
+        let detector = self.detectors.iter().position(|it| it == detector)?;
+        self.of_key.get(&Key { dataset: dataset_idx, task, detector })
+    }
+}
+
+impl Gathered {
+    fn of_task(task: Task) -> Self {
+        let ranked = task.ranks_detections().then(Vec::new);
+        Self { n_scans: 0, false_objects: FalseObjects::Known, counts: None, slices: BTreeMap::new(), ranked }
+    }
+
+    fn add_counts(&mut self, counts: Counts) {
+        match &mut self.counts {
+            None => self.counts = Some(counts),
+            Some(sum) => *sum += counts,
+        }
+    }
+
+    /// The sums of `slice`, with the places of their blocks; blocks without any are left out.
+    pub(crate) fn sums_of_blocks(&self, slice: &Slice, blocks: &Blocks) -> Vec<(usize, Sums)> {
+        let mut of_blocks: BTreeMap<usize, Sums> = BTreeMap::new();
+        for (second, sums) in self.slices.get(slice).into_iter().flatten() {
+            if let Some(place) = blocks.place_of(second) {
+                of_blocks.entry(place).or_default().add_times(sums, 1.0);
+            }
+        }
+        of_blocks.into_iter().collect()
+    }
+
+    /// The sum of `term` over everything.
+    pub(crate) fn total(&self, term: Term) -> f64 {
+        self.slices.get(&Slice::All).into_iter().flatten().map(|(_, sums)| sums.of(term)).sum()
+    }
+
+    fn sums(&mut self, slice: Slice, block: &DriveSecond) -> &mut Sums {
+        self.slices.entry(slice).or_default().entry(block.clone()).or_default()
+    }
+
+    fn add_to_slices(&mut self, slices: &[Slice], block: &DriveSecond, term: Term) {
+        for slice in slices {
+            self.sums(*slice, block).add(term, 1.0);
+        }
+    }
+
+    fn rank(&mut self, detection: &DetectionFacts, is_match: bool) {
+        match (detection.score, &mut self.ranked) {
+            (Some(score), Some(ranked)) => ranked.push(RankedDetection { score, is_match }),
+            (None, _) => self.ranked = None,
+            (_, None) => {}
+        }
+    }
+}
+
+fn place_of(names: &mut Vec<String>, name: &str) -> usize {
+    names.iter().position(|it| it == name).unwrap_or_else(|| {
+        names.push(name.to_owned());
+        names.len() - 1
+    })
+}
+
+fn slices_of_annotation(annotation: &AnnotationFacts) -> Vec<Slice> {
+    let mut slices = vec![Slice::Class(annotation.class), Slice::of_points(annotation.n_points)];
+    slices.extend(annotation.center_m().and_then(|it| Slice::of_range(range_m(it))));
+    slices.extend(annotation.occlusion.map(Slice::Occlusion));
+    slices.extend(annotation.is_truncated().then_some(Slice::Truncated));
+    slices
+}
+
+fn slices_of_detection(detection: &DetectionFacts) -> Vec<Slice> {
+    let mut slices = vec![Slice::of_points(detection.n_points)];
+    slices.extend(Slice::of_range(range_m(detection.bounding_box.center_m)));
+    slices
+}
+
+fn add_box_errors(sums: &mut Sums, labelled: &BoxFacts, found: &BoxFacts) {
+    let off_m = |of: fn(&BoxFacts) -> f32| f64::from(of(found)) - f64::from(of(labelled));
+    let along_x_m = off_m(|it| it.center_m[0]);
+    let along_y_m = off_m(|it| it.center_m[1]);
+    let turned_rad = off_m(|it| it.yaw_rad).rem_euclid(std::f64::consts::PI);
+    let turned_rad = turned_rad.min(std::f64::consts::PI - turned_rad);
+    for (term, value) in [
+        (Term::BoxPairs, 1.0),
+        (Term::CenterError, along_x_m.hypot(along_y_m)),
+        (Term::LengthError, off_m(|it| it.length_width_height_m[0]).abs()),
+        (Term::WidthError, off_m(|it| it.length_width_height_m[1]).abs()),
+        (Term::YawError, turned_rad.to_degrees()),
+    ] {
+        sums.add(term, value);
+    }
+}

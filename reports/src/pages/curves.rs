@@ -1,0 +1,39 @@
+//! Precision over recall, where detections have scores.
+
+use maud::{Markup, html};
+
+use super::markup::{Figure, FigureMarkup};
+use super::run_facts::{DatasetCurves, RunFacts};
+use crate::plots::recall_plot::recall_plot;
+use crate::plots::small_panel::key;
+use crate::plots::themed_svg::ThemedPanel;
+
+/// Nothing if no detection has a score, or false ones are unknown.
+pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+    if facts.curves.is_empty() {
+        return html! {};
+    }
+    let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
+    html! {
+        section #curves aria-labelledby="curves-title" {
+            h2 #curves-title { "Surer or more: vehicles by score" }
+            (FigureMarkup {
+                file_stem: "precision_recall",
+                title: "Precision over recall of vehicles",
+                panels: &panels,
+                key: &key(&facts.detectors()),
+                caption: html! {
+                    "Each detector from its surest detection of a vehicle alone (left) to all of them (right end). A curve ends "
+                    "where the detector itself ends. Up and to the right is better."
+                },
+                class: "",
+            }.render(files))
+        }
+    }
+}
+
+fn panel(facts: &RunFacts, curves: &DatasetCurves) -> ThemedPanel {
+    let is_simulated = facts.manifest.datasets.iter().any(|it| it.id == curves.dataset && it.simulated);
+    let title = if is_simulated { format!("{} (simulated)", curves.dataset) } else { curves.dataset.clone() };
+    recall_plot(&title, &curves.of_detectors)
+}

@@ -1,0 +1,182 @@
+//! What several sections of a page are made of.
+
+use maud::{Markup, PreEscaped, html};
+
+use crate::plots::themed_svg::{KeyEntry, ThemedPanel, sheet};
+use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
+use crate::tables::notes::Notes;
+
+/// A picture that is also saved as a file of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of the file, without folder.
+    pub file_name: String,
+    /// The document.
+    pub svg: String,
+}
+
+/// Panels with what is said about them.
+pub(super) struct FigureMarkup<'a> {
+    pub(super) file_stem: &'a str,
+    pub(super) title: &'a str,
+    pub(super) panels: &'a [ThemedPanel],
+    pub(super) key: &'a [KeyEntry],
+    pub(super) caption: Markup,
+    /// Additional class of the panels.
+    pub(super) class: &'a str,
+}
+
+impl FigureMarkup<'_> {
+    /// The figure on a page; as a file it is added to `files`.
+    pub(super) fn render(self, files: &mut Vec<Figure>) -> Markup {
+        // Names come from files, too.
+        let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
+        let file_name = format!("{}.svg", self.file_stem.chars().map(safe).collect::<String>());
+        files.push(Figure { svg: sheet(self.panels, self.key, self.title), file_name });
+        html! {
+            figure {
+                (key(self.key))
+                div class={ "panels " (self.class) } {
+                    @for panel in self.panels { (PreEscaped(panel.inline())) }
+                }
+                figcaption { (self.caption) }
+            }
+        }
+    }
+}
+
+/// What the lines and markers of a figure stand for.
+pub(super) fn key(entries: &[KeyEntry]) -> Markup {
+    html! {
+        @if entries.len() > 1 {
+            ul.key {
+                @for entry in entries {
+                    li { (PreEscaped(entry.swatch.inline_hidden())) " " (entry.name) }
+                }
+            }
+        }
+    }
+}
+
+/// A table that scrolls sideways where it is too wide, by keyboard too.
+pub(super) fn table(grid: &Grid, notes: &Notes, label: &str) -> Markup {
+    let fraction_widths = grid.fraction_widths();
+    let groups = grid.groups();
+    let n_row_heads = grid.columns.iter().take_while(|it| it.alignment == Alignment::Left).count();
+    html! {
+        div.scroll tabindex="0" role="region" aria-label=(label) {
+            table {
+                caption.hidden { (label) }
+                thead {
+                    @if groups.iter().any(|(name, _)| name.is_some()) {
+                        tr.groups {
+                            @for (name, n_columns) in &groups {
+                                @if let Some(name) = name {
+                                    th scope="colgroup" colspan=(n_columns) { (name) }
+                                } @else {
+                                    td colspan=(n_columns) {}
+                                }
+                            }
+                        }
+                    }
+                    tr {
+                        @for (idx, column) in grid.columns.iter().enumerate() {
+                            th scope="col" class=(column_class(grid, idx)) { (column.title) }
+                        }
+                    }
+                }
+                tbody {
+                    @for line in &grid.lines {
+                        tr class=(line_class(line)) {
+                            @for (idx, cell) in line.cells.iter().enumerate() {
+                                @let content = cell_markup(cell, notes, fraction_widths[idx], grid.columns[idx].alignment);
+                                @if idx < n_row_heads && !cell.text.is_empty() {
+                                    th scope="row" class=(column_class(grid, idx)) { (content) }
+                                } @else {
+                                    td class=(column_class(grid, idx)) { (content) }
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The sentences beneath a table.
+pub(super) fn sentences(notes: &Notes) -> Markup {
+    html! {
+        details.notes {
+            summary { "What the columns and signs mean" }
+            ul { @for sentence in &notes.sentences { li { (sentence) } } }
+        }
+    }
+}
+
+fn column_class(grid: &Grid, idx: usize) -> String {
+    let alignment = match grid.columns[idx].alignment {
+        Alignment::Left => "text",
+        Alignment::Decimal => "number",
+    };
+    let begins = idx > 0 && grid.columns[idx].group != grid.columns[idx - 1].group;
+    if begins { format!("{alignment} begins") } else { alignment.to_owned() }
+}
+
+fn line_class(line: &Line) -> &'static str {
+    match line.kind {
+        LineKind::Dataset => "dataset",
+        // What says more about the line above, but not another detector's numbers.
+        LineKind::Detail if !line.cells[0].text.is_empty() => "detail",
+        LineKind::Detail => "more",
+        LineKind::Overall => "overall",
+        LineKind::Paper => "paper",
+    }
+}
+
+fn cell_markup(cell: &Cell, notes: &Notes, fraction_width: usize, alignment: Alignment) -> Markup {
+    let sign = notes.sign(cell);
+    // Numbers stand below each other by their points: what has fewer digits behind it is filled up with blanks as wide.
+    let missing = fraction_width.saturating_sub(cell.fraction().chars().count());
+    let is_filled = alignment == Alignment::Decimal && !cell.is_interval && !cell.text.is_empty();
+    let blanks: String = match (is_filled, cell.fraction().is_empty()) {
+        (false, _) => String::new(),
+        (true, _) if missing == 0 => String::new(),
+        (true, true) => format!("\u{2008}{}", "\u{2007}".repeat(missing - 1)),
+        (true, false) => "\u{2007}".repeat(missing),
+    };
+    html! {
+        @if cell.is_interval { span.interval { (cell.text) } } @else { (cell.text) }
+        @if !sign.is_empty() { sup { (sign) } }
+        @if let Some(tag) = Notes::tag(cell) { " " span.tag { (tag) } }
+        (blanks)
+    }
+}
+
+/// `text` as a word of a shell's command line.
+pub(super) fn shell_word(text: &str) -> String {
+    let is_plain = |it: char| it.is_ascii_alphanumeric() || "-_=./:,+@%~".contains(it);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+/// A block of commands.
+pub(super) fn commands(lines: &str, label: &str) -> Markup {
+    html! { pre tabindex="0" role="region" aria-label=(label) { code { (lines) } } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_a_command_line_survive_a_shell() {
+        assert_eq!(
+            ["run", "0..500:5", "a b", "it's", "", "x<y"].map(shell_word),
+            ["run", "0..500:5", "'a b'", r"'it'\''s'", "''", "'x<y'"]
+        );
+    }
+}

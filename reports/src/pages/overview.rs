@@ -1,0 +1,116 @@
+//! The top of the page: what was run, who leads, by how much and how surely.
+
+use maud::{Markup, html};
+
+use super::markup::{Figure, FigureMarkup};
+use super::run_facts::RunFacts;
+use crate::plots::standing_plot::{StandingRow, standing_plot};
+use crate::tables::paper_figures::{PAPER_TABLES, Recordings};
+use crate::verdicts::standing::{Standing, origin_of_run};
+use crate::vocabulary::metric::Metric;
+use crate::vocabulary::origin::Origin;
+
+/// What was run, in a line.
+pub(super) fn heading(facts: &RunFacts) -> String {
+    let datasets: Vec<&str> = facts.manifest.datasets.iter().map(|it| it.id.as_str()).collect();
+    format!("{} on {}", listed(&facts.detectors()), listed(&datasets))
+}
+
+/// "a, b and c".
+fn listed(names: &[&str]) -> String {
+    match names.split_last() {
+        None => "nothing".to_owned(),
+        Some((only, [])) => (*only).to_owned(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+    }
+}
+
+pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+    let n_scans: u64 = facts.manifest.datasets.iter().map(|it| it.n_scans).sum();
+    let origin = origin_of_run(&facts.manifest);
+    let plots: Vec<_> = facts.standings.iter().map(|it| plot(facts, it)).collect();
+    let has_paper = facts.standings.iter().any(|it| paper_rows(facts, it).is_some());
+    html! {
+        header {
+            p.kicker { "scanbench" @if origin != Origin::Recorded { " " span.tag { (origin.name()) } } }
+            h1 {
+                @for word in heading(facts).split(' ') { span.word { (word) } " " }
+            }
+            p.facts {
+                (n_scans) " scans · " (facts.manifest.created.replace('T', " ").replace('Z', " UTC")) " · "
+                (facts.manifest.machine.cpu_model) " · scanbench " (facts.manifest.scanbench_version)
+            }
+        }
+        section #verdict aria-label="Verdict" {
+            div.verdict {
+                @for standing in &facts.standings { p { (unbroken(&standing.sentence())) } }
+                @if let Some(sentence) = facts.speeds.sentence() { p { (unbroken(&sentence)) } }
+            }
+            (FigureMarkup {
+                file_stem: "standing",
+                title: &format!("{} ({}){}", heading(facts), origin.name(), caveat(facts, "; bars: intervals")),
+                panels: &plots,
+                key: &[],
+                caption: html! {
+                    "Rates over all data sets together with 95 % intervals (bars" (caveat(facts, ",")) "). "
+                    @if has_paper {
+                        "Hollow diamonds: what the papers state for their detectors of the same kind, on other scans, for orientation. "
+                    }
+                    @if origin != Origin::Recorded { "Scans: " (origin.name()) "." }
+                },
+                class: "wide",
+            }.render(files))
+        }
+    }
+}
+
+/// What is to be said of the intervals, after `before`; nothing if there is nothing to be said.
+pub(super) fn caveat(facts: &RunFacts, before: &str) -> String {
+    let caveat = facts.caveat_of_intervals();
+    caveat.map_or_else(String::new, |it| format!("{before} {it}, too few for anything to rest on them"))
+}
+
+/// Units stay with their numbers.
+fn unbroken(sentence: &str) -> String {
+    [" %", " ms", " ×", " points"]
+        .iter()
+        .fold(sentence.to_owned(), |text, unit| text.replace(unit, &format!("\u{a0}{}", unit.trim_start())))
+}
+
+fn plot(facts: &RunFacts, standing: &Standing) -> crate::plots::themed_svg::ThemedPanel {
+    let paper = paper_rows(facts, standing);
+    let percent = |it: f64| 100.0 * it;
+    let row = |name: &&str| {
+        let place = standing.places.iter().find(|it| it.detector == *name);
+        StandingRow {
+            name: (*name).to_owned(),
+            detector_idx: facts.detector_idx(name),
+            percent: place.and_then(|it| it.value).map(percent),
+            interval_percent: place.and_then(|it| it.interval).map(|it| it.ends.map(percent)),
+            paper_percent: paper.as_ref().and_then(|paper| paper(name)),
+        }
+    };
+    let rows: Vec<StandingRow> = facts.detectors().iter().map(row).collect();
+    let rate = match standing.metric {
+        Metric::FRate => "F-rate (%)",
+        _ => "recall (%)",
+    };
+    let rate = match facts.caveat_of_intervals() {
+        Some(caveat) => format!("{rate}, intervals {caveat}"),
+        None => rate.to_owned(),
+    };
+    standing_plot(&format!("Task {}", standing.task), &rate, &rows)
+}
+
+/// What the paper of a task states for a detector, on all recordings or on those that the run is of; `None` if there is no
+/// such paper, or it states another rate.
+fn paper_rows<'a>(facts: &RunFacts, standing: &'a Standing) -> Option<impl Fn(&str) -> Option<f64> + 'a> {
+    let table = PAPER_TABLES.iter().find(|it| it.task == standing.task)?;
+    let is_kitti = facts.manifest.datasets.iter().all(|it| it.format.contains("kitti"));
+    let recordings = if is_kitti { Recordings::Kitti } else { Recordings::Both };
+    let row = table.rows.iter().find(|it| it.recordings == recordings)?;
+    let states = move |detector: &str| Some(table.score_beside(row, detector)?.f_rate_percent);
+    let is_stated = standing.metric == Metric::FRate
+        && standing.places.iter().any(|it| table.score_beside(row, &it.detector).is_some());
+    is_stated.then_some(states)
+}

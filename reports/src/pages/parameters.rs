@@ -1,0 +1,49 @@
+//! The manifest: everything that decides the numbers.
+
+use maud::{Markup, html};
+
+use super::markup::commands;
+use crate::run_folder::manifest::Manifest;
+
+pub(super) fn parameters(manifest: &Manifest) -> Markup {
+    let git = manifest.git.as_ref().map_or_else(
+        || "not known".to_owned(),
+        |it| format!("{}{}", it.commit, if it.dirty { ", with changes" } else { "" }),
+    );
+    let facts = [
+        ("began", manifest.created.clone()),
+        (
+            "scanbench",
+            format!("{}, scoring version {}", manifest.scanbench_version, manifest.scoring_version),
+        ),
+        ("commit", git),
+        ("compiler", manifest.rustc_version.clone()),
+        (
+            "machine",
+            format!(
+                "{}, {} cores, {}",
+                manifest.machine.cpu_model, manifest.machine.n_cores, manifest.machine.os
+            ),
+        ),
+        ("matched by", manifest.matching_criterion.clone()),
+        (
+            "not counted",
+            format!(
+                "annotations with fewer than {} points or beyond {} m",
+                manifest.ignored.min_points, manifest.ignored.max_range_m
+            ),
+        ),
+        ("warm-up", format!("{} detections for each detector", manifest.n_warmup_detections)),
+        ("repetitions", format!("{} of each detection, of which the first counts", manifest.n_repeats)),
+    ];
+    html! {
+        section #manifest aria-labelledby="manifest-title" {
+            h2 #manifest-title { "Manifest" }
+            dl { @for (name, value) in facts { div { dt { (name) } dd { (value) } } } }
+            details {
+                summary { "manifest.json, with every parameter" }
+                (commands(manifest.to_json().trim_end(), "manifest.json"))
+            }
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Rates over the range from the sensor.
+
+use maud::{Markup, html};
+
+use super::markup::{Figure, FigureMarkup};
+use super::overview::caveat;
+use super::run_facts::{RunFacts, TaskRanges};
+use crate::plots::range_plot::range_plot;
+use crate::plots::small_panel::key;
+use crate::verdicts::standing::origin_of_run;
+
+pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+    let key = key(&facts.detectors());
+    let origin = origin_of_run(&facts.manifest).name();
+    let undefined = "Precision and F-rate are undefined: not every class of object is annotated, so false objects cannot be \
+                     known. ";
+    let together = if facts.manifest.datasets.len() > 1 { ", all data sets together" } else { "" };
+    html! {
+        section #range aria-labelledby="range-title" {
+            h2 #range-title { "Near and far" }
+            @for of_task in &facts.ranges {
+                @let panels: Vec<_> =
+                    of_task.rates.iter().map(|(rate, rates)| range_plot(rate, &of_task.bins, rates)).collect();
+                h3 { "Task " (of_task.task) }
+                (FigureMarkup {
+                    file_stem: &format!("range_{}", of_task.task),
+                    title: &format!("Rates over range, task {} ({origin}){}", of_task.task, caveat(facts, "; bars: intervals")),
+                    panels: &panels,
+                    key: &key,
+                    caption: html! {
+                        "By distance from the sensor on the ground plan" (together) " (" (origin)
+                        "), with 95 % intervals" (caveat(facts, "")) ". An annotation counts where it is, a false detection where it was made. "
+                        "Annotations that count: " (annotations(of_task)) ". "
+                        @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
+                    },
+                    class: "",
+                }.render(files))
+            }
+        }
+    }
+}
+
+/// How many there are in each bin.
+fn annotations(of_task: &TaskRanges) -> String {
+    let bins = of_task.bins.iter().zip(&of_task.n_annotations);
+    let bins = bins.map(|(bin, n)| format!("{n} within {} m", bin.replace('-', "–")));
+    bins.collect::<Vec<_>>().join(", ")
+}

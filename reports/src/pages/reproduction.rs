@@ -1,0 +1,92 @@
+//! How to make the run again, and how to look into it.
+
+use maud::{Markup, html};
+
+use super::markup::{commands, shell_word};
+use super::run_facts::RunFacts;
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
+
+pub(super) fn reproduction(facts: &RunFacts) -> Markup {
+    let manifest = &facts.manifest;
+    html! {
+        section #reproduce aria-labelledby="reproduce-title" {
+            h2 #reproduce-title { "Make it again" }
+            (commands(&command_lines(manifest), "Commands that repeat the run"))
+            @match &manifest.git {
+                Some(git) if git.dirty => p { "The source had changes beyond that commit, so the same numbers are not sure." },
+                Some(_) => p { "Numbers come out the same to the last digit, times do not." },
+                None => p { "The commit that the program was built from is not known." },
+            }
+            (data_table(manifest))
+            @if facts.has_recording { (recording(manifest)) }
+        }
+    }
+}
+
+fn command_lines(manifest: &Manifest) -> String {
+    let mut lines =
+        manifest.git.as_ref().map_or_else(String::new, |git| format!("git checkout {}\n", git.commit));
+    let arguments: Vec<String> = manifest.argv.iter().skip(1).map(|it| shell_word(it)).collect();
+    lines.push_str("cargo run --release -- ");
+    lines.push_str(&arguments.join(" "));
+    lines
+}
+
+fn data_table(manifest: &Manifest) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Data of the run" {
+            table.data {
+                caption.hidden { "Data of the run" }
+                thead { tr {
+                    @for title in ["data set", "scans", "sensor", "what the scans are made of", "licence"] {
+                        th scope="col" class=(if title == "scans" { "number" } else { "text" }) { (title) }
+                    }
+                } }
+                tbody {
+                    @for entry in &manifest.datasets {
+                        tr {
+                            th.text scope="row" { (entry.id) @if entry.simulated { " " span.tag { "simulated" } } }
+                            td.number { (entry.n_scans) @if !entry.skipped_scans.is_empty() { " (" (entry.skipped_scans.len()) " damaged)" } }
+                            td.text { (entry.sensor) }
+                            td.text { (made_of(manifest, entry)) }
+                            td.text { (entry.licence.as_deref().unwrap_or("–")) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn made_of(manifest: &Manifest, entry: &DatasetEntry) -> Markup {
+    let selection = entry.selection.as_ref().map(|it| format!(", scans {it}")).unwrap_or_default();
+    html! {
+        @match &entry.simulation {
+            Some(simulation) => {
+                "simulator version " (simulation.simulator_version) ", street " (simulation.street)
+                @if let Some(seed) = manifest.seeds.get(&entry.id) { ", seed " (seed) }
+            },
+            None => { (entry.format) },
+        }
+        (selection)
+        @match &entry.checksum {
+            Some(checksum) => { ", SHA-256 " code { (checksum) } },
+            None => ", checksum not known",
+        }
+    }
+}
+
+fn recording(manifest: &Manifest) -> Markup {
+    // The library says its own version, maybe with its name before it.
+    let version = manifest.rerun_version.as_deref().unwrap_or_default();
+    html! {
+        div.recording {
+            h3 { "Every stage on every scan" }
+            p { "The recording " a href="run.rrd" { "run.rrd" } " opens in the Rerun viewer, on the desktop or in a browser:" }
+            (commands(
+                &format!("pip install rerun-sdk=={version}\nrerun run.rrd\nrerun --web-viewer run.rrd"),
+                "Commands that open the recording"
+            ))
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! All that a page says about a run, gathered from its directory without holding all rows at once.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use crate::files::archive::ArchiveError;
+use crate::files::csv_rows::{each_row, read_rows};
+use crate::numbers::blocks::BlockCount;
+use crate::numbers::precision_recall_row::PrecisionRecallRow;
+use crate::numbers::run_report::{RunReport, Subject};
+use crate::numbers::sums::Term;
+use crate::numbers::tally::Tally;
+use crate::plots::range_plot::{RateInRange, RatesOverRange};
+use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
+use crate::rows::match_row::MatchRow;
+use crate::rows::scan_row::{ScanOutcome, ScanRow};
+use crate::run_folder::manifest::Manifest;
+use crate::run_folder::run_directory::{
+    MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
+};
+use crate::run_folder::run_target::MANIFEST_JSON;
+use crate::uncertainty::bootstrap::Distribution;
+use crate::uncertainty::sample::{Draw, Question};
+use crate::verdicts::standing::{Speeds, Standing, speeds, standings};
+use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::metric::Metric;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
+use crate::worst::places::{WorstPlace, WorstPlaces};
+use crate::worst::points::WorstPoints;
+
+/// What a page is made of.
+#[derive(Debug)]
+pub(super) struct RunFacts {
+    pub(super) manifest: Manifest,
+    pub(super) report: RunReport,
+    pub(super) standings: Vec<Standing>,
+    pub(super) speeds: Speeds,
+    /// The blocks of scans that intervals over all data sets together are drawn from.
+    pub(super) blocks: Option<BlockCount>,
+    /// Task by task.
+    pub(super) ranges: Vec<TaskRanges>,
+    /// Data set by data set.
+    pub(super) curves: Vec<DatasetCurves>,
+    /// Times of all scans in milliseconds, ascending, of every detector.
+    pub(super) times_ms: Vec<(String, Vec<f64>)>,
+    /// Median times of the stages in milliseconds, of every detector.
+    pub(super) stages_ms: Vec<(String, Vec<(String, f64)>)>,
+    pub(super) worst: WorstPlaces<()>,
+    /// All boxes of the scans that a worst mistake is in.
+    pub(super) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
+    pub(super) points: Option<WorstPoints>,
+    /// Whether there is a recording for the viewer.
+    pub(super) has_recording: bool,
+}
+
+/// Rates over range in one task.
+#[derive(Debug)]
+pub(super) struct TaskRanges {
+    pub(super) task: Task,
+    /// Names of the bins in metres, the nearest first.
+    pub(super) bins: Vec<String>,
+    /// Number of annotations that count in each.
+    pub(super) n_annotations: Vec<u64>,
+    /// Name of the rate, and its values for every detector and bin.
+    pub(super) rates: Vec<(&'static str, Vec<RatesOverRange>)>,
+}
+
+/// Precision over recall on one data set.
+#[derive(Debug)]
+pub(super) struct DatasetCurves {
+    pub(super) dataset: String,
+    pub(super) task: Task,
+    /// Recall and precision, from the highest score on, of every detector.
+    pub(super) of_detectors: Vec<(String, Vec<(f64, f64)>)>,
+}
+
+/// Data set, drive and number.
+pub(super) type ScanName = (String, String, u32);
+
+/// A box in a scan.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SeenBox {
+    pub(super) task: Task,
+    /// Whose detection; `None` for an annotation.
+    pub(super) detector: Option<String>,
+    pub(super) id: u64,
+    pub(super) bounding_box: BoxFacts,
+}
+
+impl RunFacts {
+    /// Reads the run in `directory`.
+    pub(super) fn read(directory: &Path) -> Result<Self, ArchiveError> {
+        let manifest = Manifest::read(&directory.join(MANIFEST_JSON))?;
+        let report = RunReport::read(&directory.join(REPORT_JSON))?;
+        let detectors: Vec<String> = manifest.detectors.iter().map(|it| it.name.clone()).collect();
+        let mut tally = Tally::default();
+        let mut times_ms: Vec<(String, Vec<f64>)> =
+            detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
+        let mut first_task = None;
+        each_row(&directory.join(SCANS_CSV), |row: ScanRow| {
+            tally.add_scan(&row);
+            // Every task has a row about the same detection.
+            let is_first = *first_task.get_or_insert(row.task) == row.task;
+            let times = times_ms.iter_mut().find(|(name, _)| is_first && *name == row.detector);
+            if let (Some((_, times)), ScanOutcome::Evaluated(numbers)) = (times, &row.outcome) {
+                times.extend(numbers.latency_ms.filter(|it| *it > 0.0));
+            }
+        })?;
+        for (_, times) in &mut times_ms {
+            times.sort_by(f64::total_cmp);
+        }
+        let matches = directory.join(MATCHES_CSV);
+        let mut worst = WorstPlaces::default();
+        each_row(&matches, |row: MatchRow| {
+            tally.add_match(&row);
+            worst.add(&row, |_| ());
+        })?;
+        Ok(Self {
+            standings: standings(&tally, &manifest, &report),
+            speeds: speeds(&manifest, &report),
+            blocks: tally.draw().iter().map(Draw::blocks).reduce(BlockCount::with),
+            ranges: tally.tasks().iter().filter_map(|task| task_ranges(&tally, *task, &detectors)).collect(),
+            curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),
+            stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(&report, &manifest, it))).collect(),
+            boxes: boxes_of(&matches, &worst)?,
+            points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
+            has_recording: directory.join("run.rrd").is_file(),
+            times_ms,
+            worst,
+            manifest,
+            report,
+        })
+    }
+
+    /// What is to be said of intervals over all data sets together; `None` if nothing is.
+    pub(super) fn caveat_of_intervals(&self) -> Option<String> {
+        self.blocks.and_then(BlockCount::caveat)
+    }
+
+    /// Place of `detector` in the order of the run.
+    pub(super) fn detector_idx(&self, detector: &str) -> usize {
+        self.manifest.detectors.iter().position(|it| it.name == detector).unwrap_or(0)
+    }
+
+    /// Names of the detectors in the order of the run.
+    pub(super) fn detectors(&self) -> Vec<&str> {
+        self.manifest.detectors.iter().map(|it| it.name.as_str()).collect()
+    }
+}
+
+fn task_ranges(tally: &Tally, task: Task, detectors: &[String]) -> Option<TaskRanges> {
+    let is_range = |it: &Slice| matches!(it, Slice::Range(_));
+    let slices: BTreeSet<Slice> =
+        detectors.iter().flat_map(|it| tally.slices(task, it)).filter(is_range).collect();
+    let draws = tally.draw();
+    let sample = |detector: &str, slice: Slice| {
+        tally.sample(&Question { dataset: OVERALL, task, detector, slice }, &draws)
+    };
+    // They are the same for every detector.
+    let n_annotations = |&slice: &Slice| {
+        let of_detectors = detectors.iter().filter_map(|it| sample(it, slice));
+        of_detectors.map(|it| it.total.of(Term::Annotations) as u64).max().unwrap_or(0)
+    };
+    let rate = |detector: &str, slice: Slice, metric: &Metric| {
+        let sample = sample(detector, slice)?;
+        let interval = Distribution::new(sample.resampled_values(metric), sample.blocks)
+            .map(|it| it.interval().ends.map(|it| 100.0 * it));
+        Some(RateInRange { percent: 100.0 * sample.value(metric)?, interval_percent: interval })
+    };
+    let of_detectors = |metric: &Metric| {
+        let of_detector = |it: &String| {
+            let rates = slices.iter().map(|slice| rate(it, *slice, metric));
+            RatesOverRange { detector: it.clone(), rates: rates.collect() }
+        };
+        detectors.iter().map(of_detector).collect::<Vec<_>>()
+    };
+    let rates = [("precision", Metric::Precision), ("recall", Metric::Recall), ("F-rate", Metric::FRate)];
+    let rates = rates.into_iter().map(|(name, metric)| (name, of_detectors(&metric)));
+    // What is undefined everywhere, as precision where false objects are unknown, is not drawn.
+    let is_defined =
+        |(_, rates): &(_, Vec<RatesOverRange>)| rates.iter().flat_map(|it| &it.rates).any(Option::is_some);
+    let rates: Vec<_> = rates.filter(is_defined).collect();
+    let bins = slices.iter().map(|it| it.name().trim_start_matches("range/").to_owned()).collect();
+    let n_annotations = slices.iter().map(n_annotations).collect();
+    (!rates.is_empty()).then_some(TaskRanges { task, bins, n_annotations, rates })
+}
+
+fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurves> {
+    let mut all: Vec<DatasetCurves> = Vec::new();
+    for row in rows {
+        let (dataset, task, detector) = row.subject();
+        let Some(place) = row.place() else { continue };
+        let known = all.iter().position(|it| it.dataset == dataset && it.task == task);
+        let curves_idx = known.unwrap_or_else(|| {
+            let of_detectors = detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
+            all.push(DatasetCurves { dataset: dataset.to_owned(), task, of_detectors });
+            all.len() - 1
+        });
+        let curves = &mut all[curves_idx];
+        if let Some((_, places)) = curves.of_detectors.iter_mut().find(|(name, _)| name == detector) {
+            places.push(place);
+        }
+    }
+    all
+}
+
+fn stages_of(report: &RunReport, manifest: &Manifest, detector: &str) -> Vec<(String, f64)> {
+    let subject = report.first_task().map(|task| Subject::of_all(manifest.extent(), task, detector));
+    let rows = report.rows().iter().chain(report.overall());
+    let rows = rows.filter(|it| subject.as_ref() == Some(&it.subject));
+    let stage = rows.filter_map(|it| match &it.metric {
+        Metric::StageP50(stage) => Some((stage.clone(), it.value()?)),
+        _ => None,
+    });
+    stage.collect()
+}
+
+/// The boxes of all scans that a mistake of `worst` is in; each once for every task.
+fn boxes_of(
+    matches: &Path,
+    worst: &WorstPlaces<()>,
+) -> Result<BTreeMap<ScanName, Vec<SeenBox>>, ArchiveError> {
+    let places = worst.lists().flat_map(|(_, places)| places);
+    let mut boxes: BTreeMap<ScanName, Vec<SeenBox>> = places.map(|it| (scan_name(it), Vec::new())).collect();
+    each_row(matches, |row: MatchRow| {
+        let name = (row.dataset.clone(), row.sequence.clone(), row.scan);
+        let Some(boxes) = boxes.get_mut(&name) else { return };
+        let (annotation, detection) = match row.outcome {
+            MatchOutcome::Matched { annotation, detection, .. } => (Some(annotation), Some(detection)),
+            MatchOutcome::Missed { annotation, .. } | MatchOutcome::IgnoredAnnotation { annotation, .. } => {
+                (Some(annotation), None)
+            }
+            MatchOutcome::Tall { annotation, found_by } => {
+                (Some(annotation), found_by.map(|it| it.detection))
+            }
+            MatchOutcome::False { detection, .. }
+            | MatchOutcome::IgnoredDetection { detection, .. }
+            | MatchOutcome::Unknowable { detection } => (None, Some(detection)),
+        };
+        if let Some((id, bounding_box)) = annotation.and_then(|it| Some((it.id, it.bounding_box?))) {
+            // Every detector has a row about it.
+            let seen = SeenBox { task: row.task, detector: None, id, bounding_box };
+            if !boxes.contains(&seen) {
+                boxes.push(seen);
+            }
+        }
+        if let Some(detection) = detection {
+            let (id, bounding_box) = (detection.id, detection.bounding_box);
+            boxes.push(SeenBox { task: row.task, detector: Some(row.detector), id, bounding_box });
+        }
+    })?;
+    Ok(boxes)
+}
+
+/// The scan of a mistake.
+pub(super) fn scan_name(place: &WorstPlace<()>) -> ScanName {
+    (place.object.dataset.clone(), place.object.sequence.clone(), place.object.scan)
+}

@@ -1,0 +1,263 @@
+//! The page of a run.
+
+use std::io::ErrorKind;
+use std::path::Path;
+
+use maud::html;
+
+use super::curves::curves;
+use super::document::document;
+use super::markup::Figure;
+use super::overview::{heading, overview};
+use super::parameters::parameters;
+use super::ranges::ranges;
+use super::reproduction::reproduction;
+use super::run_facts::RunFacts;
+use super::task_tables::task_tables;
+use super::times::times;
+use super::worst::worst;
+use crate::files::archive::ArchiveError;
+use crate::files::whole_file::write_whole;
+use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
+use crate::tables::task_table::{TableError, task_tables as tables_of};
+
+/// The page of a run, and its figures as files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunPage {
+    /// The page.
+    pub html: String,
+    /// What goes into the folder [`FIGURES`].
+    pub figures: Vec<Figure>,
+}
+
+/// Why there is no page.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    /// A file of the run cannot be read, or the page not be written.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// The files of the run do not fit together.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+impl RunPage {
+    /// The page of the run in `directory`, made of its files alone.
+    ///
+    /// # Errors
+    ///
+    /// [`PageError`] if a file is missing or damaged, or files do not fit together.
+    pub fn of(directory: &Path) -> Result<Self, PageError> {
+        let facts = RunFacts::read(directory)?;
+        let tables = tables_of(&facts.report, &facts.manifest)?;
+        let mut figures = Vec::new();
+        let sections = html! {
+            (overview(&facts, &mut figures))
+            (task_tables(&tables))
+            (ranges(&facts, &mut figures))
+            (curves(&facts, &mut figures))
+            (times(&facts, &mut figures))
+            (worst(&facts))
+            (reproduction(&facts))
+            (parameters(&facts.manifest))
+        };
+        let html = document(&heading(&facts), &SECTIONS, &sections).into_string();
+        Ok(Self { html, figures })
+    }
+
+    /// Writes the page and its figures into `directory`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError::Write`] if they cannot be written.
+    pub fn write(&self, directory: &Path) -> Result<(), ArchiveError> {
+        let folder = directory.join(FIGURES);
+        match std::fs::create_dir(&folder) {
+            Err(source) if source.kind() != ErrorKind::AlreadyExists => {
+                return Err(ArchiveError::Write { path: folder, source });
+            }
+            _ => {}
+        }
+        for figure in &self.figures {
+            write_whole(&folder.join(&figure.file_name), figure.svg.as_bytes())?;
+        }
+        write_whole(&directory.join(REPORT_HTML), self.html.as_bytes())
+    }
+}
+
+/// Where the links at the top lead.
+const SECTIONS: [(&str, &str); 8] = [
+    ("verdict", "Verdict"),
+    ("tables", "Tables"),
+    ("range", "Range"),
+    ("curves", "Curves"),
+    ("times", "Times"),
+    ("worst", "Worst"),
+    ("reproduce", "Make it again"),
+    ("manifest", "Manifest"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pages::sample_run::{SampleRun, USUAL};
+    use crate::run_folder::run_directory::MATCHES_CSV;
+    use crate::vocabulary::task::Task;
+
+    /// The page with blanks that may break.
+    fn page(run: &SampleRun<'_>) -> RunPage {
+        let page = RunPage::of(run.write().path()).unwrap();
+        RunPage { html: page.html.replace('\u{a0}', " "), ..page }
+    }
+
+    fn names(page: &RunPage) -> Vec<&str> {
+        page.figures.iter().map(|it| it.file_name.as_str()).collect()
+    }
+
+    #[track_caller]
+    fn check_holds(text: &str, parts: &[&str]) {
+        for part in parts {
+            assert!(text.contains(part), "no {part} in {text}");
+        }
+    }
+
+    #[test]
+    fn a_page_says_who_leads_and_by_how_much() {
+        let page = page(&USUAL);
+        check_holds(
+            &page.html,
+            &[
+                "Task objects (simulated): hierarchical leads with an F-rate of 90.0 %",
+                "5.8 points above kd-tree",
+                "10 × faster than kd-tree (40.0 ms) and 100 × faster than pca (400 ms)",
+                "cargo run --release -- ",
+                "paper: Budapest #1",
+                "href=\"#curves\"",
+            ],
+        );
+        let all = ["standing", "range_objects", "range_vehicles", "precision_recall", "times", "stages"];
+        assert_eq!(names(&page), all.map(|it| format!("{it}.svg")));
+    }
+
+    #[test]
+    fn names_from_files_are_text_and_never_markup() {
+        let hostile = "<script>alert(1)</script>&\"'";
+        let page = page(&SampleRun { datasets: &[hostile], detectors: &[hostile], ..USUAL });
+        for text in page.figures.iter().map(|it| &it.svg).chain([&page.html]) {
+            assert!(!text.contains("<script"), "{text}");
+        }
+        check_holds(&page.html, &["&lt;script&gt;alert(1)&lt;/script&gt;&amp;"]);
+        check_holds(&page.html, &[r"'it'\''s &lt;here&gt;'"]);
+    }
+
+    #[test]
+    fn nothing_is_loaded_and_no_id_is_given_twice() {
+        let html = page(&USUAL).html;
+        for part in ["src=", "@import", "href=\"http", "url(", "<script"] {
+            assert!(!html.contains(part), "{part}");
+        }
+        let ids: Vec<&str> =
+            html.split(" id=\"").skip(1).map(|it| it.split('"').next().unwrap_or_default()).collect();
+        let different: std::collections::BTreeSet<&&str> = ids.iter().collect();
+        assert_eq!(ids.len(), different.len(), "{ids:?}");
+        for target in html.split("href=\"#").skip(1).map(|it| it.split('"').next().unwrap_or_default()) {
+            assert!(ids.contains(&target), "a link leads to {target}, which is nowhere");
+        }
+    }
+
+    #[test]
+    fn what_is_undefined_is_said_to_be() {
+        let page = page(&SampleRun { knows_false: false, datasets: &["kitti"], ..USUAL });
+        check_holds(
+            &page.html,
+            &[
+                "Task objects: hierarchical leads with a recall of 90.0 %",
+                "Precision and F-rate are undefined",
+                "Annotations that count: 36 within 0–15 m, 24 within 15–30 m,",
+                "undefined: not every class of object is annotated",
+            ],
+        );
+        // Recorded scans are not called simulated.
+        assert!(!page.html.contains(">simulated<") && !page.html.contains("(simulated)"));
+        let of_objects = page.figures.iter().find(|it| it.file_name == "range_objects.svg").unwrap();
+        assert!(!of_objects.svg.contains("precision"));
+    }
+
+    #[test]
+    fn a_single_detector_needs_no_rival() {
+        let html = page(&SampleRun { detectors: &["pca"], ..USUAL }).html;
+        check_holds(&html, &["pca has an F-rate of 90.0 %", "pca takes 4.00 ms for a scan (median)."]);
+        assert!(!html.contains("leads with") && !html.contains("× faster"));
+    }
+
+    #[test]
+    fn a_run_without_vehicles_has_no_curves() {
+        let page = page(&SampleRun { tasks: &[Task::Objects], ..USUAL });
+        assert!(!page.html.contains("#curves") && !page.html.contains("Task vehicles"));
+        assert!(!names(&page).contains(&"precision_recall.svg"));
+    }
+
+    #[test]
+    fn one_block_of_scans_gives_no_interval() {
+        let html = page(&SampleRun { n_blocks: 1, ..USUAL }).html;
+        check_holds(&html, &["these scans are too few to tell who leads"]);
+        assert!(!html.contains("leads with") && !html.contains("95 % interval 8"), "{html}");
+    }
+
+    #[test]
+    fn intervals_of_few_blocks_are_flagged_in_words_tables_and_pictures() {
+        let few = page(&SampleRun { n_blocks: 9, ..USUAL });
+        check_holds(
+            &few.html,
+            &[
+                "; 9 blocks of scans are too few to tell who leads.",
+                "<sup>§</sup>",
+                "§ of fewer than 10 blocks",
+                "95 % intervals (bars, of only 9 blocks of scans, too few for anything to rest on them).",
+            ],
+        );
+        assert!(!few.html.contains("leads with"));
+        for name in ["standing.svg", "range_objects.svg", "range_vehicles.svg"] {
+            let figure = few.figures.iter().find(|it| it.file_name == name).unwrap();
+            assert!(figure.svg.contains("of only 9 blocks of scans"), "{name}: {}", figure.svg);
+        }
+        let enough = page(&SampleRun { n_blocks: 10, ..USUAL });
+        let text: String =
+            enough.figures.iter().map(|it| it.svg.clone()).chain([enough.html.clone()]).collect();
+        assert!(!text.contains('§') && !text.contains("of only") && text.contains("leads with"));
+    }
+
+    #[test]
+    fn several_data_sets_are_summed() {
+        let html = page(&SampleRun { datasets: &["north", "south"], ..USUAL }).html;
+        check_holds(&html, &["on north", "south", "overall", "above kd-tree"]);
+    }
+
+    #[test]
+    fn a_recording_is_linked_where_there_is_one() {
+        let folder = USUAL.write();
+        assert!(!RunPage::of(folder.path()).unwrap().html.contains("run.rrd"));
+        std::fs::write(folder.path().join("run.rrd"), "").unwrap();
+        let html = RunPage::of(folder.path()).unwrap().html;
+        check_holds(&html, &["href=\"run.rrd\"", "rerun --web-viewer run.rrd"]);
+    }
+
+    #[test]
+    fn the_same_run_gives_the_same_bytes() {
+        let folder = USUAL.write();
+        let page = RunPage::of(folder.path()).unwrap();
+        page.write(folder.path()).unwrap();
+        assert_eq!(RunPage::of(folder.path()).unwrap(), page);
+        let written = std::fs::read_to_string(folder.path().join(REPORT_HTML)).unwrap();
+        assert_eq!(written, page.html);
+        assert!(folder.path().join(FIGURES).join("standing.svg").is_file());
+    }
+
+    #[test]
+    fn a_missing_file_is_an_error_that_names_it() {
+        let folder = USUAL.write();
+        std::fs::remove_file(folder.path().join(MATCHES_CSV)).unwrap();
+        let error = RunPage::of(folder.path()).unwrap_err();
+        assert!(error.to_string().contains(MATCHES_CSV), "{error}");
+    }
+}

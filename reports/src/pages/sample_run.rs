@@ -1,0 +1,216 @@
+//! A small run in a folder, for the tests of the page.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::files::csv_rows::{CsvRow, CsvRowWriter, to_csv_bytes};
+use crate::files::whole_file::WholeFile;
+use crate::numbers::run_report::{MetricRow, RunReport, Subject};
+use crate::numbers::tally::Tally;
+use crate::rows::counts::Counts;
+use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
+use crate::rows::match_row::MatchRow;
+use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use crate::run_folder::manifest::{DetectorEntry, Manifest};
+use crate::run_folder::run_directory::{MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, SCANS_CSV};
+use crate::run_folder::run_target::MANIFEST_JSON;
+use crate::tables::sample;
+use crate::vocabulary::class::{AnnotationClass, DetectionClass};
+use crate::vocabulary::criterion::CriterionKind;
+use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::metric::{LatencyStatistic, Metric};
+use crate::vocabulary::reason::{FalseReason, MissReason};
+use crate::vocabulary::task::Task;
+
+/// What is in the run.
+pub(super) struct SampleRun<'a> {
+    pub(super) datasets: &'a [&'a str],
+    /// The first finds all but one of ten objects on every scan, the next ones one fewer each.
+    pub(super) detectors: &'a [&'a str],
+    pub(super) tasks: &'a [Task],
+    /// Whether false objects can be known.
+    pub(super) knows_false: bool,
+    /// Class of what is missed.
+    pub(super) class: AnnotationClass,
+    /// Scans, each of a second of its own.
+    pub(super) n_blocks: u32,
+}
+
+/// Three detectors on a simulated street.
+pub(super) const USUAL: SampleRun<'_> = SampleRun {
+    datasets: &["main_road"],
+    detectors: &["hierarchical", "kd-tree", "pca"],
+    tasks: &Task::ALL,
+    knows_false: true,
+    class: AnnotationClass::Car,
+    n_blocks: 12,
+};
+
+const N_OBJECTS: u64 = 10;
+
+impl SampleRun<'_> {
+    /// Writes the files that a page is made of.
+    pub(super) fn write(&self) -> TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tally = Tally::default();
+        let (scans, matches) = (self.scans(), self.matches());
+        for row in &scans {
+            tally.add_scan(row);
+        }
+        for row in &matches {
+            tally.add_match(row);
+        }
+        write_rows(&folder.path().join(SCANS_CSV), &scans);
+        write_rows(&folder.path().join(MATCHES_CSV), &matches);
+        let curves = to_csv_bytes(&tally.precision_recall_rows()).unwrap();
+        std::fs::write(folder.path().join(PRECISION_RECALL_CSV), curves).unwrap();
+        let of_datasets = self.datasets.iter().flat_map(|it| self.times(it));
+        let rows = tally.metric_rows().into_iter().chain(of_datasets).collect();
+        let mut overall = tally.overall_rows();
+        if self.datasets.len() > 1 {
+            overall.extend(self.times(OVERALL));
+        }
+        let report = RunReport::with_overall(1, rows, overall).unwrap();
+        std::fs::write(folder.path().join(REPORT_JSON), report.to_json()).unwrap();
+        std::fs::write(folder.path().join(MANIFEST_JSON), self.manifest().to_json()).unwrap();
+        folder
+    }
+
+    fn manifest(&self) -> Manifest {
+        let mut manifest = sample::manifest();
+        let entry = manifest.datasets[usize::from(!self.knows_false)].clone();
+        let named =
+            |id: &&str| crate::run_folder::manifest::DatasetEntry { id: (*id).to_owned(), ..entry.clone() };
+        manifest.datasets = self.datasets.iter().map(named).collect();
+        let detector = |name: &&str| DetectorEntry {
+            name: (*name).to_owned(),
+            parameters: serde_json::Value::Null,
+            rules: Vec::new(),
+        };
+        manifest.detectors = self.detectors.iter().map(detector).collect();
+        manifest.argv = ["scanbench", "run", "it's <here>"].map(str::to_owned).to_vec();
+        manifest
+    }
+
+    /// What `row` makes of every data set, detector with its place, task and scan.
+    fn each<Row>(&self, row: impl Fn(&str, (usize, &str), Task, u32) -> Vec<Row>) -> Vec<Row> {
+        let mut rows = Vec::new();
+        for dataset in self.datasets {
+            for scan in 0..self.n_blocks {
+                for (detector_idx, detector) in self.detectors.iter().enumerate() {
+                    for &task in self.tasks {
+                        rows.extend(row(dataset, (detector_idx, detector), task, 10 * scan));
+                    }
+                }
+            }
+        }
+        rows
+    }
+
+    fn n_missed(detector_idx: usize) -> u64 {
+        1 + detector_idx as u64
+    }
+
+    fn scans(&self) -> Vec<ScanRow> {
+        self.each(|dataset, (detector_idx, detector), task, scan| {
+            let fo = (self.knows_false || task == Task::Vehicles).then_some(1);
+            let tp = N_OBJECTS - Self::n_missed(detector_idx);
+            let numbers = ScanNumbers {
+                n_points: 1000,
+                latency_ms: Some(10_f64.powi(detector_idx as i32) * (1.0 + f64::from(scan) / 100.0)),
+                least_latency_ms: Some(10_f64.powi(detector_idx as i32)),
+                reference_ms: Some(0.25),
+                counts: Counts::new(N_OBJECTS, tp, fo).unwrap(),
+                n_ignored_annotations: 0,
+                n_ignored_detections: 0,
+                n_unknowable_detections: 0,
+                segmentation: SegmentationNumbers::default(),
+                n_dropped_too_small: 0,
+                n_dropped_too_large: 0,
+            };
+            let [dataset, sequence, detector] = [dataset, "drive", detector].map(str::to_owned);
+            vec![ScanRow {
+                dataset,
+                sequence,
+                scan,
+                time_s: f64::from(scan) / 10.0,
+                detector,
+                task,
+                outcome: ScanOutcome::Evaluated(numbers),
+            }]
+        })
+    }
+
+    fn matches(&self) -> Vec<MatchRow> {
+        self.each(|dataset, (detector_idx, detector), task, scan| {
+            let n_found = N_OBJECTS - Self::n_missed(detector_idx);
+            let of_annotations = (0..N_OBJECTS).map(|id| {
+                let annotation = AnnotationFacts {
+                    id,
+                    track: Some(id as u32),
+                    class: self.class,
+                    occlusion: None,
+                    n_points: 100 + id,
+                    n_points_outside: 0,
+                    bounding_box: Some(box_at(id)),
+                    centroid_m: None,
+                };
+                if id < n_found {
+                    MatchOutcome::Matched { annotation, detection: detection(id), cost: 0.1 }
+                } else {
+                    MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
+                }
+            });
+            let mut false_one = detection(N_OBJECTS);
+            false_one.bounding_box = box_at(N_OBJECTS);
+            let beyond = if self.knows_false || task == Task::Vehicles {
+                MatchOutcome::False { detection: false_one, reason: FalseReason::NothingThere }
+            } else {
+                MatchOutcome::Unknowable { detection: false_one }
+            };
+            let row = |outcome| {
+                let [dataset, sequence, detector] = [dataset, "drive", detector].map(str::to_owned);
+                let criterion = CriterionKind::Points;
+                MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
+            };
+            of_annotations.chain([beyond]).map(row).collect()
+        })
+    }
+
+    /// Times of all detectors in all tasks on `dataset`.
+    fn times(&self, dataset: &str) -> Vec<MetricRow> {
+        let mut rows = Vec::new();
+        for (detector_idx, detector) in self.detectors.iter().enumerate() {
+            for &task in self.tasks {
+                let median_ms = 4.0 * 10_f64.powi(detector_idx as i32);
+                let subject = Subject::of_all(dataset, task, detector);
+                let row = |metric, value| {
+                    MetricRow::new(subject.clone(), metric, Some(value), u64::from(self.n_blocks))
+                };
+                rows.push(row(Metric::FpsMean, 1000.0 / median_ms));
+                rows.push(row(Metric::Latency(LatencyStatistic::P50), median_ms));
+                rows.push(row(Metric::StageP50("dense_level".to_owned()), median_ms));
+            }
+        }
+        rows
+    }
+}
+
+fn box_at(id: u64) -> BoxFacts {
+    let center_m = [6.0 * id as f32, 3.0, 0.0];
+    BoxFacts { center_m, length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.1 }
+}
+
+fn detection(id: u64) -> DetectionFacts {
+    let class = DetectionClass::Vehicle;
+    DetectionFacts { id, class, score: Some(1.0 - id as f32 / 20.0), n_points: 90, bounding_box: box_at(id) }
+}
+
+fn write_rows<Row: CsvRow>(path: &Path, rows: &[Row]) {
+    let mut writer = CsvRowWriter::new(WholeFile::create(path).unwrap()).unwrap();
+    for row in rows {
+        writer.write(row).unwrap();
+    }
+    writer.finish().unwrap();
+}

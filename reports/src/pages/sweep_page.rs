@@ -1,0 +1,208 @@
+//! The page of a sweep: its plots and its table.
+
+use std::path::Path;
+
+use maud::{Markup, PreEscaped, html};
+
+use super::document::document;
+use crate::files::archive::ArchiveError;
+use crate::files::whole_file::write_whole;
+use crate::plots::themed_svg::ThemedPanel;
+use crate::run_folder::run_directory::{REPORT_HTML, SWEEP_CSV, SWEEP_TIMES_CSV};
+
+/// The kinds of plots that a sweep leaves, by the beginnings of their names, and what is seen on them.
+const PLOTS: [(&str, &str, &str); 3] = [
+    ("f_rate_", "Rates over the parameter", "With 95 % intervals; the best point is marked."),
+    (
+        "fitness_",
+        "How well cells fit",
+        "The paper's figures 6 a and b: what can be read without annotations.",
+    ),
+    ("pareto_", "Rates against times", "The Pareto front: no other point is both better and faster."),
+];
+
+/// The page of a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepPage {
+    /// The page.
+    pub html: String,
+}
+
+impl SweepPage {
+    /// Whether `directory` holds a sweep.
+    pub fn is_sweep(directory: &Path) -> bool {
+        directory.join(SWEEP_CSV).is_file()
+    }
+
+    /// The page of the sweep in `directory`, made of its files alone.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if a file is missing or damaged.
+    pub fn of(directory: &Path) -> Result<Self, ArchiveError> {
+        let names = names_of_plots(directory)?;
+        let plots = names.into_iter().map(|name| {
+            let path = directory.join(&name);
+            let svg = std::fs::read_to_string(&path).map_err(|source| ArchiveError::Read { path, source })?;
+            Ok((name, svg))
+        });
+        let plots = plots.collect::<Result<Vec<_>, ArchiveError>>()?;
+        let scores = Table::read(&directory.join(SWEEP_CSV))?;
+        let times = directory.join(SWEEP_TIMES_CSV);
+        let times = if times.is_file() { Some(Table::read(&times)?) } else { None };
+        let sections = html! {
+            header {
+                p.kicker { "scanbench" }
+                h1 { "A sweep of " (scores.swept()) }
+                p.facts { (scores.rows.len()) " rows of detectors, data sets and tasks" }
+            }
+            @for (number, (beginning, title, about)) in PLOTS.iter().enumerate() {
+                @let of_kind: Vec<_> = plots.iter().filter(|(name, _)| name.starts_with(beginning)).collect();
+                @if !of_kind.is_empty() {
+                    section #{ "plots-" (number) } aria-label=(title) {
+                        h2 { (title) }
+                        @for (name, svg) in of_kind {
+                            figure.sweep {
+                                @match panel(name, svg) {
+                                    Some(panel) => div.scroll tabindex="0" role="region" aria-label=(name) { (PreEscaped(panel.inline())) },
+                                    None => p { (name) " is damaged." },
+                                }
+                                figcaption { (about) " " code { (name) } }
+                            }
+                        }
+                    }
+                }
+            }
+            section #table aria-label="All numbers" {
+                h2 { "All numbers" }
+                details { summary { "sweep.csv" } (scores.markup(SWEEP_CSV)) }
+                @if let Some(times) = &times { details { summary { "times.csv" } (times.markup(SWEEP_TIMES_CSV)) } }
+            }
+        };
+        let links = [("plots-0", "Rates"), ("plots-1", "Fitness"), ("plots-2", "Times"), ("table", "Table")];
+        Ok(Self { html: document("a sweep", &links, &sections).into_string() })
+    }
+
+    /// Writes the page into `directory`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError::Write`] if it cannot be written.
+    pub fn write(&self, directory: &Path) -> Result<(), ArchiveError> {
+        write_whole(&directory.join(REPORT_HTML), self.html.as_bytes())
+    }
+}
+
+fn names_of_plots(directory: &Path) -> Result<Vec<String>, ArchiveError> {
+    let not_read = |source| ArchiveError::Read { path: directory.to_path_buf(), source };
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(directory).map_err(not_read)? {
+        let path = entry.map_err(not_read)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let is_plot = path.extension().is_some_and(|it| it == "svg");
+        if is_plot && PLOTS.iter().any(|(beginning, ..)| name.starts_with(beginning)) {
+            names.push(name);
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// `None` if the file is no picture.
+fn panel(name: &str, svg: &str) -> Option<ThemedPanel> {
+    // The size is in the first tag, as the library writes it.
+    let size = |key: &str| {
+        let value = svg.split(&format!("{key}=\"")).nth(1)?.split('"').next()?;
+        value.parse().ok()
+    };
+    let size_px = [size("width").unwrap_or(900), size("height").unwrap_or(620)];
+    ThemedPanel::of_file(svg, size_px, name.trim_end_matches(".svg").replace('_', " "))
+}
+
+/// A CSV file as it is.
+struct Table {
+    heads: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Result<Self, ArchiveError> {
+        let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
+        let file = std::fs::File::open(path)
+            .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
+        let mut reader = csv::Reader::from_reader(file);
+        let words = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Vec<_>>();
+        let heads = words(reader.headers().map_err(bad_row)?);
+        let rows = reader.records().map(|it| it.map(|it| words(&it)).map_err(bad_row));
+        Ok(Self { heads, rows: rows.collect::<Result<_, _>>()? })
+    }
+
+    /// The parameters: columns with a dot or an equals sign in their name.
+    fn swept(&self) -> String {
+        let names: Vec<&str> = self.heads.iter().filter(|it| it.contains('.')).map(String::as_str).collect();
+        if names.is_empty() { "parameters".to_owned() } else { names.join(", ") }
+    }
+
+    fn markup(&self, label: &str) -> Markup {
+        let is_number = |cell: &str| cell.parse::<f64>().is_ok();
+        let class = |cell: &str| if is_number(cell) { "number" } else { "text" };
+        html! {
+            div.scroll tabindex="0" role="region" aria-label=(label) {
+                table {
+                    caption.hidden { (label) }
+                    thead { tr { @for head in &self.heads { th scope="col" { (head) } } } }
+                    tbody {
+                        @for row in &self.rows {
+                            tr { @for cell in row { td class=(class(cell)) { (cell) } } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sweep() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, content: &str| std::fs::write(folder.path().join(name), content).unwrap();
+        write(SWEEP_CSV, "dataset,hierarchical.grid.cell_size_m,f_rate\na<b,0.6,0.7\n");
+        let svg = "<svg width=\"90\" height=\"40\"><rect fill=\"#FFFFFF\"/><text fill=\"#000000\">\nF &amp; x\n</text></svg>";
+        write("f_rate_street.svg", svg);
+        write("pareto_street.svg", "<svg <");
+        write("other.svg", svg);
+        folder
+    }
+
+    #[test]
+    fn a_page_has_the_plots_and_the_table_of_a_sweep() {
+        let folder = sweep();
+        assert!(SweepPage::is_sweep(folder.path()));
+        let page = SweepPage::of(folder.path()).unwrap();
+        for part in [
+            "A sweep of hierarchical.grid.cell_size_m",
+            "viewBox=\"0 0 90 40\"",
+            "F &amp; x",
+            "a&lt;b",
+            "f_rate_street.svg",
+            "pareto_street.svg is damaged.",
+            "href=\"#table\"",
+        ] {
+            assert!(page.html.contains(part), "no {part} in {}", page.html);
+        }
+        assert!(!page.html.contains("other.svg") && !page.html.contains("#plots-1"));
+        page.write(folder.path()).unwrap();
+        assert_eq!(SweepPage::of(folder.path()).unwrap(), page);
+    }
+
+    #[test]
+    fn a_folder_without_rates_is_no_sweep() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(!SweepPage::is_sweep(folder.path()));
+        let error = SweepPage::of(folder.path()).unwrap_err();
+        assert!(error.to_string().contains(SWEEP_CSV), "{error}");
+    }
+}

@@ -1,0 +1,62 @@
+//! How long detection takes: of scans, and of stages.
+
+use maud::{Markup, html};
+
+use super::markup::{Figure, FigureMarkup, sentences, table};
+use super::run_facts::RunFacts;
+use crate::plots::latency_plot::latency_plot;
+use crate::plots::small_panel::key;
+use crate::plots::stage_plot::stage_plot;
+use crate::plots::themed_svg::ThemedPanel;
+use crate::tables::times_table::TimesTable;
+use crate::verdicts::standing::origin_of_run;
+
+pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
+    let times = TimesTable::new(&facts.report, &facts.manifest);
+    let (grid, notes) = times.grid_and_notes();
+    let origin = origin_of_run(&facts.manifest).name();
+    let stages: Vec<ThemedPanel> = facts
+        .stages_ms
+        .iter()
+        .filter(|(_, stages)| !stages.is_empty())
+        .map(|(detector, stages)| stage_plot(detector, facts.detector_idx(detector), stages))
+        .collect();
+    html! {
+        section #times aria-labelledby="times-title" {
+            h2 #times-title { "Times" }
+            p.about { "Of detection alone, on " (facts.manifest.machine.cpu_model) ". Ratios mean something on another machine, milliseconds do not." }
+            div.beside {
+                @if let Some(panel) = latency_plot(&facts.times_ms) {
+                    (FigureMarkup {
+                        file_stem: "times",
+                        title: &format!("Times of scans ({origin})"),
+                        panels: &[panel],
+                        key: &key(&facts.detectors()),
+                        caption: html! {
+                            "Share of the scans (" (origin) ") that are done within a time. Steeper is steadier, farther left is faster. "
+                            "A sensor that turns ten times a second leaves 100 ms."
+                        },
+                        class: "single",
+                    }.render(files))
+                }
+                div {
+                    (table(grid, &notes, "Times of scans"))
+                    (sentences(&notes))
+                }
+            }
+            @if !stages.is_empty() {
+                h3 { "Stage by stage" }
+                (FigureMarkup {
+                    file_stem: "stages",
+                    title: &format!("Median times of stages ({origin})"),
+                    panels: &stages,
+                    key: &[],
+                    caption: html! {
+                        "Median time of each stage (" (origin) "), in the order of the stages. Bars are to scale within a detector, not between detectors."
+                    },
+                    class: "stages",
+                }.render(files))
+            }
+        }
+    }
+}

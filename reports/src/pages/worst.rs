@@ -1,0 +1,103 @@
+//! The worst mistakes, drawn from above.
+
+use maud::{Markup, PreEscaped, html};
+
+use super::markup::key;
+use super::run_facts::{RunFacts, SeenBox, scan_name};
+use crate::plots::scene_plot::{Scene, SceneDetection, scene_keys, scene_plot};
+use crate::vocabulary::task::Task;
+use crate::worst::mistakes::Mistake;
+use crate::worst::places::{MistakeList, WorstPlace};
+
+/// Nothing if no mistake has a place.
+pub(super) fn worst(facts: &RunFacts) -> Markup {
+    if facts.worst.lists().all(|(_, places)| places.is_empty()) {
+        return html! {};
+    }
+    let tasks: Vec<Task> = facts.standings.iter().map(|it| it.task).collect();
+    html! {
+        section #worst aria-labelledby="worst-title" {
+            h2 #worst-title { "The worst mistakes, from above" }
+            p.about {
+                "What was seen by the most points, and yet missed or false: each object once. Forward is up; the wedge at the edge points to the sensor. "
+                @if facts.points.is_some() { "Dots are where the sensor saw something: strong on what stands on the road, faint on the road." }
+            }
+            (key(&scene_keys(&facts.detectors())))
+            @for &task in &tasks {
+                @for (detector_idx, detector) in facts.detectors().iter().enumerate() {
+                    (of_detector(facts, task, detector, detector_idx == 0))
+                }
+            }
+        }
+    }
+}
+
+fn of_detector(facts: &RunFacts, task: Task, detector: &str, is_open: bool) -> Markup {
+    let lists = [Mistake::Missed, Mistake::False].map(|kind| {
+        let list = MistakeList { task, detector: detector.to_owned(), kind };
+        (kind, facts.worst.of(&list))
+    });
+    html! {
+        @if lists.iter().any(|(_, places)| !places.is_empty()) {
+            details.worst open[is_open] {
+                summary { "Task " (task) ": " (detector) }
+                div.scenes {
+                    @for (kind, places) in lists {
+                        @for place in places { (scene(facts, task, detector, kind, place)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn scene(facts: &RunFacts, task: Task, detector: &str, kind: Mistake, place: &WorstPlace<()>) -> Markup {
+    let word = match kind {
+        Mistake::Missed => "missed",
+        Mistake::False => "false",
+    };
+    let boxes = facts.boxes.get(&scan_name(place)).map_or(&[][..], Vec::as_slice);
+    let is_near = |it: &&SeenBox| {
+        let [x_m, y_m, _] = it.bounding_box.center_m;
+        place.window.holds(x_m, y_m)
+    };
+    let near = || boxes.iter().filter(is_near);
+    let annotations =
+        near().filter(|it| it.detector.is_none() && it.task == task).map(|it| it.bounding_box).collect();
+    let is_asked = |it: &SeenBox| it.task == task;
+    // What another task asks for alone was found too, and taken for something else.
+    let is_elsewhere = |it: &SeenBox| {
+        near().any(|other| is_asked(other) && other.detector == it.detector && other.id == it.id)
+    };
+    let shown = near().filter(|it| it.detector.is_some() && (is_asked(it) || !is_elsewhere(it)));
+    let detections = shown.map(|it| SceneDetection {
+        detector_idx: facts.detector_idx(it.detector.as_deref().unwrap_or_default()),
+        bounding_box: it.bounding_box,
+        is_asked: is_asked(it),
+    });
+    let [x_m, y_m] = place.window.center_m;
+    let range_m = f64::from(x_m).hypot(f64::from(y_m));
+    let object = &place.object;
+    let is_simulated = facts.manifest.datasets.iter().any(|it| it.id == object.dataset && it.simulated);
+    let label = format!("{word} {} of {detector}, {range_m:.0} m away, seen from above", place.class);
+    let plot = scene_plot(
+        &Scene {
+            window: place.window,
+            subject: place.bounding_box,
+            cells: facts.points.as_ref().and_then(|it| it.around(object)),
+            annotations,
+            detections: detections.collect(),
+        },
+        label,
+    );
+    html! {
+        figure.scene {
+            (PreEscaped(plot.inline()))
+            figcaption {
+                strong { (word) " " (place.class) } ": " (place.reason) br;
+                (place.n_points) " points, " (format!("{range_m:.1}")) " m away" br;
+                span.where { (object.dataset) @if is_simulated { " (simulated)" } ", " (object.sequence) ", scan " (object.scan) }
+            }
+        }
+    }
+}

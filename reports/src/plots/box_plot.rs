@@ -1,0 +1,143 @@
+//! The plot of how far fitted boxes are from annotated ones.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::HPos;
+
+use super::series_marks::SeriesMark;
+use super::style::{
+    Area, Drawn, LEFT_MARGIN_PX, LEFT_ROOM_PX, LINE_WIDTH_PX, QUIET_COLOR, RIGHT_ROOM_PX, TEXT_PX, axis_text,
+    text,
+};
+use crate::numbers::box_errors::{BoxError, BoxErrorLine};
+
+const SIZE_PX: (u32, u32) = (1000, 1060);
+const HEADING_PX: u32 = 100;
+const KEY_LINE_PX: i32 = 22;
+/// Slices are an apart; fits of one slice stand this far from each other.
+const ASIDE: f64 = 0.18;
+
+/// The plot of `lines`, all of the same data, as an SVG document: a row of panels for each error, by occlusion and by
+/// range, with the 95 % interval of every median. `title` says what the data are.
+pub fn box_plot(lines: &[BoxErrorLine], title: &str) -> String {
+    let mut svg = String::new();
+    let root = SVGBackend::with_string(&mut svg, SIZE_PX).into_drawing_area();
+    draw(&root, lines, title).expect("the panels have room, and memory takes all that is drawn");
+    drop(root);
+    svg.push('\n');
+    svg
+}
+
+fn draw(root: &Area<'_>, lines: &[BoxErrorLine], title: &str) -> Drawn {
+    root.fill(&WHITE)?;
+    let (heading, panels) = root.split_vertically(HEADING_PX);
+    let left_px = (LEFT_MARGIN_PX + LEFT_ROOM_PX) as i32;
+    heading.draw_text(title, &text(20, HPos::Left), (left_px, 20))?;
+    for (series, (fit, _)) in lines.first().map_or(&[][..], |it| &it.fits).iter().enumerate() {
+        let (mark, y_px) = (SeriesMark(series), 48 + KEY_LINE_PX * series as i32);
+        heading.draw(&mark.marker((left_px + 8, y_px)))?;
+        heading.draw_text(fit, &text(TEXT_PX, HPos::Left), (left_px + 24, y_px))?;
+    }
+    let rows = panels.split_evenly((BoxError::ALL.len(), 1));
+    for (row, error) in rows.iter().zip(BoxError::ALL) {
+        let of_error = lines.iter().filter(|it| it.error == error);
+        let greatest = of_error
+            .clone()
+            .flat_map(|it| {
+                it.fits.iter().filter_map(|(_, it)| {
+                    let it = (*it)?;
+                    Some(it.within.map_or(it.median, |it| it.ends[1]))
+                })
+            })
+            .fold(0.0_f64, f64::max);
+        let (left, right) = row.split_horizontally(SIZE_PX.0 / 2);
+        for (panel, by) in [(left, "occlusion"), (right, "range")] {
+            let of_panel: Vec<&BoxErrorLine> = of_error.clone().filter(|it| it.by == by).collect();
+            draw_panel(&panel, &of_panel, (error, by), 1.05 * greatest.max(1e-3))?;
+        }
+    }
+    root.present()
+}
+
+fn draw_panel(area: &Area<'_>, lines: &[&BoxErrorLine], (error, by): (BoxError, &str), top: f64) -> Drawn {
+    if lines.is_empty() {
+        return Ok(());
+    }
+    let mut chart = ChartBuilder::on(area)
+        .margin_left(LEFT_MARGIN_PX)
+        .margin_right(RIGHT_ROOM_PX)
+        .margin_top(8)
+        .set_label_area_size(LabelAreaPosition::Left, LEFT_ROOM_PX)
+        .x_label_area_size(46)
+        .build_cartesian_2d(-0.5..lines.len() as f64 - 0.5, 0.0..top)?;
+    // A label at the middle of each slice, and none between.
+    let slice_name = |place: &f64| {
+        let is_slice = (place - place.round()).abs() < 1e-6 && *place > -0.1;
+        let line = if is_slice { lines.get(place.round() as usize) } else { None };
+        line.map_or_else(String::new, |it| {
+            let few = it.fits.iter().filter_map(|(_, it)| (*it)?.within).any(|it| it.blocks.are_too_few());
+            // As in tables: too few for the interval to be relied on.
+            format!("{} (n {}{})", it.slice, it.n_pairs, if few { " §" } else { "" })
+        })
+    };
+    chart
+        .configure_mesh()
+        .disable_x_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(QUIET_COLOR)
+        .x_labels(2 * lines.len() + 1)
+        .y_labels(5)
+        .x_label_formatter(&slice_name)
+        .y_label_formatter(&|value| axis_text(*value))
+        .x_desc(if by == "range" { "range" } else { "hidden by others" })
+        .y_desc(format!("{} error ({})", error.name(), error.unit()))
+        .label_style(text(TEXT_PX - 2, HPos::Center))
+        .axis_desc_style(text(TEXT_PX, HPos::Center))
+        .draw()?;
+    let n_fits = lines[0].fits.len();
+    for series in 0..n_fits {
+        let mark = SeriesMark(series);
+        let aside = ASIDE * (series as f64 - (n_fits as f64 - 1.0) / 2.0);
+        let medians = (0_u32..).zip(lines).filter_map(|(place, line)| {
+            let it = line.fits.get(series)?.1?;
+            Some((f64::from(place) + aside, it))
+        });
+        let medians: Vec<_> = medians.collect();
+        let style = mark.color().stroke_width(LINE_WIDTH_PX);
+        let bars = medians.iter().filter_map(|&(x, it)| {
+            let [low, high] = it.within?.ends;
+            Some(PathElement::new(vec![(x, low), (x, high)], style))
+        });
+        chart.draw_series(bars)?;
+        chart.draw_series(medians.iter().map(|&(x, it)| mark.marker((x, it.median))))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::box_errors::tests::lines;
+
+    #[test]
+    fn axes_have_units_and_slices_their_numbers() {
+        let lines = [
+            lines("street", "occlusion", "none", 80),
+            lines("street", "occlusion", "partly", 0),
+            lines("street", "range", "0–15 m", 8),
+        ]
+        .concat();
+        let svg = box_plot(&lines, "Streets (simulated)");
+        for part in [
+            "Streets (simulated)",
+            "centre error (m)",
+            "yaw error (deg)",
+            "none (n 80)",
+            "0–15 m (n 8 §)",
+            "PCA box",
+        ] {
+            assert!(svg.contains(part), "no {part} in {svg}");
+        }
+        assert_eq!(svg, box_plot(&lines, "Streets (simulated)"));
+        assert!(box_plot(&[], "Nothing").contains("</svg>"));
+    }
+}

@@ -1,0 +1,181 @@
+//! Detectors below each other, each with its rate, the interval, and what a paper states.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::series_marks::SeriesMark;
+use super::small_panel::{SMALL_TEXT_PX, small_text};
+use super::style::{Area, Drawn, LINE_WIDTH_PX, QUIET_COLOR};
+use super::themed_svg::ThemedPanel;
+use crate::files::fixed_decimals::fixed_decimals;
+
+/// One detector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StandingRow {
+    /// Its name.
+    pub name: String,
+    /// Its place in the order of the run, which decides the colour.
+    pub detector_idx: usize,
+    /// Its rate in percent; `None` where that is undefined.
+    pub percent: Option<f64>,
+    /// The 95 % interval of it.
+    pub interval_percent: Option<[f64; 2]>,
+    /// What a paper states for its counterpart.
+    pub paper_percent: Option<f64>,
+}
+
+const WIDTH_PX: u32 = 430;
+const HEADING_PX: i32 = 26;
+const ROW_PX: i32 = 30;
+const AXIS_PX: i32 = 44;
+const VALUES_PX: i32 = 62;
+/// A name takes as much room as it needs, within these bounds.
+const NAMES_PX: std::ops::RangeInclusive<i32> = 100..=190;
+/// The width of a letter over the size of the text: a wide one, so that no name is cut off in another font.
+const LETTER_WIDTH: f64 = 0.62;
+/// Between a name and its line.
+const NAME_GAP_PX: i32 = 10;
+
+/// A panel with a line for every detector; `title` says of which task, `rate` what is measured.
+pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPanel {
+    let size_px = (WIDTH_PX, (HEADING_PX + ROW_PX * rows.len() as i32 + AXIS_PX) as u32);
+    let mut svg = String::new();
+    let root = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
+    draw(&root, title, rate, rows).expect("the panel has room, and memory takes all that is drawn");
+    drop(root);
+    let texts: Vec<String> = rows.iter().map(|it| format!("{} {}", it.name, value_text(it))).collect();
+    ThemedPanel::of_library(&svg, size_px.into(), format!("{title}: {rate} of {}", texts.join(", ")))
+}
+
+/// How many letters of a name there is room for, and how wide the column of names is.
+fn names_column(rows: &[StandingRow]) -> (usize, i32) {
+    let letter_px = LETTER_WIDTH * f64::from(SMALL_TEXT_PX);
+    let longest = rows.iter().map(|it| it.name.chars().count()).max().unwrap_or(0);
+    let wanted_px = (longest as f64 * letter_px).ceil() as i32 + NAME_GAP_PX;
+    let names_px = wanted_px.clamp(*NAMES_PX.start(), *NAMES_PX.end());
+    ((f64::from(names_px - NAME_GAP_PX) / letter_px) as usize, names_px)
+}
+
+/// The name, or its beginning if it is longer than `n_letters`.
+fn shortened(name: &str, n_letters: usize) -> String {
+    if name.chars().count() <= n_letters {
+        return name.to_owned();
+    }
+    name.chars().take(n_letters.saturating_sub(1)).chain(['…']).collect()
+}
+
+fn value_text(row: &StandingRow) -> String {
+    row.percent.map_or_else(|| "undefined".to_owned(), |it| format!("{} %", fixed_decimals(it, 1)))
+}
+
+fn draw(root: &Area<'_>, title: &str, rate: &str, rows: &[StandingRow]) -> Drawn {
+    let (n_letters, names_px) = names_column(rows);
+    let bold: TextStyle<'static> = ("sans-serif", SMALL_TEXT_PX, FontStyle::Bold).into_font().color(&BLACK);
+    root.draw_text(title, &bold.pos(Pos::new(HPos::Left, VPos::Center)), (names_px, 11))?;
+    let [low, high] = axis(rows);
+    let right_px = WIDTH_PX as i32 - VALUES_PX;
+    let x_px = |percent: f64| {
+        names_px + (f64::from(right_px - names_px) * (percent - low) / (high - low)).round() as i32
+    };
+    let bottom_px = HEADING_PX + ROW_PX * rows.len() as i32;
+    let n_ticks = ((high - low) / TICK_PERCENT).round() as i32;
+    for tick in 0..=n_ticks {
+        let percent = low + TICK_PERCENT * f64::from(tick);
+        let at_px = x_px(percent);
+        let line = vec![(at_px, HEADING_PX), (at_px, bottom_px)];
+        root.draw(&PathElement::new(line, QUIET_COLOR.stroke_width(1)))?;
+        let every = if n_ticks > 6 { 2 } else { 1 };
+        if tick % every == 0 {
+            let text = small_text(HPos::Center, VPos::Center);
+            root.draw_text(&fixed_decimals(percent, 0), &text, (at_px, bottom_px + 12))?;
+        }
+    }
+    let text = small_text(HPos::Center, VPos::Center);
+    root.draw_text(rate, &text, (i32::midpoint(names_px, right_px), bottom_px + 32))?;
+    for (row, top_px) in rows.iter().zip((HEADING_PX..).step_by(ROW_PX as usize)) {
+        let y_px = top_px + ROW_PX / 2;
+        let name = shortened(&row.name, n_letters);
+        root.draw_text(&name, &small_text(HPos::Right, VPos::Center), (names_px - NAME_GAP_PX, y_px))?;
+        let text = small_text(HPos::Right, VPos::Center);
+        root.draw_text(&value_text(row), &text, (WIDTH_PX as i32 - 2, y_px))?;
+        let mark = SeriesMark(row.detector_idx);
+        if let Some(paper) = row.paper_percent {
+            let at_px = x_px(paper);
+            let diamond = [(0, -6), (5, 0), (0, 6), (-5, 0), (0, -6)].map(|(x, y)| (at_px + x, y_px + y));
+            root.draw(&PathElement::new(diamond.to_vec(), BLACK.stroke_width(1)))?;
+        }
+        if let Some(ends) = row.interval_percent {
+            let ends = ends.map(|it| (x_px(it), y_px)).to_vec();
+            root.draw(&PathElement::new(ends, mark.color().stroke_width(LINE_WIDTH_PX)))?;
+        }
+        if let Some(percent) = row.percent {
+            root.draw(&mark.marker((x_px(percent), y_px)))?;
+        }
+    }
+    Ok(())
+}
+
+const TICK_PERCENT: f64 = 10.0;
+
+/// Whole tens around all that is drawn.
+fn axis(rows: &[StandingRow]) -> [f64; 2] {
+    let values = rows.iter().flat_map(|it| {
+        let [low, high] = it.interval_percent.map_or([None; 2], |ends| ends.map(Some));
+        [it.percent, it.paper_percent, low, high]
+    });
+    let [low, high] = values
+        .flatten()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], it| [low.min(it), high.max(it)]);
+    if low > high {
+        return [0.0, 100.0];
+    }
+    let low = (low / TICK_PERCENT).floor() * TICK_PERCENT;
+    let high = (high / TICK_PERCENT).ceil() * TICK_PERCENT;
+    if high > low {
+        [low, high]
+    } else {
+        [(low - TICK_PERCENT).max(0.0), high.max(low + TICK_PERCENT).min(100.0)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(percent: Option<f64>) -> StandingRow {
+        let interval_percent = percent.map(|it| [it - 3.0, it + 3.0]);
+        let name = "grid".to_owned();
+        StandingRow { name, detector_idx: 0, percent, interval_percent, paper_percent: Some(83.0) }
+    }
+
+    #[test]
+    fn the_axis_is_whole_tens_around_all_that_is_drawn() {
+        assert_eq!(axis(&[row(Some(61.0)), row(None)]), [50.0, 90.0]);
+        assert_eq!(axis(&[]), [0.0, 100.0]);
+        let exact = StandingRow { interval_percent: None, paper_percent: None, ..row(Some(100.0)) };
+        assert_eq!(axis(&[exact]), [90.0, 100.0]);
+    }
+
+    #[test]
+    fn a_name_has_the_room_it_needs_up_to_a_bound() {
+        let named = |name: &str| vec![StandingRow { name: name.to_owned(), ..row(Some(61.0)) }];
+        assert_eq!(names_column(&named("pca")).1, 100);
+        let (n_letters, names_px) = names_column(&named("kd-tree-same-walls"));
+        assert!(n_letters >= 18 && names_px > 100, "{n_letters} letters, {names_px} px");
+        let long = named("a-detector-with-a-name-that-does-not-end");
+        let (n_letters, names_px) = names_column(&long);
+        assert_eq!(names_px, 190);
+        let shown = shortened(&long[0].name, n_letters);
+        assert!(shown.starts_with("a-detector-with") && shown.ends_with('…'), "{shown}");
+        assert!(standing_plot("", "", &long).inline().contains(&shown));
+    }
+
+    #[test]
+    fn what_is_undefined_is_said_to_be() {
+        let panel = standing_plot("Task objects", "F-rate (%)", &[row(Some(61.04)), row(None)]);
+        assert_eq!(panel.label, "Task objects: F-rate (%) of grid 61.0 %, grid undefined");
+        for part in ["61.0 %", "undefined", "F-rate (%)", "f-d0"] {
+            assert!(panel.inline().contains(part), "no {part} in {panel:?}");
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What became of an annotation, a detection or a pair of them, with all that is needed to judge it again.
+
+use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
+use crate::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
+
+/// What became of an annotation, a detection or a pair of them.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MatchOutcome {
+    /// The detection found the annotation.
+    Matched {
+        /// What was found.
+        annotation: AnnotationFacts,
+        /// What found it.
+        detection: DetectionFacts,
+        /// Lower is better; the unit is the criterion's.
+        cost: f64,
+    },
+    /// The annotation was missed.
+    Missed {
+        /// What was missed.
+        annotation: AnnotationFacts,
+        /// Why.
+        reason: MissReason,
+    },
+    /// The annotation is neither found nor missed.
+    IgnoredAnnotation {
+        /// What does not count.
+        annotation: AnnotationFacts,
+        /// Why.
+        reason: IgnoredAnnotation,
+    },
+    /// The annotation is too tall for the task: neither found nor missed, and counted apart.
+    Tall {
+        /// What does not count.
+        annotation: AnnotationFacts,
+        /// What found it all the same, of the detections that found nothing that counts. It is neither right nor false.
+        found_by: Option<FoundBy>,
+    },
+    /// The detection is false.
+    False {
+        /// What is false.
+        detection: DetectionFacts,
+        /// Why.
+        reason: FalseReason,
+    },
+    /// The detection is neither right nor false.
+    IgnoredDetection {
+        /// What does not count.
+        detection: DetectionFacts,
+        /// Why.
+        reason: IgnoredDetection,
+    },
+    /// It cannot be known whether the detection is false.
+    Unknowable {
+        /// What cannot be judged.
+        detection: DetectionFacts,
+    },
+}
+
+/// A detection that found something, and at what cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundBy {
+    /// The detection.
+    pub detection: DetectionFacts,
+    /// Lower is better; the unit is the criterion's.
+    pub cost: f64,
+}
+
+/// What is known about an annotation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnnotationFacts {
+    /// Its place among the annotations of the scan, from 0.
+    pub id: u64,
+    /// Number of the object within its drive.
+    pub track: Option<u32>,
+    /// What it is.
+    pub class: AnnotationClass,
+    /// How much of it other things hide from the sensor.
+    pub occlusion: Option<Occlusion>,
+    /// Number of its points.
+    pub n_points: u64,
+    /// How many of these lie outside the labelled region.
+    pub n_points_outside: u64,
+    /// Its box, where boxes are labelled.
+    pub bounding_box: Option<BoxFacts>,
+    /// Centroid of its points in metres, where it has no box.
+    pub centroid_m: Option<[f32; 3]>,
+}
+
+impl AnnotationFacts {
+    /// Where it stands, in metres: the centre of its box or the centroid of its points; `None` if it has neither.
+    pub fn center_m(&self) -> Option<[f32; 3]> {
+        self.bounding_box.map(|it| it.center_m).or(self.centroid_m)
+    }
+
+    /// Whether at least half of its points lie outside the labelled region.
+    pub fn is_truncated(&self) -> bool {
+        self.n_points > 0 && 2 * self.n_points_outside >= self.n_points
+    }
+}
+
+/// Distance of a place from the sensor on the ground plan, in metres.
+pub fn range_m(place_m: [f32; 3]) -> f64 {
+    f64::from(place_m[0]).hypot(f64::from(place_m[1]))
+}
+
+/// What is known about a detection.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DetectionFacts {
+    /// Its place among the detections of the scan, from 0.
+    pub id: u64,
+    /// What the detector takes it for.
+    pub class: DetectionClass,
+    /// How sure the detector is; higher is surer.
+    pub score: Option<f32>,
+    /// Number of its points.
+    pub n_points: u64,
+    /// Its box.
+    pub bounding_box: BoxFacts,
+}
+
+/// An upright box in the sensor frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoxFacts {
+    /// Centre x (forward), y (left), z (up) in metres.
+    pub center_m: [f32; 3],
+    /// Length (along the heading), width and height in metres.
+    pub length_width_height_m: [f32; 3],
+    /// Heading in radians, counter-clockwise from x seen from above.
+    pub yaw_rad: f32,
+}

@@ -1,0 +1,10 @@
+//! What was seen, one row for every scan, object, detection or point: all that numbers are made of.
+
+pub mod counts;
+pub mod scan_row;
+pub mod stage_row;
+pub mod match_outcome;
+pub mod match_row;
+pub mod box_row;
+pub mod cluster_of_point;
+pub mod training_row;

@@ -1,0 +1,382 @@
+//! `scans.csv`: one row for every scan, detector and task.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::fixed_decimals::Fixed;
+use crate::rows::counts::Counts;
+use crate::vocabulary::task::Task;
+
+/// What one detector made of one scan in one task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "ScanRecord", try_from = "ScanRecord")]
+pub struct ScanRow {
+    /// Id of the data set.
+    pub dataset: String,
+    /// The drive the scan belongs to.
+    pub sequence: String,
+    /// Number of the scan within the drive.
+    pub scan: u32,
+    /// When it was taken, in seconds since the first scan of the drive, in whole milliseconds.
+    pub time_s: f64,
+    /// Name of the detector.
+    pub detector: String,
+    /// The task.
+    pub task: Task,
+    /// What came of it.
+    pub outcome: ScanOutcome,
+}
+
+/// What came of a scan.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ScanOutcome {
+    /// It was evaluated.
+    Evaluated(ScanNumbers),
+    /// It was not.
+    Skipped {
+        /// Why, in words.
+        reason: String,
+    },
+}
+
+/// The numbers of one scan, detector and task.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScanNumbers {
+    /// Number of points of the scan.
+    pub n_points: u64,
+    /// Time of detection in milliseconds; `None` where it does not count, as while warming up.
+    pub latency_ms: Option<f64>,
+    /// The shortest of all repetitions of that detection in milliseconds; `None` where `latency_ms` is.
+    pub least_latency_ms: Option<f64>,
+    /// Time of the reference that was measured in turns with it, in milliseconds: the shortest of all repetitions. `None`
+    /// where it was not measured.
+    pub reference_ms: Option<f64>,
+    /// Annotations found and missed, and false detections.
+    pub counts: Counts,
+    /// Annotations that are neither found nor missed.
+    pub n_ignored_annotations: u64,
+    /// Detections that are neither right nor false.
+    pub n_ignored_detections: u64,
+    /// Detections of which it cannot be known whether they are false.
+    pub n_unknowable_detections: u64,
+    /// How far objects are torn apart or run together.
+    pub segmentation: SegmentationNumbers,
+    /// Clusters dropped because they have too few points.
+    pub n_dropped_too_small: u64,
+    /// Clusters dropped because they have too many points or are too long.
+    pub n_dropped_too_large: u64,
+}
+
+/// How far the objects of a scan are torn apart or run together, whether or not the pieces match.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SegmentationNumbers {
+    /// Annotations that count of which several detections each hold a tenth of the points or more.
+    pub n_split: u64,
+    /// Detections with more than half of the points of an annotation that counts.
+    pub n_holding: u64,
+    /// Of these, those with more than half of the points of several.
+    pub n_joining: u64,
+    /// Detections with a point of an annotation that counts.
+    pub n_touching: u64,
+    /// OSE: −p ln p of every annotation that counts and every detection, where p is the share of the annotation's points
+    /// that the detection has; summed.
+    pub over_entropy_nats: f64,
+    /// USE: the same of every detection, where p is the share of the detection's points that the annotation has; summed.
+    pub under_entropy_nats: f64,
+}
+
+impl ScanRow {
+    /// Its numbers; `None` if it was not evaluated.
+    pub fn numbers(&self) -> Option<&ScanNumbers> {
+        match &self.outcome {
+            ScanOutcome::Evaluated(numbers) => Some(numbers),
+            ScanOutcome::Skipped { .. } => None,
+        }
+    }
+}
+
+impl CsvRow for ScanRow {
+    const COLUMNS: &'static [&'static str] = &[
+        "dataset",
+        "sequence",
+        "scan",
+        "time_s",
+        "detector",
+        "task",
+        "status",
+        "reason",
+        "n_points",
+        "latency_ms",
+        "least_latency_ms",
+        "reference_ms",
+        "no",
+        "tp",
+        "mo",
+        "fo",
+        "ignored_annotations",
+        "ignored_detections",
+        "unknowable_detections",
+        "split",
+        "holding",
+        "joining",
+        "touching",
+        "ose_nats",
+        "use_nats",
+        "dropped_too_small",
+        "dropped_too_large",
+    ];
+}
+
+#[derive(Serialize, Deserialize)]
+struct ScanRecord {
+    dataset: String,
+    sequence: String,
+    scan: u32,
+    time_s: Fixed<3>,
+    detector: String,
+    task: Task,
+    status: Status,
+    reason: Option<String>,
+    n_points: Option<u64>,
+    latency_ms: Option<Fixed<3>>,
+    least_latency_ms: Option<Fixed<3>>,
+    reference_ms: Option<Fixed<4>>,
+    no: Option<u64>,
+    tp: Option<u64>,
+    mo: Option<u64>,
+    fo: Option<u64>,
+    ignored_annotations: Option<u64>,
+    ignored_detections: Option<u64>,
+    unknowable_detections: Option<u64>,
+    split: Option<u64>,
+    holding: Option<u64>,
+    joining: Option<u64>,
+    touching: Option<u64>,
+    ose_nats: Option<Fixed<6>>,
+    use_nats: Option<Fixed<6>>,
+    dropped_too_small: Option<u64>,
+    dropped_too_large: Option<u64>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Status {
+    Evaluated,
+    Skipped,
+}
+
+impl From<ScanRow> for ScanRecord {
+    fn from(row: ScanRow) -> Self {
+        let (status, reason, numbers) = match row.outcome {
+            ScanOutcome::Evaluated(numbers) => (Status::Evaluated, None, Some(numbers)),
+            ScanOutcome::Skipped { reason } => (Status::Skipped, Some(reason), None),
+        };
+        let numbers = numbers.as_ref();
+        let counts = numbers.map(|it| it.counts);
+        let segmentation = numbers.map(|it| it.segmentation);
+        Self {
+            dataset: row.dataset,
+            sequence: row.sequence,
+            scan: row.scan,
+            time_s: Fixed(row.time_s),
+            detector: row.detector,
+            task: row.task,
+            status,
+            reason,
+            n_points: numbers.map(|it| it.n_points),
+            latency_ms: numbers.and_then(|it| it.latency_ms).map(Fixed),
+            least_latency_ms: numbers.and_then(|it| it.least_latency_ms).map(Fixed),
+            reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed),
+            no: counts.map(Counts::no),
+            tp: counts.map(Counts::tp),
+            mo: counts.map(Counts::mo),
+            fo: counts.and_then(Counts::fo),
+            ignored_annotations: numbers.map(|it| it.n_ignored_annotations),
+            ignored_detections: numbers.map(|it| it.n_ignored_detections),
+            unknowable_detections: numbers.map(|it| it.n_unknowable_detections),
+            split: segmentation.map(|it| it.n_split),
+            holding: segmentation.map(|it| it.n_holding),
+            joining: segmentation.map(|it| it.n_joining),
+            touching: segmentation.map(|it| it.n_touching),
+            ose_nats: segmentation.map(|it| Fixed(it.over_entropy_nats)),
+            use_nats: segmentation.map(|it| Fixed(it.under_entropy_nats)),
+            dropped_too_small: numbers.map(|it| it.n_dropped_too_small),
+            dropped_too_large: numbers.map(|it| it.n_dropped_too_large),
+        }
+    }
+}
+
+impl TryFrom<ScanRecord> for ScanRow {
+    type Error = &'static str;
+
+    fn try_from(record: ScanRecord) -> Result<Self, &'static str> {
+        let outcome = match record.status {
+            Status::Evaluated => ScanOutcome::Evaluated(numbers_of(&record)?),
+            Status::Skipped => {
+                let reason = record.reason.ok_or("a skipped scan gives no reason")?;
+                ScanOutcome::Skipped { reason }
+            }
+        };
+        let ScanRecord { dataset, sequence, scan, time_s: Fixed(time_s), detector, task, .. } = record;
+        if !time_s.is_finite() {
+            return Err("time_s is no time");
+        }
+        Ok(Self { dataset, sequence, scan, time_s, detector, task, outcome })
+    }
+}
+
+fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
+    let present = |number: Option<u64>| number.ok_or("an evaluated scan misses a number");
+    let counts = Counts::new(present(record.no)?, present(record.tp)?, record.fo);
+    let counts = counts.ok_or("tp is larger than no")?;
+    let entropy =
+        |it: Option<Fixed<6>>| it.map(|Fixed(nats)| nats).ok_or("an evaluated scan misses a number");
+    if record.mo != Some(counts.mo()) {
+        return Err("mo is not no - tp");
+    }
+    Ok(ScanNumbers {
+        n_points: present(record.n_points)?,
+        latency_ms: record.latency_ms.map(|Fixed(latency_ms)| latency_ms),
+        least_latency_ms: record.least_latency_ms.map(|Fixed(latency_ms)| latency_ms),
+        reference_ms: record.reference_ms.map(|Fixed(reference_ms)| reference_ms),
+        counts,
+        n_ignored_annotations: present(record.ignored_annotations)?,
+        n_ignored_detections: present(record.ignored_detections)?,
+        n_unknowable_detections: present(record.unknowable_detections)?,
+        segmentation: SegmentationNumbers {
+            n_split: present(record.split)?,
+            n_holding: present(record.holding)?,
+            n_joining: present(record.joining)?,
+            n_touching: present(record.touching)?,
+            over_entropy_nats: entropy(record.ose_nats)?,
+            under_entropy_nats: entropy(record.use_nats)?,
+        },
+        n_dropped_too_small: present(record.dropped_too_small)?,
+        n_dropped_too_large: present(record.dropped_too_large)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::archive::ArchiveError;
+    use crate::files::csv_rows::{CsvRowWriter, read_rows};
+    use crate::files::whole_file::WholeFile;
+
+    fn row(scan: u32, outcome: ScanOutcome) -> ScanRow {
+        let [dataset, sequence, detector] = ["kitti, tracking", "0000", "kd-tree"].map(str::to_owned);
+        let task = Task::Objects;
+        ScanRow { dataset, sequence, scan, time_s: f64::from(scan) / 10.0, detector, task, outcome }
+    }
+
+    fn numbers(latency_ms: Option<f64>, n_false: Option<u64>) -> ScanOutcome {
+        ScanOutcome::Evaluated(ScanNumbers {
+            n_points: 120_000,
+            latency_ms,
+            least_latency_ms: latency_ms,
+            reference_ms: latency_ms.map(|_| 0.25),
+            counts: Counts::new(7, 5, n_false).unwrap(),
+            n_ignored_annotations: 3,
+            n_ignored_detections: 2,
+            n_unknowable_detections: 40,
+            segmentation: SegmentationNumbers {
+                n_split: 1,
+                n_holding: 6,
+                n_joining: 2,
+                n_touching: 8,
+                over_entropy_nats: 0.5,
+                under_entropy_nats: 0.25,
+            },
+            n_dropped_too_small: 900,
+            n_dropped_too_large: 1,
+        })
+    }
+
+    fn rows() -> Vec<ScanRow> {
+        let reason = "label file is cut at line 7".to_owned();
+        vec![
+            row(0, numbers(None, Some(4))),
+            row(1, numbers(Some(8.25), None)),
+            row(2, ScanOutcome::Skipped { reason }),
+        ]
+    }
+
+    /// Writes rows, replaces `from` by `to` in the file, reads it.
+    fn written_and_read(
+        rows: &[ScanRow],
+        from: &str,
+        to: &str,
+    ) -> (String, Result<Vec<ScanRow>, ArchiveError>) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scans.csv");
+        let mut writer = CsvRowWriter::new(WholeFile::create(&path).unwrap()).unwrap();
+        for row in rows {
+            writer.write(row).unwrap();
+        }
+        writer.finish().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{text}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        (text, read_rows(&path))
+    }
+
+    #[test]
+    fn rows_read_back_as_they_were() {
+        let (text, read) = written_and_read(&rows(), "", "");
+        insta::assert_snapshot!(text, @r#"
+        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,latency_ms,least_latency_ms,reference_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
+        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,8.250,8.250,0.2500,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,
+        "#);
+        assert_eq!(read.unwrap(), rows());
+    }
+
+    #[test]
+    fn a_file_without_rows_has_columns() {
+        let (text, read) = written_and_read(&[], "", "");
+        assert_eq!(text.trim_end().split(',').count(), ScanRow::COLUMNS.len());
+        assert!(read.unwrap().is_empty());
+    }
+
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, expected: &str) {
+        let error = written_and_read(&rows(), from, to).1.unwrap_err();
+        let reason = match &error {
+            ArchiveError::Csv { source, .. } => source.to_string(),
+            other => other.to_string(),
+        };
+        assert!(reason.contains(expected), "{reason}");
+    }
+
+    #[test]
+    fn counts_that_contradict_each_other_are_refused_with_their_line() {
+        check_refused(",7,5,2,4,", ",7,5,3,4,", "line: 2");
+        check_refused(",7,5,2,4,", ",7,5,3,4,", "mo is not no - tp");
+        check_refused(",7,5,2,4,", ",7,9,2,4,", "tp is larger than no");
+    }
+
+    #[test]
+    fn an_evaluated_scan_without_numbers_is_refused() {
+        check_refused("skipped", "evaluated", "misses a number");
+    }
+
+    #[test]
+    fn other_columns_are_refused() {
+        check_refused("n_points", "n_echoes", "has the columns");
+    }
+
+    #[test]
+    fn a_scan_without_a_time_is_refused() {
+        check_refused("0000,1,0.100,", "0000,1,,", "line: 3");
+        check_refused("0000,1,0.100,", "0000,1,NaN,", "time_s is no time");
+    }
+
+    #[test]
+    fn a_time_that_is_not_a_number_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = WholeFile::create(&folder.path().join("scans.csv")).unwrap();
+        let mut writer = CsvRowWriter::new(file).unwrap();
+        writer.write(&row(0, numbers(Some(f64::NAN), None))).unwrap_err();
+    }
+}

@@ -1,0 +1,63 @@
+//! `stages.csv`: one row for every scan, detector and stage of it.
+
+use serde::{Deserialize, Serialize, Serializer};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::fixed_decimals::Fixed;
+
+/// How long one stage of a detector took on one scan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageRow {
+    /// Id of the data set.
+    pub dataset: String,
+    /// The drive the scan belongs to.
+    pub sequence: String,
+    /// Number of the scan within the drive.
+    pub scan: u32,
+    /// Name of the detector.
+    pub detector: String,
+    /// Name of the stage.
+    pub stage: String,
+    /// Its time in milliseconds, of the first repetition.
+    #[serde(serialize_with = "with_four_decimals")]
+    pub time_ms: f64,
+}
+
+impl CsvRow for StageRow {
+    const COLUMNS: &'static [&'static str] = &["dataset", "sequence", "scan", "detector", "stage", "time_ms"];
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn with_four_decimals<S: Serializer>(time_ms: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    Fixed::<4>(*time_ms).serialize(serializer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+
+    fn row(time_ms: f64) -> StageRow {
+        let [dataset, sequence, detector, stage] = ["street", "0000", "pca", "grid"].map(str::to_owned);
+        StageRow { dataset, sequence, scan: 7, detector, stage, time_ms }
+    }
+
+    #[test]
+    fn rows_read_back_as_they_were() {
+        let bytes = to_csv_bytes(&[row(0.25), row(12.5)]).unwrap();
+        insta::assert_snapshot!(String::from_utf8(bytes.clone()).unwrap(), @r"
+        dataset,sequence,scan,detector,stage,time_ms
+        street,0000,7,pca,grid,0.2500
+        street,0000,7,pca,grid,12.5000
+        ");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("stages.csv");
+        std::fs::write(&path, bytes).unwrap();
+        assert_eq!(read_rows::<StageRow>(&path).unwrap(), [row(0.25), row(12.5)]);
+    }
+
+    #[test]
+    fn a_time_that_is_not_a_number_is_not_written() {
+        to_csv_bytes(&[row(f64::NAN)]).unwrap_err();
+    }
+}

@@ -1,0 +1,121 @@
+//! `objects.csv` and `importance.csv`: what a trained model was judged by.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::fixed_decimals::Fixed;
+
+/// Where an object of [`JudgedObjects`] was seen, and what it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedObjectPlace<'a> {
+    /// Data set.
+    pub data: &'a str,
+    /// Drive.
+    pub sequence: &'a str,
+    /// What it is.
+    pub kind: &'a str,
+    /// Whether that is a vehicle.
+    pub is_vehicle: bool,
+    /// Number of its points.
+    pub n_points: usize,
+    /// Distance of the middle of its box from the sensor on the ground plan, in metres.
+    pub range_m: f64,
+}
+
+/// The rows of held-out objects: where each is, its decision value, and what that was made of.
+#[derive(Debug)]
+pub struct JudgedObjects {
+    writer: csv::Writer<Vec<u8>>,
+}
+
+/// The columns before those of the values of a model.
+const PLACE_COLUMNS: [&str; 7] =
+    ["data", "sequence", "kind", "is_vehicle", "n_points", "range_m", "decision"];
+
+impl JudgedObjects {
+    /// No rows yet; the values have columns of these names.
+    ///
+    /// # Errors
+    ///
+    /// None that memory would not give.
+    pub fn new(features: &[&str]) -> Result<Self, csv::Error> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        writer.write_record(PLACE_COLUMNS.iter().chain(features))?;
+        Ok(Self { writer })
+    }
+
+    /// Appends the object at `place` with its decision value and what that was made of, in the order of the columns.
+    ///
+    /// # Errors
+    ///
+    /// If a number is not finite, or there are more or fewer values than columns.
+    pub fn write(
+        &mut self,
+        place: JudgedObjectPlace<'_>,
+        decision: f32,
+        features: &[f32],
+    ) -> Result<(), csv::Error> {
+        let JudgedObjectPlace { data, sequence, kind, is_vehicle, n_points, range_m } = place;
+        let values: Vec<Fixed<4>> = features.iter().map(|&it| Fixed(it.into())).collect();
+        let decision = Fixed::<5>(decision.into());
+        self.writer.serialize((
+            data,
+            sequence,
+            kind,
+            is_vehicle,
+            n_points,
+            Fixed::<2>(range_m),
+            decision,
+            values,
+        ))
+    }
+
+    /// The content of `objects.csv`.
+    pub fn into_csv(self) -> Vec<u8> {
+        self.writer.into_inner().expect("memory takes all that is written")
+    }
+}
+
+/// What one value is worth to a model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImportanceRow {
+    feature: String,
+    roc_area_loss: Option<Fixed<5>>,
+    n_objects: usize,
+}
+
+impl CsvRow for ImportanceRow {
+    const COLUMNS: &'static [&'static str] = &["feature", "roc_area_loss", "n_objects"];
+}
+
+impl ImportanceRow {
+    /// The row of a value without which, mixed up between `n_objects`, the area under the receiver operating characteristic
+    /// is less by `roc_area_loss`.
+    pub fn new(feature: &str, roc_area_loss: Option<f64>, n_objects: usize) -> Self {
+        Self { feature: feature.to_owned(), roc_area_loss: roc_area_loss.map(Fixed), n_objects }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_the_columns_of_their_model() {
+        let place = JudgedObjectPlace {
+            data: "street",
+            sequence: "narrow-1",
+            kind: "car",
+            is_vehicle: true,
+            n_points: 25,
+            range_m: 12.345,
+        };
+        let mut rows = JudgedObjects::new(&["a", "b"]).unwrap();
+        rows.write(place, -0.5, &[1.0, 2.25]).unwrap();
+        assert!(rows.write(place, 0.0, &[1.0]).is_err() && rows.write(place, 0.0, &[1.0, f32::NAN]).is_err());
+        let mut rows = JudgedObjects::new(&["a", "b"]).unwrap();
+        rows.write(place, -0.5, &[1.0, 2.25]).unwrap();
+        let expected = "data,sequence,kind,is_vehicle,n_points,range_m,decision,a,b\nstreet,narrow-1,car,true,25,12.35,-0.50000,1.0000,2.2500\n";
+        assert_eq!(String::from_utf8(rows.into_csv()).unwrap(), expected);
+    }
+}

@@ -1,0 +1,373 @@
+//! `manifest.json`: how a run came about, so that it can be made again.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::archive::{ArchiveError, read_json};
+use crate::vocabulary::class::AnnotationClass;
+use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::origin::Origin;
+
+/// Everything that decides the numbers of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// Layout of the files of the run, [`SCHEMA`](crate::files::archive::SCHEMA).
+    pub schema: u32,
+    /// Version of the rules by which the detections were judged.
+    pub scoring_version: u32,
+    /// Version of the program.
+    pub scanbench_version: String,
+    /// When the run began, in UTC as RFC 3339 writes it.
+    pub created: String,
+    /// The command line, the program's name first.
+    pub argv: Vec<String>,
+    /// The configuration after files, defaults and command line were put together.
+    pub config: serde_json::Value,
+    /// The seeds of everything random, by what they are for.
+    pub seeds: BTreeMap<String, u64>,
+    /// Detections of the first scan, for each detector, that were thrown away before anything was timed.
+    pub n_warmup_detections: u32,
+    /// How often each detector looked at each scan.
+    #[serde(default = "once")]
+    pub n_repeats: u32,
+    /// By what a detection was matched with an annotation, in words, such as `points, Jaccard at least 0.5`.
+    pub matching_criterion: String,
+    /// Which annotations do not count.
+    pub ignored: IgnoreRule,
+    /// The data sets, in the order of the tables.
+    pub datasets: Vec<DatasetEntry>,
+    /// The detectors, in the order of the tables.
+    pub detectors: Vec<DetectorEntry>,
+    /// The state of the source, where it is known.
+    pub git: Option<GitState>,
+    /// The compiler.
+    pub rustc_version: String,
+    /// The Rerun library, if the program was built with it.
+    pub rerun_version: Option<String>,
+    /// The machine that all times are for.
+    pub machine: Machine,
+    /// What an experiment put up, as it describes it; `None` for a run over data sets that were named.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub experiment: Option<serde_json::Value>,
+}
+
+/// Which annotations of any data set do not count, whatever the detector.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IgnoreRule {
+    /// Those with fewer points than this.
+    pub min_points: u32,
+    /// Those farther from the sensor than this, in metres.
+    pub max_range_m: f64,
+}
+
+/// A data set of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DatasetEntry {
+    /// The name used in tables and files.
+    pub id: String,
+    /// The format's name, such as `kitti-tracking`.
+    pub format: String,
+    /// Where it lies; `None` for what is simulated on the fly.
+    pub root: Option<String>,
+    /// Whether a simulator made it. Numbers measured on it are always labelled so.
+    pub simulated: bool,
+    /// What its annotations cover.
+    pub annotated: AnnotatedClasses,
+    /// SHA-256 of what the scans are made of, where it is known.
+    pub checksum: Option<String>,
+    /// Number of scans that were selected.
+    pub n_scans: u64,
+    /// Those of them that were left out because they are damaged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub skipped_scans: Vec<SkippedScan>,
+    /// Points without a position in the scans that were read; they are left out.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub n_points_left_out: u64,
+    /// What the user said names of classes in the labels stand for.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub classes: BTreeMap<String, AnnotationClass>,
+    /// Which scans were selected, as the command line writes it; `None` for all.
+    pub selection: Option<String>,
+    /// Height of the sensor above the road, in metres.
+    pub sensor_height_m: f32,
+    /// The sensor: its id, or the file that describes it.
+    pub sensor: String,
+    /// Its licence, where known.
+    pub licence: Option<String>,
+    /// What a simulation was asked for besides its seed; `None` for what was recorded.
+    pub simulation: Option<Simulation>,
+}
+
+impl DatasetEntry {
+    /// Where its scans come from.
+    pub fn origin(&self) -> Origin {
+        if self.simulated { Origin::Simulated } else { Origin::Recorded }
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
+}
+
+/// A scan that was left out because it is damaged.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkippedScan {
+    /// Which it is.
+    pub scan: String,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+/// A drive through a simulated street.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Simulation {
+    /// Bumped whenever the same street gives other scans.
+    pub simulator_version: u32,
+    /// The kind of street.
+    pub street: String,
+    /// Length of the drive in scans, of which a selection may have taken some.
+    pub n_drive_scans: u32,
+    /// Turns of the sensor from one scan to the next.
+    pub turns_per_scan: u32,
+    /// Scans of a street, after which the drive went on in that of the next seed; `None` for as many as it has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scans_per_drive: Option<u32>,
+    /// The sensor: its id, or the file that describes it.
+    pub sensor: String,
+    /// `instant` or `rolling`.
+    pub shutter: String,
+    /// How hard it rains, in millimetres per hour; `None` if it is dry.
+    pub rain_mm_per_h: Option<f32>,
+    /// Height of the sensor above the road in metres, if it is not as its description has it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor_height_m: Option<f32>,
+    /// What was set about the street instead of drawn; `None` if nothing was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<serde_json::Value>,
+    /// How far to either side of forward the labels reach, in degrees; `None` for all around.
+    pub labeled_to_either_side_deg: Option<f32>,
+}
+
+/// Which objects of the street a data set annotates.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AnnotatedClasses {
+    /// Every free-standing object.
+    EveryObject,
+    /// Objects of these classes only.
+    Only(Vec<AnnotationClass>),
+}
+
+/// A detector of the run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DetectorEntry {
+    /// The name used in tables and files.
+    pub name: String,
+    /// Every parameter with its value.
+    pub parameters: serde_json::Value,
+    /// What it does beside finding clusters, which others may not.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rules: Vec<String>,
+}
+
+/// The state of the source that the program was built from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GitState {
+    /// Hash of the commit.
+    pub commit: String,
+    /// Whether there were changes beyond the commit.
+    pub dirty: bool,
+}
+
+/// A computer.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Machine {
+    /// The processor's own name.
+    pub cpu_model: String,
+    /// Number of logical cores.
+    pub n_cores: u32,
+    /// The operating system.
+    pub os: String,
+}
+
+fn once() -> u32 {
+    1
+}
+
+impl Manifest {
+    /// The data set that numbers about the whole run are about: the only one, or all of them.
+    pub fn extent(&self) -> &str {
+        match &self.datasets[..] {
+            [only] => &only.id,
+            _ => OVERALL,
+        }
+    }
+
+    /// The content of `manifest.json`.
+    pub fn to_json(&self) -> String {
+        let mut json = serde_json::to_string_pretty(self).expect("a manifest has text keys only");
+        json.push('\n');
+        json
+    }
+
+    /// Reads a `manifest.json`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if the file cannot be read, has another schema, misses a field that cannot be null, or has
+    /// an unknown one.
+    pub fn read(path: &Path) -> Result<Self, ArchiveError> {
+        read_json(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::archive::SCHEMA;
+
+    fn manifest() -> Manifest {
+        Manifest {
+            schema: SCHEMA,
+            scoring_version: 1,
+            scanbench_version: "0.1.0".to_owned(),
+            created: "2026-03-02T09:30:00Z".to_owned(),
+            argv: vec!["scanbench".to_owned(), "run".to_owned()],
+            config: serde_json::json!({"run": {"n_jobs": 1}}),
+            seeds: BTreeMap::from([("simulator".to_owned(), u64::MAX)]),
+            n_warmup_detections: 2,
+            n_repeats: 3,
+            matching_criterion: "points, Jaccard at least 0.5".to_owned(),
+            ignored: IgnoreRule { min_points: 20, max_range_m: 80.0 },
+            datasets: vec![DatasetEntry {
+                id: "drive".to_owned(),
+                format: "kitti-tracking".to_owned(),
+                root: Some("/data/kitti".to_owned()),
+                simulated: false,
+                annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car]),
+                checksum: None,
+                n_scans: 40,
+                skipped_scans: Vec::new(),
+                n_points_left_out: 0,
+                classes: BTreeMap::new(),
+                selection: Some("0..80:2".to_owned()),
+                sensor_height_m: 1.73,
+                sensor: "hdl-64e-s2".to_owned(),
+                licence: None,
+                simulation: None,
+            }],
+            detectors: vec![DetectorEntry {
+                name: "kd-tree".to_owned(),
+                parameters: serde_json::json!({"tolerance_m": 0.5}),
+                rules: vec!["completion".to_owned()],
+            }],
+            git: Some(GitState { commit: "c0ffee".to_owned(), dirty: true }),
+            rustc_version: "1.95.0".to_owned(),
+            rerun_version: None,
+            machine: Machine { cpu_model: "some processor".to_owned(), n_cores: 2, os: "linux".to_owned() },
+            experiment: None,
+        }
+    }
+
+    #[test]
+    fn a_manifest_reads_back_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("manifest.json");
+        std::fs::write(&path, manifest().to_json()).unwrap();
+        assert_eq!(Manifest::read(&path).unwrap(), manifest());
+    }
+
+    #[test]
+    #[expect(clippy::too_many_lines, reason = "most of it is a snapshot")]
+    fn a_manifest_can_be_read_by_people() {
+        insta::assert_snapshot!(manifest().to_json(), @r#"
+        {
+          "schema": 1,
+          "scoring_version": 1,
+          "scanbench_version": "0.1.0",
+          "created": "2026-03-02T09:30:00Z",
+          "argv": [
+            "scanbench",
+            "run"
+          ],
+          "config": {
+            "run": {
+              "n_jobs": 1
+            }
+          },
+          "seeds": {
+            "simulator": 18446744073709551615
+          },
+          "n_warmup_detections": 2,
+          "n_repeats": 3,
+          "matching_criterion": "points, Jaccard at least 0.5",
+          "ignored": {
+            "min_points": 20,
+            "max_range_m": 80.0
+          },
+          "datasets": [
+            {
+              "id": "drive",
+              "format": "kitti-tracking",
+              "root": "/data/kitti",
+              "simulated": false,
+              "annotated": {
+                "only": [
+                  "car"
+                ]
+              },
+              "checksum": null,
+              "n_scans": 40,
+              "selection": "0..80:2",
+              "sensor_height_m": 1.73,
+              "sensor": "hdl-64e-s2",
+              "licence": null,
+              "simulation": null
+            }
+          ],
+          "detectors": [
+            {
+              "name": "kd-tree",
+              "parameters": {
+                "tolerance_m": 0.5
+              },
+              "rules": [
+                "completion"
+              ]
+            }
+          ],
+          "git": {
+            "commit": "c0ffee",
+            "dirty": true
+          },
+          "rustc_version": "1.95.0",
+          "rerun_version": null,
+          "machine": {
+            "cpu_model": "some processor",
+            "n_cores": 2,
+            "os": "linux"
+          }
+        }
+        "#);
+    }
+
+    #[test]
+    fn a_manifest_of_another_schema_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("manifest.json");
+        std::fs::write(&path, Manifest { schema: SCHEMA + 1, ..manifest() }.to_json()).unwrap();
+        let error = Manifest::read(&path).unwrap_err();
+        assert!(matches!(error, ArchiveError::Schema { found: 2, expected: 1, .. }), "{error}");
+    }
+}

@@ -1,0 +1,9 @@
+//! The folder of a run: how the run came about, how the folder is written, and all of it read back.
+
+pub mod manifest;
+pub mod comparison_manifest;
+pub mod experiment_manifest;
+pub mod run_target;
+mod folder_in_place;
+pub mod run_directory;
+pub mod run_archive;

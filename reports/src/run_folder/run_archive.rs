@@ -1,0 +1,54 @@
+//! A run as it is read back from its directory.
+
+use std::path::Path;
+
+use crate::files::archive::ArchiveError;
+use crate::files::csv_rows::read_rows;
+use crate::numbers::run_report::RunReport;
+use crate::numbers::tally::Tally;
+use crate::rows::match_row::MatchRow;
+use crate::rows::scan_row::ScanRow;
+use crate::run_folder::manifest::Manifest;
+use crate::run_folder::run_directory::{MATCHES_CSV, REPORT_JSON, SCANS_CSV};
+use crate::run_folder::run_target::MANIFEST_JSON;
+
+/// Everything that a run left behind but pictures and recordings.
+#[derive(Debug, Clone)]
+pub struct RunArchive {
+    /// How it came about.
+    pub manifest: Manifest,
+    /// Its numbers.
+    pub report: RunReport,
+    /// One row for every scan, detector and task.
+    pub scans: Vec<ScanRow>,
+    /// One row for every pair, and for every annotation and detection that is in none.
+    pub matches: Vec<MatchRow>,
+}
+
+impl RunArchive {
+    /// Reads the run in `directory`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if a file is missing or damaged.
+    pub fn read(directory: &Path) -> Result<Self, ArchiveError> {
+        Ok(Self {
+            manifest: Manifest::read(&directory.join(MANIFEST_JSON))?,
+            report: RunReport::read(&directory.join(REPORT_JSON))?,
+            scans: read_rows(&directory.join(SCANS_CSV))?,
+            matches: read_rows(&directory.join(MATCHES_CSV))?,
+        })
+    }
+
+    /// Its sums.
+    pub fn tally(&self) -> Tally {
+        let mut tally = Tally::default();
+        for row in &self.scans {
+            tally.add_scan(row);
+        }
+        for row in &self.matches {
+            tally.add_match(row);
+        }
+        tally
+    }
+}

@@ -1,0 +1,353 @@
+//! The folder that a run leaves behind, written whole or not at all.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::files::archive::ArchiveError;
+use crate::files::unfinished::{Kind, Unfinished};
+use crate::files::whole_file::{WholeFile, folder_of, write_whole};
+use crate::run_folder::folder_in_place::{Moved, move_into_place};
+use crate::run_folder::run_target::{
+    ClaimedTarget, ExistingTarget, LATEST, LatestPointer, RunDirectoryError, refused,
+};
+
+/// The numbers of the run.
+pub const REPORT_JSON: &str = "report.json";
+/// One row for every scan, detector and task.
+pub const SCANS_CSV: &str = "scans.csv";
+/// One row for every matched pair, and for every annotation and detection that is in none.
+pub const MATCHES_CSV: &str = "matches.csv";
+/// How long each stage of a detector took: one row for every scan, detector and stage.
+pub const STAGES_CSV: &str = "stages.csv";
+/// Precision over recall, where detections have scores.
+pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
+/// What the sensor saw around the worst mistakes.
+pub const WORST_POINTS_JSON: &str = "worst_points.json";
+/// The run as a page.
+pub const REPORT_HTML: &str = "report.html";
+/// Folder of the figures of the page, each as a file of its own.
+pub const FIGURES: &str = "figures";
+/// Rates of a sweep.
+pub const SWEEP_CSV: &str = "sweep.csv";
+/// Times of a sweep.
+pub const SWEEP_TIMES_CSV: &str = "times.csv";
+
+/// A run directory in the making.
+///
+/// Until [`Self::finish`] everything is in a hidden folder beside the target, which is removed when this is dropped.
+#[derive(Debug)]
+#[must_use = "a run directory that is not finished is thrown away"]
+pub struct RunDirectory {
+    // Invariant: dropped, and so removed, before the folders around it: fields drop in the order of declaration.
+    partial: TempDir,
+    unfinished: Unfinished,
+    claimed: ClaimedTarget,
+}
+
+impl RunDirectory {
+    /// Begins the run directory `target`; missing folders above it are made.
+    ///
+    /// # Errors
+    ///
+    /// [`RunDirectoryError`] if nothing can be written there, or if `target` exists and may not be replaced, or somebody else is
+    /// writing it: at once, and not after a long run.
+    pub fn create(
+        target: &Path,
+        existing: ExistingTarget,
+        latest: LatestPointer,
+    ) -> Result<Self, RunDirectoryError> {
+        Self::begin(ClaimedTarget::claim(target, existing, latest)?)
+    }
+
+    /// Begins the run directory whose place has been taken.
+    ///
+    /// # Errors
+    ///
+    /// [`RunDirectoryError`] if nothing can be written there.
+    pub fn begin(claimed: ClaimedTarget) -> Result<Self, RunDirectoryError> {
+        let (parent, name) = (folder_of(claimed.target()), claimed.target().file_name().unwrap_or_default());
+        let mut builder = tempfile::Builder::new();
+        let prefix = format!(".{}.partial-", name.to_string_lossy());
+        builder.prefix(&prefix);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // As for any other folder: the umask decides who may look into it.
+            builder.permissions(std::fs::Permissions::from_mode(0o777));
+        }
+        let (unfinished, partial) =
+            Unfinished::begin(Kind::Folder, || builder.tempdir_in(parent), |it| it.path().to_path_buf())
+                .map_err(refused(parent))?;
+        Ok(Self { partial, unfinished, claimed })
+    }
+
+    /// Where the run will be.
+    pub fn target(&self) -> &Path {
+        self.claimed.target()
+    }
+
+    /// Where all of it is written now.
+    pub fn folder(&self) -> &Path {
+        self.partial.path()
+    }
+
+    /// Where the file `name` is to be written now, for writers that open it themselves.
+    pub fn path_of(&self, name: &str) -> PathBuf {
+        self.partial.path().join(name)
+    }
+
+    /// Begins the file `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError::Write`] if it cannot be written.
+    pub fn begin_file(&self, name: &str) -> Result<WholeFile, ArchiveError> {
+        WholeFile::create(&self.path_of(name))
+    }
+
+    /// Writes the file `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError::Write`] if it cannot be written.
+    pub fn write_file(&self, name: &str, content: &[u8]) -> Result<(), ArchiveError> {
+        write_whole(&self.path_of(name), content)
+    }
+
+    /// Brings all files to the disk and the folder to its name, lets `latest` point at it if that was asked for, and
+    /// returns where the run is.
+    ///
+    /// # Errors
+    ///
+    /// [`RunDirectoryError`] if the disk does not take it, or if somebody else made the target meanwhile; nothing is left
+    /// behind then, and an earlier run stays as it was. If `latest` alone fails, the run is in its place.
+    pub fn finish(mut self) -> Result<PathBuf, RunDirectoryError> {
+        sync_tree(self.partial.path())?;
+        let target = self.claimed.target().to_path_buf();
+        // In one step for whoever ends the program: no run without the pointer that it is to have.
+        self.unfinished.undisturbed(|| {
+            self.claimed.check()?;
+            match move_into_place(self.partial.path(), &target)? {
+                Moved::ToANewName => self.partial.disable_cleanup(true),
+                // What is removed in the end is the earlier run, which now has the name of the hidden folder.
+                Moved::InExchange => {}
+            }
+            if self.claimed.latest() == LatestPointer::Update { point_latest_at(&target) } else { Ok(()) }
+        })?;
+        sync_folder(folder_of(&target))?;
+        Ok(target)
+    }
+}
+
+/// Brings all files below `folder` to the disk.
+fn sync_tree(folder: &Path) -> Result<(), RunDirectoryError> {
+    for entry in std::fs::read_dir(folder).map_err(refused(folder))? {
+        let entry = entry.map_err(refused(folder))?;
+        let path = entry.path();
+        if entry.file_type().map_err(refused(&path))?.is_dir() {
+            sync_tree(&path)?;
+        } else {
+            let file = File::options().write(true).open(&path).map_err(refused(&path))?;
+            file.sync_all().map_err(refused(&path))?;
+        }
+    }
+    sync_folder(folder)
+}
+
+/// Brings the names in `folder` to the disk, where the system has that notion.
+fn sync_folder(folder: &Path) -> Result<(), RunDirectoryError> {
+    if cfg!(unix) {
+        File::open(folder).and_then(|it| it.sync_all()).map_err(refused(folder))?;
+    }
+    Ok(())
+}
+
+/// Lets `latest` beside `target` point at it: as a link or, where there are none, as a text file with its name.
+fn point_latest_at(target: &Path) -> Result<(), RunDirectoryError> {
+    let latest = folder_of(target).join(LATEST);
+    let name = target.file_name().ok_or_else(|| RunDirectoryError::NoName { target: target.into() })?;
+    #[cfg(unix)]
+    {
+        // Made under another name and moved, so that there is no moment without `latest`.
+        let link = tempfile::Builder::new()
+            .prefix(".latest-")
+            .make_in(folder_of(target), |path| std::os::unix::fs::symlink(name, path))
+            .map_err(refused(&latest))?;
+        link.persist(&latest).map_err(|it| refused(&latest)(it.error))?;
+    }
+    #[cfg(not(unix))]
+    std::fs::write(&latest, name.to_string_lossy().as_bytes()).map_err(refused(&latest))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run_folder::run_target::MANIFEST_JSON;
+
+    fn names_in(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|it| it.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    fn begin(target: &Path, existing: ExistingTarget) -> Result<RunDirectory, RunDirectoryError> {
+        RunDirectory::create(target, existing, LatestPointer::Update)
+    }
+
+    /// Writes a run whose report holds `content`.
+    fn write_run(
+        target: &Path,
+        existing: ExistingTarget,
+        content: &str,
+    ) -> Result<PathBuf, RunDirectoryError> {
+        let run = begin(target, existing)?;
+        run.write_file(MANIFEST_JSON, b"{}")?;
+        std::fs::write(run.path_of(REPORT_JSON), content).unwrap();
+        run.finish()
+    }
+
+    fn report_of(run: &Path) -> String {
+        std::fs::read_to_string(run.join(REPORT_JSON)).unwrap()
+    }
+
+    #[test]
+    fn a_finished_run_is_there_whole_and_latest_points_at_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let runs = folder.path().join("deep").join("runs");
+        for name in ["first", "second"] {
+            let target = write_run(&runs.join(name), ExistingTarget::Refuse, name).unwrap();
+            assert_eq!(target, runs.join(name));
+            assert_eq!(names_in(&target), [MANIFEST_JSON, REPORT_JSON]);
+            assert_eq!(report_of(&target), name);
+            #[cfg(unix)]
+            assert_eq!(std::fs::read_link(runs.join(LATEST)).unwrap(), Path::new(name));
+        }
+        assert_eq!(names_in(&runs), ["first", LATEST, "second"]);
+    }
+
+    #[test]
+    fn a_run_that_is_dropped_leaves_nothing_not_even_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = begin(&folder.path().join("deep").join("runs").join("a"), ExistingTarget::Refuse).unwrap();
+        run.write_file(MANIFEST_JSON, b"{}").unwrap();
+        std::fs::create_dir(run.path_of("plots")).unwrap();
+        let mut file = run.begin_file("plots/a.svg").unwrap();
+        std::io::Write::write_all(&mut file, b"<svg>").unwrap();
+        drop(run);
+        assert!(names_in(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn latest_can_be_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("a");
+        RunDirectory::create(&target, ExistingTarget::Refuse, LatestPointer::Leave)
+            .unwrap()
+            .finish()
+            .unwrap();
+        assert_eq!(names_in(folder.path()), ["a"]);
+    }
+
+    #[test]
+    fn a_run_called_latest_is_no_pointer() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join(LATEST);
+        write_run(&target, ExistingTarget::Refuse, "old").unwrap();
+        write_run(&target, ExistingTarget::Replace, "new").unwrap();
+        assert_eq!((names_in(folder.path()), report_of(&target).as_str()), (vec![LATEST.to_owned()], "new"));
+    }
+
+    #[test]
+    fn an_empty_folder_is_taken() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("a");
+        std::fs::create_dir(&target).unwrap();
+        write_run(&target, ExistingTarget::Refuse, "").unwrap();
+        assert_eq!(names_in(&target), [MANIFEST_JSON, REPORT_JSON]);
+    }
+
+    #[test]
+    fn an_earlier_run_is_replaced_only_when_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("a");
+        write_run(&target, ExistingTarget::Refuse, "old").unwrap();
+        let error = write_run(&target, ExistingTarget::Refuse, "new").unwrap_err();
+        assert!(matches!(error, RunDirectoryError::Occupied { .. }), "{error}");
+        assert_eq!(report_of(&target), "old");
+        write_run(&target, ExistingTarget::Replace, "new").unwrap();
+        assert_eq!(report_of(&target), "new");
+        assert_eq!(names_in(folder.path()), ["a", LATEST]);
+    }
+
+    #[test]
+    fn what_is_no_run_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let home = folder.path().join("home");
+        std::fs::create_dir(&home).unwrap();
+        std::fs::write(home.join("thesis.tex"), "").unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "").unwrap();
+        for target in [home, file] {
+            let error = begin(&target, ExistingTarget::Replace).unwrap_err();
+            assert!(matches!(error, RunDirectoryError::NotARun { .. }), "{error}");
+        }
+        assert_eq!(names_in(folder.path()), ["file", "home"]);
+    }
+
+    #[test]
+    fn a_target_made_by_somebody_else_meanwhile_is_not_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("a");
+        let late = begin(&target, ExistingTarget::Refuse).unwrap();
+        std::fs::create_dir(&target).unwrap();
+        std::fs::write(target.join(REPORT_JSON), "theirs").unwrap();
+        let error = late.finish().unwrap_err();
+        assert!(matches!(error, RunDirectoryError::Occupied { .. }), "{error}");
+        assert_eq!((report_of(&target).as_str(), names_in(folder.path())), ("theirs", vec!["a".to_owned()]));
+    }
+
+    #[test]
+    fn two_do_not_write_to_one_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("a");
+        for existing in [ExistingTarget::Refuse, ExistingTarget::Replace] {
+            let first = begin(&target, existing).unwrap();
+            let error = begin(&target, existing).unwrap_err();
+            assert!(matches!(error, RunDirectoryError::InUse { .. }), "{error}");
+            first.write_file(MANIFEST_JSON, b"{}").unwrap();
+            first.finish().unwrap();
+        }
+        assert_eq!(names_in(folder.path()), ["a", LATEST]);
+    }
+
+    #[test]
+    fn a_parent_that_cannot_be_written_is_an_error_that_names_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "").unwrap();
+        let target = file.join("a");
+        let error = begin(&target, ExistingTarget::Refuse).unwrap_err();
+        assert_eq!(error.to_string(), format!("cannot write {target:?}"));
+    }
+
+    #[test]
+    fn a_path_without_a_name_is_an_error() {
+        for target in [".", "..", "/"] {
+            let error = begin(Path::new(target), ExistingTarget::Refuse).unwrap_err();
+            assert!(matches!(error, RunDirectoryError::NoName { .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_folder_called_latest_is_an_error_before_the_run() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join(LATEST)).unwrap();
+        let error = begin(&folder.path().join("a"), ExistingTarget::Refuse).unwrap_err();
+        assert!(matches!(error, RunDirectoryError::LatestOccupied { .. }), "{error}");
+        assert_eq!(names_in(folder.path()), [LATEST]);
+    }
+}

@@ -1,0 +1,140 @@
+//! Cells of text in rows and columns, for any renderer to lay out.
+
+use crate::numbers::blocks::BlockCount;
+
+/// A table ready to be laid out.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Grid {
+    pub(crate) columns: Vec<Column>,
+    /// Each has one cell for every column.
+    pub(crate) lines: Vec<Line>,
+}
+
+/// The head of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Column {
+    /// What neighbouring columns have in common; stands above them.
+    pub(crate) group: Option<String>,
+    pub(crate) title: &'static str,
+    pub(crate) alignment: Alignment,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Alignment {
+    Left,
+    /// Numbers one below the other, by their decimal points.
+    Decimal,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Line {
+    pub(crate) kind: LineKind,
+    pub(crate) cells: Vec<Cell>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LineKind {
+    /// About one data set.
+    Dataset,
+    /// More about the data set, or the sum, of the line above.
+    Detail,
+    /// About all data sets.
+    Overall,
+    /// A paper's figures.
+    Paper,
+}
+
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Cell {
+    pub(crate) text: String,
+    pub(crate) mark: Option<Mark>,
+    /// Two numbers, which are not aligned by a decimal point.
+    pub(crate) is_interval: bool,
+}
+
+/// Something to be said about a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Mark {
+    /// Made by a simulator.
+    Simulated,
+    /// Some of it made by a simulator.
+    PartlySimulated,
+    /// Recordings that nobody else has.
+    NotPublic,
+    /// Of fewer scans than it takes to know a percentile.
+    FewScans,
+    /// An interval of fewer blocks of scans than it takes for anything to rest on it.
+    FewBlocks,
+    /// There is no such number.
+    Undefined(Undefined),
+}
+
+/// Why there is no number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Undefined {
+    /// What is found beyond the annotations may be right or false.
+    FalseObjectsUnknown,
+    /// Nothing to be found and nothing found.
+    ZeroDenominator,
+    /// No scan was timed.
+    NotTimed,
+}
+
+impl Cell {
+    pub(crate) fn new(text: impl Into<String>) -> Self {
+        Self { text: text.into(), mark: None, is_interval: false }
+    }
+
+    pub(crate) fn marked(text: impl Into<String>, mark: Mark) -> Self {
+        Self { text: text.into(), mark: Some(mark), is_interval: false }
+    }
+
+    /// From a number to another, drawn from these blocks of scans.
+    pub(crate) fn interval(text: String, blocks: BlockCount) -> Self {
+        let mark = blocks.are_too_few().then_some(Mark::FewBlocks);
+        Self { text, mark, is_interval: true }
+    }
+
+    /// From the decimal point on; nothing of an interval.
+    pub(crate) fn fraction(&self) -> &str {
+        if self.is_interval { "" } else { fraction(&self.text) }
+    }
+
+    /// The cell of a number that does not exist.
+    pub(crate) fn undefined(why: Undefined) -> Self {
+        Self::marked("–", Mark::Undefined(why))
+    }
+}
+
+impl Grid {
+    /// Neighbouring columns with the same group: the group and the number of columns.
+    pub(crate) fn groups(&self) -> Vec<(Option<&str>, usize)> {
+        let same_group = self.columns.chunk_by(|left, right| left.group == right.group);
+        same_group.map(|columns| (columns[0].group.as_deref(), columns.len())).collect()
+    }
+
+    /// These columns alone.
+    pub(crate) fn with_columns(&self, columns: &[usize]) -> Self {
+        let lines = self.lines.iter().map(|line| Line {
+            kind: line.kind,
+            cells: columns.iter().map(|&idx| line.cells[idx].clone()).collect(),
+        });
+        Self {
+            lines: lines.collect(),
+            columns: columns.iter().map(|&idx| self.columns[idx].clone()).collect(),
+        }
+    }
+
+    /// For every column, the most characters from the decimal point on.
+    pub(crate) fn fraction_widths(&self) -> Vec<usize> {
+        let width = |column_idx: usize| {
+            self.lines.iter().map(move |it| it.cells[column_idx].fraction().chars().count()).max()
+        };
+        (0..self.columns.len()).map(|column_idx| width(column_idx).unwrap_or(0)).collect()
+    }
+}
+
+/// The decimal point of a number and what follows.
+fn fraction(text: &str) -> &str {
+    text.find('.').map_or("", |point| &text[point..])
+}

@@ -1,0 +1,200 @@
+//! The table for a paper.
+
+use std::fmt::Write as _;
+
+use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
+use crate::tables::notes::{Notes, notes, title};
+use crate::tables::task_grids::main_grid;
+use crate::tables::task_table::TaskTable;
+
+/// The table as a LaTeX float, as in the papers; needs the package `booktabs`.
+pub fn to_latex(table: &TaskTable) -> String {
+    let grid = main_grid(table);
+    let notes = notes(table, &[&grid]);
+    let mut text = String::new();
+    let mut push = |line: &str| writeln!(text, "{line}").expect("a string takes all that is written");
+    push("% Needs \\usepackage{booktabs}.");
+    push("\\begin{table}");
+    push("  \\centering");
+    push(&format!("  \\caption{{{}}}", escaped(&title(table))));
+    push(&format!("  \\label{{tab:scanbench-{}}}", label_part(table.task.name())));
+    push(&format!("  \\begin{{tabular}}{{{}}}", column_kinds(&grid)));
+    push("    \\toprule");
+    for line in group_heads(&grid) {
+        push(&format!("    {line}"));
+    }
+    let titles: Vec<_> = grid.columns.iter().map(|it| it.title).collect();
+    push(&format!("    {} \\\\", titles.join(" & ")));
+    push("    \\midrule");
+    let fraction_widths = grid.fraction_widths();
+    for line in &grid.lines {
+        if line.kind == LineKind::Overall {
+            push("    \\midrule");
+        }
+        let cells = line.cells.iter().enumerate();
+        let cells = cells.map(|(column_idx, cell)| match grid.columns[column_idx].alignment {
+            Alignment::Left => left_text(line, cell, &notes),
+            Alignment::Decimal => decimal_text(line, cell, fraction_widths[column_idx], &notes),
+        });
+        push(&format!("    {} \\\\", cells.collect::<Vec<_>>().join(" & ")));
+    }
+    push("    \\bottomrule");
+    push("  \\end{tabular}");
+    push("  \\par\\smallskip");
+    push("  \\begin{minipage}{\\linewidth}\\footnotesize");
+    for sentence in &notes.sentences {
+        push(&format!("    {}\\par", escaped(sentence)));
+    }
+    push("  \\end{minipage}");
+    push("\\end{table}");
+    text
+}
+
+fn column_kinds(grid: &Grid) -> String {
+    let kinds = grid.columns.iter().map(|it| match it.alignment {
+        Alignment::Left => 'l',
+        Alignment::Decimal => 'r',
+    });
+    kinds.collect()
+}
+
+/// The names of the groups above their columns, and a rule beneath each.
+fn group_heads(grid: &Grid) -> [String; 2] {
+    let (mut names, mut rules) = (Vec::new(), Vec::new());
+    let mut first_column = 1;
+    for (name, n_columns) in grid.groups() {
+        let last_column = first_column + n_columns - 1;
+        if let Some(name) = name {
+            names.push(format!("\\multicolumn{{{n_columns}}}{{c}}{{{}}}", escaped(name)));
+            rules.push(format!("\\cmidrule(lr){{{first_column}-{last_column}}}"));
+        } else {
+            names.extend(vec![String::new(); n_columns]);
+        }
+        first_column = last_column + 1;
+    }
+    [format!("{} \\\\", names.join(" & ")), rules.join(" ")]
+}
+
+fn left_text(line: &Line, cell: &Cell, notes: &Notes) -> String {
+    let tag = Notes::tag(cell).map_or_else(String::new, |it| format!(" (\\emph{{{it}}})"));
+    let text = format!("{}{}{tag}", escaped(&cell.text), escaped(&notes.sign(cell)));
+    match line.kind {
+        LineKind::Dataset | LineKind::Overall => text,
+        LineKind::Detail => format!("\\quad {text}"),
+        LineKind::Paper => format!("\\quad \\emph{{{text}}}"),
+    }
+}
+
+/// A number, with invisible digits for those that others in the column have behind the decimal point.
+fn decimal_text(line: &Line, cell: &Cell, fraction_width: usize, notes: &Notes) -> String {
+    if cell.text.is_empty() {
+        return String::new();
+    }
+    let text = escaped(&cell.text);
+    if cell.is_interval {
+        return format!("{{\\footnotesize {text}{}}}", escaped(&notes.sign(cell)));
+    }
+    let text = if line.kind == LineKind::Paper { format!("\\emph{{{text}}}") } else { text };
+    let sign = match notes.sign(cell) {
+        sign if sign.is_empty() => sign,
+        // Hangs into the margin of the column, so that it does not push the number aside.
+        sign => format!("\\rlap{{{}}}", escaped(&sign)),
+    };
+    let padding = match (cell.fraction().len(), fraction_width) {
+        (own, all) if own == all => String::new(),
+        (0, all) => format!("\\phantom{{.{}}}", "0".repeat(all - 1)),
+        (own, all) => format!("\\phantom{{{}}}", "0".repeat(all - own)),
+    };
+    format!("{text}{sign}{padding}")
+}
+
+/// `text` as LaTeX prints it.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for character in text.chars() {
+        match character {
+            '\\' => escaped.push_str("\\textbackslash{}"),
+            '~' => escaped.push_str("\\textasciitilde{}"),
+            '^' => escaped.push_str("\\textasciicircum{}"),
+            '&' | '%' | '$' | '#' | '_' | '{' | '}' => escaped.extend(['\\', character]),
+            '<' => escaped.push_str("$<$"),
+            '>' => escaped.push_str("$>$"),
+            '≥' => escaped.push_str("$\\geq$"),
+            '≤' => escaped.push_str("$\\leq$"),
+            '−' => escaped.push_str("$-$"),
+            '–' => escaped.push_str("--"),
+            '†' => escaped.push_str("$^\\dagger$"),
+            '‡' => escaped.push_str("$^\\ddagger$"),
+            '§' => escaped.push_str("\\S{}"),
+            '¹' => escaped.push_str("$^1$"),
+            '²' => escaped.push_str("$^2$"),
+            '³' => escaped.push_str("$^3$"),
+            control if control.is_control() => escaped.push(' '),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// `text` as a part of a label, which must not hold anything special.
+fn label_part(text: &str) -> String {
+    text.chars().map(|it| if it.is_ascii_alphanumeric() { it } else { '-' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::sample;
+
+    #[test]
+    fn a_table_is_a_booktabs_float() {
+        insta::assert_snapshot!(to_latex(&sample::tables()[0]), @r"
+        % Needs \usepackage{booktabs}.
+        \begin{table}
+          \centering
+          \caption{Task objects. Rates in \%. Matched by points, Jaccard at least 0.5.}
+          \label{tab:scanbench-objects}
+          \begin{tabular}{lrrrrrrrrrr}
+            \toprule
+             &  & \multicolumn{3}{c}{hierarchical} & \multicolumn{3}{c}{kd-tree} & \multicolumn{3}{c}{pca} \\
+            \cmidrule(lr){3-5} \cmidrule(lr){6-8} \cmidrule(lr){9-11}
+            data set & NO & ND & F-rate & fps & ND & F-rate & fps & ND & F-rate & fps \\
+            \midrule
+            main\_road (\emph{simulated}) & 412 & 423 & 88.9 & 121\phantom{.0} & 480 & 76.2 & 8.04 & 415 & 76.9 & 46.0 \\
+            \quad 95 \% interval &  &  & {\footnotesize 86.4--90.4} &  &  & {\footnotesize 73.7--77.7} &  &  & {\footnotesize 74.4--78.4} &  \\
+            \quad \emph{paper: Budapest \#1$^\dagger$} & \emph{669} &  & \emph{89}\phantom{.0} & \emph{29}\phantom{.0} &  & \emph{77}\phantom{.0} & \emph{0.38} &  &  &  \\
+            \quad \emph{paper: Budapest \#2$^\dagger$} & \emph{429} &  & \emph{79}\phantom{.0} & \emph{25}\phantom{.0} &  & \emph{64}\phantom{.0} & \emph{0.22} &  &  &  \\
+            kitti\_tracking & 318 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 98.2 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 0.47 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 39.9 \\
+            \quad recall, TP / NO &  &  & 91.2 &  &  & 85.2 &  &  & 64.2 &  \\
+            kitti\_object & 61 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 104\phantom{.0} & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 0.50 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 41.0 \\
+            \quad recall, TP / NO &  &  & 90.2 &  &  & 100.0 &  &  & 65.6 &  \\
+            \quad \emph{paper: KITTI} & \emph{496} &  & \emph{82}\phantom{.0} & \emph{29}\phantom{.0} &  & \emph{75}\phantom{.0} & \emph{0.46} &  &  &  \\
+            \midrule
+            overall (\emph{partly simulated}) & 791 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 107\phantom{.0} & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 0.71 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 42.1 \\
+            \quad recall, TP / NO &  &  & 90.5 &  &  & 85.0 &  &  & 71.0 &  \\
+            \quad \emph{paper: overall$^\dagger$} & \emph{1594} &  & \emph{83}\phantom{.0} & \emph{28}\phantom{.0} &  & \emph{72}\phantom{.0} & \emph{0.35} &  &  &  \\
+            \bottomrule
+          \end{tabular}
+          \par\smallskip
+          \begin{minipage}{\linewidth}\footnotesize
+            NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second of detection alone, on Example CPU @ 2 GHz.\par
+            95 \% interval: cluster bootstrap, 10000 resamples of whole drives.\par
+            overall: counts and times are summed over the data sets before a ratio is taken.\par
+            paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine than ours: for orientation.\par
+            simulated: made by a simulator, not recorded.\par
+            partly simulated: summed over recorded and simulated data sets.\par
+            $^\dagger$ Budapest recordings, not public.\par
+            $^1$ undefined: not every class of object is annotated, so false objects cannot be known.\par
+          \end{minipage}
+        \end{table}
+        ");
+    }
+
+    #[test]
+    fn what_means_something_to_latex_is_escaped() {
+        assert_eq!(
+            escaped("50 % & a_b #1 {$} ~ ^ \\ ≥ –\t¹"),
+            "50 \\% \\& a\\_b \\#1 \\{\\$\\} \\textasciitilde{} \\textasciicircum{} \\textbackslash{} $\\geq$ -- $^1$"
+        );
+    }
+}

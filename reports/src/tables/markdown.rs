@@ -1,0 +1,141 @@
+//! The table for pull requests and pages.
+
+use std::fmt::Write as _;
+
+use crate::tables::grid::{Alignment, Grid, Line, LineKind};
+use crate::tables::notes::{Notes, notes, title};
+use crate::tables::task_grids::{counts_grid, main_grid};
+use crate::tables::task_table::TaskTable;
+
+/// The table as Markdown with pipe tables: as in the papers, then the counts it is made of, then what has to be said.
+pub fn to_markdown(table: &TaskTable) -> String {
+    let (main, counts) = (main_grid(table), counts_grid(table));
+    let notes = notes(table, &[&main, &counts]);
+    let mut text = format!("**{}**\n\n", escaped(&title(table)));
+    write_grid(&mut text, &main, &notes);
+    text.push('\n');
+    write_grid(&mut text, &counts, &notes);
+    text.push('\n');
+    for sentence in &notes.sentences {
+        push_line(&mut text, &format!("- {}", escaped(sentence)));
+    }
+    text
+}
+
+/// The grid as a pipe table.
+pub(crate) fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+    // Pipe tables have no cells across columns: the group's name goes into the head of its first column.
+    let mut group_before = None;
+    let heads = grid.columns.iter().map(|column| {
+        let begins_group = column.group.is_some() && column.group.as_ref() != group_before;
+        group_before = column.group.as_ref();
+        let group = column.group.as_deref().filter(|_| begins_group);
+        group.map_or(column.title.to_owned(), |it| format!("{}: {}", escaped(it), column.title))
+    });
+    push_line(text, &format!("| {} |", heads.collect::<Vec<_>>().join(" | ")));
+    let rules = grid.columns.iter().map(|it| match it.alignment {
+        Alignment::Left => ":--",
+        Alignment::Decimal => "--:",
+    });
+    push_line(text, &format!("| {} |", rules.collect::<Vec<_>>().join(" | ")));
+    for line in &grid.lines {
+        let cells = (0..line.cells.len()).map(|column_idx| cell_text(line, column_idx, notes));
+        push_line(text, &format!("| {} |", cells.collect::<Vec<_>>().join(" | ")));
+    }
+}
+
+fn cell_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
+    let cell = &line.cells[column_idx];
+    let text = escaped(&cell.text);
+    let text = match line.kind {
+        _ if text.is_empty() => text,
+        LineKind::Paper => format!("*{text}*"),
+        LineKind::Overall if column_idx == 0 => format!("**{text}**"),
+        LineKind::Dataset | LineKind::Detail | LineKind::Overall => text,
+    };
+    let tag = Notes::tag(cell).map_or_else(String::new, |it| format!(" (*{it}*)"));
+    format!("{text}{}{tag}", notes.sign(cell))
+}
+
+pub(crate) fn push_line(text: &mut String, line: &str) {
+    writeln!(text, "{line}").expect("a string takes all that is written");
+}
+
+/// `text` with a backslash before every character that would mean something to Markdown.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    let mut before = ' ';
+    let mut rest = text.chars().peekable();
+    while let Some(character) = rest.next() {
+        let within_word = before.is_alphanumeric() && rest.peek().is_some_and(|it| it.is_alphanumeric());
+        let is_special = match character {
+            '\\' | '|' | '*' | '`' | '<' | '[' => true,
+            '_' => !within_word,
+            _ => false,
+        };
+        if is_special {
+            escaped.push('\\');
+        }
+        escaped.push(if character.is_control() { ' ' } else { character });
+        before = character;
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::sample;
+
+    #[test]
+    fn a_table_is_a_pipe_table() {
+        insta::assert_snapshot!(to_markdown(&sample::tables()[0]), @r"
+        **Task objects. Rates in %. Matched by points, Jaccard at least 0.5.**
+
+        | data set | NO | hierarchical: ND | F-rate | fps | kd-tree: ND | F-rate | fps | pca: ND | F-rate | fps |
+        | :-- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |
+        | main_road (*simulated*) | 412 | 423 | 88.9 | 121 | 480 | 76.2 | 8.04 | 415 | 76.9 | 46.0 |
+        | 95 % interval |  |  | 86.4–90.4 |  |  | 73.7–77.7 |  |  | 74.4–78.4 |  |
+        | *paper: Budapest #1*† | *669* |  | *89* | *29* |  | *77* | *0.38* |  |  |  |
+        | *paper: Budapest #2*† | *429* |  | *79* | *25* |  | *64* | *0.22* |  |  |  |
+        | kitti_tracking | 318 | –¹ | –¹ | 98.2 | –¹ | –¹ | 0.47 | –¹ | –¹ | 39.9 |
+        | recall, TP / NO |  |  | 91.2 |  |  | 85.2 |  |  | 64.2 |  |
+        | kitti_object | 61 | –¹ | –¹ | 104 | –¹ | –¹ | 0.50 | –¹ | –¹ | 41.0 |
+        | recall, TP / NO |  |  | 90.2 |  |  | 100.0 |  |  | 65.6 |  |
+        | *paper: KITTI* | *496* |  | *82* | *29* |  | *75* | *0.46* |  |  |  |
+        | **overall** (*partly simulated*) | 791 | –¹ | –¹ | 107 | –¹ | –¹ | 0.71 | –¹ | –¹ | 42.1 |
+        | recall, TP / NO |  |  | 90.5 |  |  | 85.0 |  |  | 71.0 |  |
+        | *paper: overall*† | *1594* |  | *83* | *28* |  | *72* | *0.35* |  |  |  |
+
+        | data set | detector | scans | NO | TP | MO | FO | P | R | IA | ID |
+        | :-- | :-- | --: | --: | --: | --: | --: | --: | --: | --: | --: |
+        | main_road (*simulated*) | hierarchical | 20 | 412 | 371 | 41 | 52 | 87.7 | 90.0 | 17 | 230 |
+        |  | kd-tree | 20 | 412 | 340 | 72 | 140 | 70.8 | 82.5 | 17 | 230 |
+        |  | pca | 20 | 412 | 318 | 94 | 97 | 76.6 | 77.2 | 17 | 230 |
+        | kitti_tracking | hierarchical | 20 | 318 | 290 | 28 | –¹ | –¹ | 91.2 | 17 | 230 |
+        |  | kd-tree | 20 | 318 | 271 | 47 | –¹ | –¹ | 85.2 | 17 | 230 |
+        |  | pca | 20 | 318 | 204 | 114 | –¹ | –¹ | 64.2 | 17 | 230 |
+        | kitti_object | hierarchical | 20 | 61 | 55 | 6 | –¹ | –¹ | 90.2 | 17 | 230 |
+        |  | kd-tree | 20 | 61 | 61 | 0 | –¹ | –¹ | 100.0 | 17 | 230 |
+        |  | pca | 20 | 61 | 40 | 21 | –¹ | –¹ | 65.6 | 17 | 230 |
+        | **overall** (*partly simulated*) | hierarchical | 60 | 791 | 716 | 75 | –¹ | –¹ | 90.5 | 51 | 690 |
+        |  | kd-tree | 60 | 791 | 672 | 119 | –¹ | –¹ | 85.0 | 51 | 690 |
+        |  | pca | 60 | 791 | 562 | 229 | –¹ | –¹ | 71.0 | 51 | 690 |
+
+        - NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second of detection alone, on Example CPU @ 2 GHz.
+        - P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored, neither right nor wrong.
+        - 95 % interval: cluster bootstrap, 10000 resamples of whole drives.
+        - overall: counts and times are summed over the data sets before a ratio is taken.
+        - paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine than ours: for orientation.
+        - simulated: made by a simulator, not recorded.
+        - partly simulated: summed over recorded and simulated data sets.
+        - † Budapest recordings, not public.
+        - ¹ undefined: not every class of object is annotated, so false objects cannot be known.
+        ");
+    }
+
+    #[test]
+    fn what_means_something_to_markdown_is_escaped() {
+        assert_eq!(escaped("a|b *c* <d> [e] _f_ g_h\ni"), r"a\|b \*c\* \<d> \[e] \_f\_ g_h i");
+    }
+}

@@ -1,0 +1,207 @@
+//! What has to be said beneath a table.
+
+use std::collections::BTreeSet;
+
+use crate::numbers::blocks::{BlockKind, FEWEST_BLOCKS, FEWEST_DRIVES};
+use crate::tables::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
+use crate::tables::task_grids::INTERVAL_TITLE;
+use crate::tables::task_table::TaskTable;
+use crate::uncertainty::bootstrap::N_RESAMPLES;
+
+/// The sentences beneath a table, and the signs in it that refer to them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Notes {
+    marks: BTreeSet<Mark>,
+    /// The sentences, in order; those that a sign refers to begin with it.
+    pub(crate) sentences: Vec<String>,
+}
+
+/// The title of the table of a task.
+pub(crate) fn title(table: &TaskTable) -> String {
+    format!("Task {}. Rates in %. Matched by {}.", table.task, table.matching_criterion)
+}
+
+/// What has to be said beneath `grids`, which are printed together.
+pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
+    let lines = || grids.iter().flat_map(|it| &it.lines);
+    let marks: BTreeSet<Mark> = grids.iter().flat_map(|it| marks(it)).collect();
+    let has_line = |kind| lines().any(|it: &Line| it.kind == kind);
+    let has_column = |title| grids.iter().flat_map(|it| &it.columns).any(|it| it.title == title);
+
+    let mut notes = Notes { marks, sentences: vec![abbreviations(&table.cpu_model)] };
+    if has_column("IA") {
+        notes.sentences.push(
+            "P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored, \
+             neither right nor wrong."
+                .to_owned(),
+        );
+    }
+    if lines().flat_map(|it| &it.cells).any(|it| it.is_interval) {
+        notes
+            .sentences
+            .extend(table.block_kind().map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
+    }
+    if has_line(LineKind::Overall) {
+        notes.sentences.push(
+            "overall: counts and times are summed over the data sets before a ratio is taken.".to_owned(),
+        );
+    }
+    if has_line(LineKind::Paper) {
+        notes.sentences.extend(table.paper.map(|paper| {
+            let methods =
+                paper.methods.iter().filter(|it| table.detectors.iter().any(|our| our == it.detector));
+            let places: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
+            format!(
+                "paper: {}; {}. Other scans, annotations and machine than ours: for orientation.",
+                paper.source,
+                places.join(", ")
+            )
+        }));
+    }
+    notes.sentences.extend(rules(table));
+    notes.explain_marks();
+    notes
+}
+
+/// What is whose beside the clusters; `None` where nobody has anything.
+fn rules(table: &TaskTable) -> Option<String> {
+    let whose = |names: &[String]| match names {
+        [only] => format!("{only} alone"),
+        names if names.len() == table.detectors.len() => "all".to_owned(),
+        names => names.join(", "),
+    };
+    let rules: Vec<String> =
+        table.rules.iter().map(|(rule, names)| format!("{rule}: {}", whose(names))).collect();
+    let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
+    let without: Vec<&str> = table.detectors.iter().filter(|it| !has_any(it)).map(String::as_str).collect();
+    let without = if without.is_empty() { String::new() } else { format!("; none: {}", without.join(", ")) };
+    (!rules.is_empty()).then(|| format!("Rules beside the clustering: {}{without}.", rules.join("; ")))
+}
+
+/// How intervals are made, and what they say.
+pub(crate) fn about_interval(kind: BlockKind) -> String {
+    let of = format!("cluster bootstrap, {N_RESAMPLES} resamples of");
+    let same_drives = "how much scans of the same drives could vary, not other drives";
+    match kind {
+        BlockKind::Drives => format!("{of} whole drives."),
+        BlockKind::Seconds => {
+            format!("{of} seconds of the drives, which are fewer than {FEWEST_DRIVES}: {same_drives}.")
+        }
+        BlockKind::Tracks => format!("{of} objects, each with all scans that show it: {same_drives}."),
+        BlockKind::Both => format!(
+            "{of} whole drives; of data sets that have fewer than {FEWEST_DRIVES}, of seconds of these: {same_drives}."
+        ),
+    }
+}
+
+fn marks(grid: &Grid) -> impl Iterator<Item = Mark> + '_ {
+    grid.lines.iter().flat_map(|it| &it.cells).filter_map(|it| it.mark)
+}
+
+fn abbreviations(cpu_model: &str) -> String {
+    format!(
+        "NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per \
+         second of detection alone, on {cpu_model}."
+    )
+}
+
+impl Notes {
+    /// `sentences`, and then what the marks in `grids` mean.
+    pub(crate) fn beneath(grids: &[Grid], sentences: Vec<String>) -> Self {
+        let mut notes = Self { marks: grids.iter().flat_map(marks).collect(), sentences };
+        notes.explain_marks();
+        notes
+    }
+
+    fn explain_marks(&mut self) {
+        let about_marks: Vec<_> = self.marks.iter().map(|&mark| self.sentence_about(mark)).collect();
+        self.sentences.extend(about_marks);
+    }
+
+    /// Nothing to be said.
+    pub(crate) fn none() -> Self {
+        Self { marks: BTreeSet::new(), sentences: Vec::new() }
+    }
+
+    /// The sign of a cell's mark, empty without one. For simulated data it is a word, see [`Self::tag`].
+    pub(crate) fn sign(&self, cell: &Cell) -> String {
+        match cell.mark {
+            None | Some(Mark::Simulated | Mark::PartlySimulated) => String::new(),
+            Some(mark) => self.sign_of(mark),
+        }
+    }
+
+    /// The word that marks a cell as simulated.
+    pub(crate) fn tag(cell: &Cell) -> Option<&'static str> {
+        match cell.mark {
+            Some(Mark::Simulated) => Some("simulated"),
+            Some(Mark::PartlySimulated) => Some("partly simulated"),
+            _ => None,
+        }
+    }
+
+    fn sign_of(&self, mark: Mark) -> String {
+        match mark {
+            Mark::Undefined(_) => {}
+            Mark::FewScans => return "‡".to_owned(),
+            Mark::FewBlocks => return "§".to_owned(),
+            Mark::Simulated | Mark::PartlySimulated | Mark::NotPublic => return "†".to_owned(),
+        }
+        let is_number = |it: &&Mark| matches!(it, Mark::Undefined(_));
+        let number_idx = self.marks.iter().filter(is_number).position(|it| *it == mark);
+        // There are three reasons, so three signs are enough.
+        ["¹", "²", "³"][number_idx.expect("the marks of all printed cells were collected")].to_owned()
+    }
+
+    fn sentence_about(&self, mark: Mark) -> String {
+        let sentence = match mark {
+            Mark::Simulated => return "simulated: made by a simulator, not recorded.".to_owned(),
+            Mark::PartlySimulated => {
+                return "partly simulated: summed over recorded and simulated data sets.".to_owned();
+            }
+            Mark::NotPublic => "Budapest recordings, not public.",
+            Mark::FewScans => "of too few scans to be relied on: p95 takes 59, p99 takes 299.",
+            Mark::FewBlocks => {
+                let sign = self.sign_of(mark);
+                return format!(
+                    "{sign} of fewer than {FEWEST_BLOCKS} blocks: too few for the interval to be relied on, and for anything to be \
+                     concluded from it."
+                );
+            }
+            Mark::Undefined(Undefined::FalseObjectsUnknown) => {
+                "undefined: not every class of object is annotated, so false objects cannot be known."
+            }
+            Mark::Undefined(Undefined::ZeroDenominator) => "undefined: the denominator is zero.",
+            Mark::Undefined(Undefined::NotTimed) => "undefined: no scan was timed.",
+        };
+        format!("{} {sentence}", self.sign_of(mark))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::sample::{manifest, report};
+    use crate::tables::task_table::task_tables;
+
+    #[test]
+    fn what_is_whose_stands_beneath_the_table() {
+        let mut manifest = manifest();
+        manifest.detectors[0].rules =
+            ["walls removed", "regrouping", "completion"].map(str::to_owned).to_vec();
+        manifest.detectors[1].rules = vec!["completion".to_owned()];
+        let sentence =
+            |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
+        let tables = task_tables(&report(), &manifest).unwrap();
+        let expected = "Rules beside the clustering: walls removed: hierarchical alone; regrouping: hierarchical alone; \
+                        completion: hierarchical, kd-tree; none: pca.";
+        assert_eq!(sentence(&tables[0]).as_deref(), Some(expected));
+        manifest.detectors[2].rules = vec!["completion".to_owned()];
+        manifest.detectors[0].rules.truncate(0);
+        manifest.detectors[0].rules.push("completion".to_owned());
+        let tables = task_tables(&report(), &manifest).unwrap();
+        assert_eq!(sentence(&tables[0]).as_deref(), Some("Rules beside the clustering: completion: all."));
+        manifest.detectors.iter_mut().for_each(|it| it.rules.clear());
+        assert_eq!(sentence(&task_tables(&report(), &manifest).unwrap()[0]), None);
+    }
+}

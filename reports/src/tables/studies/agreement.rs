@@ -1,0 +1,160 @@
+//! The table of how well the statistics of two collections of scans agree.
+
+use crate::files::fixed_decimals::{fixed_decimals, three_digits};
+use crate::numbers::curve_pair::{ALIKE_FACTOR, Agreement, CurvePair, Sides};
+use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::tables::notes::Notes;
+use crate::tables::terminal::{wrapped, write_grid};
+
+/// The table for a terminal: one row a statistic, then from where on a bin counts.
+///
+/// `names` says what was measured on each side, whether it is simulated, and of how many scans.
+pub fn agreement_table(names: Sides<&str>, curves: &[CurvePair]) -> String {
+    let mut text = format!("Left:  {}\nRight: {}\n\n", names.left, names.right);
+    let grid = Grid { columns: columns(), lines: curves.iter().flat_map(lines).collect() };
+    write_grid(&mut text, &grid, &Notes::none());
+    text.push('\n');
+    text.push_str(&wrapped(&format!(
+        "ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one, in %, \
+         whose ratio is within a factor of {ALIKE_FACTOR} of 1, either way. median: of the ratios. worst bin: the \
+         one whose ratio is farthest from 1."
+    )));
+    text.push_str(&wrapped(&format!("A bin has a ratio if it is made of at least {}.", thresholds(curves))));
+    if let Some(left_out) = left_out(curves) {
+        text.push_str(&wrapped(&format!("Left out, as one side has too few: {left_out}.")));
+    }
+    text
+}
+
+fn columns() -> Vec<Column> {
+    let column =
+        |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
+    let worst = Some("worst bin");
+    vec![
+        column(None, "statistic", Alignment::Left),
+        column(None, "unit", Alignment::Left),
+        column(None, "bins", Alignment::Left),
+        column(None, "alike", Alignment::Decimal),
+        column(None, "median", Alignment::Decimal),
+        column(worst, "bin", Alignment::Left),
+        column(worst, "left", Alignment::Decimal),
+        column(worst, "right", Alignment::Decimal),
+        column(worst, "ratio", Alignment::Decimal),
+    ]
+}
+
+/// The row of a statistic and, if it has a focus, that of the bins there.
+fn lines(curves: &CurvePair) -> Vec<Line> {
+    let whole = line(LineKind::Dataset, curves.statistic.to_owned(), curves, curves.agreement());
+    let in_focus = curves.focus_m.map(|[from_m, to_m]| {
+        let name = format!("{from_m} to {to_m} m");
+        line(LineKind::Detail, name, curves, curves.agreement_in_focus())
+    });
+    [whole].into_iter().chain(in_focus).collect()
+}
+
+fn line(kind: LineKind, name: String, curves: &CurvePair, agreement: Option<Agreement>) -> Line {
+    let mut texts = vec![name, curves.unit.to_owned()];
+    match agreement {
+        Some(agreement) => texts.extend(numbers(curves, &agreement)),
+        None => texts.extend(["none", "–", "–", "–", "–", "–", "–"].map(str::to_owned)),
+    }
+    Line { kind, cells: texts.into_iter().map(Cell::new).collect() }
+}
+
+fn numbers(curves: &CurvePair, agreement: &Agreement) -> [String; 7] {
+    let worst = &curves.bins[agreement.worst_bin_idx];
+    let text = |number: Option<f64>| number.map_or_else(|| "–".to_owned(), three_digits);
+    [
+        format!("{}/{}", agreement.n_compared, agreement.n_bins),
+        fixed_decimals(100.0 * agreement.n_alike as f64 / agreement.n_compared as f64, 1),
+        fixed_decimals(agreement.median_ratio, 2),
+        worst.name.clone(),
+        text(worst.measured.left.value),
+        text(worst.measured.right.value),
+        curves.ratio(agreement.worst_bin_idx).map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, 2)),
+    ]
+}
+
+/// From where on the bins of each statistic have a ratio, in words; those of the same threshold together.
+fn thresholds(curves: &[CurvePair]) -> String {
+    let mut thresholds: Vec<(String, Vec<&str>)> = Vec::new();
+    for pair in curves {
+        let Sides { left, right } = pair.least_n;
+        let on_the_left = if left == 0 { String::new() } else { format!(", and {left} on the left") };
+        let threshold = format!("{right} {} on the right{on_the_left}", pair.counted);
+        match thresholds.iter_mut().find(|(it, _)| *it == threshold) {
+            Some((_, statistics)) => statistics.push(pair.statistic),
+            None => thresholds.push((threshold, vec![pair.statistic])),
+        }
+    }
+    let in_words = thresholds.iter().map(|(it, statistics)| format!("{it} ({})", statistics.join(", ")));
+    in_words.collect::<Vec<_>>().join("; ")
+}
+
+/// The bins that both sides have something in, but one of them too little to be compared, with what they have;
+/// `None` if there are none.
+fn left_out(curves: &[CurvePair]) -> Option<String> {
+    let of_pair = |pair: &CurvePair| {
+        let too_few = pair.bins.iter().filter(|bin| {
+            let Sides { left, right } = bin.measured;
+            let is_enough = left.n >= pair.least_n.left && right.n >= pair.least_n.right;
+            left.n > 0 && right.n > 0 && !is_enough
+        });
+        let in_words = too_few.map(|bin| {
+            let Sides { left, right } = bin.measured;
+            format!("{} ({} against {} {})", bin.name, left.n, right.n, pair.counted)
+        });
+        let bins: Vec<String> = in_words.collect();
+        (!bins.is_empty()).then(|| format!("{} {}", pair.statistic, bins.join(", ")))
+    };
+    let pairs: Vec<String> = curves.iter().filter_map(of_pair).collect();
+    (!pairs.is_empty()).then(|| pairs.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::curve_pair::tests::pair;
+
+    #[test]
+    fn bins_of_too_little_are_told() {
+        let mut tracks = pair(&[(120.0, 100.0), (3.0, 1.0), (5.0, 4.0)]);
+        tracks.statistic = "points_per_track";
+        tracks.counted = "tracks";
+        tracks.bins[1].measured.right.n = 3;
+        // Nothing on one side is not too little of it.
+        tracks.bins[2].measured.left.n = 0;
+        assert_eq!(left_out(&[tracks]).as_deref(), Some("points_per_track 2-3 (10 against 3 tracks)"));
+        assert_eq!(left_out(&[pair(&[(1.0, 1.0)])]), None);
+    }
+
+    #[test]
+    fn every_statistic_has_a_row_with_its_worst_bin() {
+        let mut density = pair(&[(120.0, 100.0), (3.0, 1.0), (0.5, 0.0)]);
+        density.focus_m = Some([1.0, 2.0]);
+        let mut nothing = pair(&[(1.0, 0.0)]);
+        nothing.statistic = "points_per_car";
+        nothing.least_n.left = 5;
+        nothing.counted = "cars";
+        let names = Sides { left: "street (simulated), 2 scans", right: "kitti, 40 scans" };
+        insta::assert_snapshot!(agreement_table(names, &[density, nothing]), @r"
+        Left:  street (simulated), 2 scans
+        Right: kitti, 40 scans
+
+                                                                 worst bin
+                                                         ──────────────────────────
+        statistic       unit       bins  alike  median   bin    left   right  ratio
+        ───────────────────────────────────────────────────────────────────────────
+        ring_density    points/m²  2/3    50.0    1.20   2-3    3.00    1.00   3.00
+          1 to 2 m      points/m²  1/1   100.0    1.20   1-2  120     100      1.20
+        points_per_car  points/m²  none    –      –      –      –       –      –
+
+        ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one,
+          in %, whose ratio is within a factor of 1.5 of 1, either way. median: of the ratios. worst bin:
+          the one whose ratio is farthest from 1.
+        A bin has a ratio if it is made of at least 5 points on the right (ring_density); 5 cars on the
+          right, and 5 on the left (points_per_car).
+        ");
+    }
+}

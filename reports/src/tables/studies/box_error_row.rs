@@ -1,0 +1,178 @@
+//! `boxes.csv`, one row for every matched vehicle and fit, and `box_errors.csv`, one for every median.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::fixed_decimals::Fixed;
+use crate::numbers::blocks::BlockCount;
+use crate::numbers::box_errors::BoxErrorLine;
+use crate::vocabulary::class::{AnnotationClass, Occlusion};
+
+/// A box fitted to the cluster of a matched vehicle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedBoxRow {
+    data: String,
+    simulated: bool,
+    scan: String,
+    class: AnnotationClass,
+    track: Option<u32>,
+    occlusion: Option<Occlusion>,
+    range_m: Fixed<2>,
+    n_points: usize,
+    fit: String,
+    centre_error_m: Fixed<4>,
+    length_error_m: Fixed<4>,
+    width_error_m: Fixed<4>,
+    yaw_error_deg: Fixed<3>,
+}
+
+impl CsvRow for FittedBoxRow {
+    const COLUMNS: &'static [&'static str] = &[
+        "data",
+        "simulated",
+        "scan",
+        "class",
+        "track",
+        "occlusion",
+        "range_m",
+        "n_points",
+        "fit",
+        "centre_error_m",
+        "length_error_m",
+        "width_error_m",
+        "yaw_error_deg",
+    ];
+}
+
+/// Which vehicle a box was fitted to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MatchedVehicle<'a> {
+    /// The data set.
+    pub data: &'a str,
+    /// Whether it is simulated.
+    pub is_simulated: bool,
+    /// The scan.
+    pub scan: &'a str,
+    /// What it is.
+    pub class: AnnotationClass,
+    /// Its number within its drive.
+    pub track: Option<u32>,
+    /// How much of it is hidden.
+    pub occlusion: Option<Occlusion>,
+    /// Distance of its annotation from the sensor, in metres.
+    pub range_m: f64,
+    /// Points of the cluster.
+    pub n_points: usize,
+}
+
+impl FittedBoxRow {
+    /// The row of `fit`, which is off by so much: centre, length (fitted less annotated) and width in metres, yaw in
+    /// degrees.
+    pub fn new(vehicle: MatchedVehicle<'_>, fit: &str, [centre, length, width, yaw]: [f64; 4]) -> Self {
+        Self {
+            data: vehicle.data.to_owned(),
+            simulated: vehicle.is_simulated,
+            scan: vehicle.scan.to_owned(),
+            class: vehicle.class,
+            track: vehicle.track,
+            occlusion: vehicle.occlusion,
+            range_m: Fixed(vehicle.range_m),
+            n_points: vehicle.n_points,
+            fit: fit.to_owned(),
+            centre_error_m: Fixed(centre),
+            length_error_m: Fixed(length),
+            width_error_m: Fixed(width),
+            yaw_error_deg: Fixed(yaw),
+        }
+    }
+}
+
+/// A median over a slice.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BoxErrorRow {
+    data: String,
+    simulated: bool,
+    by: String,
+    slice: String,
+    error: String,
+    unit: String,
+    fit: String,
+    n_pairs: u64,
+    n_tracks: u64,
+    median: Option<Fixed<4>>,
+    low: Option<Fixed<4>>,
+    high: Option<Fixed<4>>,
+    n_blocks: Option<u64>,
+    blocks: Option<String>,
+    few_blocks: Option<bool>,
+}
+
+impl CsvRow for BoxErrorRow {
+    const COLUMNS: &'static [&'static str] = &[
+        "data",
+        "simulated",
+        "by",
+        "slice",
+        "error",
+        "unit",
+        "fit",
+        "n_pairs",
+        "n_tracks",
+        "median",
+        "low",
+        "high",
+        "n_blocks",
+        "blocks",
+        "few_blocks",
+    ];
+}
+
+impl BoxErrorRow {
+    /// The rows of `line`, one for each fit.
+    pub fn of(line: &BoxErrorLine) -> impl Iterator<Item = Self> + '_ {
+        line.fits.iter().map(|(fit, median)| {
+            let interval = median.and_then(|it| it.within);
+            let blocks = interval.map(|it| it.blocks);
+            Self {
+                data: line.data.clone(),
+                simulated: line.is_simulated,
+                by: line.by.clone(),
+                slice: line.slice.clone(),
+                error: line.error.name().to_owned(),
+                unit: line.error.unit().to_owned(),
+                fit: fit.clone(),
+                n_pairs: line.n_pairs,
+                n_tracks: line.n_tracks,
+                median: median.map(|it| Fixed(it.median)),
+                low: interval.map(|it| Fixed(it.ends[0])),
+                high: interval.map(|it| Fixed(it.ends[1])),
+                n_blocks: blocks.map(|it| it.n_blocks),
+                blocks: blocks.map(|it| it.kind.name().to_owned()),
+                few_blocks: blocks.map(BlockCount::are_too_few),
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::csv_rows::to_csv_bytes;
+    use crate::numbers::box_errors::tests::lines;
+
+    #[test]
+    fn medians_of_nothing_are_left_empty() {
+        let lines = [lines("street", "range", "0–15 m", 40), lines("street", "range", "50–80 m", 0)].concat();
+        let rows: Vec<BoxErrorRow> = lines.iter().step_by(3).flat_map(BoxErrorRow::of).collect();
+        let text = String::from_utf8(to_csv_bytes(&rows).unwrap()).unwrap();
+        insta::assert_snapshot!(text, @r"
+        data,simulated,by,slice,error,unit,fit,n_pairs,n_tracks,median,low,high,n_blocks,blocks,few_blocks
+        street,true,range,0–15 m,centre,m,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
+        street,true,range,0–15 m,centre,m,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false
+        street,true,range,0–15 m,yaw,deg,hull box,40,10,0.5000,0.4500,0.6000,10,tracks,false
+        street,true,range,0–15 m,yaw,deg,PCA box,40,10,1.0000,0.9000,1.2000,10,tracks,false
+        street,true,range,50–80 m,width,m,hull box,0,0,,,,,,
+        street,true,range,50–80 m,width,m,PCA box,0,0,,,,,,
+        ");
+    }
+}

@@ -1,0 +1,155 @@
+//! The table of how far fitted boxes are from annotated ones.
+
+use std::fmt::Write as _;
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::box_errors::{BoxErrorLine, by_data};
+use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark};
+use crate::tables::markdown::{push_line, write_grid as write_markdown_grid};
+use crate::tables::notes::{Notes, about_interval};
+use crate::tables::terminal::{wrapped, write_grid};
+
+/// The table for a terminal: a part for each of the data, a row for each error of each slice.
+pub fn boxes_to_terminal(lines: &[BoxErrorLine], notes: &[&str]) -> String {
+    let mut text = String::new();
+    for of_data in by_data(lines) {
+        writeln!(text, "{}\n", title(&of_data[0])).expect("a string takes all that is written");
+        write_grid(&mut text, &grid(of_data), &all_notes(of_data, &[]));
+        text.push('\n');
+    }
+    for note in all_notes(lines, notes).sentences {
+        text.push_str(&wrapped(&note));
+    }
+    text
+}
+
+/// The same for pull requests and pages.
+pub fn boxes_to_markdown(lines: &[BoxErrorLine], notes: &[&str]) -> String {
+    let mut text = String::new();
+    for of_data in by_data(lines) {
+        push_line(&mut text, &format!("**{}**\n", title(&of_data[0])));
+        write_markdown_grid(&mut text, &grid(of_data), &all_notes(of_data, &[]));
+        text.push('\n');
+    }
+    for note in all_notes(lines, notes).sentences {
+        push_line(&mut text, &format!("- {note}"));
+    }
+    text
+}
+
+/// What is to be said beneath all tables: how intervals are made, `notes`, and what signs mean.
+fn all_notes(lines: &[BoxErrorLine], notes: &[&str]) -> Notes {
+    let grids: Vec<Grid> = by_data(lines).map(grid).collect();
+    let intervals = lines.iter().flat_map(|it| &it.fits).filter_map(|(_, it)| (*it)?.within);
+    let mut about: Vec<String> = Vec::new();
+    for interval in intervals {
+        let sentence = format!("low, high: 95 % interval, {}", about_interval(interval.blocks.kind));
+        if !about.contains(&sentence) {
+            about.push(sentence);
+        }
+    }
+    about.extend(notes.iter().map(|it| (*it).to_owned()));
+    Notes::beneath(&grids, about)
+}
+
+fn title(line: &BoxErrorLine) -> String {
+    let simulated = if line.is_simulated { " (simulated)" } else { "" };
+    format!("Box errors of matched vehicles: {}{simulated}", line.data)
+}
+
+fn grid(lines: &[BoxErrorLine]) -> Grid {
+    let column =
+        |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
+    let mut columns = vec![
+        column(None, "by", Alignment::Left),
+        column(None, "slice", Alignment::Left),
+        column(None, "pairs", Alignment::Decimal),
+        column(None, "tracks", Alignment::Decimal),
+        column(None, "error", Alignment::Left),
+    ];
+    for (fit, _) in &lines[0].fits {
+        columns.extend(["median", "low", "high"].map(|title| column(Some(fit), title, Alignment::Decimal)));
+    }
+    let mut before = None;
+    let lines = lines.iter().map(|line| {
+        let slice = Some((&line.by, &line.slice));
+        let is_first = std::mem::replace(&mut before, slice) != slice;
+        let head = [line.by.clone(), line.slice.clone(), line.n_pairs.to_string(), line.n_tracks.to_string()];
+        let head = head.map(|text| if is_first { text } else { String::new() });
+        let error = format!("{}, {}", line.error.name(), line.error.unit());
+        let number = |it: Option<f64>| {
+            Cell::new(it.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, line.error.decimals())))
+        };
+        let medians = line.fits.iter().flat_map(|(_, it)| {
+            let interval = it.and_then(|it| it.within);
+            let is_of_few = interval.is_some_and(|it| it.blocks.are_too_few());
+            let end = |it| Cell { mark: is_of_few.then_some(Mark::FewBlocks), ..number(it) };
+            let [low, high] = [0, 1].map(|idx| end(interval.map(|it| it.ends[idx])));
+            [number(it.map(|it| it.median)), low, high]
+        });
+        let cells = head.into_iter().chain([error]).map(Cell::new).chain(medians);
+        Line { kind: LineKind::Dataset, cells: cells.collect() }
+    });
+    Grid { columns, lines: lines.collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::box_errors::tests::lines;
+
+    #[test]
+    fn every_median_has_its_interval_and_its_denominators() {
+        let lines = [
+            lines("street", "all", "", 80),
+            lines("street", "occlusion", "none", 0),
+            lines("drive", "all", "", 8),
+        ]
+        .concat();
+        insta::assert_snapshot!(boxes_to_terminal(&lines, &["A note."]), @r"
+        Box errors of matched vehicles: street (simulated)
+
+                                                          hull box             PCA box
+                                                     ──────────────────   ──────────────────
+        by         slice  pairs  tracks  error       median   low  high   median   low  high
+        ────────────────────────────────────────────────────────────────────────────────────
+        all                  80      20  centre, m     0.50  0.45  0.60     1.00  0.90  1.20
+                                         length, m     0.50  0.45  0.60     1.00  0.90  1.20
+                                         width, m      0.50  0.45  0.60     1.00  0.90  1.20
+                                         yaw, deg      0.5   0.5   0.6      1.0   0.9   1.2
+        occlusion  none       0       0  centre, m     –     –     –        –     –     –
+                                         length, m     –     –     –        –     –     –
+                                         width, m      –     –     –        –     –     –
+                                         yaw, deg      –     –     –        –     –     –
+
+        Box errors of matched vehicles: drive
+
+                                                     hull box               PCA box
+                                               ────────────────────   ────────────────────
+        by   slice  pairs  tracks  error       median    low   high   median    low   high
+        ──────────────────────────────────────────────────────────────────────────────────
+        all             8       2  centre, m     0.50  0.45§  0.60§     1.00  0.90§  1.20§
+                                   length, m     0.50  0.45§  0.60§     1.00  0.90§  1.20§
+                                   width, m      0.50  0.45§  0.60§     1.00  0.90§  1.20§
+                                   yaw, deg      0.5   0.5§   0.6§      1.0   0.9§   1.2§
+
+        low, high: 95 % interval, cluster bootstrap, 10000 resamples of objects, each with all scans that
+          show it: how much scans of the same drives could vary, not other drives.
+        A note.
+        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
+          concluded from it.
+        ");
+        insta::assert_snapshot!(boxes_to_markdown(&lines[4..8], &["A note."]), @r"
+        **Box errors of matched vehicles: street (simulated)**
+
+        | by | slice | pairs | tracks | error | hull box: median | low | high | PCA box: median | low | high |
+        | :-- | :-- | --: | --: | :-- | --: | --: | --: | --: | --: | --: |
+        | occlusion | none | 0 | 0 | centre, m | – | – | – | – | – | – |
+        |  |  |  |  | length, m | – | – | – | – | – | – |
+        |  |  |  |  | width, m | – | – | – | – | – | – |
+        |  |  |  |  | yaw, deg | – | – | – | – | – | – |
+
+        - A note.
+        ");
+    }
+}

@@ -1,0 +1,198 @@
+//! The table of what the readings of the cell fitness recommend, and what that costs.
+
+use std::fmt::Write as _;
+
+use crate::files::fixed_decimals::{Fixed, fixed_decimals};
+use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::tables::markdown::write_grid as write_markdown_grid;
+use crate::tables::notes::Notes;
+use crate::tables::terminal::{wrapped, write_grid};
+use crate::verdicts::fitness_verdict::FitnessVerdict;
+use crate::vocabulary::extent::Extent;
+use crate::vocabulary::origin::Origin;
+
+const TITLE: &str = "What each reading of the cell fitness recommends.";
+
+const SUMMARY_TITLE: &str = "The same over all data sets, each counting once.";
+
+const NOTES: [&str; 4] = [
+    "best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell size at which it is \
+     greatest, within its range if it has one; * is an end of what was tried, beyond which it may recommend any other.",
+    "defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost: what is lost there \
+     against the best, in percentage points. rank: Spearman's rank correlation of reading and rate over the cell sizes.",
+    "Over all data sets: of how many curves the reading recommends a cell size, how often an end of what was tried, the mean \
+     and the greatest of what is lost, and the mean rank correlation. as configured: the cell size of the configuration.",
+    "Where false objects cannot be known the rate is the recall, which large cells that join everything may raise.",
+];
+
+/// The tables for a terminal.
+pub fn fitness_to_terminal(verdicts: &[FitnessVerdict]) -> String {
+    let mut text = format!("{TITLE}\n\n");
+    write_grid(&mut text, &grid(verdicts), &Notes::none());
+    let _ = write!(text, "\n{SUMMARY_TITLE}\n\n");
+    write_grid(&mut text, &summary_grid(verdicts), &Notes::none());
+    text.push('\n');
+    for note in NOTES {
+        text.push_str(&wrapped(note));
+    }
+    text
+}
+
+/// The tables for pull requests and pages.
+pub fn fitness_to_markdown(verdicts: &[FitnessVerdict]) -> String {
+    let mut text = format!("**{TITLE}**\n\n");
+    write_markdown_grid(&mut text, &grid(verdicts), &Notes::none());
+    let _ = write!(text, "\n**{SUMMARY_TITLE}**\n\n");
+    write_markdown_grid(&mut text, &summary_grid(verdicts), &Notes::none());
+    text.push('\n');
+    for note in NOTES {
+        writeln!(text, "- {}", note.replace('*', "\\*")).expect("a string takes all that is written");
+    }
+    text
+}
+
+fn grid(verdicts: &[FitnessVerdict]) -> Grid {
+    let column = |title, alignment| Column { group: None, title, alignment };
+    let names = ["data set, sensor, task, rate", "reading"].map(|title| column(title, Alignment::Left));
+    let numbers = ["NO", "best m", "best %", "defined", "recommends m", "there %", "lost", "rank"];
+    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let mut lines = Vec::new();
+    let mut before = String::new();
+    for verdict in verdicts {
+        let subject = subject(verdict);
+        let is_first = subject != before;
+        lines.push(line(verdict, if is_first { &subject } else { "" }));
+        before = subject;
+    }
+    Grid { columns, lines }
+}
+
+/// For every task and rate, what each reading costs on average.
+fn summary_grid(verdicts: &[FitnessVerdict]) -> Grid {
+    let column = |title, alignment| Column { group: None, title, alignment };
+    let names = ["task, rate", "reading"].map(|title| column(title, Alignment::Left));
+    let numbers = ["data sets", "recommends", "at an end", "mean lost", "most lost", "mean rank"];
+    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let mut groups: Vec<(String, &str, Vec<&FitnessVerdict>)> = Vec::new();
+    for verdict in verdicts.iter().filter(|it| it.dataset != Extent::Overall.name()) {
+        let subject = format!("{}, {}", verdict.task, verdict.rate);
+        match groups.iter_mut().find(|(task, reading, _)| *task == subject && *reading == verdict.reading) {
+            Some((_, _, of_group)) => of_group.push(verdict),
+            None => groups.push((subject, &verdict.reading, vec![verdict])),
+        }
+    }
+    groups.sort_by(|a, b| a.0.cmp(&b.0));
+    Grid {
+        columns,
+        lines: groups.iter().map(|(subject, reading, it)| summary_line(subject, reading, it)).collect(),
+    }
+}
+
+fn summary_line(subject: &str, reading: &str, verdicts: &[&FitnessVerdict]) -> Line {
+    let losses: Vec<f64> = verdicts.iter().filter_map(|it| Some(it.loss?.0)).collect();
+    let ranks: Vec<f64> = verdicts.iter().filter_map(|it| Some(it.rank_correlation?.0)).collect();
+    let mean =
+        |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
+    let number = |value: Option<f64>, decimals| {
+        value.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, decimals))
+    };
+    let count =
+        |is_counted: fn(&&&FitnessVerdict) -> bool| verdicts.iter().filter(is_counted).count().to_string();
+    let cells = [
+        subject.to_owned(),
+        reading.to_owned(),
+        verdicts.len().to_string(),
+        count(|it| it.recommended_cell_size_m.is_some()),
+        count(|it| it.recommends_an_end == Some(true)),
+        number(mean(&losses).map(|it| 100.0 * it), 1),
+        number(losses.iter().copied().reduce(f64::max).map(|it| 100.0 * it), 1),
+        number(mean(&ranks), 2),
+    ];
+    Line { kind: LineKind::Dataset, cells: cells.map(Cell::new).to_vec() }
+}
+
+/// What all readings of a curve have in common.
+fn subject(verdict: &FitnessVerdict) -> String {
+    let FitnessVerdict { dataset, origin, sensor, detector, others, task, rate, .. } = verdict;
+    let origin = match origin {
+        Origin::Recorded => String::new(),
+        Origin::Simulated | Origin::PartlySimulated => format!(" ({})", origin.name()),
+    };
+    let others = if others.is_empty() { String::new() } else { format!(", {others}") };
+    format!("{dataset}{origin}, {sensor}, {detector}{others}, {task}, {rate}")
+}
+
+fn line(verdict: &FitnessVerdict, subject: &str) -> Line {
+    let number = |value: Option<f64>, decimals: usize| {
+        value.map_or_else(|| "–".to_owned(), |it| fixed_decimals(it, decimals))
+    };
+    let percent = |value: Option<Fixed<6>>| number(value.map(|it| 100.0 * it.0), 1);
+    let size = |value: Option<Fixed<3>>| number(value.map(|it| it.0), 2);
+    let mark = if verdict.recommends_an_end == Some(true) { "*" } else { "" };
+    let of_curve = |text: String| if subject.is_empty() { String::new() } else { text };
+    let cells = [
+        subject.to_owned(),
+        verdict.reading.clone(),
+        of_curve(verdict.no.to_string()),
+        of_curve(size(verdict.best_cell_size_m)),
+        of_curve(percent(verdict.best_rate)),
+        format!("{}/{}", verdict.n_defined, verdict.n_points),
+        format!("{}{mark}", size(verdict.recommended_cell_size_m)),
+        percent(verdict.rate_there),
+        percent(verdict.loss),
+        number(verdict.rank_correlation.map(|it| it.0), 2),
+    ];
+    Line { kind: LineKind::Dataset, cells: cells.map(Cell::new).to_vec() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::sweep_score::tests::cell_sizes;
+    use crate::verdicts::fitness_verdict::fitness_verdicts;
+
+    #[test]
+    fn readings_stand_below_each_other() {
+        let sweep = cell_sizes(&[
+            (4, Some(6), Some(-0.1), 0.1),
+            (8, Some(2), Some(-0.4), 0.3),
+            (6, Some(4), Some(3.0), 0.4),
+            (5, Some(5), Some(0.9), 0.2),
+        ]);
+        let verdicts = fitness_verdicts(&sweep);
+        insta::assert_snapshot!(fitness_to_terminal(&verdicts), @r"
+        What each reading of the cell fitness recommends.
+
+        data set, sensor, task, rate                               reading        NO  best m  best %  defined  recommends m  there %  lost  rank
+        ────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated), vlp-16, hierarchical, objects, F-rate  printed        10    0.40    80.0      1/4         0.80*     50.0  30.0  –
+                                                                   dense-share                            4/4         0.60      60.0  20.0  0.80
+                                                                   as configured                          1/4         0.40      80.0   0.0  –
+
+        The same over all data sets, each counting once.
+
+        task, rate       reading        data sets  recommends  at an end  mean lost  most lost  mean rank
+        ─────────────────────────────────────────────────────────────────────────────────────────────────
+        objects, F-rate  printed                1           1          1       30.0       30.0       –
+        objects, F-rate  dense-share            1           1          0       20.0       20.0       0.80
+        objects, F-rate  as configured          1           1          0        0.0        0.0       –
+
+        best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell
+          size at which it is greatest, within its range if it has one; * is an end of what was tried,
+          beyond which it may recommend any other.
+        defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost:
+          what is lost there against the best, in percentage points. rank: Spearman's rank correlation of
+          reading and rate over the cell sizes.
+        Over all data sets: of how many curves the reading recommends a cell size, how often an end of what
+          was tried, the mean and the greatest of what is lost, and the mean rank correlation. as
+          configured: the cell size of the configuration.
+        Where false objects cannot be known the rate is the recall, which large cells that join everything
+          may raise.
+        ");
+        let markdown = fitness_to_markdown(&verdicts);
+        assert!(
+            markdown.contains("| dense-share |") && markdown.contains("street (simulated)"),
+            "{markdown}"
+        );
+    }
+}

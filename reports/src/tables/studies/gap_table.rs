@@ -1,0 +1,113 @@
+//! The table of how many pairs are separated, by gap.
+
+use std::fmt::Write as _;
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::gap_curve::{GapCurve, PairCounts};
+use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::tables::notes::Notes;
+use crate::tables::terminal::{wrapped, write_grid};
+
+/// The table for a terminal: one part for each range, one row a gap, and what *separated* means as `definition` has it.
+pub fn gap_table(curves: &[GapCurve], definition: &str) -> String {
+    let mut text = String::new();
+    for of_range in curves_by_range(curves) {
+        let [from_m, to_m] = of_range[0].range_m;
+        writeln!(text, "Pairs at {from_m} to {to_m} m (simulated). Shares in %.\n")
+            .expect("a string takes all that is written");
+        let lines = of_range[0].points.iter().map(|&(gap_m, _)| line(gap_m, &of_range));
+        let grid = Grid { columns: columns(&of_range), lines: lines.collect() };
+        write_grid(&mut text, &grid, &Notes::none());
+        text.push('\n');
+    }
+    text.push_str(&wrapped("seen: pairs that are judged. sep: share of these that are separated. low, high: its 95 % interval (Wilson). joined: share of these that one detection joins."));
+    text.push_str(&wrapped(definition));
+    text
+}
+
+/// The curves of each range, ranges in the order of their first curve.
+pub(crate) fn curves_by_range(curves: &[GapCurve]) -> Vec<Vec<&GapCurve>> {
+    let mut ranges: Vec<Vec<&GapCurve>> = Vec::new();
+    for curve in curves {
+        match ranges.iter_mut().find(|it| it[0].range_m == curve.range_m) {
+            Some(of_range) => of_range.push(curve),
+            None => ranges.push(vec![curve]),
+        }
+    }
+    ranges
+}
+
+fn columns(curves: &[&GapCurve]) -> Vec<Column> {
+    let column = |group: Option<&str>, title| Column {
+        group: group.map(str::to_owned),
+        title,
+        alignment: Alignment::Decimal,
+    };
+    let of_detector = |curve: &&GapCurve| {
+        let group = curve.detector.clone();
+        ["sep", "low", "high", "joined"].map(move |title| column(Some(&group), title))
+    };
+    [column(None, "gap m"), column(None, "seen")]
+        .into_iter()
+        .chain(curves.iter().flat_map(of_detector))
+        .collect()
+}
+
+fn line(gap_m: f64, curves: &[&GapCurve]) -> Line {
+    let counts_at = |curve: &GapCurve| {
+        let found = curve.points.iter().find(|(it, _)| *it == gap_m);
+        found.map_or_else(PairCounts::default, |(_, counts)| *counts)
+    };
+    let percent =
+        |share: Option<f64>| share.map_or_else(|| "–".to_owned(), |it| fixed_decimals(100.0 * it, 0));
+    let of_detector = |curve: &&GapCurve| {
+        let counts = counts_at(curve);
+        let within = counts.separated_within();
+        let joined = (counts.n_seen > 0).then(|| counts.n_joined as f64 / counts.n_seen as f64);
+        [counts.separated(), within.map(|it| it[0]), within.map(|it| it[1]), joined].map(percent)
+    };
+    // Whether a pair is seen does not depend on the detector.
+    let texts = [fixed_decimals(gap_m, 1), counts_at(curves[0]).n_seen.to_string()];
+    let texts = texts.into_iter().chain(curves.iter().flat_map(of_detector));
+    Line { kind: LineKind::Dataset, cells: texts.map(Cell::new).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::gap_curve::gap_curves;
+    use crate::numbers::gap_curve::tests::bin;
+
+    #[test]
+    fn every_range_has_a_part_and_every_share_its_denominator() {
+        let bins = [
+            bin("grid", "cars", false, 0.2, 3),
+            bin("grid", "cars", false, 0.3, 10),
+            bin("tree", "cars", false, 0.2, 0),
+            bin("tree", "cars", false, 0.3, 5),
+            bin("grid", "cars", true, 0.2, 1),
+        ];
+        insta::assert_snapshot!(gap_table(&gap_curves(&bins), "Separated: apart."), @r"
+        Pairs at 5 to 10 m (simulated). Shares in %.
+
+                               grid                     tree
+                      ──────────────────────   ──────────────────────
+        gap m  seen   sep  low  high  joined   sep  low  high  joined
+        ─────────────────────────────────────────────────────────────
+          0.2    10    30   11    60      70     0    0    28     100
+          0.3    10   100   72   100       0    50   24    76      50
+
+        Pairs at 10 to 20 m (simulated). Shares in %.
+
+                               grid
+                      ──────────────────────
+        gap m  seen   sep  low  high  joined
+        ────────────────────────────────────
+          0.2    10    10    2    40      90
+
+        seen: pairs that are judged. sep: share of these that are separated. low, high: its 95 % interval
+          (Wilson). joined: share of these that one detection joins.
+        Separated: apart.
+        ");
+    }
+}

@@ -1,0 +1,14 @@
+//! Tables of studies: what each found, for people and as CSV.
+
+pub mod ablation_score;
+pub mod ablation_table;
+pub mod sweep_table;
+pub mod fitness_table;
+pub mod gap_row;
+pub mod gap_table;
+pub mod box_error_row;
+pub mod box_table;
+pub mod condition_row;
+pub mod robustness_table;
+pub mod curve_row;
+pub mod agreement;

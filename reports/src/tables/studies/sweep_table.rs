@@ -1,0 +1,107 @@
+//! The table of a sweep: for every curve the best point.
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::blocks::BlockKind;
+use crate::numbers::sweep_curve::SweepCurve;
+use crate::numbers::sweep_score::SweepScores;
+use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::tables::notes::{Notes, about_interval};
+use crate::tables::terminal::{wrapped, write_grid};
+use crate::vocabulary::extent::Extent;
+use crate::vocabulary::origin::Origin;
+
+/// The table for a terminal.
+pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
+    let mut text = format!("Best of {} over {}. Rates in %.\n\n", n_values(sweep), sweep.parameters[0]);
+    let column = |title, alignment| Column { group: None, title, alignment };
+    let names = ["data set", "detector", "task", "rate"].map(|title| column(title, Alignment::Left));
+    let numbers = ["scans", "NO", "best at", "rate there", "95 %", "lowest", "time ms"];
+    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let mut lines: Vec<Line> = sweep.curves().iter().map(line).collect();
+    // A rule stands above the first of them alone.
+    lines
+        .iter_mut()
+        .filter(|it| it.kind == LineKind::Overall)
+        .skip(1)
+        .for_each(|it| it.kind = LineKind::Dataset);
+    let grid = Grid { columns, lines };
+    let kinds = sweep.scores.iter().map(|it| it.blocks.kind);
+    let kind = kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both });
+    let about_interval = kind.map_or_else(String::new, about_interval);
+    let sentence = format!(
+        "NO: annotations that count. Best at: the first of several values that are as good. 95 %: {about_interval} Lowest: the rate \
+         at the worst value. Time: of a detection at the best value, the median over scans of the shortest of each."
+    );
+    let grids = [grid];
+    let notes = Notes::beneath(&grids, vec![sentence]);
+    write_grid(&mut text, &grids[0], &notes);
+    text.push('\n');
+    for sentence in &notes.sentences {
+        text.push_str(&wrapped(sentence));
+    }
+    text
+}
+
+fn n_values(sweep: &SweepScores) -> String {
+    let n = sweep.curves().first().map_or(0, |it| it.points.len());
+    format!("{n} values")
+}
+
+fn line(curve: &SweepCurve<'_>) -> Line {
+    let first = curve.points[0].score;
+    let subject = &first.subject;
+    let name = match (&subject.extent, subject.origin) {
+        (Extent::Dataset(id), Origin::Recorded) => id.clone(),
+        (extent, Origin::Recorded) => extent.name().to_owned(),
+        (extent, origin) => format!("{} ({})", extent.name(), origin.name()),
+    };
+    let undefined = || "–".to_owned();
+    let percent = |it: Option<f64>| it.map_or_else(undefined, |it| fixed_decimals(100.0 * it, 1));
+    let best = curve.best().map(|it| &curve.points[it]);
+    let lowest = curve.points.iter().filter_map(|it| it.score.rate()).reduce(f64::min);
+    let within = best.and_then(|it| it.score.rate_within());
+    let detector = [vec![subject.detector.clone()], curve.others.clone()].concat().join(", ");
+    let texts = [
+        name,
+        detector,
+        first.task.name().to_owned(),
+        first.rate_name().to_owned(),
+        first.n_scans.to_string(),
+        first.counts.no().to_string(),
+        best.map_or_else(undefined, |it| it.x_text.to_owned()),
+        percent(best.and_then(|it| it.score.rate())),
+    ];
+    let interval = within.map_or_else(
+        || Cell::new(undefined()),
+        |it| Cell::interval(it.map(|it| percent(Some(it))).join(" to "), first.blocks),
+    );
+    let time = best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2));
+    let kind = if subject.extent == Extent::Overall { LineKind::Overall } else { LineKind::Dataset };
+    let last = [interval, Cell::new(percent(lowest)), Cell::new(time)];
+    Line { kind, cells: texts.map(Cell::new).into_iter().chain(last).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::sweep_score::tests::cell_sizes;
+
+    #[test]
+    fn every_curve_has_its_best_point() {
+        let sweep = cell_sizes(&[(4, Some(6), None, 0.1), (8, Some(2), None, 0.3), (6, Some(4), None, 0.4)]);
+        insta::assert_snapshot!(sweep_to_terminal(&sweep), @r"
+        Best of 3 values over hierarchical.grid.cell_size_m. Rates in %.
+
+        data set            detector      task     rate    scans  NO  best at  rate there           95 %  lowest  time ms
+        ─────────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated)  hierarchical  objects  F-rate      2  10      0.4        80.0  10.0 to 90.0§    40.0     3.20
+
+        NO: annotations that count. Best at: the first of several values that are as good. 95 %: cluster
+          bootstrap, 10000 resamples of seconds of the drives, which are fewer than 10: how much scans of
+          the same drives could vary, not other drives. Lowest: the rate at the worst value. Time: of a
+          detection at the best value, the median over scans of the shortest of each.
+        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
+          concluded from it.
+        ");
+    }
+}

@@ -1,0 +1,205 @@
+//! The grids of a task's table: the papers' table, and the counts that it is made of.
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::blocks::Interval;
+use crate::rows::counts::Counts;
+use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark, Undefined};
+use crate::tables::paper_figures::{PaperRow, PaperTable, Recordings};
+use crate::tables::task_table::{MeasuredRow, Score, TableRow, TaskTable};
+use crate::vocabulary::extent::Extent;
+use crate::vocabulary::origin::Origin;
+
+/// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it how sure the F-rates are.
+///
+/// Where the F-rate is undefined because false objects are unknown, a line with the recall follows.
+pub(crate) fn main_grid(table: &TaskTable) -> Grid {
+    let column = |group, title, alignment| Column { group, title, alignment };
+    let mut columns = vec![column(None, "data set", Alignment::Left), column(None, "NO", Alignment::Decimal)];
+    for detector in &table.detectors {
+        let group = Some(detector.clone());
+        columns.extend(["ND", "F-rate", "fps"].map(|title| column(group.clone(), title, Alignment::Decimal)));
+    }
+    let mut lines = Vec::new();
+    for row in &table.rows {
+        match row {
+            TableRow::Measured(row) => {
+                lines.push(measured_line(row));
+                lines.extend(interval_line(row, |it| it.intervals.f_rate));
+                lines.extend(recall_line(row));
+                if row.scores.iter().any(|it| it.counts.fo().is_none()) {
+                    lines.extend(interval_line(row, |it| it.intervals.recall));
+                }
+            }
+            TableRow::Paper(row) => {
+                lines.extend(table.paper.map(|paper| paper_line(paper, row, &table.detectors)));
+            }
+        }
+    }
+    Grid { columns, lines }
+}
+
+/// One line a data set and detector: all counts, the rates that [`main_grid`] has not, and what was ignored.
+pub(crate) fn counts_grid(table: &TaskTable) -> Grid {
+    let left = ["data set", "detector"].map(|title| (title, Alignment::Left));
+    let numbers = ["scans", "NO", "TP", "MO", "FO", "P", "R", "IA", "ID"];
+    let columns = left.into_iter().chain(numbers.map(|title| (title, Alignment::Decimal)));
+    let columns = columns.map(|(title, alignment)| Column { group: None, title, alignment }).collect();
+    let measured = table.rows.iter().filter_map(|it| match it {
+        TableRow::Measured(row) => Some(row),
+        TableRow::Paper(_) => None,
+    });
+    let lines = measured.flat_map(|row| {
+        let by_detector = table.detectors.iter().zip(&row.scores).enumerate();
+        by_detector.map(|(detector_idx, (detector, score))| {
+            let is_first = detector_idx == 0;
+            let kind = if is_first { line_kind(row) } else { LineKind::Detail };
+            let label = if is_first { label(row) } else { Cell::default() };
+            Line { kind, cells: counts_cells(label, detector, score) }
+        })
+    });
+    Grid { columns, lines: lines.collect() }
+}
+
+fn counts_cells(label: Cell, detector: &str, score: &Score) -> Vec<Cell> {
+    let counts = score.counts;
+    let count = |count: u64| Cell::new(count.to_string());
+    vec![
+        label,
+        Cell::new(detector),
+        count(score.n_scans),
+        count(counts.no()),
+        count(counts.tp()),
+        count(counts.mo()),
+        counts.fo().map_or(Cell::undefined(Undefined::FalseObjectsUnknown), count),
+        rate_cell(counts.precision(), counts),
+        recall_cell(counts),
+        count(score.n_ignored_annotations),
+        count(score.n_ignored_detections),
+    ]
+}
+
+fn line_kind(row: &MeasuredRow) -> LineKind {
+    match row.extent {
+        Extent::Dataset(_) => LineKind::Dataset,
+        Extent::Overall => LineKind::Overall,
+    }
+}
+
+fn label(row: &MeasuredRow) -> Cell {
+    extent_cell(&row.extent, row.origin)
+}
+
+/// What a row covers, marked if it is simulated.
+pub(crate) fn extent_cell(extent: &Extent, origin: Origin) -> Cell {
+    match origin {
+        Origin::Recorded => Cell::new(extent.name()),
+        Origin::Simulated => Cell::marked(extent.name(), Mark::Simulated),
+        Origin::PartlySimulated => Cell::marked(extent.name(), Mark::PartlySimulated),
+    }
+}
+
+fn measured_line(row: &MeasuredRow) -> Line {
+    let mut cells = vec![label(row), Cell::new(row.no.to_string())];
+    for score in &row.scores {
+        let nd = score.counts.nd();
+        cells.extend([
+            nd.map_or(Cell::undefined(Undefined::FalseObjectsUnknown), |it| Cell::new(it.to_string())),
+            rate_cell(score.counts.f_rate(), score.counts),
+            score.fps().map_or(Cell::undefined(Undefined::NotTimed), |it| Cell::new(fps_text(it))),
+        ]);
+    }
+    Line { kind: line_kind(row), cells }
+}
+
+/// How sure the rates of the line above are; `None` if that is known of none.
+fn interval_line(row: &MeasuredRow, interval: fn(&Score) -> Option<Interval>) -> Option<Line> {
+    let intervals: Vec<_> = row.scores.iter().map(interval).collect();
+    intervals.iter().any(Option::is_some).then(|| {
+        let mut cells = vec![Cell::new(INTERVAL_TITLE), Cell::default()];
+        for interval in intervals {
+            cells.extend([Cell::default(), interval_cell(interval), Cell::default()]);
+        }
+        Line { kind: LineKind::Detail, cells }
+    })
+}
+
+/// The label of intervals.
+pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
+
+/// The ends of an interval in percent; empty where there is none.
+pub(crate) fn interval_cell(interval: Option<Interval>) -> Cell {
+    interval.map_or_else(Cell::default, |it| {
+        let [low, high] = it.ends.map(percent_text);
+        Cell::interval(format!("{low}–{high}"), it.blocks)
+    })
+}
+
+fn recall_line(row: &MeasuredRow) -> Option<Line> {
+    let is_needed = |score: &Score| score.counts.fo().is_none();
+    row.scores.iter().any(is_needed).then(|| {
+        let mut cells = vec![Cell::new("recall, TP / NO"), Cell::default()];
+        for score in &row.scores {
+            let recall = if is_needed(score) { recall_cell(score.counts) } else { Cell::default() };
+            cells.extend([Cell::default(), recall, Cell::default()]);
+        }
+        Line { kind: LineKind::Detail, cells }
+    })
+}
+
+fn paper_line(paper: &PaperTable, row: &PaperRow, detectors: &[String]) -> Line {
+    let text = format!("paper: {}", row.name);
+    let label = match row.recordings {
+        Recordings::Budapest | Recordings::Both => Cell::marked(text, Mark::NotPublic),
+        Recordings::Kitti => Cell::new(text),
+    };
+    let mut cells = vec![label, Cell::new(row.no.to_string())];
+    for detector in detectors {
+        cells.extend(match paper.score_beside(row, detector) {
+            // As printed: with no more digits than the paper has.
+            Some(score) => [
+                Cell::default(),
+                Cell::new(score.f_rate_percent.to_string()),
+                Cell::new(score.fps.to_string()),
+            ],
+            None => Default::default(),
+        });
+    }
+    Line { kind: LineKind::Paper, cells }
+}
+
+/// A rate that has ND in its denominator.
+pub(crate) fn rate_cell(rate: Option<f64>, counts: Counts) -> Cell {
+    match (rate, counts.fo()) {
+        (Some(rate), _) => Cell::new(percent_text(rate)),
+        (None, None) => Cell::undefined(Undefined::FalseObjectsUnknown),
+        (None, Some(_)) => Cell::undefined(Undefined::ZeroDenominator),
+    }
+}
+
+pub(crate) fn recall_cell(counts: Counts) -> Cell {
+    let recall = counts.recall();
+    recall.map_or(Cell::undefined(Undefined::ZeroDenominator), |it| Cell::new(percent_text(it)))
+}
+
+fn percent_text(rate: f64) -> String {
+    fixed_decimals(100.0 * rate, 1)
+}
+
+/// Three digits, but never more than two decimals.
+fn fps_text(fps: f64) -> String {
+    match fps {
+        100.0.. => fixed_decimals(fps, 0),
+        10.0.. => fixed_decimals(fps, 1),
+        _ => fixed_decimals(fps, 2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_have_three_digits_or_two_decimals() {
+        assert_eq!([0.384, 8.0, 29.04, 121.3].map(fps_text), ["0.38", "8.00", "29.0", "121"]);
+    }
+}

@@ -1,0 +1,378 @@
+//! The table as aligned text, without colour.
+
+use std::fmt::Write as _;
+
+use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
+use crate::tables::notes::{Notes, notes, title};
+use crate::tables::task_grids::{counts_grid, main_grid};
+use crate::tables::task_table::TaskTable;
+
+/// Sentences are broken to this many characters.
+const LINE_WIDTH: usize = 100;
+/// Between columns.
+const GAP: &str = "  ";
+/// Between groups of columns, in addition.
+const GROUP_GAP: &str = " ";
+
+/// The table for a terminal of `width` columns: as in the papers, then the counts it is made of, then what has to be said.
+///
+/// Three detectors with names of the usual length fit into 100 columns; where they do not fit, one follows the other.
+pub fn to_terminal(table: &TaskTable, width: usize) -> String {
+    let (main, counts) = (main_grid(table), counts_grid(table));
+    let notes = notes(table, &[&main, &counts]);
+    let mut text = wrapped_to(&title(table), width);
+    text.push('\n');
+    write_folded(&mut text, &main, &notes, width);
+    text.push('\n');
+    write_folded(&mut text, &counts, &notes, width);
+    text.push('\n');
+    for sentence in &notes.sentences {
+        text.push_str(&wrapped_to(sentence, width));
+    }
+    text
+}
+
+/// The grid in as many pieces below each other as it takes for each to fit into `width` columns. Every piece begins with the
+/// columns that say what its lines are about; a group of columns stays together where it fits.
+pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
+    let has_groups = grid.columns.iter().any(|it| it.group.is_some());
+    let is_head = |column: &Column| {
+        if has_groups { column.group.is_none() } else { column.alignment == Alignment::Left }
+    };
+    let n_heads = grid.columns.iter().take_while(|it| is_head(it)).count();
+    let fits = |columns: &[usize]| {
+        let piece = grid.with_columns(columns);
+        let widths = widths(&piece, notes);
+        grid_width(&piece, &widths).max(group_heads_width(&piece, &widths)) <= width
+    };
+    let heads: Vec<usize> = (0..n_heads).collect();
+    let mut pieces = vec![heads.clone()];
+    let rest: Vec<usize> = (n_heads..grid.columns.len()).collect();
+    let together = |a: &usize, b: &usize| has_groups && grid.columns[*a].group == grid.columns[*b].group;
+    // A group that is too wide by itself comes apart.
+    let groups = rest.chunk_by(together).flat_map(|group| {
+        let is_whole = fits(&[heads.as_slice(), group].concat());
+        group.chunks(if is_whole { group.len() } else { 1 })
+    });
+    for group in groups {
+        let last = pieces.last_mut().expect("there is a first piece");
+        let longer = [last.as_slice(), group].concat();
+        if last.len() == n_heads || fits(&longer) {
+            *last = longer;
+        } else {
+            pieces.push([heads.as_slice(), group].concat());
+        }
+    }
+    for (piece_idx, columns) in pieces.iter().enumerate() {
+        if piece_idx > 0 {
+            text.push('\n');
+        }
+        let mut piece = grid.with_columns(columns);
+        // A paper has nothing to say about most detectors.
+        piece.lines.retain(|line| line.cells[n_heads..].iter().any(|it| !it.text.is_empty()));
+        write_grid(text, &piece, notes);
+    }
+}
+
+/// How wide a column is.
+struct Width {
+    /// All of it.
+    total: usize,
+    /// From the decimal point on, signs included; zero for text.
+    fraction: usize,
+}
+
+/// The grid with its heads.
+pub(crate) fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+    let widths = widths(grid, notes);
+    let total = grid_width(grid, &widths);
+    write_group_heads(text, grid, &widths);
+    let heads = grid.columns.iter().zip(&widths).map(|(column, width)| match column.alignment {
+        Alignment::Left => format!("{:<1$}", column.title, width.total),
+        Alignment::Decimal => format!("{:>1$}", column.title, width.total),
+    });
+    write_cells(text, grid, &widths, heads.collect());
+    push_line(text, &"─".repeat(total));
+    for line in &grid.lines {
+        if line.kind == LineKind::Overall {
+            push_line(text, &"─".repeat(total));
+        }
+        let cells =
+            widths.iter().enumerate().map(|(column_idx, width)| match grid.columns[column_idx].alignment {
+                Alignment::Left => format!("{:<1$}", left_text(line, column_idx, notes), width.total),
+                Alignment::Decimal => decimal_text(&line.cells[column_idx], width, notes),
+            });
+        write_cells(text, grid, &widths, cells.collect());
+    }
+}
+
+/// The names of the groups above their columns, with a rule each; nothing if there are no groups.
+fn write_group_heads(text: &mut String, grid: &Grid, widths: &[Width]) {
+    let groups = grid.groups();
+    if groups.iter().all(|(name, _)| name.is_none()) {
+        return;
+    }
+    let (mut names, mut rules) = (Vec::new(), Vec::new());
+    let mut widths = widths.iter();
+    for (name, n_columns) in groups {
+        let of_columns: usize = widths.by_ref().take(n_columns).map(|it| it.total).sum();
+        let width = of_columns + GAP.len() * (n_columns - 1);
+        names.push(format!("{:^1$}", name.unwrap_or(""), width));
+        rules.push(if name.is_some() { "─".repeat(width) } else { " ".repeat(width) });
+    }
+    let gap = format!("{GAP}{GROUP_GAP}");
+    push_line(text, &names.join(&gap));
+    push_line(text, &rules.join(&gap));
+}
+
+fn write_cells(text: &mut String, grid: &Grid, widths: &[Width], cells: Vec<String>) {
+    let mut line = String::new();
+    for (column_idx, cell) in cells.into_iter().enumerate() {
+        if column_idx > 0 {
+            line.push_str(GAP);
+            if grid.columns[column_idx].group != grid.columns[column_idx - 1].group {
+                line.push_str(GROUP_GAP);
+            }
+        }
+        // What is too wide begins in the cell before it.
+        for _ in widths[column_idx].total..cell.chars().count() {
+            if line.ends_with("  ") {
+                line.pop();
+            }
+        }
+        line.push_str(&cell);
+    }
+    push_line(text, &line);
+}
+
+fn push_line(text: &mut String, line: &str) {
+    writeln!(text, "{}", line.trim_end()).expect("a string takes all that is written");
+}
+
+fn left_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
+    let cell = &line.cells[column_idx];
+    let is_beneath = column_idx == 0 && matches!(line.kind, LineKind::Detail | LineKind::Paper);
+    let indent = if is_beneath { "  " } else { "" };
+    let tag = Notes::tag(cell).map_or_else(String::new, |it| format!(" ({it})"));
+    if cell.text.is_empty() {
+        String::new()
+    } else {
+        format!("{indent}{}{}{tag}", cell.text, notes.sign(cell))
+    }
+}
+
+fn decimal_text(cell: &Cell, width: &Width, notes: &Notes) -> String {
+    if cell.is_interval {
+        return format!("{:>1$}", format!("{}{}", cell.text, notes.sign(cell)), width.total);
+    }
+    let fraction = format!("{}{}", cell.fraction(), notes.sign(cell));
+    let whole = cell.text.split('.').next().unwrap_or("");
+    format!("{whole:>0$}{fraction:<1$}", width.total - width.fraction, width.fraction)
+}
+
+fn widths(grid: &Grid, notes: &Notes) -> Vec<Width> {
+    let n_chars = |text: &str| text.chars().count();
+    let columns = grid.columns.iter().enumerate().map(|(column_idx, column)| {
+        let (mut total, mut fraction_width, mut interval_width) = (0, 0, 0);
+        for line in &grid.lines {
+            let cell = &line.cells[column_idx];
+            match column.alignment {
+                Alignment::Left => total = total.max(n_chars(&left_text(line, column_idx, notes))),
+                Alignment::Decimal => {
+                    let whole = n_chars(&cell.text) - n_chars(cell.fraction());
+                    let behind = n_chars(cell.fraction()) + n_chars(&notes.sign(cell));
+                    // An interval reaches into the cell before it, if that is empty; only its sign is behind it.
+                    let has_room = column_idx > 0 && line.cells[column_idx - 1].text.is_empty();
+                    if !cell.is_interval {
+                        total = total.max(whole);
+                        fraction_width = fraction_width.max(behind);
+                    } else if !has_room {
+                        interval_width = interval_width.max(whole + behind);
+                    }
+                }
+            }
+        }
+        let total = n_chars(column.title).max(total + fraction_width).max(interval_width);
+        Width { total, fraction: fraction_width }
+    });
+    columns.collect()
+}
+
+/// Width of the line above the heads, where names of groups may be wider than their columns.
+fn group_heads_width(grid: &Grid, widths: &[Width]) -> usize {
+    let groups = grid.groups();
+    let mut widths = widths.iter();
+    let of_groups = groups.iter().map(|(name, n_columns)| {
+        let of_columns: usize = widths.by_ref().take(*n_columns).map(|it| it.total).sum();
+        let columns_width = of_columns + GAP.len() * (n_columns - 1);
+        columns_width.max(name.map_or(0, |it| it.chars().count()))
+    });
+    of_groups.sum::<usize>() + (GAP.len() + GROUP_GAP.len()) * (groups.len() - 1)
+}
+
+fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
+    let columns: usize = widths.iter().map(|it| it.total).sum();
+    columns + GAP.len() * (widths.len() - 1) + GROUP_GAP.len() * (grid.groups().len() - 1)
+}
+
+/// `sentence` in lines of at most [`LINE_WIDTH`] characters, all but the first indented.
+pub(crate) fn wrapped(sentence: &str) -> String {
+    wrapped_to(sentence, LINE_WIDTH)
+}
+
+/// The same in lines of at most `width` characters, if that is less.
+pub fn wrapped_to(sentence: &str, width: usize) -> String {
+    let width = width.clamp(20, LINE_WIDTH);
+    let mut lines = vec![String::new()];
+    for word in sentence.split_whitespace() {
+        let last = lines.last_mut().expect("there is a first line");
+        let is_start = last.trim().is_empty();
+        if !is_start && last.chars().count() + 1 + word.chars().count() > width {
+            lines.push(format!("  {word}"));
+        } else {
+            last.push_str(if is_start { "" } else { " " });
+            last.push_str(word);
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::sample;
+
+    #[test]
+    fn objects_are_printed_with_recall_where_the_f_rate_is_undefined() {
+        insta::assert_snapshot!(to_terminal(&sample::tables()[0], 100), @r"
+        Task objects. Rates in %. Matched by points, Jaccard at least 0.5.
+
+                                              hierarchical            kd-tree                pca
+                                           ───────────────────   ──────────────────   ──────────────────
+        data set                      NO     ND  F-rate    fps     ND  F-rate   fps     ND  F-rate   fps
+        ────────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)        412   423     88.9  121     480     76.2  8.04   415     76.9  46.0
+          95 % interval                       86.4–90.4             73.7–77.7            74.4–78.4
+          paper: Budapest #1†        669           89     29             77    0.38
+          paper: Budapest #2†        429           79     25             64    0.22
+        kitti_tracking               318     –¹     –¹    98.2     –¹     –¹   0.47     –¹     –¹   39.9
+          recall, TP / NO                          91.2                  85.2                 64.2
+        kitti_object                  61     –¹     –¹   104       –¹     –¹   0.50     –¹     –¹   41.0
+          recall, TP / NO                          90.2                 100.0                 65.6
+          paper: KITTI               496           82     29             75    0.46
+        ────────────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)   791     –¹     –¹   107       –¹     –¹   0.71     –¹     –¹   42.1
+          recall, TP / NO                          90.5                  85.0                 71.0
+          paper: overall†           1594           83     28             72    0.35
+
+        data set                    detector      scans   NO   TP   MO    FO     P      R  IA   ID
+        ──────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)       hierarchical     20  412  371   41   52   87.7   90.0  17  230
+                                    kd-tree          20  412  340   72  140   70.8   82.5  17  230
+                                    pca              20  412  318   94   97   76.6   77.2  17  230
+        kitti_tracking              hierarchical     20  318  290   28    –¹   –¹    91.2  17  230
+                                    kd-tree          20  318  271   47    –¹   –¹    85.2  17  230
+                                    pca              20  318  204  114    –¹   –¹    64.2  17  230
+        kitti_object                hierarchical     20   61   55    6    –¹   –¹    90.2  17  230
+                                    kd-tree          20   61   61    0    –¹   –¹   100.0  17  230
+                                    pca              20   61   40   21    –¹   –¹    65.6  17  230
+        ──────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)  hierarchical     60  791  716   75    –¹   –¹    90.5  51  690
+                                    kd-tree          60  791  672  119    –¹   –¹    85.0  51  690
+                                    pca              60  791  562  229    –¹   –¹    71.0  51  690
+
+        NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans
+          per second of detection alone, on Example CPU @ 2 GHz.
+        P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored,
+          neither right nor wrong.
+        95 % interval: cluster bootstrap, 10000 resamples of whole drives.
+        overall: counts and times are summed over the data sets before a ratio is taken.
+        paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1;
+          connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans,
+          annotations and machine than ours: for orientation.
+        simulated: made by a simulator, not recorded.
+        partly simulated: summed over recorded and simulated data sets.
+        † Budapest recordings, not public.
+        ¹ undefined: not every class of object is annotated, so false objects cannot be known.
+        ");
+    }
+
+    #[test]
+    fn vehicles_are_printed_with_a_note_on_each_undefined_number() {
+        insta::assert_snapshot!(to_terminal(&sample::tables()[1], 100), @r"
+        Task vehicles. Rates in %. Matched by points, Jaccard at least 0.5.
+
+                                              hierarchical           kd-tree                pca
+                                           ──────────────────   ──────────────────   ─────────────────
+        data set                      NO    ND  F-rate    fps     ND  F-rate   fps    ND  F-rate   fps
+        ──────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)        190   189    95.5  121      214    84.2  8.04   190   100.0  46.0
+          paper: Budapest #1†        567          89     24                                 73    15
+          paper: Budapest #2†       1141          90     21                                 71    12
+          paper: Budapest #3†        368          80     22                                 57    13
+        kitti_tracking               240   244    87.2   98.2   1239    26.9  0.47   179    71.6  39.9
+        kitti_object                   0     0     –¹     –²       3     0.0  –²       0     –¹   41.0
+          paper: KITTI               614          78     25                                 62    14
+        ──────────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)   430   433    90.8  109     1456    39.1  0.89   369    85.1  42.1
+          paper: overall†           2690          86     23                                 68    13.5
+
+        data set                    detector      scans   NO   TP  MO    FO      P      R  IA   ID
+        ──────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)       hierarchical     20  190  181   9     8   95.8   95.3  17  230
+                                    kd-tree          20  190  170  20    44   79.4   89.5  17  230
+                                    pca              20  190  190   0     0  100.0  100.0  17  230
+        kitti_tracking              hierarchical     20  240  211  29    33   86.5   87.9  17  230
+                                    kd-tree          20  240  199  41  1040   16.1   82.9  17  230
+                                    pca              20  240  150  90    29   83.8   62.5  17  230
+        kitti_object                hierarchical     20    0    0   0     0    –¹     –¹   17  230
+                                    kd-tree          20    0    0   0     3    0.0    –¹   17  230
+                                    pca              20    0    0   0     0    –¹     –¹   17  230
+        ──────────────────────────────────────────────────────────────────────────────────────────
+        overall (partly simulated)  hierarchical     60  430  392  38    41   90.5   91.2  51  690
+                                    kd-tree          60  430  369  61  1087   25.3   85.8  51  690
+                                    pca              60  430  340  90    29   92.1   79.1  51  690
+
+        NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans
+          per second of detection alone, on Example CPU @ 2 GHz.
+        P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored,
+          neither right nor wrong.
+        overall: counts and times are summed over the data sets before a ratio is taken.
+        paper: Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in
+          Continuously Streamed Urban LIDAR Point Clouds, table 1; PCA based approach under pca, model-based
+          approach under hierarchical. Other scans, annotations and machine than ours: for orientation.
+        simulated: made by a simulator, not recorded.
+        partly simulated: summed over recorded and simulated data sets.
+        † Budapest recordings, not public.
+        ¹ undefined: the denominator is zero.
+        ² undefined: no scan was timed.
+        ");
+    }
+
+    #[test]
+    fn tables_fit_into_the_columns_there_are() {
+        for width in [60, 80, 100, 200] {
+            let texts = sample::tables().map(|it| to_terminal(&it, width)).concat();
+            for line in texts.lines() {
+                assert!(line.chars().count() <= width, "{width}: {line}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_detector_follows_the_other_where_they_do_not_fit_side_by_side() {
+        let text = to_terminal(&sample::tables()[1], 60);
+        let narrow = text.split("NO:").next().unwrap_or_default();
+        let heads: Vec<&str> = narrow.lines().filter(|it| it.contains("F-rate")).collect();
+        assert_eq!(heads.len(), 3, "{narrow}");
+        assert_eq!(narrow.matches("kitti_object").count(), narrow.matches("data set ").count(), "{narrow}");
+        assert_eq!(narrow.matches("paper: KITTI").count(), 2, "{narrow}");
+        // Nothing is lost: every number of the wide table is in the narrow one.
+        let wide = to_terminal(&sample::tables()[1], 200);
+        let words = |text: &str| {
+            let words = text.split_whitespace().filter(|it| it.starts_with(|it: char| it.is_ascii_digit()));
+            words.map(str::to_owned).collect::<std::collections::BTreeSet<_>>()
+        };
+        assert_eq!(words(&wide), words(&text));
+    }
+}

@@ -1,0 +1,137 @@
+//! `gate.json`: a verdict for programs.
+
+use serde::Serialize;
+
+use crate::files::archive::SCHEMA;
+use crate::verdicts::gated_metrics::GatedMetric;
+use crate::verdicts::gated_speeds::{GatedSpeed, Slowdown, SpeedComparison};
+use crate::verdicts::paired_difference::PairedDifference;
+use crate::verdicts::verdict::Verdict;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
+
+#[derive(Serialize)]
+struct VerdictRecord<'a> {
+    schema: u32,
+    conclusion: &'static str,
+    dataset: &'a str,
+    n_blocks: u64,
+    degrees_of_freedom: u64,
+    blocks: &'static str,
+    few_blocks: bool,
+    metrics: Vec<MetricRecord<'a>>,
+    speeds: Vec<SpeedRecord<'a>>,
+    /// Why times were not compared, where a rule is about them.
+    speed_not_compared: Option<&'a str>,
+    drift: Vec<DriftRecord<'a>>,
+}
+
+#[derive(Serialize)]
+struct MetricRecord<'a> {
+    task: Task,
+    detector: &'a str,
+    slice: Slice,
+    metric: String,
+    unit: &'static str,
+    higher_is_better: Option<bool>,
+    before: Option<f64>,
+    after: Option<f64>,
+    difference: Option<f64>,
+    difference_interval_95: Option<[f64; 2]>,
+    least_effect: Option<f64>,
+    missing_in: Option<&'static str>,
+    tolerance: f64,
+    finding: &'static str,
+}
+
+#[derive(Serialize)]
+struct SpeedRecord<'a> {
+    detector: &'a str,
+    reference: &'a str,
+    time_ratio_before: Option<f64>,
+    time_ratio_after: Option<f64>,
+    slowdown: Option<f64>,
+    slowdown_interval_95: Option<[f64; 2]>,
+    missing_in: Option<&'static str>,
+    tolerance: f64,
+    finding: &'static str,
+}
+
+#[derive(Serialize)]
+struct DriftRecord<'a> {
+    dataset: &'a str,
+    sequence: &'a str,
+    scan: u32,
+    detector: &'a str,
+    task: Task,
+    changes: &'a [String],
+}
+
+/// The content of `gate.json`.
+pub fn to_json(verdict: &Verdict) -> String {
+    let record = VerdictRecord {
+        schema: SCHEMA,
+        conclusion: verdict.conclusion().name(),
+        dataset: &verdict.dataset,
+        n_blocks: verdict.blocks.n_blocks,
+        degrees_of_freedom: verdict.blocks.degrees_of_freedom,
+        blocks: verdict.blocks.kind.name(),
+        few_blocks: verdict.blocks.are_too_few(),
+        metrics: verdict.metrics.iter().map(metric_record).collect(),
+        speeds: verdict.speed.speeds().iter().map(speed_record).collect(),
+        speed_not_compared: match &verdict.speed {
+            SpeedComparison::NotCompared { reason } => Some(reason),
+            SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
+        },
+        drift: verdict
+            .drift
+            .iter()
+            .map(|it| DriftRecord {
+                dataset: &it.place.dataset,
+                sequence: &it.place.sequence,
+                scan: it.place.scan,
+                detector: &it.place.detector,
+                task: it.place.task,
+                changes: &it.changes,
+            })
+            .collect(),
+    };
+    let mut json = serde_json::to_string_pretty(&record).expect("a verdict has text keys and finite numbers");
+    json.push('\n');
+    json
+}
+
+fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
+    let difference = gated.difference.as_ref().ok();
+    MetricRecord {
+        task: gated.task,
+        detector: &gated.detector,
+        slice: gated.slice,
+        metric: gated.metric.id(),
+        unit: gated.metric.unit(),
+        higher_is_better: gated.metric.direction().higher_is_better(),
+        before: difference.map(|it| it.before),
+        after: difference.map(|it| it.after),
+        difference: difference.map(PairedDifference::difference),
+        difference_interval_95: difference.and_then(|it| it.interval).map(|it| it.ends),
+        least_effect: difference.and_then(|it| it.least_effect),
+        missing_in: gated.difference.as_ref().err().map(|it| it.name()),
+        tolerance: gated.tolerance,
+        finding: gated.finding.name(),
+    }
+}
+
+fn speed_record(speed: &GatedSpeed) -> SpeedRecord<'_> {
+    let slowdown = speed.slowdown.as_ref().ok();
+    SpeedRecord {
+        detector: &speed.detector,
+        reference: &speed.reference,
+        time_ratio_before: slowdown.map(|it| it.before),
+        time_ratio_after: slowdown.map(|it| it.after),
+        slowdown: slowdown.map(Slowdown::share),
+        slowdown_interval_95: slowdown.and_then(|it| it.interval).map(|it| it.ends),
+        missing_in: speed.slowdown.as_ref().err().map(|it| it.name()),
+        tolerance: speed.tolerance,
+        finding: speed.finding.name(),
+    }
+}

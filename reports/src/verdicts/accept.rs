@@ -1,0 +1,195 @@
+//! Results that were accepted, and the history of how they came to be.
+
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::files::archive::ArchiveError;
+use crate::files::csv_rows::to_csv_bytes;
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::whole_file::write_whole;
+use crate::numbers::run_report::Subject;
+use crate::rows::match_outcome::MatchOutcome;
+use crate::run_folder::run_archive::RunArchive;
+use crate::run_folder::run_directory::{MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV};
+use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError};
+use crate::verdicts::comparability::{NotComparable, check_comparable};
+use crate::vocabulary::metric::Metric;
+use crate::vocabulary::task::Task;
+
+/// The folder of the accepted run within a baseline.
+pub const ACCEPTED_RUN: &str = "run";
+/// The history of a baseline: what was accepted when and why.
+pub const SCORES_MD: &str = "SCORES.md";
+/// How much worse a run may be than a baseline.
+pub const TOLERANCES_TOML: &str = "tolerances.toml";
+
+const SCORES_HEAD: &str = "# Accepted scores\n\nF-rates in % of the accepted run, before → after, and why. Written by \
+    `scanbench baseline accept`.\n\n";
+
+/// How a run becomes the accepted one.
+#[derive(Debug, Clone, Copy)]
+pub struct Acceptance<'a> {
+    /// The day.
+    pub date: &'a str,
+    /// Why the scores are what they are.
+    pub why: &'a str,
+    /// What it has to have in common with the run that was accepted before.
+    pub succession: Succession,
+}
+
+/// What a run has to have in common with the run that was accepted before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Succession {
+    /// The scans, and the rules of judging.
+    Comparable,
+    /// Nothing: the history goes on, but its numbers do not.
+    Anew,
+}
+
+/// Why results cannot be accepted.
+#[derive(Debug, thiserror::Error)]
+pub enum AcceptError {
+    /// The program that made them was built from changes that nobody can find again.
+    #[error(
+        "the run was made by a program with changes beyond commit {commit}; commit them, and run it again"
+    )]
+    Dirty {
+        /// The commit that the changes are beyond.
+        commit: String,
+    },
+    /// There is an accepted run that these results say nothing about.
+    #[error("{reason}; if that is meant, accept it with --new-baseline")]
+    NoSuccessor {
+        /// Why.
+        reason: String,
+    },
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// The directory of the accepted run cannot be written.
+    #[error(transparent)]
+    Directory(#[from] RunDirectoryError),
+    /// The history cannot be read.
+    #[error("cannot read {path:?}")]
+    History {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+}
+
+/// Where the run of the baseline `directory` is: in its folder for it, or in `directory` itself if that is a run.
+pub fn run_of_baseline(directory: &Path) -> PathBuf {
+    let accepted = directory.join(ACCEPTED_RUN);
+    if accepted.join(MANIFEST_JSON).is_file() { accepted } else { directory.to_path_buf() }
+}
+
+/// Makes `run` the accepted run of the baseline `directory`, and adds a line to its history, which is returned.
+///
+/// What is ignored is left out of the matches: it makes half of them, counts for nothing, and its numbers are in the
+/// rows of the scans.
+///
+/// # Errors
+///
+/// [`AcceptError`] if the run cannot be made again, or says nothing about the one accepted before although it is meant to,
+/// or something cannot be written; the earlier baseline is there still.
+pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) -> Result<String, AcceptError> {
+    if let Some(git) = run.manifest.git.as_ref().filter(|it| it.dirty) {
+        return Err(AcceptError::Dirty { commit: git.commit.clone() });
+    }
+    let target = directory.join(ACCEPTED_RUN);
+    let before = if target.exists() { Some(predecessor(&target, run)) } else { None };
+    let line = match before {
+        None => history_line(None, run, acceptance),
+        Some(Ok(before)) => history_line(Some(&before), run, acceptance),
+        Some(Err(reason)) if acceptance.succession == Succession::Anew => {
+            format!("{} New baseline: {reason}.", history_line(None, run, acceptance))
+        }
+        Some(Err(reason)) => return Err(AcceptError::NoSuccessor { reason }),
+    };
+    let history = history_with(&directory.join(SCORES_MD), &line)?;
+
+    let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
+    let mut manifest = run.manifest.clone();
+    if let Some(program) = manifest.argv.first_mut() {
+        // Not where it happened to lie.
+        "scanbench".clone_into(program);
+    }
+    written.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
+    written.write_file(REPORT_JSON, run.report.to_json().as_bytes())?;
+    let csv = |bytes: Result<Vec<u8>, csv::Error>| {
+        bytes.map_err(|source| ArchiveError::Csv { path: target.clone(), source })
+    };
+    written.write_file(SCANS_CSV, &csv(to_csv_bytes(&run.scans))?)?;
+    let counting: Vec<_> = run.matches.iter().filter(|it| counts(&it.outcome)).cloned().collect();
+    written.write_file(MATCHES_CSV, &csv(to_csv_bytes(&counting))?)?;
+    written.finish()?;
+    write_whole(&directory.join(SCORES_MD), history.as_bytes())?;
+    Ok(line)
+}
+
+/// The accepted run in `target`, which `run` is to follow; or why it cannot.
+fn predecessor(target: &Path, run: &RunArchive) -> Result<RunArchive, String> {
+    let before = RunArchive::read(target)
+        .map_err(|error| format!("the accepted run {} cannot be read: {error}", target.display()))?;
+    match check_comparable(&before, run) {
+        Ok(()) => Ok(before),
+        Err(NotComparable { reasons }) => {
+            Err(format!("the run cannot be compared with the accepted one: {}", reasons.join(", ")))
+        }
+    }
+}
+
+/// Whether a number of the report is made of it: what is tall has a slice of its own.
+fn counts(outcome: &MatchOutcome) -> bool {
+    !matches!(outcome, MatchOutcome::IgnoredAnnotation { .. } | MatchOutcome::IgnoredDetection { .. })
+}
+
+fn history_with(path: &Path, line: &str) -> Result<String, AcceptError> {
+    let mut history = match std::fs::read_to_string(path) {
+        Ok(history) => history,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => SCORES_HEAD.to_owned(),
+        Err(source) => return Err(AcceptError::History { path: path.to_path_buf(), source }),
+    };
+    if !history.ends_with('\n') {
+        history.push('\n');
+    }
+    history.push_str(line);
+    history.push('\n');
+    Ok(history)
+}
+
+fn history_line(before: Option<&RunArchive>, run: &RunArchive, acceptance: Acceptance<'_>) -> String {
+    let mut line = format!("- {}", acceptance.date);
+    if let Some(git) = &run.manifest.git {
+        let commit: String = git.commit.chars().take(7).collect();
+        write!(line, ", {commit}").expect("a string takes all that is written");
+    }
+    let tally = run.tally();
+    for &task in tally.tasks() {
+        let of_detectors = tally.detectors().iter().filter_map(|detector| {
+            let now = percent(run, task, detector)?;
+            Some(match before.and_then(|it| percent(it, task, detector)) {
+                Some(old) if old != now => format!("{detector} {old} → {now}"),
+                _ => format!("{detector} {now}"),
+            })
+        });
+        let of_detectors: Vec<String> = of_detectors.collect();
+        if !of_detectors.is_empty() {
+            write!(line, "; {task}: {}", of_detectors.join(", "))
+                .expect("a string takes all that is written");
+        }
+    }
+    // One line, whatever the reason.
+    let why = acceptance.why.split_whitespace().collect::<Vec<_>>().join(" ");
+    format!("{line}. {}.", why.trim_end_matches('.'))
+}
+
+/// The F-rate over all data sets.
+fn percent(run: &RunArchive, task: Task, detector: &str) -> Option<String> {
+    let dataset = run.manifest.extent();
+    let row = run.report.row(&Subject::of_all(dataset, task, detector), &Metric::FRate)?;
+    Some(fixed_decimals(100.0 * row.value()?, 1))
+}

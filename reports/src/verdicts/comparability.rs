@@ -1,0 +1,122 @@
+//! Whether two runs may be compared at all.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::rows::scan_row::ScanOutcome;
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
+use crate::run_folder::run_archive::RunArchive;
+use crate::vocabulary::task::Task;
+
+/// Two runs cannot be compared.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the runs cannot be compared: {}", .reasons.join("; "))]
+pub struct NotComparable {
+    /// Why, one reason or more.
+    pub reasons: Vec<String>,
+}
+
+/// Checks that `run` was asked what `baseline` was: the same scans, judged by the same rules, with all its detectors and tasks.
+///
+/// Detectors that `run` has beyond those of `baseline` do not matter, nor do the parameters of detectors.
+///
+/// # Errors
+///
+/// [`NotComparable`] with everything that differs.
+pub fn check_comparable(baseline: &RunArchive, run: &RunArchive) -> Result<(), NotComparable> {
+    let mut reasons = rules(&baseline.manifest, &run.manifest);
+    reasons.extend(datasets(&baseline.manifest, &run.manifest));
+    if reasons.is_empty() {
+        reasons.extend(scans(baseline, run));
+    }
+    if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
+}
+
+/// What differs in the rules of judging.
+fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
+    let mut reasons = Vec::new();
+    let mut compare = |what: &str, before: String, now: String| {
+        if before != now {
+            reasons.push(format!("{what} was {before} and is {now}"));
+        }
+    };
+    let version = |it: &Manifest| it.scoring_version.to_string();
+    compare("the scoring version", version(baseline), version(run));
+    let criterion = |it: &Manifest| format!("{:?}", it.matching_criterion);
+    compare("the matching criterion", criterion(baseline), criterion(run));
+    let ignored = |it: &Manifest| {
+        format!("fewer than {} points or beyond {} m", it.ignored.min_points, it.ignored.max_range_m)
+    };
+    compare("what is ignored", ignored(baseline), ignored(run));
+    reasons
+}
+
+fn datasets(baseline: &Manifest, run: &Manifest) -> Vec<String> {
+    let ids = |it: &Manifest| it.datasets.iter().map(|it| it.id.clone()).collect::<Vec<_>>();
+    let (before, now) = (ids(baseline), ids(run));
+    if before != now {
+        return vec![format!("the data sets were {} and are {}", before.join(", "), now.join(", "))];
+    }
+    let pairs = baseline.datasets.iter().zip(&run.datasets);
+    pairs.filter_map(|(before, now)| difference(before, now)).collect()
+}
+
+fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
+    let id = &before.id;
+    if before.checksum != now.checksum {
+        return Some(format!("the data of {id} have changed: their checksums differ"));
+    }
+    if before.annotated != now.annotated {
+        return Some(format!("{id} annotated other classes"));
+    }
+    if before.classes != now.classes {
+        return Some(format!("names of classes in the labels of {id} stood for others"));
+    }
+    if (before.sensor_height_m, &before.sensor) != (now.sensor_height_m, &now.sensor) {
+        return Some(format!("the sensor of {id} is another, or mounted elsewhere"));
+    }
+    None
+}
+
+/// What differs in who looked at which scans.
+fn scans(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
+    let of_scans = |it: &RunArchive| {
+        let rows = it.scans.iter();
+        rows.map(|row| (row.dataset.clone(), row.sequence.clone(), row.scan)).collect::<BTreeSet<_>>()
+    };
+    let (before, now) = (of_scans(baseline), of_scans(run));
+    if before != now {
+        let n_common = before.intersection(&now).count();
+        return vec![format!(
+            "the scans differ: {} before, {} now, {n_common} in common",
+            before.len(),
+            now.len()
+        )];
+    }
+    missing_detectors(baseline, run)
+}
+
+/// Detectors of `baseline` that `run` has not evaluated on all of the same scans.
+fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
+    let evaluated = |it: &'_ RunArchive| {
+        let mut scans: BTreeMap<(String, Task, String), BTreeSet<(String, u32)>> = BTreeMap::new();
+        for row in it.scans.iter().filter(|row| matches!(row.outcome, ScanOutcome::Evaluated(_))) {
+            let subject = (row.detector.clone(), row.task, row.dataset.clone());
+            scans.entry(subject).or_default().insert((row.sequence.clone(), row.scan));
+        }
+        scans
+    };
+    let (before, now) = (evaluated(baseline), evaluated(run));
+    let missing = before.iter().filter_map(|(subject, scans)| {
+        let (detector, task, dataset) = subject;
+        match now.get(subject) {
+            None => Some(format!("{detector} was not run on {dataset}, or not asked for {task}")),
+            Some(theirs) if theirs != scans => Some(format!(
+                "{detector} was evaluated on {} scans of {dataset} for {task} and is on {}",
+                scans.len(),
+                theirs.len()
+            )),
+            Some(_) => None,
+        }
+    });
+    missing.collect()
+}

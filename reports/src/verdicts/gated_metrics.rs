@@ -1,0 +1,199 @@
+//! Numbers of a run held to tolerances, one by one.
+
+use std::collections::BTreeSet;
+
+use crate::numbers::tally::Tally;
+use crate::uncertainty::sample::{Draw, Question, Sample};
+use crate::verdicts::finding::Finding;
+use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
+use crate::verdicts::suggestion::did_you_mean;
+use crate::verdicts::tolerances::{GatedPlace, QualityRule, RuleProblems, Tolerances, is_meant, rule_name};
+use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::metric::Metric;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
+
+/// A number that is gated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GatedMetric {
+    /// The task.
+    pub task: Task,
+    /// Name of the detector.
+    pub detector: String,
+    /// The slice.
+    pub slice: Slice,
+    /// What was measured.
+    pub metric: Metric,
+    /// Before and after, or where there is no number.
+    pub difference: Result<PairedDifference, Missing>,
+    /// How much worse it may become.
+    pub tolerance: f64,
+    /// What that means.
+    pub finding: Finding,
+}
+
+/// Where a number is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Missing {
+    /// In the baseline, but not in the run.
+    InBaseline,
+    /// In the run, but not in the baseline.
+    InRun,
+    /// In both, although a rule names it.
+    InBoth,
+}
+
+impl Missing {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::InBaseline => "baseline",
+            Self::InRun => "run",
+            Self::InBoth => "both",
+        }
+    }
+
+    /// Where, in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::InBaseline => "missing in the baseline",
+            Self::InRun => "missing in the run",
+            Self::InBoth => "missing in the baseline and in the run",
+        }
+    }
+}
+
+/// A baseline and a run that is judged by it, of the same scans.
+pub(super) struct Sides<'a> {
+    pub(super) before: &'a Tally,
+    pub(super) after: &'a Tally,
+    pub(super) draws: &'a [Draw],
+}
+
+impl Sides<'_> {
+    /// Every number that `tolerances` are about, task by task, detector by detector, slice by slice, over all data sets together.
+    ///
+    /// # Errors
+    ///
+    /// [`RuleProblems`] if a rule names what there is not, or decides about nothing.
+    pub(super) fn gated_metrics(&self, tolerances: &Tolerances) -> Result<Vec<GatedMetric>, RuleProblems> {
+        let slices = self.slices();
+        RuleProblems::check(self.unknown_names(tolerances, &slices))?;
+        let metrics = tolerances.metrics();
+        let mut gated = Vec::new();
+        for &task in self.before.tasks() {
+            for detector in self.before.detectors() {
+                for &slice in &slices {
+                    let place = GatedPlace { task, detector, slice };
+                    let wanted =
+                        metrics.iter().filter_map(|it| Some((it, tolerances.rule_about(it, place)?)));
+                    let wanted: Vec<(&Metric, usize)> = wanted.collect();
+                    if !wanted.is_empty() {
+                        let samples = self.samples(task, detector, slice);
+                        let of_metric =
+                            |(metric, rule)| gated_metric(metric, place, &samples, &tolerances.quality[rule]);
+                        gated.extend(wanted.into_iter().filter_map(of_metric));
+                    }
+                }
+            }
+        }
+        RuleProblems::check(void_rules(tolerances, &gated))?;
+        Ok(gated)
+    }
+
+    /// All slices of both sides, in the order of a report.
+    fn slices(&self) -> BTreeSet<Slice> {
+        let mut slices = BTreeSet::new();
+        for tally in [self.before, self.after] {
+            for &task in tally.tasks() {
+                slices.extend(tally.detectors().iter().flat_map(|detector| tally.slices(task, detector)));
+            }
+        }
+        slices
+    }
+
+    fn samples(&self, task: Task, detector: &str, slice: Slice) -> [Option<Sample>; 2] {
+        let question = Question { dataset: OVERALL, task, detector, slice };
+        [self.before, self.after].map(|it| it.sample(&question, self.draws))
+    }
+
+    /// Names of the rules that neither side knows.
+    fn unknown_names(&self, tolerances: &Tolerances, slices: &BTreeSet<Slice>) -> Vec<String> {
+        let sides = || [self.before, self.after].into_iter();
+        let tasks: BTreeSet<String> = sides().flat_map(Tally::tasks).map(|it| it.name().to_owned()).collect();
+        let detectors: BTreeSet<String> = sides().flat_map(Tally::detectors).cloned().collect();
+        let slice_names: Vec<String> = slices.iter().map(Slice::name).collect();
+        let mut problems = Vec::new();
+        for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
+            let mut complain = |what: &str, name: &str, suggestion: String| {
+                problems.push(format!(
+                    "{}: there is no {what} {name:?} in either run{suggestion}",
+                    rule_name(rule_idx)
+                ));
+            };
+            let of_tasks = rule.tasks.iter().flatten().map(|it| ("task", it.name(), &tasks));
+            let of_detectors =
+                rule.detectors.iter().flatten().map(|it| ("detector", it.as_str(), &detectors));
+            for (what, name, known) in
+                of_tasks.chain(of_detectors).filter(|(_, name, known)| !known.contains(*name))
+            {
+                complain(what, name, did_you_mean(name, known.iter()));
+            }
+            for pattern in rule.slices.iter().filter(|it| !slices.iter().any(|slice| is_meant(it, *slice))) {
+                complain("slice", pattern, did_you_mean(pattern, slice_names.iter()));
+            }
+        }
+        problems
+    }
+}
+
+/// Metrics and slices of rules that no number was held to: of no slice is the metric measured, or an earlier rule decides.
+fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric]) -> Vec<String> {
+    let mut problems = Vec::new();
+    for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
+        for metric in &rule.metrics {
+            for pattern in &rule.slices {
+                let is_held = |it: &&GatedMetric| {
+                    let place = GatedPlace { task: it.task, detector: &it.detector, slice: it.slice };
+                    it.metric == *metric
+                        && is_meant(pattern, it.slice)
+                        && tolerances.rule_about(&it.metric, place) == Some(rule_idx)
+                };
+                if !gated.iter().any(|it| is_held(&it)) {
+                    problems.push(format!(
+                        "{}: nothing is held to it: neither run has {} of {pattern:?} that no rule before it decides about",
+                        rule_name(rule_idx),
+                        metric.id()
+                    ));
+                }
+            }
+        }
+    }
+    problems
+}
+
+/// `None` if neither side has the number and the rule does not name it.
+fn gated_metric(
+    metric: &Metric,
+    place: GatedPlace<'_>,
+    [before, after]: &[Option<Sample>; 2],
+    rule: &QualityRule,
+) -> Option<GatedMetric> {
+    let [value_before, value_after] = [before, after].map(|it| it.as_ref().and_then(|it| it.value(metric)));
+    let difference = match (value_before, value_after) {
+        (Some(_), None) => Err(Missing::InRun),
+        (None, Some(_)) => Err(Missing::InBaseline),
+        (None, None) if rule.names(place) => Err(Missing::InBoth),
+        (None, None) => return None,
+        (Some(_), Some(_)) => {
+            paired_difference(before.as_ref()?, after.as_ref()?, metric).ok_or(Missing::InBoth)
+        }
+    };
+    let tolerance = rule.tolerance(value_before.unwrap_or(0.0));
+    let finding = difference
+        .as_ref()
+        .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
+    let GatedPlace { task, detector, slice } = place;
+    let (detector, metric) = (detector.to_owned(), metric.clone());
+    Some(GatedMetric { task, detector, slice, metric, difference, tolerance, finding })
+}

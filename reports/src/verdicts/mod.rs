@@ -1,0 +1,16 @@
+//! What numbers mean: who leads a run, and one run judged by another over the same scans.
+//!
+//! Nothing here looks at a detector's parameters: that they differ is what a comparison is for.
+
+pub mod comparability;
+pub mod paired_difference;
+pub mod standing;
+pub mod drift;
+mod suggestion;
+pub mod tolerances;
+pub mod finding;
+pub mod gated_metrics;
+pub mod gated_speeds;
+pub mod verdict;
+pub mod accept;
+pub mod fitness_verdict;

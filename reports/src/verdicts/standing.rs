@@ -1,0 +1,323 @@
+//! Who leads, by how much and how surely, and who is faster: a run in a few sentences.
+
+use crate::files::fixed_decimals::{fixed_decimals, three_digits};
+use crate::numbers::blocks::Interval;
+use crate::numbers::run_report::{MetricRow, RunReport, Subject};
+use crate::numbers::tally::Tally;
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
+use crate::uncertainty::sample::Question;
+use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
+use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::metric::{LatencyStatistic, Metric};
+use crate::vocabulary::origin::Origin;
+use crate::vocabulary::slice::Slice;
+use crate::vocabulary::task::Task;
+
+/// Where the detectors of a run stand in one task, over all its data sets together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    /// The task.
+    pub task: Task,
+    /// Whether a simulator made the scans.
+    pub origin: Origin,
+    /// What they are ordered by: the F-rate or, where false objects cannot be known, recall.
+    pub metric: Metric,
+    /// The detectors, best first; those of which the metric is undefined are last.
+    pub places: Vec<Place>,
+    /// What lies between the first and the second.
+    pub lead: Option<PairedDifference>,
+}
+
+/// What one detector reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// Its name.
+    pub detector: String,
+    /// The metric; `None` where it is undefined.
+    pub value: Option<f64>,
+    /// How sure it is.
+    pub interval: Option<Interval>,
+}
+
+/// How long detectors take for a scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Speeds {
+    /// Name and median time in milliseconds, the fastest first.
+    pub medians_ms: Vec<(String, f64)>,
+}
+
+/// Where the scans of a run come from.
+pub fn origin_of_run(manifest: &Manifest) -> Origin {
+    manifest.datasets.iter().map(DatasetEntry::origin).reduce(Origin::with).unwrap_or(Origin::Recorded)
+}
+
+/// The standings in all tasks of a run.
+pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<Standing> {
+    let draws = tally.draw();
+    let standing = |&task: &Task| {
+        let row = |detector: &str, metric: &Metric| {
+            report.row(&Subject::of_all(manifest.extent(), task, detector), metric)
+        };
+        let has_f_rate =
+            tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
+        let metric = if has_f_rate { Metric::FRate } else { Metric::Recall };
+        let mut places: Vec<Place> = tally
+            .detectors()
+            .iter()
+            .map(|detector| {
+                let row = row(detector, &metric);
+                let (value, interval) = (row.and_then(MetricRow::value), row.and_then(MetricRow::interval));
+                Place { detector: detector.clone(), value, interval }
+            })
+            .collect();
+        places.sort_by(|a, b| {
+            let rank = |it: &Place| it.value.unwrap_or(f64::NEG_INFINITY);
+            rank(b).total_cmp(&rank(a))
+        });
+        let lead = places.get(1).and_then(|second| {
+            let sample = |detector| {
+                tally.sample(&Question { dataset: OVERALL, task, detector, slice: Slice::All }, &draws)
+            };
+            paired_difference(&sample(&second.detector)?, &sample(&places[0].detector)?, &metric)
+        });
+        Standing { task, origin: origin_of_run(manifest), metric, places, lead }
+    };
+    tally.tasks().iter().map(standing).collect()
+}
+
+/// How long the detectors of a run take, over all its data sets together.
+pub fn speeds(manifest: &Manifest, report: &RunReport) -> Speeds {
+    let median = |detector: &str| {
+        let subject = Subject::of_all(manifest.extent(), report.first_task()?, detector);
+        report.row(&subject, &Metric::Latency(LatencyStatistic::P50))?.value()
+    };
+    let names = manifest.detectors.iter().map(|it| &it.name);
+    let mut medians_ms: Vec<(String, f64)> =
+        names.filter_map(|name| Some((name.clone(), median(name).filter(|it| *it > 0.0)?))).collect();
+    medians_ms.sort_by(|a, b| a.1.total_cmp(&b.1));
+    Speeds { medians_ms }
+}
+
+impl Standing {
+    /// Who leads, in a sentence.
+    pub fn sentence(&self) -> String {
+        let origin = match self.origin {
+            Origin::Recorded => String::new(),
+            origin => format!(" ({})", origin.name()),
+        };
+        let about = format!("Task {}{origin}: ", self.task);
+        let metric = match self.metric {
+            Metric::FRate => "F-rate",
+            _ => "recall",
+        };
+        let defined: Vec<&Place> = self.places.iter().filter(|it| it.value.is_some()).collect();
+        match (&defined[..], &self.lead) {
+            ([], _) => format!("{about}{metric} is undefined."),
+            ([only], _) => format!(
+                "{about}{} has {} {}{}.",
+                only.detector,
+                indefinite(metric),
+                only.text(),
+                only.interval.filter(|it| it.blocks.are_too_few()).map_or_else(String::new, |it| format!(
+                    "; {} too few for the interval to be relied on",
+                    blocks_are(it.blocks.n_blocks)
+                )),
+            ),
+            ([first, second, ..], lead) if lead.as_ref().is_none_or(PairedDifference::is_of_few_blocks) => {
+                format!(
+                    "{about}{} has {} {}, {} of {}; {} too few to tell who leads.",
+                    first.detector,
+                    indefinite(metric),
+                    first.text(),
+                    second.detector,
+                    second.text(),
+                    lead.as_ref()
+                        .and_then(|it| it.interval)
+                        .map_or_else(|| "these scans are".to_owned(), |it| blocks_are(it.blocks.n_blocks)),
+                )
+            }
+            ([first, second, ..], Some(lead)) if lead.is_surely_larger() => format!(
+                "{about}{} leads with {} {}, {} points above {}{}.",
+                first.detector,
+                indefinite(metric),
+                first.text(),
+                points(lead.difference()),
+                second.detector,
+                lead.interval_text(),
+            ),
+            ([first, second, ..], lead) => format!(
+                "{about}{} and {} cannot be told apart: {metric} {} and {}{}.",
+                first.detector,
+                second.detector,
+                first.text(),
+                second.text(),
+                lead.as_ref().map_or_else(String::new, |it| format!(
+                    ", a difference of {} points{}",
+                    points(it.difference()),
+                    it.interval_text()
+                )),
+            ),
+        }
+    }
+}
+
+fn indefinite(metric: &str) -> String {
+    let article = if metric.starts_with('F') { "an" } else { "a" };
+    format!("{article} {metric} of")
+}
+
+/// A difference of rates in hundredths.
+fn points(difference: f64) -> String {
+    fixed_decimals(100.0 * difference, 1).replace('-', "−")
+}
+
+fn blocks_are(n_blocks: u64) -> String {
+    if n_blocks == 1 { "1 block of scans is".to_owned() } else { format!("{n_blocks} blocks of scans are") }
+}
+
+impl PairedDifference {
+    /// Whether nothing can rest on it.
+    fn is_of_few_blocks(&self) -> bool {
+        self.interval.is_none_or(|it| it.blocks.are_too_few())
+    }
+
+    fn interval_text(&self) -> String {
+        self.interval.map_or_else(String::new, |it| {
+            let [low, high] = it.ends.map(points);
+            format!(" (95 % interval {low} to {high})")
+        })
+    }
+}
+
+impl Place {
+    /// The value in percent with its interval.
+    fn text(&self) -> String {
+        let percent = |it: f64| fixed_decimals(100.0 * it, 1);
+        let value = self.value.map_or_else(|| "–".to_owned(), |it| format!("{} %", percent(it)));
+        self.interval.map_or(value.clone(), |it| {
+            let [low, high] = it.ends.map(percent);
+            format!("{value} ({low} to {high})")
+        })
+    }
+}
+
+impl Speeds {
+    /// Who is how many times as fast as whom, in a sentence; `None` if nothing was timed.
+    pub fn sentence(&self) -> Option<String> {
+        let ((name, fastest_ms), others) = self.medians_ms.split_first()?;
+        let others: Vec<String> = others
+            .iter()
+            .map(|(other, ms)| {
+                let times = three_digits_short(ms / fastest_ms);
+                format!("{times} × faster than {other} ({} ms)", three_digits(*ms))
+            })
+            .collect();
+        let time = format!("{name} takes {} ms for a scan (median)", three_digits(*fastest_ms));
+        Some(match others.split_last() {
+            None => format!("{time}."),
+            Some((only, [])) => format!("{time}, {only}."),
+            Some((last, rest)) => format!("{time}, {} and {last}.", rest.join(", ")),
+        })
+    }
+}
+
+/// A factor with two digits that count, or all those before the point.
+fn three_digits_short(factor: f64) -> String {
+    if factor < 9.95 { fixed_decimals(factor, 1) } else { fixed_decimals(factor, 0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::blocks::{BlockCount, BlockKind};
+
+    fn drives(n: u64) -> BlockCount {
+        BlockCount::of_dataset(n, BlockKind::Drives)
+    }
+
+    fn place(detector: &str, value: Option<f64>) -> Place {
+        let interval = value.map(|it| Interval { ends: [it - 0.02, it + 0.01], blocks: drives(12) });
+        Place { detector: detector.to_owned(), value, interval }
+    }
+
+    fn standing(values: &[Option<f64>], lead: Option<[f64; 3]>) -> Standing {
+        let names = ["grid", "tree", "pca"];
+        let places = names.iter().zip(values).map(|(name, value)| place(name, *value)).collect();
+        let lead = lead.map(|[after, low, high]| PairedDifference {
+            metric: Metric::FRate,
+            before: 0.0,
+            after,
+            interval: Some(Interval { ends: [low, high], blocks: drives(12) }),
+            least_effect: None,
+        });
+        let (task, origin, metric) = (Task::Objects, Origin::Simulated, Metric::FRate);
+        Standing { task, origin, metric, places, lead }
+    }
+
+    #[test]
+    fn a_clear_lead_is_called_one() {
+        assert_eq!(
+            standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12])).sentence(),
+            "Task objects (simulated): grid leads with an F-rate of 70.0 % (68.0 to 71.0), 10.0 points above tree \
+             (95 % interval 5.0 to 12.0)."
+        );
+    }
+
+    #[test]
+    fn a_lead_that_may_be_chance_is_none() {
+        assert_eq!(
+            standing(&[Some(0.7), Some(0.69)], Some([0.01, -0.005, 0.02])).sentence(),
+            "Task objects (simulated): grid and tree cannot be told apart: F-rate 70.0 % (68.0 to 71.0) and 69.0 % \
+             (67.0 to 70.0), a difference of 1.0 points (95 % interval −0.5 to 2.0)."
+        );
+    }
+
+    #[test]
+    fn of_few_blocks_nobody_leads() {
+        let mut few = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
+        few.lead.as_mut().unwrap().interval.as_mut().unwrap().blocks = drives(9);
+        assert_eq!(
+            few.sentence(),
+            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0), tree of 60.0 % (58.0 to 61.0); 9 blocks \
+             of scans are too few to tell who leads."
+        );
+        few.lead.as_mut().unwrap().interval = None;
+        assert!(
+            few.sentence().ends_with("; these scans are too few to tell who leads."),
+            "{}",
+            few.sentence()
+        );
+        let mut alone = standing(&[Some(0.7)], None);
+        alone.places[0].interval.as_mut().unwrap().blocks = drives(4);
+        assert!(
+            alone.sentence().ends_with("; 4 blocks of scans are too few for the interval to be relied on."),
+            "{}",
+            alone.sentence()
+        );
+    }
+
+    #[test]
+    fn undefined_rates_lead_nothing() {
+        assert_eq!(
+            standing(&[None, None], None).sentence(),
+            "Task objects (simulated): F-rate is undefined."
+        );
+        assert_eq!(
+            standing(&[Some(0.7), None], None).sentence(),
+            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0)."
+        );
+    }
+
+    #[test]
+    fn speeds_are_told_against_the_fastest() {
+        let speeds = |medians: &[(&str, f64)]| {
+            let medians_ms = medians.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
+            Speeds { medians_ms }.sentence()
+        };
+        assert_eq!(speeds(&[]), None);
+        assert_eq!(
+            speeds(&[("grid", 3.06), ("pca", 9.04), ("tree", 356.4)]).unwrap(),
+            "grid takes 3.06 ms for a scan (median), 3.0 × faster than pca (9.04 ms) and 116 × faster than tree (356 ms)."
+        );
+    }
+}

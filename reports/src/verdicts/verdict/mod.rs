@@ -1,0 +1,118 @@
+//! Whether a run is as good as the one that was accepted.
+
+use crate::numbers::blocks::BlockCount;
+use crate::run_folder::run_archive::RunArchive;
+use crate::uncertainty::sample::Draw;
+use crate::verdicts::comparability::{NotComparable, check_comparable};
+use crate::verdicts::drift::{ScanDrift, drift};
+use crate::verdicts::finding::Finding;
+use crate::verdicts::gated_metrics::{GatedMetric, Sides};
+use crate::verdicts::gated_speeds::SpeedComparison;
+use crate::verdicts::tolerances::{RuleProblems, Tolerances};
+use crate::vocabulary::extent::OVERALL;
+
+/// What came of a gate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// What the numbers are about: the id of the data set, or [`OVERALL`] of several.
+    pub dataset: String,
+    /// The blocks of scans that intervals were drawn from.
+    pub blocks: BlockCount,
+    /// Everything that is gated, task by task, detector by detector, slice by slice.
+    pub metrics: Vec<GatedMetric>,
+    /// How fast detectors are beside the reference.
+    pub speed: SpeedComparison,
+    /// Scans on which a detector is judged otherwise than before.
+    pub drift: Vec<ScanDrift>,
+}
+
+/// What a verdict comes to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Conclusion {
+    /// Something is surely worse.
+    Regression,
+    /// Something that is gated has no number.
+    Incomparable,
+    /// Nothing is surely worse, but something is judged otherwise.
+    Drift,
+    /// Everything is as it was.
+    Same,
+}
+
+/// Why there is no verdict.
+#[derive(Debug, thiserror::Error)]
+pub enum JudgeError {
+    /// The runs cannot be compared.
+    #[error(transparent)]
+    NotComparable(#[from] NotComparable),
+    /// The tolerances are not about these runs.
+    #[error("bad tolerances: {0}")]
+    Rules(#[from] RuleProblems),
+}
+
+impl Conclusion {
+    /// The name used in files and on screens.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Regression => "regression",
+            Self::Incomparable => "incomparable",
+            Self::Drift => "drift",
+            Self::Same => "same",
+        }
+    }
+}
+
+impl Verdict {
+    /// What it comes to.
+    pub fn conclusion(&self) -> Conclusion {
+        if self.n(Finding::Regression) > 0 {
+            Conclusion::Regression
+        } else if self.n(Finding::Incomparable) > 0 {
+            Conclusion::Incomparable
+        } else if !self.drift.is_empty() {
+            Conclusion::Drift
+        } else {
+            Conclusion::Same
+        }
+    }
+
+    /// Number of gated numbers with this finding.
+    pub fn n(&self, finding: Finding) -> usize {
+        let of_metrics = self.metrics.iter().filter(|it| it.finding == finding).count();
+        of_metrics + self.speed.speeds().iter().filter(|it| it.finding == finding).count()
+    }
+}
+
+/// Judges `run` by `baseline`.
+///
+/// # Errors
+///
+/// [`JudgeError`] if the runs cannot be compared, or a rule of `tolerances` names what neither has or decides about nothing.
+pub fn judge(
+    baseline: &RunArchive,
+    run: &RunArchive,
+    tolerances: &Tolerances,
+) -> Result<Verdict, JudgeError> {
+    check_comparable(baseline, run)?;
+    let (before, after) = (baseline.tally(), run.tally());
+    let draws = before.draw();
+    let sides = Sides { before: &before, after: &after, draws: &draws };
+    let blocks = draws.iter().map(Draw::blocks).reduce(BlockCount::with);
+    let nothing_run = || NotComparable { reasons: vec!["the baseline has no scans".to_owned()] };
+    Ok(Verdict {
+        dataset: match before.datasets() {
+            [only] => only.clone(),
+            _ => OVERALL.to_owned(),
+        },
+        blocks: blocks.ok_or_else(nothing_run)?,
+        metrics: sides.gated_metrics(tolerances)?,
+        speed: sides.gated_speeds(
+            tolerances.speed.as_ref(),
+            [&baseline.manifest, &run.manifest].map(|it| &it.machine),
+        ),
+        drift: drift(baseline, run),
+    })
+}
+
+#[cfg(test)]
+mod tests;

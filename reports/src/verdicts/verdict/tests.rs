@@ -1,0 +1,314 @@
+use super::*;
+use crate::numbers::run_report::RunReport;
+use crate::rows::counts::Counts;
+use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
+use crate::rows::match_row::MatchRow;
+use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use crate::tables::sample;
+use crate::tables::verdict::summary::{to_markdown, to_terminal};
+use crate::verdicts::gated_metrics::Missing;
+use crate::verdicts::gated_speeds::Slowdown;
+use crate::verdicts::tolerances::{QualityRule, SpeedRule};
+use crate::vocabulary::class::AnnotationClass;
+use crate::vocabulary::criterion::CriterionKind;
+use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
+use crate::vocabulary::reason::MissReason;
+use crate::vocabulary::task::Task;
+
+/// A run of the detectors `kd-tree`, which finds 5 of 10 cars in every scan in 100 ms, and `pca`.
+struct SampleScans<'a> {
+    /// Scans, each of a second of its own.
+    n_scans: u32,
+    /// How many of the 10 cars of a scan `pca` finds.
+    tp_of: &'a dyn Fn(u32) -> u64,
+    /// How long that takes in milliseconds; nothing is timed without it.
+    ms_of: Option<&'a dyn Fn(u32) -> f64>,
+    /// False detections of every scan, where they can be known.
+    fo: Option<u64>,
+}
+
+/// Thirty scans on which `pca` finds 7 or 5 cars, turn by turn, in 10 ms.
+const USUAL: SampleScans<'_> =
+    SampleScans { n_scans: 30, tp_of: &seven_or_five, ms_of: Some(&|_| 10.0), fo: Some(2) };
+
+fn seven_or_five(step: u32) -> u64 {
+    7 - 2 * u64::from(step % 2 == 1)
+}
+
+impl SampleScans<'_> {
+    fn archive(&self) -> RunArchive {
+        let steps = 0..self.n_scans;
+        let rows = steps.clone().flat_map(|step| {
+            let ms = self.ms_of.map(|ms_of| ms_of(step));
+            [self.row(step, "kd-tree", 5, ms.map(|_| 100.0)), self.row(step, "pca", (self.tp_of)(step), ms)]
+        });
+        let found = |detector: &str, step| if detector == "pca" { (self.tp_of)(step) } else { 5 };
+        let matches = ["kd-tree", "pca"].into_iter().flat_map(|detector| {
+            steps
+                .clone()
+                .flat_map(move |step| (found(detector, step)..10).map(move |id| missed(detector, step, id)))
+        });
+        RunArchive {
+            manifest: sample::manifest(),
+            report: RunReport::new(1, Vec::new()).unwrap(),
+            scans: rows.collect(),
+            matches: matches.collect(),
+        }
+    }
+
+    fn row(&self, step: u32, detector: &str, tp: u64, ms: Option<f64>) -> ScanRow {
+        let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
+        let task = Task::Objects;
+        let numbers = ScanNumbers {
+            n_points: 1000,
+            latency_ms: ms,
+            least_latency_ms: ms,
+            reference_ms: ms.map(|_| 0.5),
+            counts: Counts::new(10, tp, self.fo).unwrap(),
+            n_ignored_annotations: 0,
+            n_ignored_detections: 0,
+            n_unknowable_detections: 0,
+            segmentation: SegmentationNumbers::default(),
+            n_dropped_too_small: 0,
+            n_dropped_too_large: 0,
+        };
+        let (time_s, outcome) = (f64::from(step), ScanOutcome::Evaluated(numbers));
+        ScanRow { dataset, sequence, scan: step, time_s, detector, task, outcome }
+    }
+}
+
+/// A car 10 m away that `detector` has missed.
+fn missed(detector: &str, scan: u32, id: u64) -> MatchRow {
+    let bounding_box =
+        BoxFacts { center_m: [10.0, 0.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
+    let annotation = AnnotationFacts {
+        id,
+        track: None,
+        class: AnnotationClass::Car,
+        occlusion: None,
+        n_points: 100,
+        centroid_m: None,
+        n_points_outside: 0,
+        bounding_box: Some(bounding_box),
+    };
+    let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
+    let (task, criterion) = (Task::Objects, CriterionKind::Points);
+    let outcome = MatchOutcome::Missed { annotation, reason: MissReason::Split };
+    MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
+}
+
+fn texts(names: &[&str]) -> Vec<String> {
+    names.iter().map(|it| (*it).to_owned()).collect()
+}
+
+fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
+    let metrics = metrics.iter().map(|it| Metric::from_id(it).unwrap()).collect();
+    let slices = texts(slices);
+    QualityRule { metrics, slices, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
+}
+
+/// Recall of everything may fall by 2 points, and times may grow by a quarter.
+fn tolerances() -> Tolerances {
+    let speed = SpeedRule { reference: SPEED_REFERENCE.to_owned(), relative: 0.25 };
+    Tolerances { quality: vec![rule(&["recall"], &["all"])], speed: Some(speed) }
+}
+
+fn judged(run: &SampleScans<'_>) -> Verdict {
+    judge(&SampleScans { n_scans: run.n_scans, ..USUAL }.archive(), &run.archive(), &tolerances()).unwrap()
+}
+
+#[track_caller]
+fn check_quality(tp_of: &dyn Fn(u32) -> u64, expected: Finding) {
+    let verdict = judged(&SampleScans { tp_of, ..USUAL });
+    let [_, pca] = verdict.metrics.as_slice() else { panic!("{verdict:?}") };
+    assert_eq!((pca.detector.as_str(), pca.finding), ("pca", expected), "{pca:?}");
+    assert!(verdict.speed.speeds().iter().all(|it| it.finding == Finding::Pass));
+}
+
+#[test]
+fn one_object_less_in_every_scan_is_surely_worse() {
+    check_quality(&|step| seven_or_five(step) - 1, Finding::Regression);
+}
+
+#[test]
+fn much_worse_in_two_scans_and_as_before_in_all_others_may_be_chance() {
+    check_quality(&|step| if step < 2 { 0 } else { seven_or_five(step) }, Finding::Inconclusive);
+}
+
+#[test]
+fn a_little_worse_is_tolerated_and_better_is_no_worse() {
+    check_quality(&|step| if step == 0 { 6 } else { seven_or_five(step) }, Finding::Pass);
+    check_quality(&|_| 10, Finding::Pass);
+    assert_eq!(judged(&SampleScans { tp_of: &|_| 10, ..USUAL }).conclusion(), Conclusion::Drift);
+}
+
+/// One object less in every scan, of fewer and fewer scans.
+#[test]
+fn of_few_blocks_a_loss_is_inconclusive_and_only_drift_can_fail() {
+    let worse = |n_scans| judged(&SampleScans { n_scans, tp_of: &|step| seven_or_five(step) - 1, ..USUAL });
+    assert_eq!(worse(10).conclusion(), Conclusion::Regression);
+    for n_scans in [9, 4, 1] {
+        let verdict = worse(n_scans);
+        assert_eq!(verdict.conclusion(), Conclusion::Drift);
+        assert_eq!((verdict.n(Finding::Regression), verdict.n(Finding::Inconclusive)), (0, 1));
+        let blocks = if n_scans == 1 { "block" } else { "blocks" };
+        let text = to_terminal(&verdict);
+        let line = text.lines().nth(1).unwrap();
+        assert!(
+            line.starts_with(&format!("Only {n_scans} {blocks} of scans: no loss can be told from chance")),
+            "{text}"
+        );
+        assert!(text.contains(&format!("inconclusive: only {n_scans} {blocks} of scans")), "{text}");
+        assert!(to_markdown(&verdict).contains(&format!("inconclusive: only {n_scans} {blocks}")));
+        assert_eq!(n_scans > 1, text.contains('§'), "{text}");
+    }
+}
+
+#[track_caller]
+fn check_speed(ms_of: &dyn Fn(u32) -> f64, expected: Finding, expected_slowdown: f64) {
+    let verdict = judged(&SampleScans { ms_of: Some(ms_of), ..USUAL });
+    let speed = &verdict.speed.speeds()[1];
+    assert_eq!((speed.detector.as_str(), speed.finding), ("pca", expected), "{speed:?}");
+    let share = speed.slowdown.as_ref().map(Slowdown::share).unwrap();
+    assert!((share - expected_slowdown).abs() < 1e-9, "{speed:?}");
+    assert!(verdict.drift.is_empty(), "times are no drift");
+}
+
+#[test]
+fn a_half_more_time_is_a_regression_and_one_slow_scan_is_not() {
+    check_speed(&|_| 10.0, Finding::Pass, 0.0);
+    check_speed(&|_| 15.0, Finding::Regression, 0.5);
+    check_speed(&|_| 5.0, Finding::Pass, -0.5);
+    // One scan of thirty takes 2^30 times as long: the geometric mean doubles.
+    check_speed(&|step| if step == 0 { 10.0 * 2_f64.powi(30) } else { 10.0 }, Finding::Inconclusive, 1.0);
+}
+
+#[test]
+fn times_of_other_processors_are_not_compared_and_that_is_said() {
+    let mut run = SampleScans { ms_of: Some(&|_| 1000.0), ..USUAL }.archive();
+    run.manifest.machine.cpu_model = "Other CPU".to_owned();
+    let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
+    assert_eq!(verdict.conclusion(), Conclusion::Same);
+    let said = "Speed was not compared: the processor was \"Example CPU @ 2 GHz\" and is \"Other CPU\".";
+    assert_eq!(to_terminal(&verdict).lines().nth(1), Some(said));
+    assert!(to_markdown(&verdict).lines().take(3).any(|it| it == said));
+}
+
+#[test]
+fn times_that_were_not_taken_are_missing() {
+    for (before, after, missing) in [
+        (USUAL, SampleScans { ms_of: None, ..USUAL }, Missing::InRun),
+        (SampleScans { ms_of: None, ..USUAL }, USUAL, Missing::InBaseline),
+        (SampleScans { ms_of: None, ..USUAL }, SampleScans { ms_of: None, ..USUAL }, Missing::InBoth),
+    ] {
+        let verdict = judge(&before.archive(), &after.archive(), &tolerances()).unwrap();
+        assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
+        assert!(verdict.speed.speeds().iter().all(|it| it.slowdown == Err(missing)));
+        let said = format!("Time over that of grid-write, pca, main_road: {}.", missing.in_words());
+        assert!(to_terminal(&verdict).lines().any(|it| it == said), "{}", to_terminal(&verdict));
+    }
+}
+
+#[test]
+fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
+    let mut run = USUAL.archive();
+    run.scans.retain(|it| it.detector == "kd-tree" || it.scan > 0);
+    let error = judge(&USUAL.archive(), &run, &tolerances()).unwrap_err();
+    assert!(
+        error.to_string().contains("pca was evaluated on 30 scans of main_road for objects and is on 29"),
+        "{error}"
+    );
+    run.scans.retain(|it| it.detector == "kd-tree");
+    let error = judge(&USUAL.archive(), &run, &tolerances()).unwrap_err();
+    assert!(error.to_string().contains("pca was not run on main_road"), "{error}");
+}
+
+/// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.
+#[test]
+fn rules_about_nothing_are_refused_all_at_once() {
+    let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 2, ..USUAL }.archive();
+    let problem = |rules: Vec<QualityRule>| {
+        let tolerances = Tolerances { quality: rules, speed: None };
+        match judge(&USUAL.archive(), &worse, &tolerances) {
+            Err(JudgeError::Rules(problems)) => problems.to_string(),
+            other => panic!("{other:?}"),
+        }
+    };
+    let of_task = |task| QualityRule { tasks: Some(vec![task]), ..rule(&["recall"], &["all"]) };
+    let of_detector = QualityRule { detectors: Some(texts(&["pcaa"])), ..rule(&["recall"], &["all"]) };
+    assert_eq!(
+        problem(vec![
+            of_task(Task::Vehicles),
+            rule(&["recall"], &["al"]),
+            rule(&["recall"], &["range/0-20"]),
+            of_detector
+        ]),
+        "[[quality]] 1: there is no task \"vehicles\" in either run; there are objects; \
+         [[quality]] 2: there is no slice \"al\" in either run; did you mean \"all\"?; \
+         [[quality]] 3: there is no slice \"range/0-20\" in either run; did you mean \"range/0-15\"?; \
+         [[quality]] 4: there is no detector \"pcaa\" in either run; did you mean \"pca\"?"
+    );
+    // A beginning that no slice has.
+    assert!(problem(vec![rule(&["recall"], &["occlusion/*"])]).contains("there is no slice \"occlusion/*\""));
+    // Precision is not measured of classes, and what is torn apart is measured of everything alone.
+    for (metric, slice) in
+        [("precision", "class/car"), ("over_segmentation", "range/*"), ("box_yaw_error_deg", "all")]
+    {
+        let problem = problem(vec![rule(&[metric, "recall"], &[slice, "all"])]);
+        assert!(problem.contains(&format!("neither run has {metric} of {slice:?}")), "{problem}");
+        assert!(!problem.contains("has recall"), "{problem}");
+    }
+    // A rule before it decides about all that it is about.
+    let shadowed = problem(vec![rule(&["recall"], &["class/*", "all"]), rule(&["recall"], &["class/car"])]);
+    assert!(shadowed.starts_with("[[quality]] 2: nothing is held to it"), "{shadowed}");
+}
+
+#[test]
+fn a_beginning_that_stands_for_some_slices_is_no_mistake() {
+    let tolerances =
+        Tolerances { quality: vec![rule(&["recall", "f_rate"], &["all", "range/*"])], speed: None };
+    let verdict = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap();
+    let of_pca: Vec<String> = verdict
+        .metrics
+        .iter()
+        .filter(|it| it.detector == "pca")
+        .map(|it| format!("{} of {}", it.metric.id(), it.slice))
+        .collect();
+    assert_eq!(of_pca, ["recall of all", "f_rate of all", "recall of range/0-15", "f_rate of range/0-15"]);
+}
+
+#[test]
+fn a_number_that_is_missing_is_named_and_nothing_passes() {
+    // False objects cannot be known in the run: no F-rate, which a rule is about.
+    let unknown = SampleScans { fo: None, ..USUAL };
+    let of_task = QualityRule { tasks: Some(vec![Task::Objects]), ..rule(&["f_rate"], &["all"]) };
+    for (before, after, named, missing) in [
+        (&USUAL, &unknown, &of_task, Missing::InRun),
+        (&unknown, &USUAL, &of_task, Missing::InBaseline),
+        (&unknown, &USUAL, &rule(&["f_rate"], &["a*"]), Missing::InBaseline),
+        (&unknown, &unknown, &of_task, Missing::InBoth),
+    ] {
+        let tolerances = Tolerances { quality: vec![named.clone()], speed: None };
+        let verdict = judge(&before.archive(), &after.archive(), &tolerances).unwrap();
+        assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
+        assert!(verdict.metrics.iter().all(|it| it.difference == Err(missing)), "{verdict:?}");
+        let said = format!("f_rate of all, pca, objects, main_road: {}.", missing.in_words());
+        assert!(to_terminal(&verdict).lines().any(|it| it == said), "{}", to_terminal(&verdict));
+    }
+    // Of no named task, and nowhere else either: the rule is about nothing.
+    let tolerances = Tolerances { quality: vec![rule(&["f_rate"], &["all"])], speed: None };
+    let error = judge(&unknown.archive(), &unknown.archive(), &tolerances).unwrap_err();
+    assert!(error.to_string().contains("neither run has f_rate of \"all\""), "{error}");
+}
+
+#[test]
+fn a_missing_number_is_no_regression_but_a_regression_goes_first() {
+    let worse = SampleScans { fo: None, tp_of: &|step| seven_or_five(step) - 2, ..USUAL };
+    let mut tolerances = tolerances();
+    tolerances.quality.push(rule(&["f_rate"], &["all"]));
+    let verdict = judge(&USUAL.archive(), &worse.archive(), &tolerances).unwrap();
+    assert_eq!(verdict.conclusion(), Conclusion::Regression);
+    assert_eq!((verdict.n(Finding::Incomparable), verdict.n(Finding::Regression)), (2, 1));
+    let metrics = verdict.metrics.iter().map(|it| it.metric.clone()).collect::<Vec<_>>();
+    assert_eq!(metrics, [Metric::Recall, Metric::FRate, Metric::Recall, Metric::FRate]);
+}

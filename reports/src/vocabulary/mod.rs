@@ -1,0 +1,13 @@
+//! What numbers are about: the words that rows, numbers, verdicts and tables share.
+
+pub mod task;
+pub mod class;
+pub mod criterion;
+pub mod reason;
+pub mod metric;
+pub mod slice;
+pub mod extent;
+pub mod origin;
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,203 @@
+//! The worst mistakes of a detector.
+
+use std::fmt::Write as _;
+
+use crate::rows::match_outcome::MatchOutcome;
+use crate::rows::match_row::MatchRow;
+use crate::vocabulary::task::Task;
+
+/// The two kinds of mistakes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mistake {
+    /// An annotation that nothing found.
+    Missed,
+    /// A detection of nothing.
+    False,
+}
+
+/// Which mistakes are asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct MistakeChoice<'a> {
+    /// Whose.
+    pub detector: &'a str,
+    /// At which task.
+    pub task: Task,
+    /// Of which kind; both if not given.
+    pub kind: Option<Mistake>,
+    /// What is annotated so, or was taken for it.
+    pub class: Option<&'a str>,
+}
+
+/// A mistake, by what the sensor saw of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ListedMistake<'a> {
+    /// Where it is.
+    pub row: &'a MatchRow,
+    /// What it is.
+    pub kind: Mistake,
+    /// Annotated class, or what it was taken for.
+    pub class: &'static str,
+    /// Why.
+    pub reason: &'static str,
+    /// Number of its points.
+    pub n_points: u64,
+    /// Where it is on the ground plan, in metres: the middle of its box or of its points.
+    pub place_m: Option<[f32; 2]>,
+}
+
+/// The `most` mistakes of `rows` with the most points, in the order of the rows where these are equal: what was seen best is
+/// worst.
+pub fn worst<'a>(rows: &'a [MatchRow], choice: &MistakeChoice<'_>, most: usize) -> Vec<ListedMistake<'a>> {
+    let asked = rows.iter().filter(|row| row.detector == choice.detector && row.task == choice.task);
+    let mut listed: Vec<ListedMistake<'a>> = asked
+        .filter_map(listed)
+        .filter(|it| choice.kind.is_none_or(|kind| it.kind == kind))
+        .filter(|it| choice.class.is_none_or(|class| it.class == class))
+        .collect();
+    listed.sort_by_key(|it| std::cmp::Reverse(it.n_points));
+    listed.truncate(most);
+    listed
+}
+
+fn listed(row: &MatchRow) -> Option<ListedMistake<'_>> {
+    let place_m = |center_m: [f32; 3]| [center_m[0], center_m[1]];
+    match &row.outcome {
+        MatchOutcome::Missed { annotation, reason } => Some(ListedMistake {
+            row,
+            kind: Mistake::Missed,
+            class: annotation.class.name(),
+            reason: reason.name(),
+            n_points: annotation.n_points,
+            place_m: annotation.center_m().map(place_m),
+        }),
+        MatchOutcome::False { detection, reason } => Some(ListedMistake {
+            row,
+            kind: Mistake::False,
+            class: detection.class.name(),
+            reason: reason.name(),
+            n_points: detection.n_points,
+            place_m: Some(place_m(detection.bounding_box.center_m)),
+        }),
+        _ => None,
+    }
+}
+
+/// The mistakes as lines of text with a head.
+pub fn worst_to_terminal(mistakes: &[ListedMistake<'_>]) -> String {
+    let scan = |it: &ListedMistake<'_>| format!("{} {} {}", it.row.dataset, it.row.sequence, it.row.scan);
+    let width = |head: &str, of: &dyn Fn(&ListedMistake<'_>) -> usize| {
+        mistakes.iter().map(of).max().unwrap_or(0).max(head.len())
+    };
+    let scans = width("data set, drive, scan", &|it| scan(it).chars().count());
+    let classes = width("class", &|it| it.class.chars().count());
+    let mut text = format!(
+        "{:>4}  {:<scans$}  {:<7} {:<classes$}  {:>7}  {:>8}  {:>8}  {:>8}  why\n",
+        "", "data set, drive, scan", "", "class", "points", "range m", "x m", "y m"
+    );
+    for (rank, it) in (1..).zip(mistakes) {
+        let kind = match it.kind {
+            Mistake::Missed => "missed",
+            Mistake::False => "false",
+        };
+        let place = it.place_m.map_or_else(
+            || format!("{:>8}  {:>8}  {:>8}", "–", "–", "–"),
+            |[x, y]| format!("{:>8.1}  {x:>8.1}  {y:>8.1}", x.hypot(y)),
+        );
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{rank:>4}  {:<scans$}  {kind:<7} {:<classes$}  {:>7}  {place}  {}",
+            scan(it),
+            it.class,
+            it.n_points,
+            it.reason
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts};
+    use crate::vocabulary::class::{AnnotationClass, DetectionClass};
+    use crate::vocabulary::criterion::CriterionKind;
+    use crate::vocabulary::reason::{FalseReason, MissReason};
+
+    fn row(detector: &str, outcome: MatchOutcome) -> MatchRow {
+        MatchRow {
+            dataset: "street".to_owned(),
+            sequence: "drive".to_owned(),
+            scan: 3,
+            detector: detector.to_owned(),
+            task: Task::Vehicles,
+            criterion: CriterionKind::Points,
+            outcome,
+        }
+    }
+
+    const BOX: BoxFacts =
+        BoxFacts { center_m: [3.0, 4.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
+
+    fn missed(class: AnnotationClass, n_points: u64) -> MatchOutcome {
+        let annotation = AnnotationFacts {
+            id: 0,
+            track: None,
+            class,
+            occlusion: None,
+            n_points,
+            n_points_outside: 0,
+            bounding_box: None,
+            centroid_m: Some([6.0, -8.0, 0.0]),
+        };
+        MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
+    }
+
+    fn false_one(n_points: u64) -> MatchOutcome {
+        let detection = DetectionFacts {
+            id: 0,
+            class: DetectionClass::Vehicle,
+            score: None,
+            n_points,
+            bounding_box: BOX,
+        };
+        MatchOutcome::False { detection, reason: FalseReason::WrongClass }
+    }
+
+    const ANY: MistakeChoice<'_> =
+        MistakeChoice { detector: "grid", task: Task::Vehicles, kind: None, class: None };
+
+    #[test]
+    fn what_was_seen_best_comes_first() {
+        let rows = [missed(AnnotationClass::Car, 30), missed(AnnotationClass::Van, 500), false_one(90)]
+            .map(|it| row("grid", it));
+        let points: Vec<u64> = worst(&rows, &ANY, 10).iter().map(|it| it.n_points).collect();
+        assert_eq!(points, [500, 90, 30]);
+        assert_eq!(worst(&rows, &ANY, 1).len(), 1);
+    }
+
+    #[test]
+    fn only_what_is_asked_for_is_listed() {
+        let mut rows = [missed(AnnotationClass::Car, 30), missed(AnnotationClass::Van, 500), false_one(90)]
+            .map(|it| row("grid", it))
+            .to_vec();
+        rows.push(row("tree", missed(AnnotationClass::Car, 1000)));
+        let points = |choice: MistakeChoice<'_>| -> Vec<u64> {
+            worst(&rows, &choice, 10).iter().map(|it| it.n_points).collect()
+        };
+        assert_eq!(points(MistakeChoice { kind: Some(Mistake::False), ..ANY }), [90]);
+        assert_eq!(points(MistakeChoice { kind: Some(Mistake::Missed), ..ANY }), [500, 30]);
+        assert_eq!(points(MistakeChoice { class: Some("car"), ..ANY }), [30]);
+        assert_eq!(points(MistakeChoice { task: Task::Objects, ..ANY }), [0; 0]);
+    }
+
+    #[test]
+    fn a_line_says_where_what_and_why() {
+        let rows = [missed(AnnotationClass::Car, 30), false_one(90)].map(|it| row("grid", it));
+        insta::assert_snapshot!(worst_to_terminal(&worst(&rows, &ANY, 10)), @r"
+              data set, drive, scan          class     points   range m       x m       y m  why
+           1  street drive 3         false   vehicle       90       5.0       3.0       4.0  wrong class
+           2  street drive 3         missed  car           30      10.0       6.0      -8.0  nothing there
+        ");
+    }
+}

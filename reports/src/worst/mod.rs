@@ -1,0 +1,5 @@
+//! The worst mistakes of detectors: which they are, where, and what the sensor saw there.
+
+pub mod mistakes;
+pub mod places;
+pub mod points;

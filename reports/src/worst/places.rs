@@ -1,0 +1,277 @@
+//! The worst mistakes of every detector, gathered row by row, each object once: what a page shows from above.
+
+use std::collections::BTreeMap;
+
+use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
+use crate::rows::match_row::MatchRow;
+use crate::vocabulary::task::Task;
+use crate::worst::mistakes::Mistake;
+
+/// Scans whose numbers begin alike when divided by this are taken for scans of one second.
+const SCANS_PER_SECOND: u32 = 10;
+/// Mistakes of a kind that are kept for each detector and task.
+pub const MOST_OF_A_KIND: usize = 4;
+/// Half the side of the smallest window around an object, in metres, and of the widest.
+const HALF_WINDOW_M: [f32; 2] = [5.0, 12.0];
+/// What is seen around an object, in metres.
+const SURROUNDINGS_M: f32 = 2.5;
+
+/// The worst mistakes so far, with something about each place.
+#[derive(Debug, Clone)]
+pub struct WorstPlaces<T> {
+    lists: BTreeMap<MistakeList, Vec<WorstPlace<T>>>,
+}
+
+/// Whose mistakes, at what, and of which kind.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MistakeList {
+    /// The task.
+    pub task: Task,
+    /// Name of the detector.
+    pub detector: String,
+    /// Missed or false.
+    pub kind: Mistake,
+}
+
+/// Which object of which scan.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectName {
+    /// Id of the data set.
+    pub dataset: String,
+    /// The drive the scan belongs to.
+    pub sequence: String,
+    /// Number of the scan within the drive.
+    pub scan: u32,
+    /// Whose detection; `None` for an annotation.
+    pub detector: Option<String>,
+    /// Its place among the annotations, or detections, of the scan.
+    pub id: u64,
+}
+
+/// A mistake with a place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorstPlace<T> {
+    /// Which object.
+    pub object: ObjectName,
+    /// What it is, or was taken for.
+    pub class: &'static str,
+    /// Why it is a mistake.
+    pub reason: &'static str,
+    /// Number of its points.
+    pub n_points: u64,
+    /// Where it is; without extent, at the centroid of its points, where no box is labelled.
+    pub bounding_box: BoxFacts,
+    /// What is shown of it.
+    pub window: PlanWindow,
+    /// The object within its drive, where that is known.
+    track: Option<u32>,
+    /// What the caller keeps with it.
+    pub kept: T,
+}
+
+/// A square seen from above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlanWindow {
+    /// Its middle in metres, x forward and y left of the sensor.
+    pub center_m: [f32; 2],
+    /// Half its side in metres.
+    pub half_m: f32,
+}
+
+impl PlanWindow {
+    /// Around a box.
+    fn around(bounding_box: &BoxFacts) -> Self {
+        let [x_m, y_m, _] = bounding_box.center_m;
+        let [length_m, width_m, _] = bounding_box.length_width_height_m;
+        let half_m = length_m.max(width_m) / 2.0 + SURROUNDINGS_M;
+        Self { center_m: [x_m, y_m], half_m: half_m.clamp(HALF_WINDOW_M[0], HALF_WINDOW_M[1]) }
+    }
+
+    /// Whether a place is inside.
+    pub fn holds(&self, x_m: f32, y_m: f32) -> bool {
+        (x_m - self.center_m[0]).abs() <= self.half_m && (y_m - self.center_m[1]).abs() <= self.half_m
+    }
+}
+
+impl<T> Default for WorstPlaces<T> {
+    fn default() -> Self {
+        Self { lists: BTreeMap::new() }
+    }
+}
+
+impl<T> WorstPlaces<T> {
+    /// Takes `row` in if it is a mistake with a place and worse than what is there: seen by more points. `kept` is asked only
+    /// then.
+    pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
+        let (kind, class, reason, n_points, bounding_box, id, track) = match &row.outcome {
+            MatchOutcome::Missed { annotation: it, reason } => (
+                Mistake::Missed,
+                it.class.name(),
+                reason.name(),
+                it.n_points,
+                subject_of(it),
+                it.id,
+                it.track,
+            ),
+            MatchOutcome::False { detection: it, reason } => (
+                Mistake::False,
+                it.class.name(),
+                reason.name(),
+                it.n_points,
+                Some(it.bounding_box),
+                it.id,
+                None,
+            ),
+            _ => return,
+        };
+        let Some(bounding_box) = bounding_box else { return };
+        let list = MistakeList { task: row.task, detector: row.detector.clone(), kind };
+        let list = self.lists.entry(list).or_default();
+        let same = list.iter().position(|it| it.is_same_object(row, track));
+        let is_worse = match same {
+            Some(place) => list[place].n_points < n_points,
+            None => list.len() < MOST_OF_A_KIND || list.last().is_some_and(|it| it.n_points < n_points),
+        };
+        if !is_worse {
+            return;
+        }
+        if let Some(place) = same {
+            list.remove(place);
+        }
+        let window = PlanWindow::around(&bounding_box);
+        let object = ObjectName {
+            dataset: row.dataset.clone(),
+            sequence: row.sequence.clone(),
+            scan: row.scan,
+            detector: (kind == Mistake::False).then(|| row.detector.clone()),
+            id,
+        };
+        let place =
+            WorstPlace { object, class, reason, n_points, bounding_box, window, track, kept: kept(&window) };
+        list.insert(list.partition_point(|it| it.n_points >= n_points), place);
+        list.truncate(MOST_OF_A_KIND);
+    }
+
+    /// The lists, each with the worst first.
+    pub fn lists(&self) -> impl Iterator<Item = (&MistakeList, &[WorstPlace<T>])> {
+        self.lists.iter().map(|(name, places)| (name, places.as_slice()))
+    }
+
+    /// The mistakes of one list, the worst first.
+    pub fn of(&self, list: &MistakeList) -> &[WorstPlace<T>] {
+        self.lists.get(list).map_or(&[], Vec::as_slice)
+    }
+}
+
+impl<T> WorstPlace<T> {
+    /// Whether `row` shows it once more: the same track or, where that is unknown, one of the scans within a second.
+    fn is_same_object(&self, row: &MatchRow, track: Option<u32>) -> bool {
+        let is_same_drive = self.object.dataset == row.dataset && self.object.sequence == row.sequence;
+        is_same_drive
+            && match (self.track, track) {
+                (Some(ours), Some(theirs)) => ours == theirs,
+                _ => self.object.scan / SCANS_PER_SECOND == row.scan / SCANS_PER_SECOND,
+            }
+    }
+}
+
+/// Its box, or one without extent where it stands.
+fn subject_of(annotation: &AnnotationFacts) -> Option<BoxFacts> {
+    let without_extent = |center_m| BoxFacts { center_m, length_width_height_m: [0.0; 3], yaw_rad: 0.0 };
+    annotation.bounding_box.or_else(|| annotation.center_m().map(without_extent))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::match_outcome::DetectionFacts;
+    use crate::vocabulary::class::{AnnotationClass, DetectionClass};
+    use crate::vocabulary::criterion::CriterionKind;
+    use crate::vocabulary::reason::{FalseReason, MissReason};
+
+    fn row(scan: u32, outcome: MatchOutcome) -> MatchRow {
+        let [dataset, sequence, detector] = ["street", "drive", "grid"].map(str::to_owned);
+        let (task, criterion) = (Task::Vehicles, CriterionKind::Points);
+        MatchRow { dataset, sequence, scan, detector, task, criterion, outcome }
+    }
+
+    const BOX: BoxFacts =
+        BoxFacts { center_m: [30.0, 4.0, 0.0], length_width_height_m: [4.0, 2.0, 1.5], yaw_rad: 0.0 };
+
+    fn missed(track: Option<u32>, n_points: u64, bounding_box: Option<BoxFacts>) -> MatchOutcome {
+        let (class, occlusion) = (AnnotationClass::Car, None);
+        let annotation = AnnotationFacts {
+            id: 0,
+            track,
+            class,
+            occlusion,
+            n_points,
+            n_points_outside: 0,
+            bounding_box,
+            centroid_m: None,
+        };
+        MatchOutcome::Missed { annotation, reason: MissReason::NothingThere }
+    }
+
+    fn false_one(n_points: u64) -> MatchOutcome {
+        let class = DetectionClass::Vehicle;
+        let detection = DetectionFacts { id: 7, class, score: None, n_points, bounding_box: BOX };
+        MatchOutcome::False { detection, reason: FalseReason::NothingThere }
+    }
+
+    fn kept(rows: &[MatchRow], kind: Mistake) -> Vec<(u32, u64)> {
+        let mut places = WorstPlaces::default();
+        for row in rows {
+            places.add(row, |_| ());
+        }
+        let (task, detector) = (Task::Vehicles, "grid".to_owned());
+        let list = places.of(&MistakeList { task, detector, kind });
+        list.iter().map(|it| (it.object.scan, it.n_points)).collect()
+    }
+
+    #[test]
+    fn each_track_is_shown_where_it_was_seen_best() {
+        let rows = [(0, Some(1), 30), (1, Some(1), 50), (2, Some(1), 40), (2, Some(2), 45)];
+        let rows = rows.map(|(scan, track, n)| row(scan, missed(track, n, Some(BOX))));
+        assert_eq!(kept(&rows, Mistake::Missed), [(1, 50), (2, 45)]);
+    }
+
+    #[test]
+    fn the_worst_are_kept_and_no_more() {
+        let rows: Vec<_> = (0..20).map(|it| row(it * 10, false_one(u64::from(it * 7 % 20)))).collect();
+        assert_eq!(kept(&rows, Mistake::False).iter().map(|it| it.1).collect::<Vec<_>>(), [19, 18, 17, 16]);
+        assert_eq!(kept(&rows, Mistake::Missed), []);
+    }
+
+    #[test]
+    fn false_ones_of_one_second_are_one() {
+        assert_eq!(
+            kept(&[row(3, false_one(5)), row(4, false_one(6)), row(13, false_one(1))], Mistake::False),
+            [(4, 6), (13, 1)]
+        );
+    }
+
+    #[test]
+    fn what_has_no_place_is_not_shown() {
+        assert_eq!(kept(&[row(0, missed(None, 5, None))], Mistake::Missed), []);
+    }
+
+    #[test]
+    fn without_a_box_it_is_where_its_points_are() {
+        let MatchOutcome::Missed { annotation, reason } = missed(None, 5, None) else { unreachable!() };
+        let annotation = AnnotationFacts { centroid_m: Some([9.0, -2.0, 0.5]), ..annotation };
+        let mut places = WorstPlaces::default();
+        places.add(&row(0, MatchOutcome::Missed { annotation, reason }), |window| *window);
+        let (_, [place]) = places.lists().next().unwrap() else { panic!("one place") };
+        assert_eq!(place.kept, PlanWindow { center_m: [9.0, -2.0], half_m: 5.0 });
+        assert_eq!(place.bounding_box.length_width_height_m, [0.0; 3]);
+    }
+
+    #[test]
+    fn a_window_is_around_the_box() {
+        let window = PlanWindow::around(&BOX);
+        assert_eq!(window, PlanWindow { center_m: [30.0, 4.0], half_m: 5.0 });
+        assert!(window.holds(34.9, 4.0) && !window.holds(35.1, 4.0) && !window.holds(30.0, -1.1));
+    }
+}
