@@ -4,11 +4,6 @@ use detector::OrientedBox;
 use reports::plots::palette::{BLUISH_GREEN, Rgb, VERMILION, YELLOW};
 use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
 use reports::rows::match_row::MatchRow;
-use reports::vocabulary::class::DetectionClass;
-use reports::vocabulary::reason::FalseReason;
-use reports::vocabulary::reason::IgnoredAnnotation;
-use reports::vocabulary::reason::IgnoredDetection;
-use reports::vocabulary::reason::MissReason;
 use scans::annotation::LabeledScan;
 use scans::conversion::scene::{entity_of, line_between, pair};
 use scans::dataset::mcap::foxglove_messages::{Color, KeyValuePair, SceneEntity};
@@ -145,6 +140,8 @@ fn color_of(rgb: Rgb, a: f64) -> Color {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reports::vocabulary::class::DetectionClass;
+    use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
     use detector::PointCloud;
     use reports::vocabulary::class::AnnotationClass;
     use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};

@@ -9,7 +9,6 @@ use reports::rows::match_row::MatchRow;
 use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
 use reports::rows::stage_row::StageRow;
 use reports::vocabulary::class::DetectionClass;
-use reports::vocabulary::class::Occlusion;
 use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::reason::IgnoredAnnotation;
 use scans::annotation::{LabeledScan, PointRegion};

@@ -1,7 +1,6 @@
 //! What watches a run, scan by scan.
 
 use detector::Detector;
-use reports::vocabulary::task::Task;
 use scans::annotation::ScanId;
 use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
@@ -165,6 +164,7 @@ mod tests {
     use std::sync::atomic::AtomicBool;
 
     use super::*;
+    use reports::vocabulary::task::Task;
     use crate::matching::assign::MatchingParams;
     use crate::matching::eligibility::EligibilityParams;
     use crate::run::config::RunConfig;

@@ -17,7 +17,6 @@ use reports::run_folder::run_target::LatestPointer;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
 use reports::tables::studies::box_table::{boxes_to_markdown, boxes_to_terminal};
-use reports::vocabulary::class::Occlusion;
 
 use crate::cli::BoxesArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
