@@ -8,6 +8,9 @@ use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::ablation_score::AblationRow;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::ablation_table::AblationTable;
 
 use crate::cli::AblationArgs;
@@ -68,7 +71,7 @@ pub fn ablation(arguments: &AblationArgs) -> anyhow::Result<()> {
     };
     write_table(&directory, &table)?;
     let finished = directory.finish()?;
-    let printed = print_result(table.to_terminal());
+    let printed = print_result(Terminal::UNFOLDED.text(&table));
     // Also where nobody takes the table: the files are there.
     print_diagnostic(format_args!("Ablation: {}", finished.display()));
     printed
@@ -119,6 +122,6 @@ fn write_table(directory: &RunDirectory, table: &AblationTable) -> anyhow::Resul
         rows.write(&AblationRow::new(table.task, score))?;
     }
     rows.finish()?;
-    directory.write_file(ABLATION_MD, table.to_markdown().as_bytes())?;
+    directory.write_file(ABLATION_MD, Markdown.text(table).as_bytes())?;
     Ok(())
 }

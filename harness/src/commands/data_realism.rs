@@ -11,7 +11,9 @@ use reports::plots::curve_plot::curve_plot;
 use reports::run_folder::comparison_manifest::{ComparedScans, ComparisonManifest};
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
-use reports::tables::studies::agreement::agreement_table;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::terminal::Terminal;
+use reports::tables::studies::agreement::AgreementTable;
 use reports::tables::studies::curve_row::CurveRow;
 
 use crate::cli::{DatasetArgs, RealismArgs, SourceArgs};
@@ -54,7 +56,7 @@ pub fn data_realism(arguments: &RealismArgs) -> anyhow::Result<()> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     write_curves(&directory, &curves, names)?;
     let finished = directory.finish()?;
-    let printed = print_result(agreement_table(names, &curves));
+    let printed = print_result(Terminal::UNFOLDED.text(&AgreementTable { names, curves: &curves }));
     // Also where nobody takes the table: the curves are there.
     print_diagnostic(format_args!("Curves and plots: {}", finished.display()));
     printed

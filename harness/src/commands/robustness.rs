@@ -4,8 +4,11 @@ use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::condition_scores::ConditionScores;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::condition_row::ConditionRow;
-use reports::tables::studies::robustness_table::{robustness_to_markdown, robustness_to_terminal};
+use reports::tables::studies::robustness_table::RobustnessTable;
 
 use crate::cli::RobustnessArgs;
 use crate::commands::experiment::Experiment;
@@ -49,7 +52,8 @@ pub fn robustness(arguments: &RobustnessArgs) -> anyhow::Result<()> {
     let notes = notes(arguments, &robustness);
     write_tables(&directory, &conditions, &notes)?;
     let finished = directory.finish()?;
-    let printed = print_result(robustness_to_terminal(&conditions, &notes));
+    let printed =
+        print_result(Terminal::UNFOLDED.text(&RobustnessTable { conditions: &conditions, notes: &notes }));
     // Also where nobody takes the table: it is there.
     print_diagnostic(format_args!("Tables: {}", finished.display()));
     printed
@@ -80,6 +84,7 @@ fn write_tables(
         rows.write(&row)?;
     }
     rows.finish()?;
-    directory.write_file("robustness.md", robustness_to_markdown(conditions, notes).as_bytes())?;
+    directory
+        .write_file("robustness.md", Markdown.text(&RobustnessTable { conditions, notes }).as_bytes())?;
     Ok(())
 }

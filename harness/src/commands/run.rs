@@ -1,6 +1,5 @@
 //! `scanbench run`.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -18,11 +17,13 @@ use reports::run_folder::run_directory::{
     MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, RunDirectory, SCANS_CSV, WORST_POINTS_JSON,
 };
 use reports::run_folder::run_target::{ClaimedTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError};
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::lists::TABLE_FORMATS;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::stage_table::StageTable;
 use reports::tables::task_table::{TaskTable, task_tables};
 use reports::tables::times_table::TimesTable;
-use reports::tables::verdict::standing::standing_to_terminal;
-use reports::tables::{csv::to_csv, latex::to_latex, markdown::to_markdown, terminal::to_terminal};
 use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
 use reports::worst::places::WorstPlaces;
 use reports::worst::points::{PlanCells, WorstPoints};
@@ -106,9 +107,9 @@ pub fn run(arguments: &RunArgs) -> anyhow::Result<()> {
     let report = report_of(&tally, &scores)?;
     let tables = write_report(&directory, &manifest, &report)?;
     let times = TimesTable::new(&report, &manifest);
-    directory.write_file("table_times.md", times.to_markdown().as_bytes())?;
+    directory.write_file("table_times.md", Markdown.text(&times).as_bytes())?;
     if let Some(stages) = StageTable::new(&report, &manifest) {
-        directory.write_file("table_stages.md", stages.to_markdown().as_bytes())?;
+        directory.write_file("table_stages.md", Markdown.text(&stages).as_bytes())?;
     }
     directory.write_file(PRECISION_RECALL_CSV, &to_csv_bytes(&tally.precision_recall_rows())?)?;
     // Made of the files, so that `report` makes the same.
@@ -359,10 +360,8 @@ fn write_report(
     directory.write_file(REPORT_JSON, report.to_json().as_bytes())?;
     let tables = task_tables(report, manifest)?;
     for table in &tables {
-        let renderings =
-            BTreeMap::from([("csv", to_csv(table)), ("md", to_markdown(table)), ("tex", to_latex(table))]);
-        for (extension, text) in renderings {
-            directory.write_file(&format!("{}.{extension}", table.file_stem()), text.as_bytes())?;
+        for format in TABLE_FORMATS {
+            directory.write_file(&format.file_name(&table.file_stem()), format.text(table).as_bytes())?;
         }
     }
     Ok(tables)
@@ -374,9 +373,10 @@ fn print(
     (standings, speeds): (&[Standing], &Speeds),
     finished: &Path,
 ) -> anyhow::Result<()> {
-    let width = result_width();
-    let texts = tables.iter().map(|it| to_terminal(it, width)).chain([times.to_terminal(width)]);
-    let texts = texts.chain([standing_to_terminal(standings, speeds, width)]);
+    let terminal = Terminal { width: Some(result_width()) };
+    let texts = tables.iter().map(|it| terminal.text(it)).chain([terminal.text(times)]);
+    let sentences = standings.iter().map(Standing::sentence).chain(speeds.sentence());
+    let texts = texts.chain([terminal.sentences(sentences)]);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));

@@ -1,50 +1,34 @@
 //! The table of what detectors find under one condition after another.
 
-use std::fmt::Write as _;
-
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::condition_scores::{ConditionScores, DetectorCounts};
 use crate::rows::counts::Counts;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::markdown::write_grid as write_markdown_grid;
-use crate::tables::notes::Notes;
-use crate::tables::terminal::{wrapped, write_grid};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::sheet::{Sheet, Tabular};
 
 const TITLE: &str = "F-rate in % under one condition after another (all simulated).";
 
-/// The table for a terminal: one row a condition, the F-rates of both tasks for each detector.
-pub fn robustness_to_terminal(conditions: &[ConditionScores], notes: &[String]) -> String {
-    let mut text = format!("{TITLE}\n\n");
-    write_grid(&mut text, &grid(conditions), &Notes::none());
-    text.push('\n');
-    for note in notes {
-        text.push_str(&wrapped(note));
-    }
-    text
+/// One row a condition, the F-rates of both tasks for each detector.
+#[derive(Debug, Clone, Copy)]
+pub struct RobustnessTable<'a> {
+    /// What was found.
+    pub conditions: &'a [ConditionScores],
+    /// What has to be said beneath.
+    pub notes: &'a [String],
 }
 
-/// The same for pull requests and pages.
-pub fn robustness_to_markdown(conditions: &[ConditionScores], notes: &[String]) -> String {
-    let mut text = format!("**{TITLE}**\n\n");
-    write_markdown_grid(&mut text, &grid(conditions), &Notes::none());
-    text.push('\n');
-    for note in notes {
-        writeln!(text, "- {note}").expect("a string takes all that is written");
+impl Tabular for RobustnessTable<'_> {
+    fn sheet(&self) -> Sheet {
+        Sheet::of(TITLE.to_owned(), grid(self.conditions), self.notes.to_vec())
     }
-    text
 }
 
 fn grid(conditions: &[ConditionScores]) -> Grid {
-    let column =
-        |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
-    let mut columns = vec![
-        column(None, "kind", Alignment::Left),
-        column(None, "condition", Alignment::Left),
-        column(Some("NO"), "obj", Alignment::Decimal),
-        column(Some("NO"), "veh", Alignment::Decimal),
-    ];
+    let of_tasks = |group: &str| ["obj", "veh"].map(|title| Column::number(title).within(group));
+    let mut columns = vec![Column::left("kind"), Column::left("condition")];
+    columns.extend(of_tasks("NO"));
     for it in conditions.first().map_or(&[][..], |it| &it.detectors) {
-        columns.extend(["obj", "veh"].map(|title| column(Some(&it.detector), title, Alignment::Decimal)));
+        columns.extend(of_tasks(&it.detector));
     }
     let mut group_before = "";
     let lines = conditions.iter().map(|it| {
@@ -71,6 +55,9 @@ mod tests {
     use super::*;
     use crate::files::csv_rows::{CsvRowWriter, read_rows};
     use crate::files::whole_file::WholeFile;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
+    use crate::tables::formats::terminal::Terminal;
     use crate::tables::studies::condition_row::ConditionRow;
 
     fn scores(group: &str, condition: &str, tp: u64) -> ConditionScores {
@@ -98,7 +85,9 @@ mod tests {
 
     #[test]
     fn conditions_of_a_kind_stand_together_and_rates_over_nothing_are_undefined() {
-        insta::assert_snapshot!(robustness_to_terminal(&conditions(), &["A note.".to_owned()]), @r"
+        let (conditions, notes) = (conditions(), ["A note.".to_owned()]);
+        let table = RobustnessTable { conditions: &conditions, notes: &notes };
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&table), @r"
         F-rate in % under one condition after another (all simulated).
 
                                  NO        grid        tree
@@ -111,7 +100,7 @@ mod tests {
 
         A note.
         ");
-        insta::assert_snapshot!(robustness_to_markdown(&conditions(), &["A note.".to_owned()]), @r"
+        insta::assert_snapshot!(Markdown.text(&table), @r"
         **F-rate in % under one condition after another (all simulated).**
 
         | kind | condition | NO: obj | veh | grid: obj | veh | tree: obj | veh |
