@@ -105,6 +105,14 @@ impl BlockCount {
 }
 
 /// How sure a number is.
+///
+/// ```
+/// use reports::numbers::blocks::{BlockCount, BlockKind, Interval};
+///
+/// let blocks = BlockCount::of_dataset(7, BlockKind::Drives);
+/// let interval = Interval { ends: [0.61, 0.74], blocks };
+/// assert_eq!(interval.caveat().as_deref(), Some("interval of only 7 blocks of scans"));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Lower and upper end of the 95 % interval.

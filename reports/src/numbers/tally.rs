@@ -16,6 +16,42 @@ use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
 /// Numbers of a run, gathered row by row.
+///
+/// ```
+/// use reports::numbers::tally::Tally;
+/// use reports::rows::counts::Counts;
+/// use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+/// use reports::vocabulary::metric::Metric;
+/// use reports::vocabulary::task::Task;
+///
+/// // One scan with ten vehicles, of which seven were found; three detections are false.
+/// let numbers = ScanNumbers {
+///     n_points: 100_000,
+///     latency_ms: None,
+///     least_latency_ms: None,
+///     reference_ms: None,
+///     counts: Counts::new(10, 7, Some(3)).expect("no more is found than there is"),
+///     n_ignored_annotations: 0,
+///     n_ignored_detections: 0,
+///     n_unknowable_detections: 0,
+///     segmentation: SegmentationNumbers::default(),
+///     n_dropped_too_small: 0,
+///     n_dropped_too_large: 0,
+/// };
+/// let mut tally = Tally::default();
+/// tally.add_scan(&ScanRow {
+///     dataset: "street".to_owned(),
+///     sequence: "0000".to_owned(),
+///     scan: 0,
+///     time_s: 0.0,
+///     detector: "mine".to_owned(),
+///     task: Task::Vehicles,
+///     outcome: ScanOutcome::Evaluated(numbers),
+/// });
+/// let rows = tally.metric_rows();
+/// let f_rate = rows.iter().find(|it| it.metric == Metric::FRate).and_then(|it| it.value());
+/// assert_eq!(f_rate, Some(14.0 / 20.0));
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     // All three in the order in which they were first seen.

@@ -3,8 +3,7 @@
 use maud::{Markup, html};
 
 use super::markup::{sentences, table};
-use crate::tables::notes::notes;
-use crate::tables::task_grids::{counts_grid, main_grid};
+use crate::tables::sheet::Tabular as _;
 use crate::tables::task_table::TaskTable;
 
 pub(super) fn task_tables(tables: &[TaskTable]) -> Markup {
@@ -12,16 +11,17 @@ pub(super) fn task_tables(tables: &[TaskTable]) -> Markup {
         section #tables aria-labelledby="tables-title" {
             h2 #tables-title { "Found, missed and false" }
             @for task in tables {
-                @let (main, counts) = (main_grid(task), counts_grid(task));
-                @let notes = notes(task, &[&main, &counts]);
+                @let sheet = task.sheet();
                 h3 { "Task " (task.task) }
                 p.about { "Rates in %. Matched by " (task.matching_criterion) "." }
-                (table(&main, &notes, &format!("Task {}: rates and speeds", task.task)))
-                details {
-                    summary { "The counts behind it" }
-                    (table(&counts, &notes, &format!("Task {}: counts", task.task)))
+                @if let [main, counts] = &sheet.parts[..] {
+                    (table(&main.grid, &sheet.notes, &format!("Task {}: rates and speeds", task.task)))
+                    details {
+                        summary { "The counts behind it" }
+                        (table(&counts.grid, &sheet.notes, &format!("Task {}: counts", task.task)))
+                    }
                 }
-                (sentences(&notes))
+                (sentences(&sheet.notes))
             }
         }
     }

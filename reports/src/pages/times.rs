@@ -8,12 +8,13 @@ use crate::plots::latency_plot::latency_plot;
 use crate::plots::small_panel::key;
 use crate::plots::stage_plot::stage_plot;
 use crate::plots::themed_svg::ThemedPanel;
+use crate::tables::sheet::Tabular as _;
 use crate::tables::times_table::TimesTable;
 use crate::verdicts::standing::origin_of_run;
 
 pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let times = TimesTable::new(&facts.report, &facts.manifest);
-    let (grid, notes) = times.grid_and_notes();
+    let sheet = times.sheet();
     let origin = origin_of_run(&facts.manifest).name();
     let stages: Vec<ThemedPanel> = facts
         .stages_ms
@@ -40,8 +41,10 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                     }.render(files))
                 }
                 div {
-                    (table(grid, &notes, "Times of scans"))
-                    (sentences(&notes))
+                    @for part in &sheet.parts {
+                        (table(&part.grid, &sheet.notes, "Times of scans"))
+                    }
+                    (sentences(&sheet.notes))
                 }
             }
             @if !stages.is_empty() {

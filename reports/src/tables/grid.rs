@@ -80,6 +80,23 @@ pub(crate) enum Undefined {
     NotTimed,
 }
 
+impl Column {
+    /// Of text.
+    pub(crate) fn left(title: &'static str) -> Self {
+        Self { group: None, title, alignment: Alignment::Left }
+    }
+
+    /// Of numbers.
+    pub(crate) fn number(title: &'static str) -> Self {
+        Self { group: None, title, alignment: Alignment::Decimal }
+    }
+
+    /// The same below the name of a group.
+    pub(crate) fn within(self, group: impl Into<String>) -> Self {
+        Self { group: Some(group.into()), ..self }
+    }
+}
+
 impl Cell {
     pub(crate) fn new(text: impl Into<String>) -> Self {
         Self { text: text.into(), mark: None, is_interval: false }

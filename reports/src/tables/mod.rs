@@ -1,19 +1,18 @@
 //! Tables: the papers', made of the numbers of a run with one row a data set and the papers' figures beside ours; those of
-//! studies; and those that say what a comparison came to.
+//! studies; and those that say what a comparison came to. What they say is apart from the formats they are written in.
 
 pub mod paper_figures;
 pub(crate) mod grid;
 pub mod task_table;
-pub(crate) mod task_grids;
 pub(crate) mod notes;
-pub mod terminal;
-pub mod csv;
-pub mod markdown;
-pub mod latex;
+pub mod sheet;
+pub(crate) mod task_grids;
 pub mod times_table;
 pub mod stage_table;
 pub mod studies;
 pub mod verdict;
+pub(crate) mod service_rows;
+pub mod formats;
 
 #[cfg(test)]
 pub(crate) mod sample;

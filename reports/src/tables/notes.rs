@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 
 use crate::numbers::blocks::{BlockKind, FEWEST_BLOCKS, FEWEST_DRIVES};
 use crate::tables::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
-use crate::tables::task_grids::INTERVAL_TITLE;
 use crate::tables::task_table::TaskTable;
 use crate::uncertainty::bootstrap::N_RESAMPLES;
+
+/// The label of intervals.
+pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
 
 /// The sentences beneath a table, and the signs in it that refer to them.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,8 +109,8 @@ fn abbreviations(cpu_model: &str) -> String {
 
 impl Notes {
     /// `sentences`, and then what the marks in `grids` mean.
-    pub(crate) fn beneath(grids: &[Grid], sentences: Vec<String>) -> Self {
-        let mut notes = Self { marks: grids.iter().flat_map(marks).collect(), sentences };
+    pub(crate) fn beneath<'a>(grids: impl IntoIterator<Item = &'a Grid>, sentences: Vec<String>) -> Self {
+        let mut notes = Self { marks: grids.into_iter().flat_map(marks).collect(), sentences };
         notes.explain_marks();
         notes
     }
@@ -116,11 +118,6 @@ impl Notes {
     fn explain_marks(&mut self) {
         let about_marks: Vec<_> = self.marks.iter().map(|&mark| self.sentence_about(mark)).collect();
         self.sentences.extend(about_marks);
-    }
-
-    /// Nothing to be said.
-    pub(crate) fn none() -> Self {
-        Self { marks: BTreeSet::new(), sentences: Vec::new() }
     }
 
     /// The sign of a cell's mark, empty without one. For simulated data it is a word, see [`Self::tag`].

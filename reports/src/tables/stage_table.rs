@@ -3,10 +3,9 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::run_folder::manifest::Manifest;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Undefined};
-use crate::tables::markdown;
-use crate::tables::notes::Notes;
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Undefined};
 use crate::tables::paper_figures::VEHICLE_STEPS;
+use crate::tables::sheet::{Sheet, Tabular};
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 
 /// The detector whose stages are those of the paper.
@@ -54,36 +53,22 @@ impl StageTable {
         let cpu_model = manifest.machine.cpu_model.clone();
         Some(Self { grid: Grid { columns: columns(manifest), lines }, cpu_model })
     }
+}
 
-    /// The table as Markdown.
-    pub fn to_markdown(&self) -> String {
+impl Tabular for StageTable {
+    fn sheet(&self) -> Sheet {
         let title = format!("Medians of the stages of {DETECTOR} in ms, on {}.", self.cpu_model);
-        let sentences = vec![
-            "Steps that several stages do: the sum of their medians. paper: VM section 6, on another machine, other scans and \
-             with eight features where ours has more: for orientation."
-                .to_owned(),
-        ];
-        let notes = Notes::beneath(std::slice::from_ref(&self.grid), sentences);
-        let mut text = format!("**{}**\n\n", markdown::escaped(&title));
-        markdown::write_grid(&mut text, &self.grid, &notes);
-        text.push('\n');
-        for sentence in &notes.sentences {
-            markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
-        }
-        text
+        let sentence = "Steps that several stages do: the sum of their medians. paper: VM section 6, on another machine, other \
+             scans and with eight features where ours has more: for orientation.";
+        Sheet::of(title, self.grid.clone(), vec![sentence.to_owned()])
     }
 }
 
 fn columns(manifest: &Manifest) -> Vec<Column> {
-    let column = |group: Option<String>, title, alignment| Column { group, title, alignment };
-    let mut columns = vec![
-        column(None, "step", Alignment::Left),
-        column(None, "stages", Alignment::Left),
-        column(None, "paper", Alignment::Decimal),
-    ];
+    let mut columns = vec![Column::left("step"), Column::left("stages"), Column::number("paper")];
     columns.extend(manifest.datasets.iter().map(|it| {
         let simulated = if it.simulated { " (simulated)" } else { "" };
-        column(Some(format!("{}{simulated}", it.id)), "p50", Alignment::Decimal)
+        Column::number("p50").within(format!("{}{simulated}", it.id))
     }));
     columns
 }
@@ -115,6 +100,8 @@ fn ms_cell(ms: Option<f64>) -> Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
     use crate::tables::sample;
     use crate::vocabulary::task::Task;
 
@@ -126,7 +113,7 @@ mod tests {
         let whole = (Metric::Latency(LatencyStatistic::P50), 9.5);
         let rows = times.chain([whole]).map(|(metric, ms)| MetricRow::new(subject(), metric, Some(ms), 20));
         let report = RunReport::new(1, rows.collect()).unwrap();
-        StageTable::new(&report, &manifest).unwrap().to_markdown()
+        Markdown.text(&StageTable::new(&report, &manifest).unwrap())
     }
 
     #[test]

@@ -3,8 +3,10 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::Interval;
 use crate::rows::counts::Counts;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark, Undefined};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark, Undefined};
+use crate::tables::notes::{INTERVAL_TITLE, notes, title};
 use crate::tables::paper_figures::{PaperRow, PaperTable, Recordings};
+use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::tables::task_table::{MeasuredRow, Score, TableRow, TaskTable};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
@@ -12,12 +14,10 @@ use crate::vocabulary::origin::Origin;
 /// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it how sure the F-rates are.
 ///
 /// Where the F-rate is undefined because false objects are unknown, a line with the recall follows.
-pub(crate) fn main_grid(table: &TaskTable) -> Grid {
-    let column = |group, title, alignment| Column { group, title, alignment };
-    let mut columns = vec![column(None, "data set", Alignment::Left), column(None, "NO", Alignment::Decimal)];
+fn main_grid(table: &TaskTable) -> Grid {
+    let mut columns = vec![Column::left("data set"), Column::number("NO")];
     for detector in &table.detectors {
-        let group = Some(detector.clone());
-        columns.extend(["ND", "F-rate", "fps"].map(|title| column(group.clone(), title, Alignment::Decimal)));
+        columns.extend(["ND", "F-rate", "fps"].map(|title| Column::number(title).within(detector)));
     }
     let mut lines = Vec::new();
     for row in &table.rows {
@@ -39,11 +39,10 @@ pub(crate) fn main_grid(table: &TaskTable) -> Grid {
 }
 
 /// One line a data set and detector: all counts, the rates that [`main_grid`] has not, and what was ignored.
-pub(crate) fn counts_grid(table: &TaskTable) -> Grid {
-    let left = ["data set", "detector"].map(|title| (title, Alignment::Left));
-    let numbers = ["scans", "NO", "TP", "MO", "FO", "P", "R", "IA", "ID"];
-    let columns = left.into_iter().chain(numbers.map(|title| (title, Alignment::Decimal)));
-    let columns = columns.map(|(title, alignment)| Column { group: None, title, alignment }).collect();
+fn counts_grid(table: &TaskTable) -> Grid {
+    let left = ["data set", "detector"].map(Column::left);
+    let numbers = ["scans", "NO", "TP", "MO", "FO", "P", "R", "IA", "ID"].map(Column::number);
+    let columns = left.into_iter().chain(numbers).collect();
     let measured = table.rows.iter().filter_map(|it| match it {
         TableRow::Measured(row) => Some(row),
         TableRow::Paper(_) => None,
@@ -123,9 +122,6 @@ fn interval_line(row: &MeasuredRow, interval: fn(&Score) -> Option<Interval>) ->
     })
 }
 
-/// The label of intervals.
-pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
-
 /// The ends of an interval in percent; empty where there is none.
 pub(crate) fn interval_cell(interval: Option<Interval>) -> Cell {
     interval.map_or_else(Cell::default, |it| {
@@ -191,6 +187,24 @@ fn fps_text(fps: f64) -> String {
         100.0.. => fixed_decimals(fps, 0),
         10.0.. => fixed_decimals(fps, 1),
         _ => fixed_decimals(fps, 2),
+    }
+}
+
+impl Tabular for TaskTable {
+    /// As in the papers, then the counts it is made of.
+    fn sheet(&self) -> Sheet {
+        let [main, counts] = [main_grid(self), counts_grid(self)];
+        let notes = notes(self, &[&main, &counts]);
+        let parts = vec![Part { title: Some(title(self)), grid: main }, Part { title: None, grid: counts }];
+        Sheet { label: self.task.name().to_owned(), lead: Vec::new(), parts, listing: None, notes }
+    }
+
+    /// As in the papers.
+    fn printed(&self) -> Sheet {
+        let main = main_grid(self);
+        let notes = notes(self, &[&main]);
+        let parts = vec![Part { title: Some(title(self)), grid: main }];
+        Sheet { label: self.task.name().to_owned(), lead: Vec::new(), parts, listing: None, notes }
     }
 }
 

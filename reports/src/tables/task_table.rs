@@ -171,6 +171,24 @@ impl TaskTable {
 /// Data sets and detectors are in the order of the manifest. Where there are several data sets, the last rows are about
 /// all of them.
 ///
+/// ```
+/// use std::path::Path;
+///
+/// use reports::numbers::run_report::RunReport;
+/// use reports::run_folder::manifest::Manifest;
+/// use reports::tables::formats::lists::TABLE_FORMATS;
+/// use reports::tables::task_table::task_tables;
+///
+/// let manifest = Manifest::read(Path::new("golden/run/manifest.json"))?;
+/// let report = RunReport::read(Path::new("golden/run/report.json"))?;
+/// for table in task_tables(&report, &manifest)? {
+///     for format in TABLE_FORMATS {
+///         assert!(format.text(&table).contains("hierarchical"), "{}", format.file_name(&table.file_stem()));
+///     }
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// [`TableError`] if the report and the manifest do not fit together, or the report misses a number.

@@ -3,10 +3,9 @@
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::run_folder::manifest::Manifest;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark, Undefined};
-use crate::tables::notes::Notes;
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark, Undefined};
+use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::task_grids::extent_cell;
-use crate::tables::{markdown, terminal};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
@@ -32,19 +31,10 @@ const STATISTICS: [(&str, Metric); 8] = [
 impl TimesTable {
     /// The times of `report`. They are the same for every task.
     pub fn new(report: &RunReport, manifest: &Manifest) -> Self {
-        let column = |group: Option<&str>, title, alignment| Column {
-            group: group.map(str::to_owned),
-            title,
-            alignment,
-        };
-        let mut columns = vec![
-            column(None, "data set", Alignment::Left),
-            column(None, "detector", Alignment::Left),
-            column(None, "scans", Alignment::Decimal),
-        ];
+        let mut columns = vec![Column::left("data set"), Column::left("detector"), Column::number("scans")];
         columns.extend(STATISTICS.iter().map(|(title, metric)| {
             let group = if metric.unit() == "ms" { "time of a scan [ms]" } else { "scans per second" };
-            column(Some(group), title, Alignment::Decimal)
+            Column::number(title).within(group)
         }));
         let datasets = manifest.datasets.iter();
         let mut extents: Vec<(Extent, Origin)> =
@@ -71,46 +61,13 @@ impl TimesTable {
         }
         Self { grid: Grid { columns, lines }, cpu_model: manifest.machine.cpu_model.clone() }
     }
+}
 
-    /// The table for a terminal of `width` columns.
-    pub fn to_terminal(&self, width: usize) -> String {
-        let notes = self.notes();
-        let mut text = terminal::wrapped_to(&self.title(), width) + "\n";
-        terminal::write_folded(&mut text, &self.grid, &notes, width);
-        text.push('\n');
-        for sentence in &notes.sentences {
-            text.push_str(&terminal::wrapped_to(sentence, width));
-        }
-        text
-    }
-
-    /// The table as Markdown.
-    pub fn to_markdown(&self) -> String {
-        let notes = self.notes();
-        let mut text = format!("**{}**\n\n", markdown::escaped(&self.title()));
-        markdown::write_grid(&mut text, &self.grid, &notes);
-        text.push('\n');
-        for sentence in &notes.sentences {
-            markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
-        }
-        text
-    }
-
-    /// The table for any other renderer.
-    pub(crate) fn grid_and_notes(&self) -> (&Grid, Notes) {
-        (&self.grid, self.notes())
-    }
-
-    fn title(&self) -> String {
-        format!("Times of detection alone, on {}.", self.cpu_model)
-    }
-
-    fn notes(&self) -> Notes {
-        let sentences = vec![
-            "Percentiles by nearest rank. Only ratios between detectors of one run mean something on another machine."
-                .to_owned(),
-        ];
-        Notes::beneath(std::slice::from_ref(&self.grid), sentences)
+impl Tabular for TimesTable {
+    fn sheet(&self) -> Sheet {
+        let sentence = "Percentiles by nearest rank. Only ratios between detectors of one run mean something on another machine.";
+        let title = format!("Times of detection alone, on {}.", self.cpu_model);
+        Sheet::of(title, self.grid.clone(), vec![sentence.to_owned()])
     }
 }
 
@@ -132,6 +89,9 @@ fn cells<'a>(row: impl Fn(&Metric) -> Option<&'a MetricRow>, detector: &str, lab
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
+    use crate::tables::formats::terminal::Terminal;
     use crate::tables::sample;
     use crate::vocabulary::task::Task;
 
@@ -147,7 +107,7 @@ mod tests {
             [row("hierarchical", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]
         });
         let report = RunReport::new(1, rows.collect()).unwrap();
-        TimesTable::new(&report, &manifest).to_terminal(100)
+        Terminal { width: Some(100) }.text(&TimesTable::new(&report, &manifest))
     }
 
     #[test]
@@ -175,7 +135,8 @@ mod tests {
 
     #[test]
     fn a_group_that_is_too_wide_comes_apart() {
-        let text = TimesTable::new(&sample::report(), &sample::manifest()).to_terminal(75);
+        let text =
+            Terminal { width: Some(75) }.text(&TimesTable::new(&sample::report(), &sample::manifest()));
         for line in text.lines() {
             assert!(line.chars().count() <= 75, "{line}");
         }
@@ -183,7 +144,7 @@ mod tests {
 
     #[test]
     fn all_data_sets_are_in_the_markdown() {
-        let text = TimesTable::new(&sample::report(), &sample::manifest()).to_markdown();
+        let text = Markdown.text(&TimesTable::new(&sample::report(), &sample::manifest()));
         assert!(text.contains("| kitti_object | hierarchical |") && text.contains("**overall**"), "{text}");
     }
 }

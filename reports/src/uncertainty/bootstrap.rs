@@ -95,6 +95,18 @@ fn fingerprint(name: &str) -> u64 {
 }
 
 /// Values of all resamples.
+///
+/// ```
+/// use reports::numbers::blocks::{BlockCount, BlockKind};
+/// use reports::uncertainty::bootstrap::Distribution;
+///
+/// // What a rate would be, had other scans of twenty drives been drawn.
+/// let blocks = BlockCount::of_dataset(20, BlockKind::Drives);
+/// let values = (0..10_000).map(|it| Some(f64::from(it) / 10_000.0));
+/// let [low, high] = Distribution::new(values, blocks).expect("there are many drives").interval().ends;
+/// // A little farther out than 2.5 and 97.5 %, since twenty drives vary too little.
+/// assert!(0.01 < low && low < 0.025 && 0.975 < high && high < 0.99);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Distribution {
     // Invariant: ascending, finite, and at least two.

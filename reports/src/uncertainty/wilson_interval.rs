@@ -5,6 +5,13 @@ use crate::numbers::gap_curve::PairCounts;
 /// The 95 % interval of a share of which `n_hits` of `n` were seen, by Wilson's score; `None` of nothing.
 ///
 /// It stays within 0 to 1, and has a width also where all or none were hits.
+///
+/// ```
+/// use reports::uncertainty::wilson_interval::wilson_interval;
+///
+/// let [low, high] = wilson_interval(0, 20).expect("twenty is more than none");
+/// assert!(low == 0.0 && (high - 0.161).abs() < 0.001);
+/// ```
 pub fn wilson_interval(n_hits: u64, n: u64) -> Option<[f64; 2]> {
     const Z: f64 = 1.959_963_984_540_054;
     if n == 0 {

@@ -11,6 +11,14 @@ use crate::vocabulary::metric::Metric;
 /// A part of the objects.
 ///
 /// The order is that in which a report lists them: classes, and what is hidden, by their names.
+///
+/// ```
+/// use reports::vocabulary::slice::Slice;
+///
+/// let near = Slice::of_range(12.0).expect("12 m is a number");
+/// assert_eq!(near.name(), "range/0-15");
+/// assert_eq!(Slice::from_name("range/0-15"), Some(near));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum Slice {

@@ -140,10 +140,10 @@ fn color_of(rgb: Rgb, a: f64) -> Color {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use reports::vocabulary::class::DetectionClass;
-    use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
     use detector::PointCloud;
     use reports::vocabulary::class::AnnotationClass;
+    use reports::vocabulary::class::DetectionClass;
+    use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
     use scans::annotation::{Annotation, LabeledArea, PointRegion, ScanId};
 
     /// One annotation without a box, with the four points of a square.

@@ -164,13 +164,13 @@ mod tests {
     use std::sync::atomic::AtomicBool;
 
     use super::*;
-    use reports::vocabulary::task::Task;
     use crate::matching::assign::MatchingParams;
     use crate::matching::eligibility::EligibilityParams;
     use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
     use crate::run::entrant::Entrant;
     use reports::numbers::tally::Tally;
+    use reports::vocabulary::task::Task;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
 

@@ -9,6 +9,9 @@ use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::tally::Tally;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::ablation_score::AblationRow;
 use reports::tables::studies::ablation_table::AblationTable;
 use scans::dataset::source::DamagePolicy;
@@ -75,7 +78,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &numbers.report)).collect();
     tables.iter().try_for_each(|it| write_table(&directory, it))?;
     let finished = directory.finish()?;
-    let printed = tables.iter().try_for_each(|it| print_result(it.to_terminal()));
+    let printed = tables.iter().try_for_each(|it| print_result(Terminal::UNFOLDED.text(it)));
     // Also where nobody takes the table: the files are there.
     print_diagnostic(format_args!("Ablation: {}", finished.display()));
     printed
@@ -84,5 +87,5 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
 fn write_table(directory: &RunDirectory, table: &AblationTable) -> Result<(), Failure> {
     let rows: Vec<AblationRow> = table.scores.iter().map(|it| AblationRow::new(table.task, it)).collect();
     directory.write_file(ABLATION_CSV, &to_csv_bytes(&rows)?)?;
-    Ok(directory.write_file(ABLATION_MD, table.to_markdown().as_bytes())?)
+    Ok(directory.write_file(ABLATION_MD, Markdown.text(table).as_bytes())?)
 }

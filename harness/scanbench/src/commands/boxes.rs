@@ -13,10 +13,12 @@ use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::box_errors::BoxErrorLine;
 use reports::plots::box_plot::box_plot;
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::LatestPointer;
-use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
-use reports::tables::studies::box_table::{boxes_to_markdown, boxes_to_terminal};
+use reports::tables::studies::box_table::BoxTable;
 
 use crate::cli::BoxesArgs;
 use crate::commands::config::{judging_config, warn_of_unknown_sensor};
@@ -79,7 +81,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let lines = lines.concat();
     write_lines(&directory, &lines)?;
     let finished = directory.finish()?;
-    let printed = print_result(boxes_to_terminal(&lines, &NOTES));
+    let printed = print_result(Terminal::UNFOLDED.text(&BoxTable { lines: &lines, notes: &NOTES }));
     // Also where nobody takes the table: it is there.
     print_diagnostic(format_args!("Tables and plots: {}", finished.display()));
     printed
@@ -161,6 +163,6 @@ fn write_lines(directory: &RunDirectory, lines: &[BoxErrorLine]) -> Result<(), F
         rows.write(&row)?;
     }
     rows.finish()?;
-    directory.write_file("box_errors.md", boxes_to_markdown(lines, &NOTES).as_bytes())?;
+    directory.write_file("box_errors.md", Markdown.text(&BoxTable { lines, notes: &NOTES }).as_bytes())?;
     Ok(())
 }

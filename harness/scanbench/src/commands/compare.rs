@@ -1,6 +1,9 @@
 //! `scanbench compare`.
 
 use reports::run_folder::run_archive::RunArchive;
+use reports::tables::formats::format::Format;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::verdict::comparison::{ComparedSlices, Comparison, compare_detectors, compare_runs};
 
 use crate::cli::CompareArgs;
@@ -23,7 +26,8 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
             return Err(Usage("--detectors takes two names, such as kd-tree,hierarchical".to_owned()).into());
         }
     };
-    let text = if arguments.markdown { comparison.to_markdown() } else { comparison.to_terminal() };
+    let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &Terminal::UNFOLDED };
+    let text = format.text(&comparison);
     print_bytes(text.as_bytes())
 }
 

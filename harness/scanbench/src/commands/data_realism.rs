@@ -12,9 +12,10 @@ use reports::numbers::curve_pair::{CurvePair, Sides};
 use reports::plots::curve_plot::curve_plot;
 use reports::run_folder::comparison_manifest::{ComparedScans, ComparisonManifest};
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::LatestPointer;
-use reports::run_folder::run_target::MANIFEST_JSON;
-use reports::tables::studies::agreement::agreement_table;
+use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::terminal::Terminal;
+use reports::tables::studies::agreement::AgreementTable;
 use reports::tables::studies::curve_row::CurveRow;
 use scans::dataset::class_table::ClassTable;
 use simulator::simulated_street::StreetDrive;
@@ -57,7 +58,7 @@ pub fn data_realism(arguments: &RealismArgs) -> Result<(), Failure> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     write_curves(&directory, &curves, names)?;
     let finished = directory.finish()?;
-    let printed = print_result(agreement_table(names, &curves));
+    let printed = print_result(Terminal::UNFOLDED.text(&AgreementTable { names, curves: &curves }));
     // Also where nobody takes the table: the curves are there.
     print_diagnostic(format_args!("Curves and plots: {}", finished.display()));
     printed

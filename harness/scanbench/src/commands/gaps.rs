@@ -9,8 +9,10 @@ use reports::plots::gap_plot::gap_plot;
 use reports::plots::plan_plot::plan_plot;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::gap_row::GapRow;
-use reports::tables::studies::gap_table::gap_table;
+use reports::tables::studies::gap_table::GapTable;
 use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 
@@ -62,7 +64,9 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
         write_picture(&directory, &experiment, simple, hierarchical)?;
     }
     let finished = directory.finish()?;
-    let printed = print_result(gap_table(&gap_curves(&bins), SEPARATED));
+    let printed = print_result(
+        Terminal::UNFOLDED.text(&GapTable { curves: &gap_curves(&bins), definition: SEPARATED }),
+    );
     // Also where nobody takes the table: the curves are there.
     print_diagnostic(format_args!("Curves and plots: {}", finished.display()));
     printed

@@ -6,10 +6,10 @@ use std::path::Path;
 use jiff::Timestamp;
 use reports::files::whole_file::write_whole;
 use reports::run_folder::run_archive::RunArchive;
-use reports::tables::verdict::benchmark_formats::{to_bencher_metric_format, to_custom_smaller_is_better};
-use reports::tables::verdict::junit::to_junit;
-use reports::tables::verdict::summary::{to_markdown, to_terminal};
-use reports::tables::verdict::verdict_json::to_json;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::verdicts::accept::{Acceptance, Succession, TOLERANCES_TOML, accept, run_of_baseline};
 use reports::verdicts::tolerances::{Tolerances, TolerancesError};
 use reports::verdicts::verdict::{Conclusion, Verdict, judge};
@@ -38,9 +38,9 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
         write_verdict(output, &verdict, &run)?;
     }
     if let Some(summary) = std::env::var_os(STEP_SUMMARY).filter(|it| !it.is_empty()) {
-        append(Path::new(&summary), &to_markdown(&verdict))?;
+        append(Path::new(&summary), &Markdown.text(&verdict))?;
     }
-    print_bytes(to_terminal(&verdict).as_bytes())?;
+    print_bytes(Terminal::UNFOLDED.text(&verdict).as_bytes())?;
     match verdict.conclusion() {
         Conclusion::Same => Ok(()),
         closed => Err(GateClosed(closed).into()),
@@ -58,14 +58,11 @@ fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> Resul
     std::fs::create_dir_all(directory).map_err(|error| {
         Failure::usage(format!("cannot make the directory {}", directory.display()), error)
     })?;
-    for (name, text) in [
-        ("gate.json", to_json(verdict)),
-        ("gate.md", to_markdown(verdict)),
-        ("junit.xml", to_junit(verdict)),
-        ("custom-smaller-is-better.json", to_custom_smaller_is_better(&run.report)),
-        ("bencher.json", to_bencher_metric_format(&run.report)),
-    ] {
-        write_whole(&directory.join(name), text.as_bytes())?;
+    for format in VERDICT_FORMATS {
+        write_whole(&directory.join(format.file_name("gate")), format.text(verdict).as_bytes())?;
+    }
+    for format in SERVICE_FORMATS {
+        write_whole(&directory.join(format.file_name("gate")), format.text(&run.report).as_bytes())?;
     }
     Ok(())
 }

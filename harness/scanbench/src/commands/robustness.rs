@@ -9,10 +9,11 @@ use reports::numbers::condition_scores::ConditionScores;
 use reports::numbers::tally::Tally;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::condition_row::ConditionRow;
-use reports::tables::studies::robustness_table::{
-    NamedCondition, condition_scores, robustness_to_markdown, robustness_to_terminal,
-};
+use reports::tables::studies::robustness_table::{NamedCondition, RobustnessTable, condition_scores};
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::RobustnessArgs;
@@ -67,7 +68,8 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let notes = notes(arguments, &asked);
     write_tables(&directory, &scores, &notes)?;
     let finished = directory.finish()?;
-    let printed = print_result(robustness_to_terminal(&scores, &notes));
+    let printed =
+        print_result(Terminal::UNFOLDED.text(&RobustnessTable { conditions: &scores, notes: &notes }));
     // Also where nobody takes the table: it is there.
     print_diagnostic(format_args!("Tables: {}", finished.display()));
     printed
@@ -121,5 +123,6 @@ fn write_tables(
 ) -> Result<(), Failure> {
     let rows: Vec<ConditionRow> = conditions.iter().flat_map(ConditionRow::simulated).collect();
     directory.write_file("robustness.csv", &to_csv_bytes(&rows)?)?;
-    Ok(directory.write_file("robustness.md", robustness_to_markdown(conditions, notes).as_bytes())?)
+    Ok(directory
+        .write_file("robustness.md", Markdown.text(&RobustnessTable { conditions, notes }).as_bytes())?)
 }

@@ -8,8 +8,8 @@ use jiff::Timestamp;
 use reports::numbers::tally::Tally;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
-use reports::tables::terminal::to_terminal;
-use reports::tables::verdict::standing::standing_to_terminal;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::terminal::Terminal;
 use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
 use reports::vocabulary::task::Task;
 
@@ -107,10 +107,10 @@ fn print(
     (standings, speeds): (&[Standing], &Speeds),
     finished: &Path,
 ) -> Result<(), Failure> {
-    let width = result_width();
-    let tables = numbers.tables.iter().map(|it| to_terminal(it, width));
-    let texts = tables.chain([numbers.times.to_terminal(width)]);
-    let texts = texts.chain([standing_to_terminal(standings, speeds, width)]);
+    let terminal = Terminal { width: Some(result_width()) };
+    let tables = numbers.tables.iter().map(|it| terminal.text(it));
+    let sentences = standings.iter().map(Standing::sentence).chain(speeds.sentence());
+    let texts = tables.chain([terminal.text(&numbers.times), terminal.sentences(sentences)]);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));

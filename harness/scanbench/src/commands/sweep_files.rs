@@ -7,8 +7,11 @@ use reports::plots::fitness_plot::fitness_plot;
 use reports::plots::pareto_plot::pareto_plot;
 use reports::plots::rate_plot::rate_plot;
 use reports::run_folder::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV};
-use reports::tables::studies::fitness_table::{fitness_to_markdown, fitness_to_terminal};
-use reports::tables::studies::sweep_table::sweep_to_terminal;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::terminal::Terminal;
+use reports::tables::studies::fitness_table::FitnessTable;
+use reports::tables::studies::sweep_table::SweepTable;
 use reports::verdicts::fitness_verdict::fitness_verdicts;
 
 /// Writes tables and plots into `directory`, and returns what is to be printed.
@@ -37,14 +40,15 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
         }
     }
     let verdicts = fitness_verdicts(sweep);
-    let mut printed = sweep_to_terminal(sweep);
+    let mut printed = Terminal::UNFOLDED.text(&SweepTable { sweep });
     if !verdicts.is_empty() {
         let mut rows = CsvRowWriter::new(directory.begin_file("cell_fitness.csv")?)?;
         verdicts.iter().try_for_each(|it| rows.write(it))?;
         rows.finish()?;
-        directory.write_file("cell_fitness.md", fitness_to_markdown(&verdicts).as_bytes())?;
+        let table = FitnessTable { verdicts: &verdicts };
+        directory.write_file("cell_fitness.md", Markdown.text(&table).as_bytes())?;
         printed.push('\n');
-        printed.push_str(&fitness_to_terminal(&verdicts));
+        printed.push_str(&Terminal::UNFOLDED.text(&table));
     }
     Ok(printed)
 }

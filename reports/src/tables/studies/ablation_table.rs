@@ -2,12 +2,12 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::run_report::RunReport;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Undefined};
-use crate::tables::notes::{Notes, about_interval};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Undefined};
+use crate::tables::notes::{INTERVAL_TITLE, about_interval};
+use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::studies::ablation_score::AblationScore;
-use crate::tables::task_grids::{INTERVAL_TITLE, extent_cell, interval_cell, rate_cell, recall_cell};
+use crate::tables::task_grids::{extent_cell, interval_cell, rate_cell, recall_cell};
 use crate::tables::task_table::TaskTable;
-use crate::tables::{markdown, terminal};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::task::Task;
 
@@ -26,46 +26,11 @@ pub struct AblationTable {
     pub scores: Vec<AblationScore>,
 }
 
-impl AblationTable {
-    /// The scores of the variants of `method`, which are the detectors of the run that `report` is of, in the task of `table`.
-    pub fn new(method: &str, table: &TaskTable, report: &RunReport) -> Self {
-        Self {
-            method: method.to_owned(),
-            task: table.task.clone(),
-            matching_criterion: table.matching_criterion.clone(),
-            cpu_model: table.cpu_model.clone(),
-            scores: AblationScore::all(table, report),
-        }
-    }
-
-    /// The table for a terminal.
-    pub fn to_terminal(&self) -> String {
-        let (grid, notes) = (self.grid(), self.notes());
-        let mut text = format!("{}\n\n", self.title());
-        terminal::write_grid(&mut text, &grid, &notes);
-        text.push('\n');
-        notes.sentences.iter().for_each(|it| text.push_str(&terminal::wrapped(it)));
-        text
-    }
-
-    /// The table as Markdown.
-    pub fn to_markdown(&self) -> String {
-        let (grid, notes) = (self.grid(), self.notes());
-        let mut text = format!("**{}**\n\n", markdown::escaped(&self.title()));
-        markdown::write_grid(&mut text, &grid, &notes);
-        text.push('\n');
-        for sentence in &notes.sentences {
-            markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
-        }
-        text
-    }
-
-    fn title(&self) -> String {
+impl Tabular for AblationTable {
+    fn sheet(&self) -> Sheet {
         let Self { method, task, matching_criterion, .. } = self;
-        format!("Ablation of {method}. Task {task}. Rates in %. Matched by {matching_criterion}.")
-    }
-
-    fn notes(&self) -> Notes {
+        let title =
+            format!("Ablation of {method}. Task {task}. Rates in %. Matched by {matching_criterion}.");
         let kind = self.scores.iter().find_map(|it| it.f_rate_within).map(|it| it.blocks.kind);
         let about_intervals = kind.map(|kind| {
             format!(
@@ -88,15 +53,27 @@ impl AblationTable {
             ),
         ];
         sentences.extend(about_intervals);
-        Notes::beneath(&[self.grid()], sentences)
+        Sheet::of(title, self.grid(), sentences)
+    }
+}
+
+impl AblationTable {
+    /// The scores of the variants of `method`, which are the detectors of the run that `report` is of, in the task of `table`.
+    pub fn new(method: &str, table: &TaskTable, report: &RunReport) -> Self {
+        Self {
+            method: method.to_owned(),
+            task: table.task,
+            matching_criterion: table.matching_criterion.clone(),
+            cpu_model: table.cpu_model.clone(),
+            scores: AblationScore::all(table, report),
+        }
     }
 
     fn grid(&self) -> Grid {
-        let column = |title, alignment| Column { group: None, title, alignment };
         let titles =
             ["scans", "NO", "ND", "F-rate", INTERVAL_TITLE, "P", "R", "over", "held", "under", "p50 ms"];
-        let numbers = titles.map(|title| column(title, Alignment::Decimal));
-        let columns = [column("data set", Alignment::Left)].into_iter().chain(numbers).collect();
+        let numbers = titles.map(Column::number);
+        let columns = [Column::left("data set")].into_iter().chain(numbers).collect();
         let of_extents = self.scores.chunk_by(|left, right| left.extent == right.extent);
         let lines =
             of_extents.flat_map(|scores| [head(&scores[0])].into_iter().chain(scores.iter().map(line)));
@@ -148,6 +125,9 @@ mod tests {
     use crate::numbers::blocks::Interval;
     use crate::numbers::blocks::{BlockCount, BlockKind};
     use crate::rows::counts::Counts;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
+    use crate::tables::formats::terminal::Terminal;
     use crate::tables::studies::ablation_score::AblationRow;
     use crate::vocabulary::origin::Origin;
 
@@ -193,7 +173,7 @@ mod tests {
 
     #[test]
     fn variants_stand_below_each_other() {
-        insta::assert_snapshot!(table().to_terminal(), @r"
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&table()), @r"
         Ablation of hierarchical. Task objects. Rates in %. Matched by points, IoU at least 0.5.
 
         data set                    scans   NO    ND  F-rate  95 % interval     P     R  over  held  under  p50 ms
@@ -230,7 +210,7 @@ mod tests {
 
     #[test]
     fn markdown_has_the_same_rows() {
-        insta::assert_snapshot!(table().to_markdown(), @r"
+        insta::assert_snapshot!(Markdown.text(&table()), @r"
         **Ablation of hierarchical. Task objects. Rates in %. Matched by points, IoU at least 0.5.**
 
         | data set | scans | NO | ND | F-rate | 95 % interval | P | R | over | held | under | p50 ms |

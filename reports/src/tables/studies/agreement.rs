@@ -2,45 +2,42 @@
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
 use crate::numbers::curve_pair::{ALIKE_FACTOR, Agreement, CurvePair, Sides};
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::notes::Notes;
-use crate::tables::terminal::{wrapped, write_grid};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::sheet::{Part, Sheet, Tabular};
 
-/// The table for a terminal: one row a statistic, then from where on a bin counts.
-///
-/// `names` says what was measured on each side, whether it is simulated, and of how many scans.
-pub fn agreement_table(names: Sides<&str>, curves: &[CurvePair]) -> String {
-    let mut text = format!("Left:  {}\nRight: {}\n\n", names.left, names.right);
-    let grid = Grid { columns: columns(), lines: curves.iter().flat_map(lines).collect() };
-    write_grid(&mut text, &grid, &Notes::none());
-    text.push('\n');
-    text.push_str(&wrapped(&format!(
-        "ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one, in %, \
-         whose ratio is within a factor of {ALIKE_FACTOR} of 1, either way. median: of the ratios. worst bin: the \
-         one whose ratio is farthest from 1."
-    )));
-    text.push_str(&wrapped(&format!("A bin has a ratio if it is made of at least {}.", thresholds(curves))));
-    if let Some(left_out) = left_out(curves) {
-        text.push_str(&wrapped(&format!("Left out, as one side has too few: {left_out}.")));
+/// One row a statistic, then from where on a bin counts.
+#[derive(Debug, Clone, Copy)]
+pub struct AgreementTable<'a> {
+    /// What was measured on each side, whether it is simulated, and of how many scans.
+    pub names: Sides<&'a str>,
+    /// The statistics.
+    pub curves: &'a [CurvePair],
+}
+
+impl Tabular for AgreementTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let Self { names, curves } = *self;
+        let grid = Grid { columns: columns(), lines: curves.iter().flat_map(lines).collect() };
+        let mut sentences = vec![
+            format!(
+                "ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one, in %, \
+                 whose ratio is within a factor of {ALIKE_FACTOR} of 1, either way. median: of the ratios. worst bin: the \
+                 one whose ratio is farthest from 1."
+            ),
+            format!("A bin has a ratio if it is made of at least {}.", thresholds(curves)),
+        ];
+        sentences.extend(left_out(curves).map(|it| format!("Left out, as one side has too few: {it}.")));
+        let lead = vec![format!("Left:  {}", names.left), format!("Right: {}", names.right)];
+        Sheet { lead, ..Sheet::of_parts(vec![Part { title: None, grid }], sentences) }
     }
-    text
 }
 
 fn columns() -> Vec<Column> {
-    let column =
-        |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
-    let worst = Some("worst bin");
-    vec![
-        column(None, "statistic", Alignment::Left),
-        column(None, "unit", Alignment::Left),
-        column(None, "bins", Alignment::Left),
-        column(None, "alike", Alignment::Decimal),
-        column(None, "median", Alignment::Decimal),
-        column(worst, "bin", Alignment::Left),
-        column(worst, "left", Alignment::Decimal),
-        column(worst, "right", Alignment::Decimal),
-        column(worst, "ratio", Alignment::Decimal),
-    ]
+    let about = ["statistic", "unit", "bins"].map(Column::left);
+    let numbers = ["alike", "median"].map(Column::number);
+    let worst =
+        [Column::left("bin"), Column::number("left"), Column::number("right"), Column::number("ratio")];
+    about.into_iter().chain(numbers).chain(worst.map(|it| it.within("worst bin"))).collect()
 }
 
 /// The row of a statistic and, if it has a focus, that of the bins there.
@@ -116,6 +113,8 @@ fn left_out(curves: &[CurvePair]) -> Option<String> {
 mod tests {
     use super::*;
     use crate::numbers::curve_pair::tests::pair;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::terminal::Terminal;
 
     #[test]
     fn bins_of_too_little_are_told() {
@@ -138,7 +137,8 @@ mod tests {
         nothing.least_n.left = 5;
         nothing.counted = "cars";
         let names = Sides { left: "street (simulated), 2 scans", right: "kitti, 40 scans" };
-        insta::assert_snapshot!(agreement_table(names, &[density, nothing]), @r"
+        let table = AgreementTable { names, curves: &[density, nothing] };
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&table), @r"
         Left:  street (simulated), 2 scans
         Right: kitti, 40 scans
 

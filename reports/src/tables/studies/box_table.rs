@@ -1,55 +1,35 @@
 //! The table of how far fitted boxes are from annotated ones.
 
-use std::fmt::Write as _;
-
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::box_errors::{BoxErrorLine, by_data};
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind, Mark};
-use crate::tables::markdown::{push_line, write_grid as write_markdown_grid};
-use crate::tables::notes::{Notes, about_interval};
-use crate::tables::terminal::{wrapped, write_grid};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark};
+use crate::tables::notes::about_interval;
+use crate::tables::sheet::{Part, Sheet, Tabular};
 
-/// The table for a terminal: a part for each of the data, a row for each error of each slice.
-pub fn boxes_to_terminal(lines: &[BoxErrorLine], notes: &[&str]) -> String {
-    let mut text = String::new();
-    for of_data in by_data(lines) {
-        writeln!(text, "{}\n", title(&of_data[0])).expect("a string takes all that is written");
-        write_grid(&mut text, &grid(of_data), &all_notes(of_data, &[]));
-        text.push('\n');
-    }
-    for note in all_notes(lines, notes).sentences {
-        text.push_str(&wrapped(&note));
-    }
-    text
+/// A part for each of the data, a row for each error of each slice.
+#[derive(Debug, Clone, Copy)]
+pub struct BoxTable<'a> {
+    /// The errors.
+    pub lines: &'a [BoxErrorLine],
+    /// What has to be said beneath.
+    pub notes: &'a [&'a str],
 }
 
-/// The same for pull requests and pages.
-pub fn boxes_to_markdown(lines: &[BoxErrorLine], notes: &[&str]) -> String {
-    let mut text = String::new();
-    for of_data in by_data(lines) {
-        push_line(&mut text, &format!("**{}**\n", title(&of_data[0])));
-        write_markdown_grid(&mut text, &grid(of_data), &all_notes(of_data, &[]));
-        text.push('\n');
-    }
-    for note in all_notes(lines, notes).sentences {
-        push_line(&mut text, &format!("- {note}"));
-    }
-    text
-}
-
-/// What is to be said beneath all tables: how intervals are made, `notes`, and what signs mean.
-fn all_notes(lines: &[BoxErrorLine], notes: &[&str]) -> Notes {
-    let grids: Vec<Grid> = by_data(lines).map(grid).collect();
-    let intervals = lines.iter().flat_map(|it| &it.fits).filter_map(|(_, it)| (*it)?.within);
-    let mut about: Vec<String> = Vec::new();
-    for interval in intervals {
-        let sentence = format!("low, high: 95 % interval, {}", about_interval(interval.blocks.kind));
-        if !about.contains(&sentence) {
-            about.push(sentence);
+impl Tabular for BoxTable<'_> {
+    /// Beneath it stands how intervals are made, then the notes.
+    fn sheet(&self) -> Sheet {
+        let part = |lines: &[BoxErrorLine]| Part { title: Some(title(&lines[0])), grid: grid(lines) };
+        let intervals = self.lines.iter().flat_map(|it| &it.fits).filter_map(|(_, it)| (*it)?.within);
+        let mut sentences: Vec<String> = Vec::new();
+        for interval in intervals {
+            let sentence = format!("low, high: 95 % interval, {}", about_interval(interval.blocks.kind));
+            if !sentences.contains(&sentence) {
+                sentences.push(sentence);
+            }
         }
+        sentences.extend(self.notes.iter().map(|it| (*it).to_owned()));
+        Sheet::of_parts(by_data(self.lines).map(part).collect(), sentences)
     }
-    about.extend(notes.iter().map(|it| (*it).to_owned()));
-    Notes::beneath(&grids, about)
 }
 
 fn title(line: &BoxErrorLine) -> String {
@@ -58,17 +38,11 @@ fn title(line: &BoxErrorLine) -> String {
 }
 
 fn grid(lines: &[BoxErrorLine]) -> Grid {
-    let column =
-        |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
-    let mut columns = vec![
-        column(None, "by", Alignment::Left),
-        column(None, "slice", Alignment::Left),
-        column(None, "pairs", Alignment::Decimal),
-        column(None, "tracks", Alignment::Decimal),
-        column(None, "error", Alignment::Left),
-    ];
+    let mut columns = ["by", "slice"].map(Column::left).to_vec();
+    columns.extend(["pairs", "tracks"].map(Column::number));
+    columns.push(Column::left("error"));
     for (fit, _) in &lines[0].fits {
-        columns.extend(["median", "low", "high"].map(|title| column(Some(fit), title, Alignment::Decimal)));
+        columns.extend(["median", "low", "high"].map(|title| Column::number(title).within(fit)));
     }
     let mut before = None;
     let lines = lines.iter().map(|line| {
@@ -97,6 +71,9 @@ fn grid(lines: &[BoxErrorLine]) -> Grid {
 mod tests {
     use super::*;
     use crate::numbers::box_errors::tests::lines;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
+    use crate::tables::formats::terminal::Terminal;
 
     #[test]
     fn every_median_has_its_interval_and_its_denominators() {
@@ -106,7 +83,7 @@ mod tests {
             lines("drive", "all", "", 8),
         ]
         .concat();
-        insta::assert_snapshot!(boxes_to_terminal(&lines, &["A note."]), @r"
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&BoxTable { lines: &lines, notes: &["A note."] }), @r"
         Box errors of matched vehicles: street (simulated)
 
                                                           hull box             PCA box
@@ -139,7 +116,7 @@ mod tests {
         § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
           concluded from it.
         ");
-        insta::assert_snapshot!(boxes_to_markdown(&lines[4..8], &["A note."]), @r"
+        insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[4..8], notes: &["A note."] }), @r"
         **Box errors of matched vehicles: street (simulated)**
 
         | by | slice | pairs | tracks | error | hull box: median | low | high | PCA box: median | low | high |

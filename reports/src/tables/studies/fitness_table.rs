@@ -1,12 +1,8 @@
 //! The table of what the readings of the cell fitness recommend, and what that costs.
 
-use std::fmt::Write as _;
-
 use crate::files::fixed_decimals::{Fixed, fixed_decimals};
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::markdown::write_grid as write_markdown_grid;
-use crate::tables::notes::Notes;
-use crate::tables::terminal::{wrapped, write_grid};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::verdicts::fitness_verdict::FitnessVerdict;
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
@@ -25,37 +21,25 @@ const NOTES: [&str; 4] = [
     "Where false objects cannot be known the rate is the recall, which large cells that join everything may raise.",
 ];
 
-/// The tables for a terminal.
-pub fn fitness_to_terminal(verdicts: &[FitnessVerdict]) -> String {
-    let mut text = format!("{TITLE}\n\n");
-    write_grid(&mut text, &grid(verdicts), &Notes::none());
-    let _ = write!(text, "\n{SUMMARY_TITLE}\n\n");
-    write_grid(&mut text, &summary_grid(verdicts), &Notes::none());
-    text.push('\n');
-    for note in NOTES {
-        text.push_str(&wrapped(note));
-    }
-    text
+/// What is recommended on every curve, and over all data sets.
+#[derive(Debug, Clone, Copy)]
+pub struct FitnessTable<'a> {
+    /// Reading by reading of every curve.
+    pub verdicts: &'a [FitnessVerdict],
 }
 
-/// The tables for pull requests and pages.
-pub fn fitness_to_markdown(verdicts: &[FitnessVerdict]) -> String {
-    let mut text = format!("**{TITLE}**\n\n");
-    write_markdown_grid(&mut text, &grid(verdicts), &Notes::none());
-    let _ = write!(text, "\n**{SUMMARY_TITLE}**\n\n");
-    write_markdown_grid(&mut text, &summary_grid(verdicts), &Notes::none());
-    text.push('\n');
-    for note in NOTES {
-        writeln!(text, "- {}", note.replace('*', "\\*")).expect("a string takes all that is written");
+impl Tabular for FitnessTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let [all, summary] = [(TITLE, grid(self.verdicts)), (SUMMARY_TITLE, summary_grid(self.verdicts))]
+            .map(|(title, grid)| Part { title: Some(title.to_owned()), grid });
+        Sheet::of_parts(vec![all, summary], NOTES.map(str::to_owned).to_vec())
     }
-    text
 }
 
 fn grid(verdicts: &[FitnessVerdict]) -> Grid {
-    let column = |title, alignment| Column { group: None, title, alignment };
-    let names = ["data set, sensor, task, rate", "reading"].map(|title| column(title, Alignment::Left));
+    let names = ["data set, sensor, task, rate", "reading"].map(Column::left);
     let numbers = ["NO", "best m", "best %", "defined", "recommends m", "there %", "lost", "rank"];
-    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let columns = names.into_iter().chain(numbers.map(Column::number)).collect();
     let mut lines = Vec::new();
     let mut before = String::new();
     for verdict in verdicts {
@@ -69,10 +53,9 @@ fn grid(verdicts: &[FitnessVerdict]) -> Grid {
 
 /// For every task and rate, what each reading costs on average.
 fn summary_grid(verdicts: &[FitnessVerdict]) -> Grid {
-    let column = |title, alignment| Column { group: None, title, alignment };
-    let names = ["task, rate", "reading"].map(|title| column(title, Alignment::Left));
+    let names = ["task, rate", "reading"].map(Column::left);
     let numbers = ["data sets", "recommends", "at an end", "mean lost", "most lost", "mean rank"];
-    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+    let columns = names.into_iter().chain(numbers.map(Column::number)).collect();
     let mut groups: Vec<(String, &str, Vec<&FitnessVerdict>)> = Vec::new();
     for verdict in verdicts.iter().filter(|it| it.dataset != Extent::Overall.name()) {
         let subject = format!("{}, {}", verdict.task, verdict.rate);
@@ -149,6 +132,9 @@ fn line(verdict: &FitnessVerdict, subject: &str) -> Line {
 mod tests {
     use super::*;
     use crate::numbers::sweep_score::tests::cell_sizes;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
+    use crate::tables::formats::terminal::Terminal;
     use crate::verdicts::fitness_verdict::fitness_verdicts;
 
     #[test]
@@ -160,7 +146,7 @@ mod tests {
             (5, Some(5), Some(0.9), 0.2),
         ]);
         let verdicts = fitness_verdicts(&sweep);
-        insta::assert_snapshot!(fitness_to_terminal(&verdicts), @r"
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&FitnessTable { verdicts: &verdicts }), @r"
         What each reading of the cell fitness recommends.
 
         data set, sensor, task, rate                               reading        NO  best m  best %  defined  recommends m  there %  lost  rank
@@ -189,7 +175,7 @@ mod tests {
         Where false objects cannot be known the rate is the recall, which large cells that join everything
           may raise.
         ");
-        let markdown = fitness_to_markdown(&verdicts);
+        let markdown = Markdown.text(&FitnessTable { verdicts: &verdicts });
         assert!(
             markdown.contains("| dense-share |") && markdown.contains("street (simulated)"),
             "{markdown}"

@@ -1,28 +1,36 @@
 //! The table of how many pairs are separated, by gap.
 
-use std::fmt::Write as _;
-
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::gap_curve::{GapCurve, PairCounts};
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::notes::Notes;
-use crate::tables::terminal::{wrapped, write_grid};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::sheet::{Part, Sheet, Tabular};
 
-/// The table for a terminal: one part for each range, one row a gap, and what *separated* means as `definition` has it.
-pub fn gap_table(curves: &[GapCurve], definition: &str) -> String {
-    let mut text = String::new();
-    for of_range in curves_by_range(curves) {
-        let [from_m, to_m] = of_range[0].range_m;
-        writeln!(text, "Pairs at {from_m} to {to_m} m (simulated). Shares in %.\n")
-            .expect("a string takes all that is written");
-        let lines = of_range[0].points.iter().map(|&(gap_m, _)| line(gap_m, &of_range));
-        let grid = Grid { columns: columns(&of_range), lines: lines.collect() };
-        write_grid(&mut text, &grid, &Notes::none());
-        text.push('\n');
+/// One part for each range, one row a gap.
+#[derive(Debug, Clone, Copy)]
+pub struct GapTable<'a> {
+    /// Of every detector and range.
+    pub curves: &'a [GapCurve],
+    /// What *separated* means.
+    pub definition: &'a str,
+}
+
+impl Tabular for GapTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let part = |of_range: &Vec<&GapCurve>| {
+            let [from_m, to_m] = of_range[0].range_m;
+            let lines = of_range[0].points.iter().map(|&(gap_m, _)| line(gap_m, of_range));
+            Part {
+                title: Some(format!("Pairs at {from_m} to {to_m} m (simulated). Shares in %.")),
+                grid: Grid { columns: columns(of_range), lines: lines.collect() },
+            }
+        };
+        let sentences = vec![
+            "seen: pairs that are judged. sep: share of these that are separated. low, high: its 95 % interval (Wilson). joined: share of these that one detection joins."
+                .to_owned(),
+            self.definition.to_owned(),
+        ];
+        Sheet::of_parts(curves_by_range(self.curves).iter().map(part).collect(), sentences)
     }
-    text.push_str(&wrapped("seen: pairs that are judged. sep: share of these that are separated. low, high: its 95 % interval (Wilson). joined: share of these that one detection joins."));
-    text.push_str(&wrapped(definition));
-    text
 }
 
 /// The curves of each range, ranges in the order of their first curve.
@@ -38,19 +46,11 @@ pub(crate) fn curves_by_range(curves: &[GapCurve]) -> Vec<Vec<&GapCurve>> {
 }
 
 fn columns(curves: &[&GapCurve]) -> Vec<Column> {
-    let column = |group: Option<&str>, title| Column {
-        group: group.map(str::to_owned),
-        title,
-        alignment: Alignment::Decimal,
-    };
     let of_detector = |curve: &&GapCurve| {
-        let group = curve.detector.clone();
-        ["sep", "low", "high", "joined"].map(move |title| column(Some(&group), title))
+        ["sep", "low", "high", "joined"].map(|title| Column::number(title).within(&curve.detector))
     };
-    [column(None, "gap m"), column(None, "seen")]
-        .into_iter()
-        .chain(curves.iter().flat_map(of_detector))
-        .collect()
+    let of_all = ["gap m", "seen"].map(Column::number);
+    of_all.into_iter().chain(curves.iter().flat_map(of_detector)).collect()
 }
 
 fn line(gap_m: f64, curves: &[&GapCurve]) -> Line {
@@ -77,6 +77,8 @@ mod tests {
     use super::*;
     use crate::numbers::gap_curve::gap_curves;
     use crate::numbers::gap_curve::tests::bin;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::terminal::Terminal;
 
     #[test]
     fn every_range_has_a_part_and_every_share_its_denominator() {
@@ -87,7 +89,9 @@ mod tests {
             bin("tree", "cars", false, 0.3, 5),
             bin("grid", "cars", true, 0.2, 1),
         ];
-        insta::assert_snapshot!(gap_table(&gap_curves(&bins), "Separated: apart."), @r"
+        let curves = gap_curves(&bins);
+        let table = GapTable { curves: &curves, definition: "Separated: apart." };
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&table), @r"
         Pairs at 5 to 10 m (simulated). Shares in %.
 
                                grid                     tree

@@ -1,16 +1,13 @@
 //! The table of what detectors find under one condition after another.
 
-use std::fmt::Write as _;
-
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::condition_scores::{ConditionScores, DetectorRates, RateOfTask};
 use crate::rows::counts::Counts;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::markdown::write_grid as write_markdown_grid;
-use crate::tables::notes::{Notes, about_interval};
-use crate::tables::task_grids::{INTERVAL_TITLE, interval_cell};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::notes::{INTERVAL_TITLE, about_interval};
+use crate::tables::sheet::{Sheet, Tabular};
+use crate::tables::task_grids::interval_cell;
 use crate::tables::task_table::{MeasuredRow, TableRow, TaskTable};
-use crate::tables::terminal::{wrapped, write_grid};
 use crate::vocabulary::task::Task;
 
 const TITLE: &str = "F-rate in % under one condition after another (all simulated).";
@@ -59,51 +56,31 @@ fn row_of<'a>(table: &'a TaskTable, dataset: &str) -> Option<&'a MeasuredRow> {
     })
 }
 
-/// The table for a terminal: one row a condition, the F-rates of both tasks for each detector, and beneath it how sure they are.
-pub fn robustness_to_terminal(conditions: &[ConditionScores], notes: &[String]) -> String {
-    let (grid, notes) = grid_and_notes(conditions, notes);
-    let mut text = format!("{TITLE}\n\n");
-    write_grid(&mut text, &grid, &notes);
-    text.push('\n');
-    for note in &notes.sentences {
-        text.push_str(&wrapped(note));
-    }
-    text
+/// One row a condition, the F-rates of both tasks for each detector, and beneath it how sure they are.
+#[derive(Debug, Clone, Copy)]
+pub struct RobustnessTable<'a> {
+    /// What was found.
+    pub conditions: &'a [ConditionScores],
+    /// What has to be said beneath.
+    pub notes: &'a [String],
 }
 
-/// The same for pull requests and pages.
-pub fn robustness_to_markdown(conditions: &[ConditionScores], notes: &[String]) -> String {
-    let (grid, notes) = grid_and_notes(conditions, notes);
-    let mut text = format!("**{TITLE}**\n\n");
-    write_markdown_grid(&mut text, &grid, &notes);
-    text.push('\n');
-    for note in &notes.sentences {
-        writeln!(text, "- {note}").expect("a string takes all that is written");
+impl Tabular for RobustnessTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let rates = self.conditions.iter().flat_map(|it| &it.detectors).flat_map(DetectorRates::tasks);
+        let kind = rates.filter_map(|(_, it)| it.f_rate_within).map(|it| it.blocks.kind).next();
+        let about_intervals = kind.map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it)));
+        let sentences = self.notes.iter().cloned().chain(about_intervals).collect();
+        Sheet::of(TITLE.to_owned(), grid(self.conditions), sentences)
     }
-    text
-}
-
-fn grid_and_notes(conditions: &[ConditionScores], notes: &[String]) -> (Grid, Notes) {
-    let rates = conditions.iter().flat_map(|it| &it.detectors).flat_map(DetectorRates::tasks);
-    let kind = rates.filter_map(|(_, it)| it.f_rate_within).map(|it| it.blocks.kind).next();
-    let about_intervals = kind.map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it)));
-    let grid = grid(conditions);
-    let sentences = notes.iter().cloned().chain(about_intervals).collect();
-    let notes = Notes::beneath(std::slice::from_ref(&grid), sentences);
-    (grid, notes)
 }
 
 fn grid(conditions: &[ConditionScores]) -> Grid {
-    let column =
-        |group: Option<&str>, title, alignment| Column { group: group.map(str::to_owned), title, alignment };
-    let mut columns = vec![
-        column(None, "kind", Alignment::Left),
-        column(None, "condition", Alignment::Left),
-        column(Some("NO"), "obj", Alignment::Decimal),
-        column(Some("NO"), "veh", Alignment::Decimal),
-    ];
+    let of_tasks = |group: &str| ["obj", "veh"].map(|title| Column::number(title).within(group));
+    let mut columns = vec![Column::left("kind"), Column::left("condition")];
+    columns.extend(of_tasks("NO"));
     for it in conditions.first().map_or(&[][..], |it| &it.detectors) {
-        columns.extend(["obj", "veh"].map(|title| column(Some(&it.detector), title, Alignment::Decimal)));
+        columns.extend(of_tasks(&it.detector));
     }
     let mut group_before = "";
     let mut lines = Vec::new();
@@ -146,6 +123,9 @@ mod tests {
     use crate::files::csv_rows::{CsvRowWriter, read_rows};
     use crate::files::whole_file::WholeFile;
     use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::markdown::Markdown;
+    use crate::tables::formats::terminal::Terminal;
     use crate::tables::sample;
     use crate::tables::studies::condition_row::ConditionRow;
 
@@ -179,7 +159,9 @@ mod tests {
 
     #[test]
     fn conditions_of_a_kind_stand_together_and_rates_over_nothing_are_undefined() {
-        insta::assert_snapshot!(robustness_to_terminal(&conditions(), &["A note.".to_owned()]), @r"
+        let (conditions, notes) = (conditions(), ["A note.".to_owned()]);
+        let table = RobustnessTable { conditions: &conditions, notes: &notes };
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&table), @r"
         F-rate in % under one condition after another (all simulated).
 
                                      NO        grid        tree
@@ -198,7 +180,7 @@ mod tests {
         § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
           concluded from it.
         ");
-        insta::assert_snapshot!(robustness_to_markdown(&conditions(), &["A note.".to_owned()]), @r"
+        insta::assert_snapshot!(Markdown.text(&table), @r"
         **F-rate in % under one condition after another (all simulated).**
 
         | kind | condition | NO: obj | veh | grid: obj | veh | tree: obj | veh |

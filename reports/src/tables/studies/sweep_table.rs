@@ -4,19 +4,37 @@ use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::BlockKind;
 use crate::numbers::sweep_curve::SweepCurve;
 use crate::numbers::sweep_score::SweepScores;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::notes::{Notes, about_interval};
-use crate::tables::terminal::{wrapped, write_grid};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::notes::about_interval;
+use crate::tables::sheet::{Sheet, Tabular};
 use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
 
-/// The table for a terminal.
-pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
-    let mut text = format!("Best of {} over {}. Rates in %.\n\n", n_values(sweep), sweep.parameters[0]);
-    let column = |title, alignment| Column { group: None, title, alignment };
-    let names = ["data set", "detector", "task", "rate"].map(|title| column(title, Alignment::Left));
-    let numbers = ["scans", "NO", "best at", "rate there", "95 %", "lowest", "time ms"];
-    let columns = names.into_iter().chain(numbers.map(|title| column(title, Alignment::Decimal))).collect();
+/// For every curve the best point.
+#[derive(Debug, Clone, Copy)]
+pub struct SweepTable<'a> {
+    /// All numbers of the sweep.
+    pub sweep: &'a SweepScores,
+}
+
+impl Tabular for SweepTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let sweep = self.sweep;
+        let kinds = sweep.scores.iter().map(|it| it.blocks.kind);
+        let kind = kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both });
+        let about_interval = kind.map_or_else(String::new, about_interval);
+        let sentence = format!(
+            "NO: annotations that count. Best at: the first of several values that are as good. 95 %: {about_interval} Lowest: \
+             the rate at the worst value. Time: of a detection at the best value, the median over scans of the shortest of each."
+        );
+        let title = format!("Best of {} over {}. Rates in %.", n_values(sweep), sweep.parameters[0]);
+        Sheet::of(title, grid(sweep), vec![sentence])
+    }
+}
+
+fn grid(sweep: &SweepScores) -> Grid {
+    let names = ["data set", "detector", "task", "rate"].map(Column::left);
+    let numbers = ["scans", "NO", "best at", "rate there", "95 %", "lowest", "time ms"].map(Column::number);
     let mut lines: Vec<Line> = sweep.curves().iter().map(line).collect();
     // A rule stands above the first of them alone.
     lines
@@ -24,22 +42,7 @@ pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
         .filter(|it| it.kind == LineKind::Overall)
         .skip(1)
         .for_each(|it| it.kind = LineKind::Dataset);
-    let grid = Grid { columns, lines };
-    let kinds = sweep.scores.iter().map(|it| it.blocks.kind);
-    let kind = kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both });
-    let about_interval = kind.map_or_else(String::new, about_interval);
-    let sentence = format!(
-        "NO: annotations that count. Best at: the first of several values that are as good. 95 %: {about_interval} Lowest: the rate \
-         at the worst value. Time: of a detection at the best value, the median over scans of the shortest of each."
-    );
-    let grids = [grid];
-    let notes = Notes::beneath(&grids, vec![sentence]);
-    write_grid(&mut text, &grids[0], &notes);
-    text.push('\n');
-    for sentence in &notes.sentences {
-        text.push_str(&wrapped(sentence));
-    }
-    text
+    Grid { columns: names.into_iter().chain(numbers).collect(), lines }
 }
 
 fn n_values(sweep: &SweepScores) -> String {
@@ -85,11 +88,13 @@ fn line(curve: &SweepCurve<'_>) -> Line {
 mod tests {
     use super::*;
     use crate::numbers::sweep_score::tests::cell_sizes;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::terminal::Terminal;
 
     #[test]
     fn every_curve_has_its_best_point() {
         let sweep = cell_sizes(&[(4, Some(6), None, 0.1), (8, Some(2), None, 0.3), (6, Some(4), None, 0.4)]);
-        insta::assert_snapshot!(sweep_to_terminal(&sweep), @r"
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&SweepTable { sweep: &sweep }), @r"
         Best of 3 values over hierarchical.grid.cell_size_m. Rates in %.
 
         data set            detector      task     rate    scans  NO  best at  rate there           95 %  lowest  time ms

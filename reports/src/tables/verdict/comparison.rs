@@ -2,12 +2,11 @@
 
 use crate::numbers::sums::RATIOS;
 use crate::run_folder::run_archive::RunArchive;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::notes::Notes;
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::verdict::wording::{
     about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
 };
-use crate::tables::{markdown, terminal};
 use crate::uncertainty::sample::Question;
 use crate::verdicts::comparability::{NotComparable, check_comparable};
 use crate::verdicts::drift::drift;
@@ -109,37 +108,13 @@ fn named(task: Task, detector: &str, slice: Slice, difference: PairedDifference)
     NamedDifference { task, detector: detector.to_owned(), slice, difference }
 }
 
+impl Tabular for Comparison {
+    fn sheet(&self) -> Sheet {
+        Sheet::of(format!("{}.", self.title), self.grid(), self.sentences())
+    }
+}
+
 impl Comparison {
-    /// The comparison for a terminal.
-    pub fn to_terminal(&self) -> String {
-        let mut text = format!("{}.\n\n", self.title);
-        let (grid, notes) = self.grid_and_notes();
-        terminal::write_grid(&mut text, &grid, &notes);
-        text.push('\n');
-        for sentence in &notes.sentences {
-            text.push_str(&terminal::wrapped(sentence));
-        }
-        text
-    }
-
-    /// The comparison as Markdown.
-    pub fn to_markdown(&self) -> String {
-        let mut text = format!("**{}.**\n\n", markdown::escaped(&self.title));
-        let (grid, notes) = self.grid_and_notes();
-        markdown::write_grid(&mut text, &grid, &notes);
-        text.push('\n');
-        for sentence in &notes.sentences {
-            markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
-        }
-        text
-    }
-
-    fn grid_and_notes(&self) -> (Grid, Notes) {
-        let grid = self.grid();
-        let notes = Notes::beneath(std::slice::from_ref(&grid), self.sentences());
-        (grid, notes)
-    }
-
     fn sentences(&self) -> Vec<String> {
         let about_scans = self.n_changed_scans.map(|n| match n {
             0 => "Every scan is judged as before.".to_owned(),
@@ -154,10 +129,8 @@ impl Comparison {
     }
 
     fn grid(&self) -> Grid {
-        let column = |title, alignment| Column { group: None, title, alignment };
-        let left = ["task", "detector", "slice", "metric"].map(|title| column(title, Alignment::Left));
-        let numbers =
-            ["before", "after", "difference", "95 %", "least"].map(|title| column(title, Alignment::Decimal));
+        let left = ["task", "detector", "slice", "metric"].map(Column::left);
+        let numbers = ["before", "after", "difference", "95 %", "least"].map(Column::number);
         let lines = self.differences.iter().map(|named| {
             let it = &named.difference;
             let metric = &it.metric;

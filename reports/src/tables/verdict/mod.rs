@@ -1,9 +1,5 @@
-//! What verdicts look like, for people and for other programs.
+//! What verdicts say, before a format lays it out.
 
-pub mod standing;
-mod wording;
+pub(crate) mod wording;
 pub mod comparison;
 pub mod summary;
-pub mod verdict_json;
-pub mod junit;
-pub mod benchmark_formats;

@@ -1,14 +1,11 @@
-//! A verdict for a terminal, for pull requests and for the summary of a job.
-
-use std::fmt::Write as _;
+//! A verdict for people: what it comes to, and what is behind it.
 
 use crate::files::fixed_decimals::fixed_decimals;
-use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::notes::Notes;
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
 use crate::tables::verdict::wording::{
     about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
 };
-use crate::tables::{markdown, terminal};
 use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::GatedMetric;
@@ -18,67 +15,21 @@ use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 
-/// Scans, and objects of each, that the Markdown lists; a job's summary may not be long.
-const MOST_LISTED: usize = 20;
-
-/// The verdict for a terminal, with every object that changed.
-pub fn to_terminal(verdict: &Verdict) -> String {
-    // Each on a line of its own, however long, for those who search in it.
-    let mut text = first_lines(verdict).join("\n") + "\n\n";
-    let (grids, notes) = grids_and_notes(verdict);
-    for grid in &grids {
-        terminal::write_grid(&mut text, grid, &notes);
-        text.push('\n');
-    }
-    for drift in &verdict.drift {
-        writeln!(text, "{}", scan_name(drift)).expect("a string takes all that is written");
-        for change in &drift.changes {
-            writeln!(text, "  {change}").expect("a string takes all that is written");
+impl Tabular for Verdict {
+    /// What it comes to, the numbers of which something is to be said, and every object that changed.
+    fn sheet(&self) -> Sheet {
+        let shown: Vec<&GatedMetric> = self.metrics.iter().filter(|it| is_shown(it)).collect();
+        let of_metrics = (!shown.is_empty()).then(|| metric_grid(&shown, self));
+        let of_speeds = (!self.speed.speeds().is_empty()).then(|| speed_grid(self));
+        let parts = of_metrics.into_iter().chain(of_speeds).map(|grid| Part { title: None, grid });
+        let changes = self.drift.iter().map(|it| (scan_name(it), it.changes.clone()));
+        let listing = Listing { entries: changes.collect(), in_full: "gate.json has them all" };
+        Sheet {
+            lead: first_lines(self),
+            listing: (!self.drift.is_empty()).then_some(listing),
+            ..Sheet::of_parts(parts.collect(), sentences(self))
         }
     }
-    if !verdict.drift.is_empty() {
-        text.push('\n');
-    }
-    for sentence in &notes.sentences {
-        text.push_str(&terminal::wrapped(sentence));
-    }
-    text
-}
-
-/// The verdict as Markdown, with the first of the objects that changed.
-pub fn to_markdown(verdict: &Verdict) -> String {
-    let lines = first_lines(verdict);
-    let (headline, more) = lines.split_first().expect("there is a headline");
-    let mut text = format!("**{}**\n\n", markdown::escaped(headline));
-    for line in more {
-        markdown::push_line(&mut text, &format!("{}\n", markdown::escaped(line)));
-    }
-    let (grids, notes) = grids_and_notes(verdict);
-    for grid in &grids {
-        markdown::write_grid(&mut text, grid, &notes);
-        text.push('\n');
-    }
-    for drift in verdict.drift.iter().take(MOST_LISTED) {
-        markdown::push_line(&mut text, &format!("- {}", markdown::escaped(&scan_name(drift))));
-        for change in drift.changes.iter().take(MOST_LISTED) {
-            markdown::push_line(&mut text, &format!("  - {}", markdown::escaped(change)));
-        }
-        if drift.changes.len() > MOST_LISTED {
-            let n_more = drift.changes.len() - MOST_LISTED;
-            markdown::push_line(&mut text, &format!("  - and {n_more} more"));
-        }
-    }
-    if verdict.drift.len() > MOST_LISTED {
-        let n_more = verdict.drift.len() - MOST_LISTED;
-        markdown::push_line(&mut text, &format!("- and {n_more} more; gate.json has them all"));
-    }
-    if !verdict.drift.is_empty() {
-        text.push('\n');
-    }
-    for sentence in &notes.sentences {
-        markdown::push_line(&mut text, &format!("- {}", markdown::escaped(sentence)));
-    }
-    text
 }
 
 /// What it comes to, and what could not be judged.
@@ -141,22 +92,9 @@ fn headline(verdict: &Verdict) -> String {
 }
 
 /// Which scan, detector and task a drift is about.
-pub(super) fn scan_name(drift: &ScanDrift) -> String {
+pub(crate) fn scan_name(drift: &ScanDrift) -> String {
     let place = &drift.place;
     format!("{} {}/{:06}, {}, {}", place.dataset, place.sequence, place.scan, place.detector, place.task)
-}
-
-fn grids_and_notes(verdict: &Verdict) -> (Vec<Grid>, Notes) {
-    let shown: Vec<&GatedMetric> = verdict.metrics.iter().filter(|it| is_shown(it)).collect();
-    let mut grids = Vec::new();
-    if !shown.is_empty() {
-        grids.push(metric_grid(&shown, verdict));
-    }
-    if !verdict.speed.speeds().is_empty() {
-        grids.push(speed_grid(verdict));
-    }
-    let notes = Notes::beneath(&grids, sentences(verdict));
-    (grids, notes)
 }
 
 /// A finding, with why it is none.
@@ -197,15 +135,11 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
     sentences
 }
 
-fn column(title: &'static str, alignment: Alignment) -> Column {
-    Column { group: None, title, alignment }
-}
-
 fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
-    let left = ["task", "detector", "slice", "metric"].map(|title| column(title, Alignment::Left));
+    let left = ["task", "detector", "slice", "metric"].map(Column::left);
     let numbers = ["before", "after", "difference", "95 %", "least", "tolerated"];
-    let numbers = numbers.map(|title| column(title, Alignment::Decimal));
-    let columns = left.into_iter().chain(numbers).chain([column("finding", Alignment::Left)]);
+    let numbers = numbers.map(Column::number);
+    let columns = left.into_iter().chain(numbers).chain([Column::left("finding")]);
     let lines = shown.iter().map(|gated| {
         let metric = &gated.metric;
         let numbers = match &gated.difference {
@@ -228,10 +162,10 @@ fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
 }
 
 fn speed_grid(verdict: &Verdict) -> Grid {
-    let left = ["detector", "time over that of"].map(|title| column(title, Alignment::Left));
+    let left = ["detector", "time over that of"].map(Column::left);
     let numbers = ["before", "after", "slower by [%]", "95 %", "tolerated"];
-    let numbers = numbers.map(|title| column(title, Alignment::Decimal));
-    let columns = left.into_iter().chain(numbers).chain([column("finding", Alignment::Left)]);
+    let numbers = numbers.map(Column::number);
+    let columns = left.into_iter().chain(numbers).chain([Column::left("finding")]);
     let percent = |share: f64| fixed_decimals(100.0 * share, 1);
     let lines = verdict.speed.speeds().iter().map(|speed| {
         let GatedSpeed { detector, reference, slowdown, tolerance, finding } = speed;

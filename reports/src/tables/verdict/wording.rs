@@ -8,7 +8,7 @@ use crate::verdicts::paired_difference::PairedDifference;
 use crate::vocabulary::metric::Metric;
 
 /// A value: rates in %, all else in the unit of the metric.
-pub(super) fn value_text(metric: &Metric, value: f64) -> String {
+pub(crate) fn value_text(metric: &Metric, value: f64) -> String {
     match metric.unit() {
         "ratio" => fixed_decimals(100.0 * value, 1),
         "count" => fixed_decimals(value, 0),
@@ -17,7 +17,7 @@ pub(super) fn value_text(metric: &Metric, value: f64) -> String {
 }
 
 /// A difference of two values, with a sign and a digit more.
-pub(super) fn difference_text(metric: &Metric, difference: f64) -> String {
+pub(crate) fn difference_text(metric: &Metric, difference: f64) -> String {
     let text = match metric.unit() {
         "ratio" => fixed_decimals(100.0 * difference, 2),
         "count" => fixed_decimals(difference, 0),
@@ -27,7 +27,7 @@ pub(super) fn difference_text(metric: &Metric, difference: f64) -> String {
 }
 
 /// The interval of a difference; a dash where there is none.
-pub(super) fn interval_text(difference: &PairedDifference) -> String {
+pub(crate) fn interval_text(difference: &PairedDifference) -> String {
     difference.interval.map_or_else(
         || "–".to_owned(),
         |it| it.ends.map(|end| difference_text(&difference.metric, end)).join(" to "),
@@ -35,13 +35,13 @@ pub(super) fn interval_text(difference: &PairedDifference) -> String {
 }
 
 /// The same as a cell of a table, with a sign where nothing rests on it.
-pub(super) fn interval_cell(difference: &PairedDifference) -> Cell {
+pub(crate) fn interval_cell(difference: &PairedDifference) -> Cell {
     let text = interval_text(difference);
     difference.interval.map_or_else(|| Cell::new(text.clone()), |it| Cell::interval(text.clone(), it.blocks))
 }
 
 /// The least difference that would have shown; a dash where that is unknown.
-pub(super) fn least_effect_text(difference: &PairedDifference) -> String {
+pub(crate) fn least_effect_text(difference: &PairedDifference) -> String {
     let metric = &difference.metric;
     difference
         .least_effect
@@ -49,7 +49,7 @@ pub(super) fn least_effect_text(difference: &PairedDifference) -> String {
 }
 
 /// A metric with its unit.
-pub(super) fn metric_text(metric: &Metric) -> String {
+pub(crate) fn metric_text(metric: &Metric) -> String {
     match metric.unit() {
         "ratio" => format!("{} [%]", metric.id()),
         "count" => metric.id(),
@@ -59,7 +59,7 @@ pub(super) fn metric_text(metric: &Metric) -> String {
 }
 
 /// What all comparisons have to say of their numbers, whose intervals are drawn from blocks of this kind.
-pub(super) fn about_differences(kind: BlockKind) -> String {
+pub(crate) fn about_differences(kind: BlockKind) -> String {
     format!(
         "difference: after minus before. 95 %: its interval, by {} Both sides have the same resamples. least: the least true \
          difference that scans like these would show, that is, tell from none at the 5 % level in four of five such data sets.",

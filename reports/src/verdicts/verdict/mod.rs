@@ -85,6 +85,23 @@ impl Verdict {
 
 /// Judges `run` by `baseline`.
 ///
+/// ```
+/// use std::path::Path;
+///
+/// use reports::run_folder::run_archive::RunArchive;
+/// use reports::tables::formats::format::Format as _;
+/// use reports::tables::formats::markdown::Markdown;
+/// use reports::verdicts::tolerances::Tolerances;
+/// use reports::verdicts::verdict::{Conclusion, judge};
+///
+/// let accepted = RunArchive::read(Path::new("golden/run"))?;
+/// let tolerances = Tolerances::read(Path::new("golden/tolerances.toml"))?;
+/// let verdict = judge(&accepted, &accepted, &tolerances)?;
+/// assert_eq!(verdict.conclusion(), Conclusion::Same);
+/// assert!(Markdown.text(&verdict).starts_with("**Gate: "));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// [`JudgeError`] if the runs cannot be compared, or a rule of `tolerances` names what neither has or decides about nothing.

@@ -4,8 +4,10 @@ use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use crate::tables::formats::format::Format as _;
+use crate::tables::formats::markdown::Markdown;
+use crate::tables::formats::terminal::Terminal;
 use crate::tables::sample;
-use crate::tables::verdict::summary::{to_markdown, to_terminal};
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::gated_speeds::Slowdown;
 use crate::verdicts::tolerances::{QualityRule, SpeedRule};
@@ -152,14 +154,14 @@ fn of_few_blocks_a_loss_is_inconclusive_and_only_drift_can_fail() {
         assert_eq!(verdict.conclusion(), Conclusion::Drift);
         assert_eq!((verdict.n(Finding::Regression), verdict.n(Finding::Inconclusive)), (0, 1));
         let blocks = if n_scans == 1 { "block" } else { "blocks" };
-        let text = to_terminal(&verdict);
+        let text = Terminal::UNFOLDED.text(&verdict);
         let line = text.lines().nth(1).unwrap();
         assert!(
             line.starts_with(&format!("Only {n_scans} {blocks} of scans: no loss can be told from chance")),
             "{text}"
         );
         assert!(text.contains(&format!("inconclusive: only {n_scans} {blocks} of scans")), "{text}");
-        assert!(to_markdown(&verdict).contains(&format!("inconclusive: only {n_scans} {blocks}")));
+        assert!(Markdown.text(&verdict).contains(&format!("inconclusive: only {n_scans} {blocks}")));
         assert_eq!(n_scans > 1, text.contains('§'), "{text}");
     }
 }
@@ -190,8 +192,8 @@ fn times_of_other_processors_are_not_compared_and_that_is_said() {
     let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Same);
     let said = "Speed was not compared: the processor was \"Example CPU @ 2 GHz\" and is \"Other CPU\".";
-    assert_eq!(to_terminal(&verdict).lines().nth(1), Some(said));
-    assert!(to_markdown(&verdict).lines().take(3).any(|it| it == said));
+    assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().nth(1), Some(said));
+    assert!(Markdown.text(&verdict).lines().take(3).any(|it| it == said));
 }
 
 #[test]
@@ -205,7 +207,11 @@ fn times_that_were_not_taken_are_missing() {
         assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
         assert!(verdict.speed.speeds().iter().all(|it| it.slowdown == Err(missing)));
         let said = format!("Time over that of grid-write, pca, main_road: {}.", missing.in_words());
-        assert!(to_terminal(&verdict).lines().any(|it| it == said), "{}", to_terminal(&verdict));
+        assert!(
+            Terminal::UNFOLDED.text(&verdict).lines().any(|it| it == said),
+            "{}",
+            Terminal::UNFOLDED.text(&verdict)
+        );
     }
 }
 
@@ -293,7 +299,11 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
         assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
         assert!(verdict.metrics.iter().all(|it| it.difference == Err(missing)), "{verdict:?}");
         let said = format!("f_rate of all, pca, objects, main_road: {}.", missing.in_words());
-        assert!(to_terminal(&verdict).lines().any(|it| it == said), "{}", to_terminal(&verdict));
+        assert!(
+            Terminal::UNFOLDED.text(&verdict).lines().any(|it| it == said),
+            "{}",
+            Terminal::UNFOLDED.text(&verdict)
+        );
     }
     // Of no named task, and nowhere else either: the rule is about nothing.
     let tolerances = Tolerances { quality: vec![rule(&["f_rate"], &["all"])], speed: None };

@@ -1,11 +1,11 @@
-//! The table as aligned text, without colour.
+//! Aligned text for a terminal, without colour.
 
 use std::fmt::Write as _;
 
+use crate::tables::formats::format::Format;
 use crate::tables::grid::{Alignment, Cell, Column, Grid, Line, LineKind};
-use crate::tables::notes::{Notes, notes, title};
-use crate::tables::task_grids::{counts_grid, main_grid};
-use crate::tables::task_table::TaskTable;
+use crate::tables::notes::Notes;
+use crate::tables::sheet::{Part, Sheet, Tabular};
 
 /// Sentences are broken to this many characters.
 const LINE_WIDTH: usize = 100;
@@ -14,27 +14,68 @@ const GAP: &str = "  ";
 /// Between groups of columns, in addition.
 const GROUP_GAP: &str = " ";
 
-/// The table for a terminal of `width` columns: as in the papers, then the counts it is made of, then what has to be said.
-///
-/// Three detectors with names of the usual length fit into 100 columns; where they do not fit, one follows the other.
-pub fn to_terminal(table: &TaskTable, width: usize) -> String {
-    let (main, counts) = (main_grid(table), counts_grid(table));
-    let notes = notes(table, &[&main, &counts]);
-    let mut text = wrapped_to(&title(table), width);
-    text.push('\n');
-    write_folded(&mut text, &main, &notes, width);
-    text.push('\n');
-    write_folded(&mut text, &counts, &notes, width);
-    text.push('\n');
-    for sentence in &notes.sentences {
-        text.push_str(&wrapped_to(sentence, width));
+/// Aligned text, without colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Terminal {
+    /// Its width in characters; what does not fit is folded. Without it nothing is, and sentences are broken as for a page.
+    pub width: Option<usize>,
+}
+
+impl Terminal {
+    /// As wide as its tables are.
+    pub const UNFOLDED: Self = Self { width: None };
+
+    /// Sentences, each from the beginning of a line on.
+    pub fn sentences(self, sentences: impl IntoIterator<Item = String>) -> String {
+        sentences.into_iter().map(|it| wrapped_to(&it, self.width.unwrap_or(LINE_WIDTH))).collect()
     }
-    text
+
+    /// A title stays as it is where nothing is folded, however long, for those who search in it.
+    fn title(self, title: &str) -> String {
+        self.width.map_or_else(|| format!("{title}\n"), |width| wrapped_to(title, width))
+    }
+}
+
+impl<T: Tabular + ?Sized> Format<T> for Terminal {
+    fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.txt")
+    }
+
+    /// Titles, tables, lists and notes below each other.
+    ///
+    /// Three detectors with names of the usual length fit into 100 columns; where they do not fit, one follows the other.
+    fn text(&self, subject: &T) -> String {
+        let Sheet { lead, parts, listing, notes, .. } = subject.sheet();
+        let mut text: String = lead.iter().map(|it| self.title(it)).collect();
+        if !lead.is_empty() {
+            text.push('\n');
+        }
+        for Part { title, grid } in &parts {
+            if let Some(title) = title {
+                text.push_str(&self.title(title));
+                text.push('\n');
+            }
+            match self.width {
+                Some(width) => write_folded(&mut text, grid, &notes, width),
+                None => write_grid(&mut text, grid, &notes),
+            }
+            text.push('\n');
+        }
+        for (head, items) in listing.iter().flat_map(|it| &it.entries) {
+            push_line(&mut text, head);
+            items.iter().for_each(|it| push_line(&mut text, &format!("  {it}")));
+        }
+        if listing.is_some() {
+            text.push('\n');
+        }
+        text.push_str(&self.sentences(notes.sentences));
+        text
+    }
 }
 
 /// The grid in as many pieces below each other as it takes for each to fit into `width` columns. Every piece begins with the
 /// columns that say what its lines are about; a group of columns stays together where it fits.
-pub(crate) fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
+fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
     let has_groups = grid.columns.iter().any(|it| it.group.is_some());
     let is_head = |column: &Column| {
         if has_groups { column.group.is_none() } else { column.alignment == Alignment::Left }
@@ -83,7 +124,7 @@ struct Width {
 }
 
 /// The grid with its heads.
-pub(crate) fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
     let widths = widths(grid, notes);
     let total = grid_width(grid, &widths);
     write_group_heads(text, grid, &widths);
@@ -215,13 +256,8 @@ fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
     columns + GAP.len() * (widths.len() - 1) + GROUP_GAP.len() * (grid.groups().len() - 1)
 }
 
-/// `sentence` in lines of at most [`LINE_WIDTH`] characters, all but the first indented.
-pub(crate) fn wrapped(sentence: &str) -> String {
-    wrapped_to(sentence, LINE_WIDTH)
-}
-
-/// The same in lines of at most `width` characters, if that is less.
-pub fn wrapped_to(sentence: &str, width: usize) -> String {
+/// `sentence` in lines of at most `width` characters, and at most [`LINE_WIDTH`], all but the first indented.
+fn wrapped_to(sentence: &str, width: usize) -> String {
     let width = width.clamp(20, LINE_WIDTH);
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
@@ -244,7 +280,7 @@ mod tests {
 
     #[test]
     fn objects_are_printed_with_recall_where_the_f_rate_is_undefined() {
-        insta::assert_snapshot!(to_terminal(&sample::tables()[0], 100), @r"
+        insta::assert_snapshot!(Terminal { width: Some(100) }.text(&sample::tables()[0]), @r"
         Task objects. Rates in %. Matched by points, Jaccard at least 0.5.
 
                                               hierarchical            kd-tree                pca
@@ -299,7 +335,7 @@ mod tests {
 
     #[test]
     fn vehicles_are_printed_with_a_note_on_each_undefined_number() {
-        insta::assert_snapshot!(to_terminal(&sample::tables()[1], 100), @r"
+        insta::assert_snapshot!(Terminal { width: Some(100) }.text(&sample::tables()[1]), @r"
         Task vehicles. Rates in %. Matched by points, Jaccard at least 0.5.
 
                                               hierarchical           kd-tree                pca
@@ -352,7 +388,7 @@ mod tests {
     #[test]
     fn tables_fit_into_the_columns_there_are() {
         for width in [60, 80, 100, 200] {
-            let texts = sample::tables().map(|it| to_terminal(&it, width)).concat();
+            let texts = sample::tables().map(|it| Terminal { width: Some(width) }.text(&it)).concat();
             for line in texts.lines() {
                 assert!(line.chars().count() <= width, "{width}: {line}");
             }
@@ -361,14 +397,14 @@ mod tests {
 
     #[test]
     fn one_detector_follows_the_other_where_they_do_not_fit_side_by_side() {
-        let text = to_terminal(&sample::tables()[1], 60);
+        let text = Terminal { width: Some(60) }.text(&sample::tables()[1]);
         let narrow = text.split("NO:").next().unwrap_or_default();
         let heads: Vec<&str> = narrow.lines().filter(|it| it.contains("F-rate")).collect();
         assert_eq!(heads.len(), 3, "{narrow}");
         assert_eq!(narrow.matches("kitti_object").count(), narrow.matches("data set ").count(), "{narrow}");
         assert_eq!(narrow.matches("paper: KITTI").count(), 2, "{narrow}");
         // Nothing is lost: every number of the wide table is in the narrow one.
-        let wide = to_terminal(&sample::tables()[1], 200);
+        let wide = Terminal { width: Some(200) }.text(&sample::tables()[1]);
         let words = |text: &str| {
             let words = text.split_whitespace().filter(|it| it.starts_with(|it: char| it.is_ascii_digit()));
             words.map(str::to_owned).collect::<std::collections::BTreeSet<_>>()

@@ -2,6 +2,7 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::{BlockCount, Interval};
+use crate::tables::formats::format::Format;
 use crate::tables::paper_figures::PaperRow;
 use crate::tables::task_table::{MeasuredRow, RateIntervals, Score, TableRow, TaskTable};
 
@@ -34,31 +35,42 @@ const COLUMNS: [&str; 26] = [
     "few_blocks",
 ];
 
-/// The table as CSV; rates as fractions of one, undefined values empty.
-///
-/// `…_low` and `…_high` are the ends of 95 % intervals, from as many blocks of scans as `n_blocks` says, which are what `blocks`
-/// says; where `few_blocks` is true these are too few for anything to rest on the interval.
-/// The column `source` says whether a row was measured or is printed in a paper, `origin` where its scans come from.
-/// A paper's row stands beside our detector of the kind of its method.
-pub fn to_csv(table: &TaskTable) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut write = |record: &[String]| writer.write_record(record).expect("memory takes rows of one length");
-    write(&COLUMNS.map(str::to_owned));
-    for row in &table.rows {
-        for (detector_idx, detector) in table.detectors.iter().enumerate() {
-            let record = match row {
-                TableRow::Measured(row) => {
-                    Some(measured_record(table, row, detector, &row.scores[detector_idx]))
+/// Comma-separated values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Csv;
+
+impl Format<TaskTable> for Csv {
+    fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.csv")
+    }
+
+    /// The table as CSV; rates as fractions of one, undefined values empty.
+    ///
+    /// `…_low` and `…_high` are the ends of 95 % intervals, from as many blocks of scans as `n_blocks` says, which are what `blocks`
+    /// says; where `few_blocks` is true these are too few for anything to rest on the interval.
+    /// The column `source` says whether a row was measured or is printed in a paper, `origin` where its scans come from.
+    /// A paper's row stands beside our detector of the kind of its method.
+    fn text(&self, table: &TaskTable) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let mut write =
+            |record: &[String]| writer.write_record(record).expect("memory takes rows of one length");
+        write(&COLUMNS.map(str::to_owned));
+        for row in &table.rows {
+            for (detector_idx, detector) in table.detectors.iter().enumerate() {
+                let record = match row {
+                    TableRow::Measured(row) => {
+                        Some(measured_record(table, row, detector, &row.scores[detector_idx]))
+                    }
+                    TableRow::Paper(row) => paper_record(table, row, detector),
+                };
+                if let Some(record) = record {
+                    write(&record);
                 }
-                TableRow::Paper(row) => paper_record(table, row, detector),
-            };
-            if let Some(record) = record {
-                write(&record);
             }
         }
+        let bytes = writer.into_inner().expect("memory takes all that is written");
+        String::from_utf8(bytes).expect("rows of text are text")
     }
-    let bytes = writer.into_inner().expect("memory takes all that is written");
-    String::from_utf8(bytes).expect("rows of text are text")
 }
 
 fn measured_record(table: &TaskTable, row: &MeasuredRow, detector: &str, score: &Score) -> [String; 26] {
@@ -119,7 +131,7 @@ mod tests {
 
     #[test]
     fn every_rate_has_its_counts_in_the_same_row() {
-        insta::assert_snapshot!(to_csv(&sample::tables()[0]), @r"
+        insta::assert_snapshot!(Csv.text(&sample::tables()[0]), @r"
         task,source,dataset,origin,detector,n_scans,no,tp,mo,fo,precision,recall,f_rate,ignored_annotations,ignored_detections,n_timed_scans,fps_mean,precision_low,precision_high,recall_low,recall_high,f_rate_low,f_rate_high,n_blocks,blocks,few_blocks
         objects,measured,main_road,simulated,hierarchical,20,412,371,41,52,0.877069,0.900485,0.888623,17,230,19,121.300,,,,,0.863523,0.903523,20,drives,false
         objects,measured,main_road,simulated,kd-tree,20,412,340,72,140,0.708333,0.825243,0.762332,17,230,19,8.040,,,,,0.737232,0.777232,20,drives,false

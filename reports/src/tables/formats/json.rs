@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::files::archive::SCHEMA;
+use crate::tables::formats::format::Format;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, Slowdown, SpeedComparison};
 use crate::verdicts::paired_difference::PairedDifference;
@@ -67,38 +68,48 @@ struct DriftRecord<'a> {
     changes: &'a [String],
 }
 
-/// The content of `gate.json`.
-pub fn to_json(verdict: &Verdict) -> String {
-    let record = VerdictRecord {
-        schema: SCHEMA,
-        conclusion: verdict.conclusion().name(),
-        dataset: &verdict.dataset,
-        n_blocks: verdict.blocks.n_blocks,
-        degrees_of_freedom: verdict.blocks.degrees_of_freedom,
-        blocks: verdict.blocks.kind.name(),
-        few_blocks: verdict.blocks.are_too_few(),
-        metrics: verdict.metrics.iter().map(metric_record).collect(),
-        speeds: verdict.speed.speeds().iter().map(speed_record).collect(),
-        speed_not_compared: match &verdict.speed {
-            SpeedComparison::NotCompared { reason } => Some(reason),
-            SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
-        },
-        drift: verdict
-            .drift
-            .iter()
-            .map(|it| DriftRecord {
-                dataset: &it.place.dataset,
-                sequence: &it.place.sequence,
-                scan: it.place.scan,
-                detector: &it.place.detector,
-                task: it.place.task,
-                changes: &it.changes,
-            })
-            .collect(),
-    };
-    let mut json = serde_json::to_string_pretty(&record).expect("a verdict has text keys and finite numbers");
-    json.push('\n');
-    json
+/// JSON with all numbers and all that changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Json;
+
+impl Format<Verdict> for Json {
+    fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.json")
+    }
+
+    fn text(&self, verdict: &Verdict) -> String {
+        let record = VerdictRecord {
+            schema: SCHEMA,
+            conclusion: verdict.conclusion().name(),
+            dataset: &verdict.dataset,
+            n_blocks: verdict.blocks.n_blocks,
+            degrees_of_freedom: verdict.blocks.degrees_of_freedom,
+            blocks: verdict.blocks.kind.name(),
+            few_blocks: verdict.blocks.are_too_few(),
+            metrics: verdict.metrics.iter().map(metric_record).collect(),
+            speeds: verdict.speed.speeds().iter().map(speed_record).collect(),
+            speed_not_compared: match &verdict.speed {
+                SpeedComparison::NotCompared { reason } => Some(reason),
+                SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
+            },
+            drift: verdict
+                .drift
+                .iter()
+                .map(|it| DriftRecord {
+                    dataset: &it.place.dataset,
+                    sequence: &it.place.sequence,
+                    scan: it.place.scan,
+                    detector: &it.place.detector,
+                    task: it.place.task,
+                    changes: &it.changes,
+                })
+                .collect(),
+        };
+        let mut json =
+            serde_json::to_string_pretty(&record).expect("a verdict has text keys and finite numbers");
+        json.push('\n');
+        json
+    }
 }
 
 fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {

@@ -1,29 +1,67 @@
-//! The table for pull requests and pages.
+//! Markdown for pull requests, pages and the summary of a job.
 
 use std::fmt::Write as _;
 
+use crate::tables::formats::format::Format;
 use crate::tables::grid::{Alignment, Grid, Line, LineKind};
-use crate::tables::notes::{Notes, notes, title};
-use crate::tables::task_grids::{counts_grid, main_grid};
-use crate::tables::task_table::TaskTable;
+use crate::tables::notes::Notes;
+use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
 
-/// The table as Markdown with pipe tables: as in the papers, then the counts it is made of, then what has to be said.
-pub fn to_markdown(table: &TaskTable) -> String {
-    let (main, counts) = (main_grid(table), counts_grid(table));
-    let notes = notes(table, &[&main, &counts]);
-    let mut text = format!("**{}**\n\n", escaped(&title(table)));
-    write_grid(&mut text, &main, &notes);
-    text.push('\n');
-    write_grid(&mut text, &counts, &notes);
-    text.push('\n');
-    for sentence in &notes.sentences {
-        push_line(&mut text, &format!("- {}", escaped(sentence)));
+/// Entries of a listing, and items of each, that are written; the summary of a job may not be long.
+const MOST_LISTED: usize = 20;
+
+/// Markdown with pipe tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Markdown;
+
+impl<T: Tabular + ?Sized> Format<T> for Markdown {
+    fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.md")
     }
-    text
+
+    fn text(&self, subject: &T) -> String {
+        let Sheet { lead, parts, listing, notes, .. } = subject.sheet();
+        let mut text = String::new();
+        for (line_idx, line) in lead.iter().map(|it| escaped(it)).enumerate() {
+            push_line(&mut text, &if line_idx == 0 { format!("**{line}**\n") } else { format!("{line}\n") });
+        }
+        for Part { title, grid } in &parts {
+            if let Some(title) = title {
+                push_line(&mut text, &format!("**{}**\n", escaped(title)));
+            }
+            write_grid(&mut text, grid, &notes);
+            text.push('\n');
+        }
+        if let Some(listing) = &listing {
+            write_listing(&mut text, listing);
+        }
+        for sentence in &notes.sentences {
+            push_line(&mut text, &format!("- {}", escaped(sentence)));
+        }
+        text
+    }
+}
+
+/// The first of the entries, and the first items of each.
+fn write_listing(text: &mut String, listing: &Listing) {
+    for (head, items) in listing.entries.iter().take(MOST_LISTED) {
+        push_line(text, &format!("- {}", escaped(head)));
+        for item in items.iter().take(MOST_LISTED) {
+            push_line(text, &format!("  - {}", escaped(item)));
+        }
+        if items.len() > MOST_LISTED {
+            push_line(text, &format!("  - and {} more", items.len() - MOST_LISTED));
+        }
+    }
+    if listing.entries.len() > MOST_LISTED {
+        let n_more = listing.entries.len() - MOST_LISTED;
+        push_line(text, &format!("- and {n_more} more; {}", listing.in_full));
+    }
+    text.push('\n');
 }
 
 /// The grid as a pipe table.
-pub(crate) fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
+fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
     // Pipe tables have no cells across columns: the group's name goes into the head of its first column.
     let mut group_before = None;
     let heads = grid.columns.iter().map(|column| {
@@ -57,12 +95,12 @@ fn cell_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
     format!("{text}{}{tag}", notes.sign(cell))
 }
 
-pub(crate) fn push_line(text: &mut String, line: &str) {
+fn push_line(text: &mut String, line: &str) {
     writeln!(text, "{line}").expect("a string takes all that is written");
 }
 
 /// `text` with a backslash before every character that would mean something to Markdown.
-pub(crate) fn escaped(text: &str) -> String {
+fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     let mut before = ' ';
     let mut rest = text.chars().peekable();
@@ -89,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_table_is_a_pipe_table() {
-        insta::assert_snapshot!(to_markdown(&sample::tables()[0]), @r"
+        insta::assert_snapshot!(Markdown.text(&sample::tables()[0]), @r"
         **Task objects. Rates in %. Matched by points, Jaccard at least 0.5.**
 
         | data set | NO | hierarchical: ND | F-rate | fps | kd-tree: ND | F-rate | fps | pca: ND | F-rate | fps |

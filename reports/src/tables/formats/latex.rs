@@ -1,26 +1,41 @@
-//! The table for a paper.
+//! LaTeX for a paper.
 
 use std::fmt::Write as _;
 
+use crate::tables::formats::format::Format;
 use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
-use crate::tables::notes::{Notes, notes, title};
-use crate::tables::task_grids::main_grid;
-use crate::tables::task_table::TaskTable;
+use crate::tables::notes::Notes;
+use crate::tables::sheet::{Part, Sheet, Tabular};
 
-/// The table as a LaTeX float, as in the papers; needs the package `booktabs`.
-pub fn to_latex(table: &TaskTable) -> String {
-    let grid = main_grid(table);
-    let notes = notes(table, &[&grid]);
-    let mut text = String::new();
+/// LaTeX floats; need the package `booktabs`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Latex;
+
+impl<T: Tabular + ?Sized> Format<T> for Latex {
+    fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.tex")
+    }
+
+    fn text(&self, subject: &T) -> String {
+        let sheet = subject.printed();
+        let mut text = "% Needs \\usepackage{booktabs}.\n".to_owned();
+        for part in &sheet.parts {
+            write_float(&mut text, part, &sheet);
+        }
+        text
+    }
+}
+
+/// A table as a float, as in the papers.
+fn write_float(text: &mut String, Part { title, grid }: &Part, Sheet { label, notes, .. }: &Sheet) {
     let mut push = |line: &str| writeln!(text, "{line}").expect("a string takes all that is written");
-    push("% Needs \\usepackage{booktabs}.");
     push("\\begin{table}");
     push("  \\centering");
-    push(&format!("  \\caption{{{}}}", escaped(&title(table))));
-    push(&format!("  \\label{{tab:scanbench-{}}}", label_part(table.task.name())));
-    push(&format!("  \\begin{{tabular}}{{{}}}", column_kinds(&grid)));
+    push(&format!("  \\caption{{{}}}", escaped(title.as_deref().unwrap_or(""))));
+    push(&format!("  \\label{{tab:scanbench-{}}}", label_part(label)));
+    push(&format!("  \\begin{{tabular}}{{{}}}", column_kinds(grid)));
     push("    \\toprule");
-    for line in group_heads(&grid) {
+    for line in group_heads(grid) {
         push(&format!("    {line}"));
     }
     let titles: Vec<_> = grid.columns.iter().map(|it| it.title).collect();
@@ -33,8 +48,8 @@ pub fn to_latex(table: &TaskTable) -> String {
         }
         let cells = line.cells.iter().enumerate();
         let cells = cells.map(|(column_idx, cell)| match grid.columns[column_idx].alignment {
-            Alignment::Left => left_text(line, cell, &notes),
-            Alignment::Decimal => decimal_text(line, cell, fraction_widths[column_idx], &notes),
+            Alignment::Left => left_text(line, cell, notes),
+            Alignment::Decimal => decimal_text(line, cell, fraction_widths[column_idx], notes),
         });
         push(&format!("    {} \\\\", cells.collect::<Vec<_>>().join(" & ")));
     }
@@ -47,7 +62,6 @@ pub fn to_latex(table: &TaskTable) -> String {
     }
     push("  \\end{minipage}");
     push("\\end{table}");
-    text
 }
 
 fn column_kinds(grid: &Grid) -> String {
@@ -148,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_table_is_a_booktabs_float() {
-        insta::assert_snapshot!(to_latex(&sample::tables()[0]), @r"
+        insta::assert_snapshot!(Latex.text(&sample::tables()[0]), @r"
         % Needs \usepackage{booktabs}.
         \begin{table}
           \centering

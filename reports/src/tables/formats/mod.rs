@@ -1,0 +1,12 @@
+//! Formats that tables, verdicts and reports are written in: one trait, a file for each format, and one list of each kind.
+
+pub mod format;
+pub mod terminal;
+pub mod csv;
+pub mod markdown;
+pub mod latex;
+pub mod json;
+pub mod junit;
+pub mod custom_smaller_is_better;
+pub mod bencher;
+pub mod lists;

@@ -1,0 +1,29 @@
+//! What services that keep numbers over time are given of a run.
+
+use serde_json::Value;
+
+use crate::numbers::blocks::Interval;
+use crate::numbers::run_report::{MetricRow, RunReport};
+use crate::numbers::sums::RATIOS;
+use crate::vocabulary::metric::{LatencyStatistic, Metric};
+use crate::vocabulary::slice::Slice;
+
+/// Its interval, unless that is of too few blocks of scans: services would draw conclusions from it.
+pub(crate) fn reliable_interval(row: &MetricRow) -> Option<Interval> {
+    row.interval().filter(|it| !it.blocks.are_too_few())
+}
+
+/// The ratios and the median time, over all data sets.
+pub(crate) fn headline_rows(report: &RunReport) -> impl Iterator<Item = &MetricRow> {
+    let rows = if report.overall().is_empty() { report.rows() } else { report.overall() };
+    let is_headline =
+        |metric: &Metric| RATIOS.contains(metric) || *metric == Metric::Latency(LatencyStatistic::P50);
+    rows.iter().filter(move |it| it.subject.slice == Slice::All && is_headline(&it.metric))
+}
+
+/// JSON over several lines.
+pub(crate) fn pretty(value: &Value) -> String {
+    let mut json = serde_json::to_string_pretty(value).expect("keys are text and numbers finite");
+    json.push('\n');
+    json
+}
