@@ -30,7 +30,6 @@ pub mod csv_rows;
 pub mod run_report;
 pub mod manifest;
 pub mod comparison_manifest;
-pub mod experiment_manifest;
 pub mod scan_row;
 pub mod stage_row;
 pub mod match_outcome;
