@@ -42,7 +42,7 @@ GROUPS = {
 }
 
 # Parameters that people choose; what else is no program below detector/ and baselines/ was trained or fitted.
-PARAMETERS = {"detector/src/params/paper.toml", "baselines/src/params.toml"}
+PARAMETERS = {"detector/src/params/paper.toml", "baselines/src/params/params.toml"}
 
 JUDGED = ["detector", "models", "simulator", "judging"]
 OF_VERB = {

@@ -19,12 +19,12 @@ PRODUCTS = {
         "contours/boxes/hulls",
         "contours/boxes/rectangles",
         "boxes/boxes/boxes",
-        "spheres/classify/corner_spheres",
-        "contours/classify/convex_profiles",
-        "contours/classify/concave_profiles",
-        "contours/classify/nearest_prototypes",
+        "spheres/features/corner_spheres",
+        "contours/features/convex_profiles",
+        "contours/features/concave_profiles",
+        "contours/features/nearest_prototypes",
     ],
-    "kd-tree": ["contours/boxes/hulls", "boxes/boxes/boxes", "spheres/classify/corner_spheres"],
+    "kd-tree": ["contours/boxes/hulls", "boxes/boxes/boxes", "spheres/features/corner_spheres"],
     "pca": ["contours/boxes/rectangles", "boxes/boxes/boxes"],
 }
 CELLS = {"hierarchical": "walls", "kd-tree": "walls", "pca": "foreground"}
@@ -35,7 +35,7 @@ CLASSES = {
 }
 # Columns of the points.
 LABELS = {
-    "hierarchical": ["foreground:points", "separation:clusters"],
+    "hierarchical": ["foreground:points", "separation:clusters", "regrouping:regrouped_clusters"],
     "kd-tree": ["foreground:points", "components:dropped_clusters", "components:clusters"],
     "pca": ["foreground:points", "components:dropped_clusters", "components:clusters"],
 }

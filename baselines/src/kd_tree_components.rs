@@ -32,6 +32,15 @@ const SEARCH_MARGIN: f32 = 1.000_01;
 /// points at the very same place share one look-up. The cost follows the number of pairs of neighbours.
 ///
 /// Paper: HG section 5, "connected component analysis".
+///
+/// ```
+/// use baselines::kd_tree_components::{KdTreeScratch, kd_tree_components};
+///
+/// let positions_m = [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.6, 0.0, 0.0]];
+/// let (mut scratch, mut labels) = (KdTreeScratch::default(), Vec::new());
+/// kd_tree_components(&positions_m, 0.5, &mut scratch, &mut labels);
+/// assert_eq!(labels, [0, 1, 0, 0]);
+/// ```
 pub fn kd_tree_components(
     positions_m: &[[f32; 3]],
     tolerance_m: f32,

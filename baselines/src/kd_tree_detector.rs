@@ -2,16 +2,19 @@
 
 use std::ops::RangeInclusive;
 
+use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock, StageTime};
+use detector::drawn::point_clusters::point_clusters;
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
-use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
-use detector::stage_product::{Shape, SurfaceClass};
-use detector::{Detector, PointCloud, Rule, StageProduct};
+use detector::stage_product::Shape;
+use detector::surface_class::SurfaceClass;
+use detector::{Detector, PointCloud, Rule, StageProduct, stage};
 
+use crate::COMPONENTS;
 use crate::kd_tree_components::{KdTreeScratch, kd_tree_components};
 use crate::params::{ForegroundChoice, KdTreeParams};
 
@@ -89,9 +92,9 @@ impl Detector for KdTreeDetector {
         let mut clock = StageClock::start();
         self.find_foreground(cloud, &mut clock, &mut output.stage_times);
         self.find_components(cloud);
-        clock.lap("components", &mut output.stage_times);
+        clock.lap(COMPONENTS, &mut output.stage_times);
         self.fit_boxes(output);
-        clock.lap("boxes", &mut output.stage_times);
+        clock.lap(stage::BOXES, &mut output.stage_times);
         self.objects.finish(cloud, &self.short_objects, &mut clock, output);
     }
 
@@ -99,15 +102,20 @@ impl Detector for KdTreeDetector {
         let mut products = match self.params.foreground {
             ForegroundChoice::Short | ForegroundChoice::Refined => self.short_objects.stage_products(),
             ForegroundChoice::All => vec![StageProduct {
-                stage: "foreground",
+                stage: stage::FOREGROUND,
                 name: "points",
                 shape: Shape::LabeledPoints(self.finite_point_classes(cloud.len())),
             }],
         };
-        let of_points = |clusters: &[usize]| Shape::Clusters(self.cluster_of_point(cloud.len(), clusters));
+        let point_indices = self.foreground_points();
+        let of_points = |clusters: &[usize]| {
+            let members = clusters.iter().map(|&cluster_idx| self.clusters.members(cluster_idx));
+            let clusters = members.map(|it| it.iter().map(|&place| point_indices[place as usize]));
+            point_clusters(cloud.len(), clusters)
+        };
         products.extend([
-            StageProduct { stage: "components", name: "dropped_clusters", shape: of_points(&self.dropped) },
-            StageProduct { stage: "components", name: "clusters", shape: of_points(&self.kept) },
+            StageProduct { stage: COMPONENTS, name: "dropped_clusters", shape: of_points(&self.dropped) },
+            StageProduct { stage: COMPONENTS, name: "clusters", shape: of_points(&self.kept) },
         ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products
@@ -138,7 +146,7 @@ impl KdTreeDetector {
                 let positions_m = (0..).zip(cloud.positions_m());
                 let finite = positions_m.filter(|(_, position_m)| position_m.iter().all(|it| it.is_finite()));
                 self.finite_points.extend(finite.map(|(point_idx, _)| point_idx));
-                clock.lap("foreground", stage_times);
+                clock.lap(stage::FOREGROUND, stage_times);
             }
         }
     }
@@ -167,6 +175,7 @@ impl KdTreeDetector {
         self.objects.clear();
         for (cluster_idx, members) in self.clusters.iter().enumerate() {
             let n_points = members.len();
+            // As in PCL, a cluster of too many points is no object: a façade that is left in the foreground, or the road.
             if let Some(reason) = reason_to_drop(n_points, self.objects.min_points()..=self.params.max_points)
             {
                 output.dropped_clusters.push(DroppedCluster { n_points, reason });
@@ -200,17 +209,6 @@ impl KdTreeDetector {
             classes[point_idx as usize] = SurfaceClass::Short;
         }
         classes
-    }
-
-    /// For every point of the scan, its cluster among `cluster_indices`, numbered in their order.
-    fn cluster_of_point(&self, n_points: usize, cluster_indices: &[usize]) -> Vec<Option<u32>> {
-        let mut cluster_of_point = vec![None; n_points];
-        for (number, &cluster_idx) in (0..).zip(cluster_indices) {
-            for &place in self.clusters.members(cluster_idx) {
-                cluster_of_point[self.foreground_points()[place as usize] as usize] = Some(number);
-            }
-        }
-        cluster_of_point
     }
 }
 

@@ -1,6 +1,34 @@
 //! What the detectors of the papers must beat, behind the same trait.
 //!
+//! ```
+//! use baselines::kd_tree_detector::KdTreeDetector;
+//! use baselines::params::BaselineParams;
+//! use baselines::pca_detector::PcaDetector;
+//! use detector::params::HierarchicalParams;
+//! use detector::{Detector, DetectorOutput, PointCloud};
+//!
+//! // The sides of two cars, one ahead and one behind, and no road: a cell needs a point low and one high to stand out.
+//! let steps = |from_m: f32, to_m: f32| (0..=40).map(move |it| from_m + it as f32 / 40.0 * (to_m - from_m));
+//! let side = |from_m: f32| steps(from_m, from_m + 4.0).flat_map(|x| steps(-1.7, -0.3).map(move |z| [x, 3.0, z]));
+//! let cloud: PointCloud = side(5.0).chain(side(-9.0)).collect();
+//!
+//! let (params, shared) = (BaselineParams::shipped(), HierarchicalParams::paper());
+//! let rivals: [Box<dyn Detector>; 2] = [
+//!     Box::new(PcaDetector::new(params.pca, shared.vehicle_size.clone())),
+//!     Box::new(KdTreeDetector::new(params.kd_tree, shared, 1.73)),
+//! ];
+//! let mut output = DetectorOutput::default();
+//! for mut rival in rivals {
+//!     rival.detect(&cloud, &mut output);
+//!     assert_eq!(output.detections.len(), 2, "{}", rival.name());
+//! }
+//! ```
+//!
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+
+/// The name of the stage that finds connected components of points, or of cells that stand; others are in
+/// [`detector::stage`].
+pub const COMPONENTS: &str = "components";
 
 // Euclidean components over a kd-tree.
 pub mod kd_tree_components;

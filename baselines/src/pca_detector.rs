@@ -1,16 +1,21 @@
 //! The rival of the vehicle model: an occupancy grid, and boxes along principal axes.
 
 use detector::classify::size_gate::{SizeGateParams, size_gate};
+use detector::classify::vehicle_model::class_by_decision;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use detector::drawn::point_clusters::point_clusters;
+use detector::drawn::surfaces::{class_by_cell, surface_cells};
 use detector::fit::principal_axes_box::principal_axes_box;
-use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid, NO_CELL};
-use detector::pipeline::vehicle_model::class_by_decision;
+use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use detector::segment::clusters::Clusters;
-use detector::stage_product::{ProductCell, Shape, SurfaceClass};
-use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct};
+use detector::stage_product::Shape;
+use detector::surface_class::SurfaceClass;
+use detector::{Detection, Detector, OrientedBox, PointCloud, StageProduct, stage};
 
+use crate::COMPONENTS;
 use crate::occupancy_grid_components::OccupancyGridComponents;
 use crate::params::{ClusterExtentParams, PcaParams};
+use crate::pca_features::N_PCA_FEATURES;
 use crate::pca_vehicle_model::PcaVehicleModel;
 
 /// Objects as components of occupied cells, with boxes along their principal axes.
@@ -31,6 +36,7 @@ pub struct PcaDetector {
     objects: Vec<FittedObject>,
     object_points: Vec<u32>,
     vehicle_model: Option<PcaVehicleModel>,
+    values: Vec<Option<[f32; N_PCA_FEATURES]>>,
 }
 
 /// A cluster whose size is right, with its box.
@@ -55,6 +61,7 @@ impl PcaDetector {
             objects: Vec::new(),
             object_points: Vec::new(),
             vehicle_model: None,
+            values: Vec::new(),
         }
     }
 
@@ -74,32 +81,40 @@ impl Detector for PcaDetector {
         output.clear();
         let mut clock = StageClock::start();
         self.grid.fill(cloud);
-        clock.lap("grid", &mut output.stage_times);
+        clock.lap(stage::GRID, &mut output.stage_times);
         self.components.find_occupied(&self.grid, &self.params.occupancy);
-        clock.lap("foreground", &mut output.stage_times);
+        clock.lap(stage::FOREGROUND, &mut output.stage_times);
         self.components.connect(&self.grid);
         let labels = self.components.component_of_point().iter().copied();
         self.clusters.group(labels, self.components.occupied().len());
-        clock.lap("components", &mut output.stage_times);
+        clock.lap(COMPONENTS, &mut output.stage_times);
         self.fit_boxes(cloud, output);
-        clock.lap("boxes", &mut output.stage_times);
-        self.classify(cloud, output);
-        clock.lap("classify", &mut output.stage_times);
+        clock.lap(stage::BOXES, &mut output.stage_times);
+        if self.vehicle_model.is_some() {
+            self.describe(cloud);
+            clock.lap(stage::FEATURES, &mut output.stage_times);
+        }
+        self.classify(output);
+        clock.lap(stage::CLASSIFICATION, &mut output.stage_times);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
-        let kept = self.objects.iter().map(|object| object.cluster_idx);
-        let clusters = Shape::Clusters(self.cluster_of_point(cloud.len(), kept));
-        let dropped = Shape::Clusters(self.cluster_of_point(cloud.len(), self.dropped.iter().copied()));
+        let class_of = |cell_idx| self.class_of_cell(cell_idx);
+        let cells = surface_cells(&self.grid, class_of);
+        let points = Shape::LabeledPoints(class_by_cell(&self.grid, class_of));
+        let points_of = |cluster_idx| self.point_indices_of(cluster_idx);
+        let kept = self.objects.iter().map(|object| points_of(object.cluster_idx));
+        let clusters = point_clusters(cloud.len(), kept);
+        let dropped = point_clusters(cloud.len(), self.dropped.iter().copied().map(points_of));
         let boxes = Shape::Boxes(self.objects.iter().map(|object| object.bounding_box).collect());
         let rectangles = self.objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
         vec![
-            StageProduct { stage: "foreground", name: "cells", shape: self.cells() },
-            StageProduct { stage: "foreground", name: "points", shape: self.labeled_points() },
-            StageProduct { stage: "components", name: "dropped_clusters", shape: dropped },
-            StageProduct { stage: "components", name: "clusters", shape: clusters },
-            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
-            StageProduct { stage: "boxes", name: "boxes", shape: boxes },
+            StageProduct { stage: stage::FOREGROUND, name: "cells", shape: cells },
+            StageProduct { stage: stage::FOREGROUND, name: "points", shape: points },
+            StageProduct { stage: COMPONENTS, name: "dropped_clusters", shape: dropped },
+            StageProduct { stage: COMPONENTS, name: "clusters", shape: clusters },
+            StageProduct { stage: stage::BOXES, name: "rectangles", shape: Shape::Contours(rectangles) },
+            StageProduct { stage: stage::BOXES, name: "boxes", shape: boxes },
         ]
     }
 }
@@ -124,22 +139,35 @@ impl PcaDetector {
         }
     }
 
+    /// Computes what the model looks at, object by object.
+    fn describe(&mut self, cloud: &PointCloud) {
+        let Self { components, clusters, objects, values, vehicle_model: Some(model), .. } = self else {
+            return;
+        };
+        let point_indices = components.point_indices();
+        values.clear();
+        values.extend(objects.iter().map(|FittedObject { cluster_idx, bounding_box }| {
+            let members = clusters.members(*cluster_idx).iter();
+            let positions_m = members.map(|&place| cloud.position_m(point_indices[place as usize] as usize));
+            model.values(bounding_box, positions_m)
+        }));
+    }
+
     /// By the model (VM section 6) if there is one, else by size.
-    fn classify(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+    fn classify(&mut self, output: &mut DetectorOutput) {
         let point_indices = self.components.point_indices();
-        for FittedObject { cluster_idx, bounding_box } in &self.objects {
+        for (object_idx, FittedObject { cluster_idx, bounding_box }) in self.objects.iter().enumerate() {
             let members = self.clusters.members(*cluster_idx);
-            self.object_points.clear();
-            self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
-            let positions_m = self.object_points.iter().map(|&it| cloud.position_m(it as usize));
             let (n_points, sizes) = (members.len(), &self.vehicle_size);
-            let (class, score) = match &mut self.vehicle_model {
+            let (class, score) = match &self.vehicle_model {
                 Some(model) => {
-                    let decision = model.decision(bounding_box, positions_m);
+                    let decision = self.values[object_idx].map(|it| model.decision_on(&it));
                     (class_by_decision(decision, n_points, sizes.min_points), decision)
                 }
                 None => (size_gate(n_points, bounding_box, sizes), None),
             };
+            self.object_points.clear();
+            self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
             output.detections.push(Detection {
                 point_indices: &self.object_points,
                 bounding_box: *bounding_box,
@@ -149,44 +177,15 @@ impl PcaDetector {
         }
     }
 
+    /// The points of a cluster in the scan, ascending.
+    fn point_indices_of(&self, cluster_idx: usize) -> impl ExactSizeIterator<Item = u32> + '_ {
+        let point_indices = self.components.point_indices();
+        self.clusters.members(cluster_idx).iter().map(|&place| point_indices[place as usize])
+    }
+
     /// What stands is drawn like short objects, since this grid knows no other class.
     fn class_of_cell(&self, cell_idx: u32) -> SurfaceClass {
         if self.components.is_occupied(cell_idx) { SurfaceClass::Short } else { SurfaceClass::Ground }
-    }
-
-    fn cells(&self) -> Shape {
-        let cells = self.grid.occupied().iter().map(|&cell_idx| {
-            let cell = &self.grid.cells()[cell_idx as usize];
-            ProductCell {
-                center_m: self.grid.center_m(cell_idx),
-                z_range_m: [cell.z_min_m, cell.z_max_m],
-                class: self.class_of_cell(cell_idx),
-            }
-        });
-        Shape::Cells { cell_size_m: self.grid.params().cell_size_m, cells: cells.collect() }
-    }
-
-    fn labeled_points(&self) -> Shape {
-        let classes = self.grid.cell_of_point().iter().map(|&cell_idx| match cell_idx {
-            NO_CELL => SurfaceClass::Unseen,
-            _ => self.class_of_cell(cell_idx),
-        });
-        Shape::LabeledPoints(classes.collect())
-    }
-
-    /// For every point of the scan, its cluster among `cluster_indices`, numbered in their order.
-    fn cluster_of_point(
-        &self,
-        n_points: usize,
-        cluster_indices: impl Iterator<Item = usize>,
-    ) -> Vec<Option<u32>> {
-        let mut cluster_of_point = vec![None; n_points];
-        for (number, cluster_idx) in (0..).zip(cluster_indices) {
-            for &place in self.clusters.members(cluster_idx) {
-                cluster_of_point[self.components.point_indices()[place as usize] as usize] = Some(number);
-            }
-        }
-        cluster_of_point
     }
 }
 

@@ -43,14 +43,18 @@ impl PcaVehicleModel {
         Ok(Self { describer: PcaDescriber::default(), svm: NuSvm::new(&svm) })
     }
 
-    /// How surely an object with these points, in the sensor frame, is a vehicle: above 0 it is one. `None` without points.
-    pub fn decision(
+    /// What the classifier sees of an object with these points, in the sensor frame. `None` without points.
+    pub fn values(
         &mut self,
         bounding_box: &OrientedBox,
         positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-    ) -> Option<f32> {
-        let features = self.describer.describe(bounding_box, positions_m)?;
-        Some(self.svm.decision(&features.values()))
+    ) -> Option<[f32; N_PCA_FEATURES]> {
+        Some(self.describer.describe(bounding_box, positions_m)?.values())
+    }
+
+    /// How surely what is seen like this is a vehicle: above 0 it is one.
+    pub fn decision_on(&self, values: &[f32; N_PCA_FEATURES]) -> f32 {
+        self.svm.decision(values)
     }
 }
 
@@ -85,7 +89,8 @@ mod tests {
         let mut model = PcaVehicleModel::shipped();
         let mut decide = |points: &[[f32; 3]]| {
             let bounding_box = principal_axes_box(points.iter().copied()).unwrap();
-            model.decision(&bounding_box, points.iter().copied()).unwrap()
+            let values = model.values(&bounding_box, points.iter().copied()).unwrap();
+            model.decision_on(&values)
         };
         let [car, person] = [decide(&car), decide(&person)];
         assert!(car > 0.0 && person < 0.0, "{car} and {person}");

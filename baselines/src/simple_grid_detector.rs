@@ -1,20 +1,20 @@
 //! The ablation of the hierarchical grid: the same detector without its dense level.
 
+use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use detector::drawn::merge_graph::merge_graph;
+use detector::drawn::point_clusters::point_clusters;
 use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::fit::outline::Outline;
-use detector::grid::dense_level::DenseLevel;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
-use detector::pipeline::vehicle_model::VehicleModel;
 use detector::segment::clusters::Clusters;
 use detector::segment::connected_components::connected_components;
+use detector::segment::dense_level::DenseLevel;
 use detector::segment::disjoint_sets::DisjointSets;
-use detector::segment::merge_graph::merge_graph;
 use detector::segment::object_points::ObjectPoint;
-use detector::stage_product::Shape;
-use detector::{Detector, PointCloud, Rule, StageProduct};
+use detector::{Detector, PointCloud, Rule, StageProduct, stage};
 
 /// Objects as connected components of coarse cells.
 ///
@@ -73,20 +73,23 @@ impl Detector for SimpleGridDetector {
         let mut clock = StageClock::start();
         self.foreground.run(cloud, &mut clock, &mut output.stage_times);
         self.merge_cells();
-        clock.lap("merge", &mut output.stage_times);
+        clock.lap(stage::MERGE, &mut output.stage_times);
         self.outline.mark(self.foreground.grid(), &self.cells, &self.blob_of_cell);
         self.fit_boxes(cloud, output);
-        clock.lap("boxes", &mut output.stage_times);
+        clock.lap(stage::BOXES, &mut output.stage_times);
         self.objects.finish(cloud, &self.foreground, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let mut products = self.foreground.stage_products();
-        let clusters = Shape::Clusters(self.cluster_of_point(cloud.len()));
+        let point_indices = self.foreground.point_indices();
+        let members = self.clusters.iter();
+        let clusters = members.map(|it| it.iter().map(|&place| point_indices[place as usize]));
+        let clusters = point_clusters(cloud.len(), clusters);
         let links = merge_graph(self.foreground.grid(), &self.cells, &self.links, &[]);
         products.extend([
-            StageProduct { stage: "merge", name: "links", shape: links },
-            StageProduct { stage: "merge", name: "clusters", shape: clusters },
+            StageProduct { stage: stage::MERGE, name: "links", shape: links },
+            StageProduct { stage: stage::MERGE, name: "clusters", shape: clusters },
         ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products
@@ -110,6 +113,7 @@ impl SimpleGridDetector {
         self.blob_of_cell.clear();
         self.blob_of_cell.extend((0..n_cells as u32).map(|cell| self.blobs.representative(cell)));
         let labels = self.cells.dense_of_point().iter().map(|&cell| self.blob_of_cell[cell as usize]);
+        // The hierarchical detector numbers objects by their first point, too.
         self.clusters.group(labels, n_cells);
     }
 
@@ -136,16 +140,5 @@ impl SimpleGridDetector {
             let points = indices.zip(self.members.iter().map(|it| it.position_m));
             self.objects.add(points, bounding_box, self.box_fit.hull_m());
         }
-    }
-
-    /// For every point of the scan, the number of its cluster.
-    fn cluster_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
-        let mut cluster_of_point = vec![None; n_points];
-        for (members, number) in self.clusters.iter().zip(0..) {
-            for &place in members {
-                cluster_of_point[self.foreground.point_indices()[place as usize] as usize] = Some(number);
-            }
-        }
-        cluster_of_point
     }
 }

@@ -5,6 +5,7 @@ use baselines::params::{BaselineParams, ForegroundChoice};
 use baselines::pca_detector::PcaDetector;
 use baselines::pca_vehicle_model::PcaVehicleModel;
 use baselines::simple_grid_detector::SimpleGridDetector;
+use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster};
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
@@ -239,7 +240,12 @@ fn every_point_of_a_detection_is_its_own_and_drawn_with_its_cluster() {
 #[test]
 fn products_have_names_of_their_own_and_stages_that_were_timed() {
     let cloud: PointCloud = [road(), car([8.0, 3.0], 0.3)].concat().into_iter().collect();
-    for mut detector in every_detector() {
+    let with_models: [Box<dyn Detector>; 3] = [
+        Box::new(kd_tree(ForegroundChoice::Short).with_vehicle_model(VehicleModel::shipped())),
+        Box::new(pca().with_vehicle_model(PcaVehicleModel::shipped())),
+        Box::new(simple_grid().with_vehicle_model(VehicleModel::shipped())),
+    ];
+    for mut detector in every_detector().into_iter().chain(with_models) {
         let found = detected(detector.as_mut(), &cloud);
         let products = detector.stage_products(&cloud);
         let mut names: Vec<&str> = products.iter().map(|product| product.name).collect();

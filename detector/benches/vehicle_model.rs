@@ -8,10 +8,10 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::surroundings::ObjectRaster;
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use detector::pipeline::vehicle_model::VehicleModel;
 use detector::{Detector, DetectorOutput, OrientedBox, PointCloud};
 
 const N_ROUNDS: usize = 20;

@@ -45,6 +45,23 @@ struct Entry {
 }
 
 /// The detections of one scan, in one reusable buffer.
+///
+/// ```
+/// use detector::{DetectedClass, Detection, Detections, OrientedBox};
+///
+/// let bounding_box =
+///     OrientedBox { center_m: [8.0, 3.0, -1.0], length_width_height_m: [4.2, 1.8, 1.3], yaw_rad: 0.0 };
+/// let car = Detection {
+///     point_indices: &[4, 5, 9],
+///     bounding_box,
+///     class: DetectedClass::Vehicle,
+///     score: Some(1.25),
+/// };
+/// let mut detections = Detections::default();
+/// detections.push(car);
+/// assert_eq!(detections.len(), 1);
+/// assert_eq!(detections.get(0), car);
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Detections {
     // Invariant: the ranges of `entries` partition `point_indices`. A point may belong to several detections.

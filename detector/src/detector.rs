@@ -11,6 +11,58 @@ use crate::stage_product::StageProduct;
 ///
 /// A detector owns the buffers it needs and uses them again for the next scan, so that nothing is allocated per
 /// point once the first scans have sized them.
+///
+/// ```
+/// use detector::detector::StageClock;
+/// use detector::stage_product::Shape;
+/// use detector::{DetectedClass, Detection, Detector, DetectorOutput, OrientedBox, PointCloud, StageProduct};
+///
+/// /// Takes all points within `reach_m` ahead of the sensor for one object.
+/// struct Bumper {
+///     reach_m: f32,
+///     near: Vec<u32>,
+/// }
+///
+/// impl Detector for Bumper {
+///     fn name(&self) -> &'static str {
+///         "bumper"
+///     }
+///
+///     fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+///         output.clear();
+///         let mut clock = StageClock::start();
+///         self.near.clear();
+///         let is_near = |x_m: f32| (0.0..self.reach_m).contains(&x_m);
+///         self.near.extend((0..).zip(cloud.x_m()).filter(|(_, x_m)| is_near(**x_m)).map(|(idx, _)| idx));
+///         if !self.near.is_empty() {
+///             output.detections.push(Detection {
+///                 point_indices: &self.near,
+///                 bounding_box: OrientedBox {
+///                     center_m: [0.5 * self.reach_m, 0.0, 0.0],
+///                     length_width_height_m: [self.reach_m, 2.0, 2.0],
+///                     yaw_rad: 0.0,
+///                 },
+///                 class: DetectedClass::Object,
+///                 score: None,
+///             });
+///         }
+///         clock.lap("reach", &mut output.stage_times);
+///     }
+///
+///     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+///         let cluster_of = |idx| self.near.binary_search(&idx).is_ok().then_some(0);
+///         let clusters = (0..cloud.len() as u32).map(cluster_of).collect();
+///         vec![StageProduct { stage: "reach", name: "clusters", shape: Shape::Clusters(clusters) }]
+///     }
+/// }
+///
+/// let cloud: PointCloud = [[1.5, 0.2, 0.0], [9.0, 0.0, 0.0]].into_iter().collect();
+/// let mut bumper = Bumper { reach_m: 2.0, near: Vec::new() };
+/// let mut output = DetectorOutput::default();
+/// bumper.detect(&cloud, &mut output);
+/// assert_eq!(output.detections.get(0).point_indices, [0]);
+/// assert_eq!(bumper.stage_products(&cloud)[0].shape, Shape::Clusters(vec![Some(0), None]));
+/// ```
 pub trait Detector: Send {
     /// The name used on the command line and in files, such as `kd-tree`.
     fn name(&self) -> &'static str;

@@ -4,12 +4,39 @@
 //! This crate knows no files, no annotations and no Rerun. Ground truth cannot be reached from here, so a detector
 //! that peeks does not compile.
 //!
+//! ```
+//! use detector::params::HierarchicalParams;
+//! use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+//! use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
+//!
+//! // A level road 1.73 m below the sensor, and on it the sides of a thing as long, wide and high as a car.
+//! let sensor_height_m = 1.73;
+//! let steps = |from_m: f32, to_m: f32| (0..=40).map(move |it| from_m + it as f32 / 40.0 * (to_m - from_m));
+//! let road = steps(-10.0, 10.0).flat_map(|x| steps(-10.0, 10.0).map(move |y| [x, y, -1.73]));
+//! let side = |y: f32| steps(4.0, 8.0).flat_map(move |x| steps(-1.5, -0.3).map(move |z| [x, y, z]));
+//! let end = |x: f32| steps(2.0, 3.8).flat_map(move |y| steps(-1.5, -0.3).map(move |z| [x, y, z]));
+//! let cloud: PointCloud = road.chain(side(2.0)).chain(side(3.8)).chain(end(4.0)).chain(end(8.0)).collect();
+//!
+//! // A detector and its output are used again for the next scan.
+//! let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), sensor_height_m);
+//! let mut output = DetectorOutput::default();
+//! detector.detect(&cloud, &mut output);
+//!
+//! let found = output.detections.get(0);
+//! assert_eq!((output.detections.len(), found.class), (1, DetectedClass::Vehicle));
+//! assert!(found.bounding_box.contains([6.0, 3.0, -1.0]));
+//! for it in &output.stage_times {
+//!     println!("{:>15} {:?}", it.stage, it.duration);
+//! }
+//! ```
+//!
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
 
 // The contract.
 pub mod point_cloud;
 pub mod oriented_box;
 pub mod detection;
+pub mod surface_class;
 pub mod stage_product;
 pub mod rule;
 pub mod detector;
@@ -30,6 +57,12 @@ pub mod segment;
 pub mod fit;
 pub mod describe;
 pub mod classify;
+pub mod regroup;
+pub mod complete;
+
+// What they are called, and what they leave behind to be looked at; nothing is decided here.
+pub mod stage;
+pub mod drawn;
 
 // Their parameters, and how they follow each other.
 pub mod params;

@@ -1,6 +1,22 @@
 //! A box that stands upright and is turned about the vertical.
 
 /// An upright box in the sensor frame.
+///
+/// ```
+/// use detector::OrientedBox;
+///
+/// // A car ahead that drives to the left.
+/// let car = OrientedBox {
+///     center_m: [10.0, 0.0, -0.9],
+///     length_width_height_m: [4.2, 1.8, 1.5],
+///     yaw_rad: std::f32::consts::FRAC_PI_2,
+/// };
+/// assert!(car.contains([10.0, 2.0, -0.9]));
+/// assert!(!car.contains([12.0, 0.0, -0.9]));
+/// assert_eq!(car.range_m(), 10.0);
+/// let [front_left_m, ..] = car.footprint_m();
+/// assert!((front_left_m[0] - 9.1).abs() < 1e-5 && (front_left_m[1] - 2.1).abs() < 1e-5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrientedBox {
     /// Centre x, y, z in metres.

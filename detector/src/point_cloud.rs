@@ -6,6 +6,20 @@
 ///
 /// Coordinates may be NaN or infinite (a sensor that marks missing returns); every detector treats such
 /// points as absent. Readers of files leave them out and count them.
+///
+/// ```
+/// use detector::PointCloud;
+///
+/// let mut cloud = PointCloud::with_capacity(2);
+/// cloud.push([8.0, 3.0, -1.2], 0.4);
+/// cloud.push([8.1, 3.0, -1.2], 0.5);
+/// assert_eq!(cloud.x_m(), [8.0, 8.1]);
+/// assert_eq!(cloud.position_m(1), [8.1, 3.0, -1.2]);
+///
+/// // Positions alone have intensity 0.
+/// let drawn: PointCloud = [[8.0, 3.0, -1.2], [8.1, 3.0, -1.2]].into_iter().collect();
+/// assert_eq!(drawn.intensity(), [0.0, 0.0]);
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointCloud {
     // Invariant: the four columns have the same length.

@@ -1,6 +1,7 @@
 //! What the stages of a detector leave behind, in a form that can be drawn without knowing the detector.
 
 use crate::oriented_box::OrientedBox;
+use crate::surface_class::SurfaceClass;
 
 /// A named product of one stage, in the sensor frame and in metres.
 ///
@@ -111,38 +112,4 @@ pub struct ProductCell {
     pub z_range_m: [f32; 2],
     /// Its class.
     pub class: SurfaceClass,
-}
-
-/// What a cell, and with it a point, is taken for.
-///
-/// Paper: HG section 3.1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub enum SurfaceClass {
-    /// Outside the grid, or not looked at.
-    #[default]
-    Unseen,
-    /// Too few points to say anything.
-    Clutter,
-    /// Road, pavement, grass.
-    Ground,
-    /// Façades, poles, tree crowns.
-    Tall,
-    /// Vehicles, people, street furniture: the foreground.
-    Short,
-}
-
-impl SurfaceClass {
-    /// All classes, in the order of their discriminants.
-    pub const ALL: [Self; 5] = [Self::Unseen, Self::Clutter, Self::Ground, Self::Tall, Self::Short];
-
-    /// The name used in files and on screens.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Unseen => "unseen",
-            Self::Clutter => "clutter",
-            Self::Ground => "ground",
-            Self::Tall => "tall",
-            Self::Short => "short object",
-        }
-    }
 }

@@ -77,7 +77,7 @@ pub const VEHICLE_STEPS: &[PaperStep] = &[
     PaperStep { name: "segmentation", ms: 4.0, stages: &["ground", "walls", "foreground"] },
     PaperStep { name: "separation", ms: 6.0, stages: &["dense_level", "merge", "separation"] },
     PaperStep { name: "features", ms: 18.0, stages: &["boxes", "features"] },
-    PaperStep { name: "SVM", ms: 2.0, stages: &["svm"] },
+    PaperStep { name: "SVM", ms: 2.0, stages: &["classification"] },
 ];
 
 /// The papers' tables, one a task.

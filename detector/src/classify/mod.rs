@@ -1,6 +1,8 @@
 //! What an object is.
 
 pub mod size_gate;
+
+// A support vector machine: its kernel, its training, its file, its use.
 mod rbf_kernel;
 mod kernel_rows;
 pub mod nu_svc_solver;
@@ -9,8 +11,7 @@ mod support_lists;
 pub mod svm_model;
 pub mod svm_training;
 pub mod nu_svm;
+
+// The vehicle model: features, and the machine that decides by them.
 pub mod object_classifier;
-pub mod regrouping_params;
-pub mod cut_places;
-pub mod joinable;
-pub mod regrouping;
+pub mod vehicle_model;

@@ -63,7 +63,7 @@ pub(super) fn sum(column: &[f32], value: impl Fn(f32) -> f32) -> f32 {
 
 /// Least and greatest of a column. `None` without points.
 #[inline(always)]
-pub(super) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
+pub(crate) fn extent_m(column: &[f32]) -> Option<[f32; 2]> {
     let mut low = [*column.first()?; LANES];
     let mut high = low;
     let (chunks, rest) = column.as_chunks::<LANES>();

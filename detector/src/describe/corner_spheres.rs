@@ -76,6 +76,7 @@ fn nearest_m(points: &BoxFramePoints, [front, left]: [f32; 2], top_m: f32) -> f3
     let (along, rest_along) = points.along_m().as_chunks::<LANES>();
     let (across, rest_across) = points.across_m().as_chunks::<LANES>();
     let (up, rest_up) = points.up_m().as_chunks::<LANES>();
+    // A least distance for each lane, so that lanes do not wait for each other. The least of all is the same in any order.
     let mut least = [f32::INFINITY; LANES];
     for ((along, across), up) in along.iter().zip(across).zip(up) {
         for lane in 0..LANES {

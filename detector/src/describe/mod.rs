@@ -1,16 +1,22 @@
 //! What tells vehicles from other objects.
 
+// Which objects are described at all, and what stands around them.
+pub mod seen_size;
+pub mod surroundings;
+
+// The points in the frame of their box, and what is taken from them.
 pub mod box_frame_points;
 pub mod corner_spheres;
+pub mod side_profile;
 pub mod elevation_spread;
 pub mod side_shares;
 pub mod lengthwise_thirds;
 pub mod surface_roughness;
-pub mod surroundings;
-pub mod seen_size;
-pub mod side_profile;
+
+// The side profiles of known vehicles.
 pub mod turning_function;
 pub mod trained_file;
 pub mod prototype_library;
 pub mod prototype_file;
+
 pub mod vehicle_features;

@@ -1,7 +1,6 @@
 //! What an object looks like from the side.
 
 use super::box_frame_points::{BoxFramePoints, extent_m};
-use crate::fit::convex_hull::convex_hull;
 use crate::vector_instructions::{greater, lesser};
 
 /// Buffers for one concave profile after another, and the latest.
@@ -97,17 +96,6 @@ const N_TABLES: usize = 4;
 /// Lowest and highest of no points.
 const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
-/// The convex contour of `points` on the same plane: corners (along, up) in metres, counter-clockwise.
-///
-/// Paper: VM section 4. It is what the concave one is seen against; the classifier does not use it.
-pub fn convex_contour(points: &BoxFramePoints) -> Vec<[f32; 2]> {
-    let mut points_m: Vec<[f32; 2]> =
-        points.along_m().iter().zip(points.up_m()).map(|(&along, &up)| [along, up]).collect();
-    let mut hull_m = Vec::new();
-    convex_hull(&mut points_m, &mut hull_m);
-    hull_m
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_notch_is_in_the_concave_contour_and_not_in_the_convex_one() {
+    fn a_notch_is_in_the_contour() {
         let notched = [[0.0, 0.0], [0.0, 1.0], [0.3, 0.0], [0.3, 0.4], [0.6, 0.0], [0.6, 1.0]];
         let expected = [[0.0, 0.0], [0.3, 0.0], [0.6, 0.0], [0.6, 1.0], [0.3, 0.4], [0.0, 1.0]];
         let contour = contour_of(&notched);
@@ -134,7 +122,6 @@ mod tests {
         for (corner, wanted) in contour.iter().zip(expected) {
             assert!((0..2).all(|axis| (corner[axis] - wanted[axis]).abs() < 1e-6), "{contour:?}");
         }
-        assert_eq!(convex_contour(&points_at(&notched)), [[0.0, 0.0], [0.6, 0.0], [0.6, 1.0], [0.0, 1.0]]);
     }
 
     #[test]

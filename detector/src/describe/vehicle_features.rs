@@ -1,16 +1,15 @@
 //! The values by which a vehicle is told from background.
 
-use super::box_frame_points::{BoxFramePoints, extent_m};
+use super::box_frame_points::BoxFramePoints;
 use super::corner_spheres::{CornerSpheres, OrderedRadii};
 use super::elevation_spread::ElevationSpread;
 use super::lengthwise_thirds::LengthwiseThirds;
 use super::prototype_library::PrototypeLibrary;
-use super::side_profile::{SideProfile, convex_contour};
+use super::side_profile::SideProfile;
 use super::side_shares::SideShares;
 use super::surface_roughness::RoughnessSquares;
 use super::surroundings::Surroundings;
 use crate::oriented_box::OrientedBox;
-use crate::stage_product::ProductSphere;
 use crate::vector_instructions::{HotLoop, vectorised};
 
 /// What the classifier sees of an object.
@@ -145,6 +144,11 @@ impl VehicleDescriber {
         format!("prototypes of SHA-256 {}", library.checksum())
     }
 
+    /// What profiles are compared with.
+    pub fn library(&self) -> &PrototypeLibrary {
+        &self.library
+    }
+
     /// The features of an object with these points, in the sensor frame, and with these surroundings. `None` without points.
     pub fn describe(
         &mut self,
@@ -183,35 +187,6 @@ impl VehicleDescriber {
             surroundings: *surroundings,
         })
     }
-
-    /// What the features of an object with these points were taken from, for drawing. `None` without points.
-    pub fn shapes(
-        &self,
-        bounding_box: &OrientedBox,
-        positions_m: impl ExactSizeIterator<Item = [f32; 3]>,
-    ) -> Option<VehicleShapes> {
-        let mut points = BoxFramePoints::default();
-        points.fill(bounding_box, positions_m);
-        let [length_m, width_m, _] = bounding_box.length_width_height_m;
-        let spheres = CornerSpheres::around(&points, length_m, width_m)?;
-        let [_, top_m] = extent_m(points.up_m())?;
-        let corners_m = bounding_box.footprint_m();
-        let at_top = |[x, y]: [f32; 2]| [x, y, bounding_box.center_m[2] + top_m];
-        let mut profile = self.profile.clone();
-        let concave_m = profile.concave_contour(&points);
-        let nearest = self.library.nearest(concave_m);
-        let placed_m = nearest.map(|it| self.library.placed(&it, concave_m));
-        let upright = |contour_m: &[[f32; 2]]| on_main_plane(bounding_box, contour_m);
-        Some(VehicleShapes {
-            spheres: std::array::from_fn(|corner| ProductSphere {
-                center_m: at_top(corners_m[corner]),
-                radius_m: spheres.radii_m[corner],
-            }),
-            convex_m: upright(&convex_contour(&points)),
-            concave_m: upright(concave_m),
-            nearest_prototype_m: placed_m.map(|it| upright(&it)),
-        })
-    }
 }
 
 /// One object to be described.
@@ -231,32 +206,12 @@ impl<P: ExactSizeIterator<Item = [f32; 3]>> HotLoop for Description<'_, P> {
     }
 }
 
-/// What the features of one object were taken from, in the sensor frame and in metres. The contours stand on the vertical
-/// plane through the middle of the box along its length.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VehicleShapes {
-    /// The spheres at the upper corners.
-    pub spheres: [ProductSphere; 4],
-    /// The convex side profile.
-    pub convex_m: Vec<[f32; 3]>,
-    /// The concave side profile.
-    pub concave_m: Vec<[f32; 3]>,
-    /// The prototype it is most like, if it is like any.
-    pub nearest_prototype_m: Option<Vec<[f32; 3]>>,
-}
-
 /// Cosine between the line of sight and the length of the box, without its sign; 1 above and below the sensor.
 fn view_cosine(bounding_box: &OrientedBox) -> f32 {
     let [x, y, _] = bounding_box.center_m;
     let range_m = (x * x + y * y).sqrt();
     let (sin, cos) = bounding_box.yaw_rad.sin_cos();
     if range_m > 0.0 { ((cos * x + sin * y) / range_m).abs().min(1.0) } else { 1.0 }
-}
-
-fn on_main_plane(bounding_box: &OrientedBox, contour_m: &[[f32; 2]]) -> Vec<[f32; 3]> {
-    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
-    let [x, y, z] = bounding_box.center_m;
-    contour_m.iter().map(|&[along, up]| [x + cos * along, y + sin * along, z + up]).collect()
 }
 
 #[cfg(test)]
@@ -334,7 +289,6 @@ mod tests {
         let (bounding_box, _) = car(0.0, [0.0; 3]);
         let mut describer = VehicleDescriber::new(PrototypeLibrary::drawn());
         assert_eq!(describer.describe(&bounding_box, &Surroundings::default(), std::iter::empty()), None);
-        assert_eq!(describer.shapes(&bounding_box, std::iter::empty()), None);
     }
 
     #[test]
@@ -347,25 +301,6 @@ mod tests {
         assert!(seen([0.0, -7.0, 0.0], 0.0).abs() < 1e-6);
         assert!((seen([5.0, 5.0, 0.0], 0.0) - 0.5_f32.sqrt()).abs() < 1e-6);
         assert_eq!(seen([0.0, 0.0, 1.0], 0.3), 1.0);
-    }
-
-    #[test]
-    fn the_shapes_of_a_car_stand_where_it_is() {
-        let (bounding_box, positions_m) = car(0.7, [12.0, -5.0, -0.9]);
-        let describer = VehicleDescriber::new(PrototypeLibrary::drawn());
-        let shapes = describer.shapes(&bounding_box, positions_m.iter().copied()).unwrap();
-        let mut grown = bounding_box;
-        grown.length_width_height_m = grown.length_width_height_m.map(|side_m| side_m + 0.02);
-        for contour_m in [&shapes.convex_m, &shapes.concave_m, shapes.nearest_prototype_m.as_ref().unwrap()] {
-            assert!(contour_m.iter().all(|&it| grown.contains(it)), "{contour_m:?} in {grown:?}");
-        }
-        for sphere in shapes.spheres {
-            let distance_m = |it: &[f32; 3]| {
-                (0..3).map(|axis| (it[axis] - sphere.center_m[axis]).powi(2)).sum::<f32>().sqrt()
-            };
-            let nearest_m = positions_m.iter().map(distance_m).fold(f32::INFINITY, f32::min);
-            assert!((nearest_m - sphere.radius_m).abs() < 1e-4, "{nearest_m} against {}", sphere.radius_m);
-        }
     }
 
     proptest! {

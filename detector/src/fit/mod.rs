@@ -5,4 +5,3 @@ pub mod convex_hull;
 pub mod convex_hull_box;
 pub mod principal_axes_box;
 pub mod fitted_objects;
-pub mod completion;

@@ -1,7 +1,7 @@
 //! The dense cells along the edge of each object, and their points.
 
-use crate::grid::dense_level::{DenseLevel, NO_BLOCK};
 use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::dense_level::{DenseLevel, NO_BLOCK};
 use crate::segment::dense_separation::NO_OBJECT;
 use crate::segment::object_points::ObjectPoint;
 

@@ -11,6 +11,17 @@ use crate::oriented_box::OrientedBox;
 /// points of which no direction stands out (such as the corners of a square), give yaw 0; points on a line a box of no
 /// width. `None` without points. The positions must be finite.
 ///
+/// ```
+/// use detector::fit::principal_axes_box::principal_axes_box;
+///
+/// // Corners and the middle of a footprint of 4 m by 2 m, and its roof.
+/// let positions_m =
+///     [[3.0, 1.0, -1.5], [7.0, 1.0, -1.5], [7.0, 3.0, -1.5], [3.0, 3.0, -1.5], [5.0, 2.0, -0.5]];
+/// let found = principal_axes_box(positions_m.into_iter());
+/// assert_eq!(found.map(|it| (it.center_m, it.length_width_height_m)), Some(([5.0, 2.0, -1.0], [4.0, 2.0, 1.0])));
+/// assert_eq!(principal_axes_box(std::iter::empty()), None);
+/// ```
+///
 /// Paper: VM section 1, \[5\]; Fig. 1 shows how the axes turn away from those of a car whose far side is hidden.
 pub fn principal_axes_box(
     positions_m: impl ExactSizeIterator<Item = [f32; 3]> + Clone,
@@ -21,6 +32,7 @@ pub fn principal_axes_box(
     let mean_m = mean(positions_m.clone());
     let yaw_rad = main_direction_rad(covariance(positions_m.clone(), mean_m));
     let (sin, cos) = yaw_rad.sin_cos();
+    // Not around the mean: points crowd on the sides that are seen.
     let mut low_m = [f64::INFINITY; 3];
     let mut high_m = [f64::NEG_INFINITY; 3];
     for [x_m, y_m, z_m] in positions_m {
@@ -67,6 +79,7 @@ fn main_direction_rad(covariance: Matrix2<f64>) -> f64 {
     let eigen = SymmetricEigen::new(covariance);
     let main = usize::from(eigen.eigenvalues[1] > eigen.eigenvalues[0]);
     let [first, second] = [eigen.eigenvalues[main], eigen.eigenvalues[1 - main]];
+    // Where no direction stands out, rounding would choose one.
     if first - second <= 1e-9 * first {
         return 0.0;
     }

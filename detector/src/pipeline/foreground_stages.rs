@@ -1,18 +1,21 @@
 //! From a scan to the points that may belong to objects. Shared with baselines that start from the same foreground.
 
 use crate::detector::{StageClock, StageTime};
+use crate::drawn::surfaces::{class_by_cell, surface_cells};
+use crate::drawn::walls::wall_segments;
 use crate::grid::density_weighting::DensityWeighting;
-use crate::grid::hierarchical_grid::{HierarchicalGrid, NO_CELL};
+use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
 use crate::segment::foreground::Foreground;
 use crate::segment::ground_segmentation::GroundSegmentation;
-use crate::segment::hough_lines::Segment;
 use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
-use crate::stage_product::{ProductCell, Shape, StageProduct, SurfaceClass};
+use crate::stage;
+use crate::stage_product::{Shape, StageProduct};
+use crate::surface_class::SurfaceClass;
 
 /// Grid, terrain, cell classes and foreground of one scan after another.
 #[derive(Debug, Clone)]
@@ -41,14 +44,15 @@ impl ForegroundStages {
     /// Runs the stages on `cloud`.
     pub fn run(&mut self, cloud: &PointCloud, clock: &mut StageClock, stage_times: &mut Vec<StageTime>) {
         self.grid.fill(cloud);
-        clock.lap("grid", stage_times);
+        clock.lap(stage::GRID, stage_times);
         self.terrain.estimate(&self.grid);
         self.ground.segment(&self.grid, &self.terrain, &mut self.classes);
-        clock.lap("ground", stage_times);
+        clock.lap(stage::GROUND, stage_times);
+        // After the ground: a wall is one only if no ground is seen behind it.
         self.walls.refine(&self.grid, &self.terrain, &mut self.classes);
-        clock.lap("walls", stage_times);
+        clock.lap(stage::WALLS, stage_times);
         self.foreground.extract(cloud, &self.grid, &self.classes, &self.terrain);
-        clock.lap("foreground", stage_times);
+        clock.lap(stage::FOREGROUND, stage_times);
     }
 
     /// What the stages take out of the foreground.
@@ -94,48 +98,24 @@ impl ForegroundStages {
 
     /// The classified cells and points of the latest scan.
     pub fn stage_products(&self) -> Vec<StageProduct> {
-        let cells = self.grid.occupied().iter().map(|&cell_idx| {
-            let cell = &self.grid.cells()[cell_idx as usize];
-            ProductCell {
-                center_m: self.grid.center_m(cell_idx),
-                z_range_m: [cell.z_min_m, cell.z_max_m],
-                class: self.classes[cell_idx as usize],
-            }
-        });
-        let cells = Shape::Cells { cell_size_m: self.grid.params().cell_size_m, cells: cells.collect() };
-        let walls = Shape::Segments(self.walls.walls().iter().map(|&it| self.wall_m(it)).collect());
+        let cells = surface_cells(&self.grid, |cell_idx| self.classes[cell_idx as usize]);
+        let above_ground_m = self.params.walls.min_height_m;
+        let walls = wall_segments(&self.grid, &self.terrain, self.walls.walls(), above_ground_m);
+        let points = Shape::LabeledPoints(self.point_classes());
         vec![
-            StageProduct { stage: "walls", name: "cells", shape: cells },
-            StageProduct { stage: "walls", name: "segments", shape: walls },
-            StageProduct {
-                stage: "foreground",
-                name: "points",
-                shape: Shape::LabeledPoints(self.point_classes()),
-            },
+            StageProduct { stage: stage::WALLS, name: "cells", shape: cells },
+            StageProduct { stage: stage::WALLS, name: "segments", shape: walls },
+            StageProduct { stage: stage::FOREGROUND, name: "points", shape: points },
         ]
-    }
-
-    /// A wall from end to end, drawn where supporting cells begin.
-    fn wall_m(&self, wall: Segment) -> [[f32; 3]; 2] {
-        [wall.start, wall.end].map(|[column, row]| {
-            let cell_idx = row as u32 * self.grid.n_columns() + column as u32;
-            let [x, y] = self.grid.center_m(cell_idx);
-            let ground_m = self.terrain.elevation_m(self.grid.column_and_row(cell_idx));
-            [x, y, ground_m + self.params.walls.min_height_m]
-        })
     }
 
     /// The class of every point of the latest scan: that of its cell, except that points of short cells that lie below
     /// the foreground are ground.
     pub fn point_classes(&self) -> Vec<SurfaceClass> {
-        let class_of = |&cell_idx: &u32| match cell_idx {
-            NO_CELL => SurfaceClass::Unseen,
-            _ => match self.classes[cell_idx as usize] {
-                SurfaceClass::Short => SurfaceClass::Ground,
-                class => class,
-            },
-        };
-        let mut classes: Vec<SurfaceClass> = self.grid.cell_of_point().iter().map(class_of).collect();
+        let mut classes = class_by_cell(&self.grid, |cell_idx| match self.classes[cell_idx as usize] {
+            SurfaceClass::Short => SurfaceClass::Ground,
+            class => class,
+        });
         for &point_idx in self.point_indices() {
             classes[point_idx as usize] = SurfaceClass::Short;
         }

@@ -1,27 +1,43 @@
 //! The detector of the paper.
 
-use crate::classify::regrouping::Regrouping;
+use crate::classify::vehicle_model::VehicleModel;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
+use crate::drawn::cut_borders::cut_borders;
+use crate::drawn::merge_graph::merge_graph;
+use crate::drawn::object_cells::object_cells;
+use crate::drawn::point_clusters::point_clusters;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::outline::Outline;
-use crate::grid::dense_level::DenseLevel;
 use crate::grid::density_weighting::DensityWeighting;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
 use crate::pipeline::object_stages::ObjectStages;
-use crate::pipeline::vehicle_model::VehicleModel;
 use crate::point_cloud::PointCloud;
+use crate::regroup::regrouping::Regrouping;
 use crate::rule::Rule;
 use crate::segment::connected_components::connected_components;
+use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_separation::DenseSeparation;
-use crate::segment::merge_graph::merge_graph;
-use crate::segment::object_cells::object_cells;
 use crate::segment::object_points::ObjectPoints;
-use crate::stage_product::{Shape, StageProduct};
+use crate::stage;
+use crate::stage_product::StageProduct;
 
 /// Objects from a hierarchical grid.
 ///
 /// Paper: HG sections 3 to 3.2; boxes as VM section 4.
+///
+/// ```
+/// use detector::classify::vehicle_model::VehicleModel;
+/// use detector::params::HierarchicalParams;
+/// use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+/// use detector::{Detector, Rule};
+///
+/// let by_size = HierarchicalDetector::new(HierarchicalParams::paper(), 1.73);
+/// assert!(!by_size.rules().contains(&Rule::Regrouping));
+/// // With a model, which it asks where clusters are to be cut and joined.
+/// let by_model = by_size.with_vehicle_model(VehicleModel::shipped());
+/// assert!(by_model.rules().contains(&Rule::Regrouping));
+/// ```
 #[derive(Debug, Clone)]
 pub struct HierarchicalDetector {
     foreground: ForegroundStages,
@@ -73,39 +89,33 @@ impl Detector for HierarchicalDetector {
         let grid = self.foreground.grid();
         let params = self.foreground.params();
         self.dense.fill(grid, self.foreground.foreground_cells(), self.foreground.point_indices());
-        clock.lap("dense_level", &mut output.stage_times);
+        clock.lap(stage::DENSE_LEVEL, &mut output.stage_times);
         connected_components(grid, &self.dense, &params.merge, &mut self.links);
-        clock.lap("merge", &mut output.stage_times);
+        clock.lap(stage::MERGE, &mut output.stage_times);
+        // Links and not blobs go in: the separation decides about each link again.
         self.separation.separate(grid, &self.dense, &self.links);
         self.clusters.fill(cloud, self.foreground.point_indices(), &self.dense, &self.separation);
-        clock.lap("separation", &mut output.stage_times);
+        clock.lap(stage::SEPARATION, &mut output.stage_times);
+        // Points inside of an outline are no corners of a hull, so that boxes are fitted to few.
         self.outline.mark(grid, &self.dense, self.separation.object_of_dense());
         self.fit_boxes(output);
-        clock.lap("boxes", &mut output.stage_times);
+        clock.lap(stage::BOXES, &mut output.stage_times);
         self.objects.finish(cloud, &self.foreground, &mut clock, output);
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        let (grid, cut_links) = (self.foreground.grid(), self.separation.cut_links());
+        let links = merge_graph(grid, &self.dense, &self.links, cut_links);
+        let dense_cells = object_cells(grid, &self.dense, &self.clusters);
+        let cuts = cut_borders(grid, &self.dense, cut_links);
+        let points_of = |cluster_idx| self.clusters.point_indices(cluster_idx).iter().copied();
+        let clusters = point_clusters(cloud.len(), (0..self.clusters.n_objects()).map(points_of));
         let mut products = self.foreground.stage_products();
-        let cuts = self.separation.cut_links().iter().map(|&blocks| self.cut(blocks)).collect();
-        let grid = self.foreground.grid();
         products.extend([
-            StageProduct {
-                stage: "merge",
-                name: "links",
-                shape: merge_graph(grid, &self.dense, &self.links, self.separation.cut_links()),
-            },
-            StageProduct {
-                stage: "separation",
-                name: "dense_cells",
-                shape: object_cells(grid, &self.dense, &self.clusters),
-            },
-            StageProduct { stage: "separation", name: "cuts", shape: Shape::Segments(cuts) },
-            StageProduct {
-                stage: "separation",
-                name: "clusters",
-                shape: Shape::Clusters(self.cluster_of_point(cloud.len())),
-            },
+            StageProduct { stage: stage::MERGE, name: "links", shape: links },
+            StageProduct { stage: stage::SEPARATION, name: "dense_cells", shape: dense_cells },
+            StageProduct { stage: stage::SEPARATION, name: "cuts", shape: cuts },
+            StageProduct { stage: stage::SEPARATION, name: "clusters", shape: clusters },
         ]);
         products.extend(self.objects.stage_products(cloud.len()));
         products
@@ -134,27 +144,5 @@ impl HierarchicalDetector {
             let points = point_indices.zip(points.iter().map(|it| it.position_m));
             self.objects.add(points, bounding_box, self.box_fit.hull_m());
         }
-    }
-
-    /// The border between two neighbouring cells whose link was cut, drawn at the height of the lower one's top.
-    fn cut(&self, blocks: [u32; 2]) -> [[f32; 3]; 2] {
-        let grid = self.foreground.grid();
-        let [a, b] = blocks.map(|block_idx| grid.center_m(self.dense.cell_of_block()[block_idx as usize]));
-        let [top_a_m, top_b_m] = blocks.map(|block_idx| self.dense.z_max_m(block_idx));
-        let top_m = top_a_m.min(top_b_m);
-        let middle_m = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-        // A quarter turn from the line between the centres, half as long to either side.
-        let half_m = [0.5 * (a[1] - b[1]), 0.5 * (b[0] - a[0])];
-        [1.0, -1.0].map(|side| [middle_m[0] + side * half_m[0], middle_m[1] + side * half_m[1], top_m])
-    }
-
-    fn cluster_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
-        let mut cluster_of_point = vec![None; n_points];
-        for cluster_idx in 0..self.clusters.n_objects() {
-            for &point_idx in self.clusters.point_indices(cluster_idx) {
-                cluster_of_point[point_idx as usize] = Some(cluster_idx as u32);
-            }
-        }
-        cluster_of_point
     }
 }

@@ -1,6 +1,6 @@
 //! The order of the stages. No other file knows it.
 
 pub mod foreground_stages;
-pub mod vehicle_model;
+pub mod vehicle_stages;
 pub mod object_stages;
 pub mod hierarchical_detector;

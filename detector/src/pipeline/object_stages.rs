@@ -1,34 +1,36 @@
 //! From objects with boxes to detections. Shared with baselines that classify as the paper does.
 
-use crate::classify::regrouping::{Judge, Regrouping};
-use crate::classify::size_gate::{SizeGateParams, size_gate};
-use crate::describe::seen_size::VehicleBoundsParams;
-use crate::describe::surroundings::{ObjectRaster, Surroundings};
-use crate::detection::Detection;
+use crate::classify::size_gate::size_gate;
+use crate::classify::vehicle_model::{VehicleModel, class_by_decision};
+use crate::complete::completed_object::{box_with_points, merge_points};
+use crate::complete::completion::Completion;
+use crate::detection::{DetectedClass, Detection};
 use crate::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
-use crate::fit::completion::Completion;
-use crate::fit::convex_hull_box::ConvexHullBox;
+use crate::drawn::fitted_boxes::fitted_boxes;
+use crate::drawn::point_clusters::point_clusters;
+use crate::drawn::vehicle_shapes::vehicle_shapes;
 use crate::fit::fitted_objects::{FittedObject, FittedObjects};
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::pipeline::foreground_stages::ForegroundStages;
-use crate::pipeline::vehicle_model::{N_FEATURES, VehicleModel, class_by_decision};
+use crate::pipeline::vehicle_stages::VehicleStages;
 use crate::point_cloud::PointCloud;
+use crate::regroup::regrouping::Regrouping;
 use crate::rule::Rule;
-use crate::stage_product::{Shape, StageProduct};
+use crate::stage;
+use crate::stage_product::StageProduct;
 
 /// Classes, regrouping and completion of one scan after another.
 #[derive(Debug, Clone)]
 pub struct ObjectStages {
+    params: HierarchicalParams,
     min_points: usize,
     min_vehicle_points: usize,
-    vehicle_bounds: VehicleBoundsParams,
     fitted: FittedObjects,
-    model: Option<VehicleModel>,
-    values: Vec<Option<[f32; N_FEATURES]>>,
+    // The objects before regrouping, which are drawn.
+    as_fitted: Vec<FittedObject>,
+    vehicles: Option<VehicleStages>,
     regrouping: Option<Regrouping>,
-    raster: ObjectRaster,
-    box_fit: ConvexHullBox,
     completion: Completion,
     point_indices: Vec<u32>,
 }
@@ -39,21 +41,20 @@ impl ObjectStages {
         Self {
             min_points,
             min_vehicle_points: params.cluster.min_vehicle_points.min(min_points),
-            vehicle_bounds: params.vehicle_bounds,
             fitted: FittedObjects::default(),
-            model: None,
-            values: Vec::new(),
+            as_fitted: Vec::new(),
+            vehicles: None,
             regrouping: None,
-            raster: ObjectRaster::new(params.grid.extent_m),
-            box_fit: ConvexHullBox::default(),
             completion: Completion::new(params.completion.clone()),
             point_indices: Vec::new(),
+            params: params.clone(),
         }
     }
 
     /// The same stages, which tell vehicles by `model` instead.
     pub fn with_vehicle_model(self, model: VehicleModel) -> Self {
-        Self { model: Some(model.within(self.vehicle_bounds)), ..self }
+        let vehicles = VehicleStages::new(model, &self.params, self.min_vehicle_points);
+        Self { vehicles: Some(vehicles), ..self }
     }
 
     /// The same stages, which cut and join objects if there is a vehicle model.
@@ -63,17 +64,17 @@ impl ObjectStages {
 
     /// Fewest points of what may become a detection.
     pub fn min_points(&self) -> usize {
-        if self.model.is_some() { self.min_vehicle_points } else { self.min_points }
+        if self.vehicles.is_some() { self.min_vehicle_points } else { self.min_points }
     }
 
     /// What becomes of clusters beside their class.
     pub fn rules(&self) -> Vec<Rule> {
         let mut rules = Vec::new();
-        if self.model.is_some() {
+        if self.vehicles.is_some() {
             if self.min_vehicle_points < self.min_points {
                 rules.push(Rule::SmallVehicles { min_points: self.min_vehicle_points });
             }
-            if self.vehicle_bounds.enabled {
+            if self.params.vehicle_bounds.enabled {
                 rules.push(Rule::SizeBounds);
             }
             if self.regrouping.as_ref().is_some_and(Regrouping::is_enabled) {
@@ -112,45 +113,26 @@ impl ObjectStages {
         clock: &mut StageClock,
         output: &mut DetectorOutput,
     ) {
-        let (raster, bounds) = (&mut self.raster, self.vehicle_bounds);
-        let surroundings = |raster: &ObjectRaster, bounding_box: &OrientedBox| {
-            let ground_m = foreground.ground_below_m(bounding_box);
-            // The model does not look at others.
-            if bounds.allow(bounding_box, ground_m) {
-                raster.around(bounding_box, ground_m)
-            } else {
-                Surroundings { ground_m, ..Surroundings::default() }
+        // Regrouping puts others in their place.
+        self.as_fitted.clone_from(&self.fitted.objects);
+        if let Some(vehicles) = &mut self.vehicles {
+            vehicles.describe(&self.fitted, foreground);
+            clock.lap(stage::FEATURES, &mut output.stage_times);
+            vehicles.decide(&mut self.fitted);
+            clock.lap(stage::CLASSIFICATION, &mut output.stage_times);
+            if let Some(regrouping) = &mut self.regrouping {
+                vehicles.regroup(regrouping, &mut self.fitted, foreground);
+                clock.lap(stage::REGROUPING, &mut output.stage_times);
             }
-        };
-        if let Some(model) = &mut self.model {
-            let members = &self.fitted.members;
-            raster.fill(members.positions_m(&(0..members.len())).iter().copied());
-            let values = self.fitted.objects.iter().map(|it| {
-                let positions_m = members.positions_m(&it.members).iter().copied();
-                model.values(&it.bounding_box, &surroundings(raster, &it.bounding_box), positions_m)
-            });
-            self.values.clear();
-            self.values.extend(values);
-            clock.lap("features", &mut output.stage_times);
-            for (object, values) in self.fitted.objects.iter_mut().zip(&self.values) {
-                object.decision = Some(model.decision_on(values.as_ref()));
-            }
-            clock.lap("svm", &mut output.stage_times);
         }
-        if let (Some(regrouping), Some(model)) = (&mut self.regrouping, &mut self.model) {
-            let surroundings = |bounding_box: &OrientedBox| surroundings(raster, bounding_box);
-            let min_points = self.min_vehicle_points;
-            let sizes = &SizeGateParams { min_points, ..foreground.params().vehicle_size.clone() };
-            let judge = Judge { box_fit: &mut self.box_fit, model, surroundings, sizes };
-            regrouping.regroup(&mut self.fitted, judge);
-            clock.lap("regroup", &mut output.stage_times);
-        }
+        // Not before: what is small may be a part that regrouping joins, or that it cuts off.
         self.drop_small_background(output);
-        self.complete(cloud, foreground, output);
-        clock.lap("completion", &mut output.stage_times);
+        self.complete(cloud, foreground);
+        self.report(cloud, output);
+        clock.lap(stage::COMPLETION, &mut output.stage_times);
     }
 
-    /// Drops what has too few points for an object and is no vehicle.
+    /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.
     fn drop_small_background(&mut self, output: &mut DetectorOutput) {
         let is_kept = |it: &FittedObject| {
             let n_points = it.members.len();
@@ -164,87 +146,62 @@ impl ObjectStages {
         self.fitted.objects.retain(is_kept);
     }
 
-    fn complete(&mut self, cloud: &PointCloud, foreground: &ForegroundStages, output: &mut DetectorOutput) {
-        let FittedObjects { objects, members, .. } = &mut self.fitted;
+    /// Finds the points in the boxes of objects that are no foreground.
+    fn complete(&mut self, cloud: &PointCloud, foreground: &ForegroundStages) {
+        let FittedObjects { objects, members, .. } = &self.fitted;
         let asked = objects.iter().map(|it| {
             let ground_m = foreground.ground_below_m(&it.bounding_box);
             (&it.bounding_box, ground_m, members.point_indices(&it.members))
         });
-        let mut added = self.completion.find(cloud, foreground.grid(), asked).iter().peekable();
-        for (object, object_idx) in objects.iter_mut().zip(0..) {
-            let (n_points, sizes) = (object.members.len(), &foreground.params().vehicle_size);
-            let class = match self.model {
-                Some(_) => class_by_decision(object.decision, n_points, self.min_vehicle_points),
-                None => size_gate(n_points, &object.bounding_box, sizes),
-            };
-            self.point_indices.clear();
-            let mut own = members.point_indices(&object.members);
-            while let Some(&[_, point_idx]) = added.next_if(|[of_object, _]| *of_object == object_idx) {
-                // Rarely more than some points away.
-                let n_before = own.iter().position(|it| *it > point_idx).unwrap_or(own.len());
-                let (before, behind) = own.split_at(n_before);
-                self.point_indices.extend_from_slice(before);
-                self.point_indices.push(point_idx);
-                own = behind;
-                include(&mut object.bounding_box, cloud.z_m()[point_idx as usize]);
-            }
-            self.point_indices.extend_from_slice(own);
+        self.completion.find(cloud, foreground.grid(), asked);
+    }
+
+    /// Makes a detection of each object, with its own points and those that were found for it.
+    fn report(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        for (object_idx, object) in self.fitted.objects.iter().enumerate() {
+            let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
+            let own = self.fitted.members.point_indices(&object.members);
+            merge_points(own, added.clone(), &mut self.point_indices);
             output.detections.push(Detection {
                 point_indices: &self.point_indices,
-                bounding_box: object.bounding_box,
-                class,
+                bounding_box: box_with_points(object.bounding_box, cloud, added),
+                class: self.class_of(object),
                 score: object.decision,
             });
+        }
+    }
+
+    /// By the model if there is one, else by size. Points that completion adds do not count: no model is trained on them.
+    fn class_of(&self, object: &FittedObject) -> DetectedClass {
+        let n_points = object.members.len();
+        match self.vehicles {
+            Some(_) => class_by_decision(object.decision, n_points, self.min_vehicle_points),
+            None => size_gate(n_points, &object.bounding_box, &self.params.vehicle_size),
         }
     }
 
     /// What the stages left behind of the latest scan, which has `n_points` points.
     pub fn stage_products(&self, n_points: usize) -> Vec<StageProduct> {
         let FittedObjects { objects, members, .. } = &self.fitted;
-        let hulls = objects.iter().map(|object| self.hull(object)).collect();
-        let rectangles = objects.iter().map(|object| object.bounding_box.bottom_m().to_vec()).collect();
-        let boxes = objects.iter().map(|object| object.bounding_box).collect();
-        let mut products = vec![
-            StageProduct { stage: "boxes", name: "hulls", shape: Shape::Contours(hulls) },
-            StageProduct { stage: "boxes", name: "rectangles", shape: Shape::Contours(rectangles) },
-            StageProduct { stage: "boxes", name: "boxes", shape: Shape::Boxes(boxes) },
-        ];
-        if let Some(model) = &self.model {
-            let positions_m = |it: &FittedObject| members.positions_m(&it.members).iter().copied();
-            products
-                .extend(model.stage_products(objects.iter().map(|it| (it.bounding_box, positions_m(it)))));
+        let mut products = fitted_boxes(&self.fitted, &self.as_fitted);
+        if let Some(vehicles) = &self.vehicles {
+            let described = self.as_fitted.iter().map(|it| {
+                let positions_m = members.positions_m(&it.members).iter().copied();
+                (it.bounding_box, positions_m)
+            });
+            products.extend(vehicle_shapes(vehicles.prototypes(), described));
         }
-        let clusters = Shape::Clusters(self.object_of_point(n_points));
-        products.push(StageProduct { stage: "completion", name: "objects", shape: clusters });
+        let own = |it: &FittedObject| members.point_indices(&it.members).iter().copied();
+        if self.vehicles.is_some() && self.regrouping.is_some() {
+            let shape = point_clusters(n_points, objects.iter().map(own));
+            products.push(StageProduct { stage: stage::REGROUPING, name: "regrouped_clusters", shape });
+        }
+        let completed = objects.iter().enumerate().map(|(object_idx, object)| {
+            let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
+            own(object).chain(added)
+        });
+        let shape = point_clusters(n_points, completed);
+        products.push(StageProduct { stage: stage::COMPLETION, name: "objects", shape });
         products
-    }
-
-    fn object_of_point(&self, n_points: usize) -> Vec<Option<u32>> {
-        let mut object_of_point = vec![None; n_points];
-        for (object, object_idx) in self.fitted.objects.iter().zip(0..) {
-            for &point_idx in self.fitted.members.point_indices(&object.members) {
-                object_of_point[point_idx as usize] = Some(object_idx);
-            }
-        }
-        for &[object_idx, point_idx] in self.completion.added() {
-            object_of_point[point_idx as usize] = Some(object_idx);
-        }
-        object_of_point
-    }
-
-    fn hull(&self, object: &FittedObject) -> Vec<[f32; 3]> {
-        let [_, _, center_z_m] = object.bounding_box.center_m;
-        let bottom_m = center_z_m - object.bounding_box.length_width_height_m[2] / 2.0;
-        self.fitted.hull_m(object).iter().map(|&[x, y]| [x, y, bottom_m]).collect()
-    }
-}
-
-/// Makes a box high enough for a point at this elevation.
-fn include(bounding_box: &mut OrientedBox, z_m: f32) {
-    let (center_m, height_m) = (&mut bounding_box.center_m[2], &mut bounding_box.length_width_height_m[2]);
-    let (low_m, high_m) = (*center_m - 0.5 * *height_m, *center_m + 0.5 * *height_m);
-    if z_m < low_m || z_m > high_m {
-        let (low_m, high_m) = (low_m.min(z_m), high_m.max(z_m));
-        (*center_m, *height_m) = (0.5 * (low_m + high_m), high_m - low_m);
     }
 }

@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::grid::dense_level::{DenseLevel, NO_BLOCK};
 use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::dense_level::{DenseLevel, NO_BLOCK};
 
 /// Tuning of [`connected_components`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]

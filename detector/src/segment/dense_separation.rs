@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 
-use crate::grid::dense_level::DenseLevel;
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_reach::DenseReach;
 use crate::segment::disjoint_sets::DisjointSets;
 
@@ -156,6 +156,7 @@ impl DenseSeparation {
             self.reach.push_groups(occupied, expected.max_steps, &mut self.cells_of_part);
             let parts = &self.cells_of_part[first_part..];
             for (bit, &n_in_cell) in n_points.iter().enumerate() {
+                // Near-empty cells are in no part, and their points go to the nearest one.
                 if n_in_cell > 0 {
                     let dense_idx = block_idx * n_points.len() + bit;
                     let part = first_part + self.reach.nearest(parts, bit as u32);

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::point_cloud::PointCloud;
 use crate::segment::terrain::Terrain;
-use crate::stage_product::SurfaceClass;
+use crate::surface_class::SurfaceClass;
 
 /// Tuning of [`Foreground::extract`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]

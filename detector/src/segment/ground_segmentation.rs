@@ -5,7 +5,7 @@ use serde::Deserialize;
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::segment::terrain::Terrain;
-use crate::stage_product::SurfaceClass;
+use crate::surface_class::SurfaceClass;
 
 /// Tuning of [`GroundSegmentation::segment`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]

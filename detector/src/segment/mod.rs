@@ -1,15 +1,19 @@
 //! From cells to separate objects.
 
+// Which points are foreground.
 pub mod terrain;
 pub mod ground_segmentation;
 pub mod hough_lines;
 pub mod wall_refinement;
 pub mod foreground;
+
+// Which of them belong together.
+pub mod dense_level;
 pub mod connected_components;
 pub mod disjoint_sets;
 pub mod dense_reach;
 pub mod dense_separation;
-pub mod merge_graph;
 pub mod object_points;
-pub mod object_cells;
+
+// The same for detectors that label points instead of cells.
 pub mod clusters;

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::grid::dense_level::DenseLevel;
 use crate::point_cloud::PointCloud;
+use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_separation::{DenseSeparation, NO_OBJECT};
 
 /// Copies of the foreground points in the order of their objects, so that what follows reads them from memory one

@@ -3,11 +3,11 @@
 use detector::OrientedBox;
 use detector::classify::nu_svc_solver::NuSvcParams;
 use detector::classify::svm_training::train_svm;
+use detector::classify::vehicle_model::{N_FEATURES, VehicleModel};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::surroundings::Surroundings;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
-use detector::pipeline::vehicle_model::{N_FEATURES, VehicleModel};
 
 /// How far ahead of the sensor the drawings stand, in metres.
 const AHEAD_M: f32 = 7.0;

@@ -3,7 +3,8 @@
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use detector::stage_product::Shape;
+use detector::stage;
+use detector::stage_product::{Shape, StageProduct};
 use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M};
@@ -56,22 +57,102 @@ fn what_is_small_for_an_object_is_kept_if_the_model_takes_it_for_a_vehicle() {
     }
 }
 
+/// The street with the products of the detector with a model, and what it found.
+fn products_of_street() -> (PointCloud, Vec<StageProduct>, DetectorOutput) {
+    let mut params = HierarchicalParams::paper();
+    // So that detections have the boxes that features were taken from.
+    params.completion.enabled = false;
+    let mut detector = HierarchicalDetector::new(params, SENSOR_HEIGHT_M).with_vehicle_model(vehicle_model());
+    let mut output = DetectorOutput::default();
+    detector.detect(&street(), &mut output);
+    (street(), detector.stage_products(&street()), output)
+}
+
+fn shape<'a>(products: &'a [StageProduct], stage: &str, name: &str) -> &'a Shape {
+    let product = products.iter().find(|it| it.stage == stage && it.name == name);
+    &product.unwrap_or_else(|| panic!("no {stage}/{name}")).shape
+}
+
 #[test]
-fn what_the_model_looked_at_can_be_drawn() {
+fn what_the_model_looked_at_is_drawn_where_the_object_is() {
+    let (cloud, products, output) = products_of_street();
+    let Shape::Spheres(spheres) = shape(&products, stage::FEATURES, "corner_spheres") else {
+        panic!("no spheres")
+    };
+    assert_eq!(spheres.len(), 4 * output.detections.len());
+    for (sphere, detection) in spheres.iter().zip(output.detections.iter().flat_map(|it| [it; 4])) {
+        let to_center_m = |&point_idx: &u32| {
+            let at_m = cloud.position_m(point_idx as usize);
+            (0..3).map(|axis| (at_m[axis] - sphere.center_m[axis]).powi(2)).sum::<f32>().sqrt()
+        };
+        let nearest_m = detection.point_indices.iter().map(to_center_m).fold(f32::INFINITY, f32::min);
+        assert!((nearest_m - sphere.radius_m).abs() < 1e-3, "{nearest_m} against {}", sphere.radius_m);
+    }
+    for name in ["convex_profiles", "concave_profiles", "nearest_prototypes"] {
+        let Shape::Contours(contours) = shape(&products, stage::FEATURES, name) else {
+            panic!("{name} are no contours")
+        };
+        assert_eq!(contours.len(), output.detections.len(), "{name}");
+        for (contour_m, detection) in contours.iter().zip(output.detections.iter()) {
+            assert!(contour_m.len() > 3, "{name}");
+            let mut around = detection.bounding_box;
+            // Prototypes are as long around as the profile, not as long and as high.
+            around.length_width_height_m = around.length_width_height_m.map(|side_m| side_m + 1.0);
+            assert!(contour_m.iter().all(|&at_m| around.contains(at_m)), "{name}: {contour_m:?}");
+        }
+    }
+}
+
+#[test]
+fn boxes_are_drawn_as_they_were_fitted_and_clusters_as_they_were_regrouped() {
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+        .with_vehicle_model(vehicle_model());
+    // Near enough for one cluster, and cars to the model.
+    let hatchback = &PrototypeLibrary::drawn().prototypes()[0].contour_m.clone();
+    let along_m = hatchback.iter().map(|it| it[0]);
+    let length_m = along_m.clone().fold(f32::MIN, f32::max) - along_m.fold(f32::MAX, f32::min);
+    let row = DrawnStreet::road()
+        .vehicle([7.0, 3.0], hatchback)
+        .vehicle([7.0 + length_m + 0.05, 3.0], hatchback)
+        .cloud();
+    let mut output = DetectorOutput::default();
+    detector.detect(&row, &mut output);
+    let products = detector.stage_products(&row);
+    let Shape::Boxes(boxes) = shape(&products, stage::BOXES, "boxes") else { panic!("no boxes") };
+    let n_clusters = |stage: &str, name: &str| {
+        let Shape::Clusters(clusters) = shape(&products, stage, name) else { panic!("no clusters") };
+        clusters.iter().flatten().max().map_or(0, |&last| last as usize + 1)
+    };
+    assert_eq!((boxes.len(), n_clusters(stage::SEPARATION, "clusters")), (1, 1));
+    assert_eq!(n_clusters(stage::REGROUPING, "regrouped_clusters"), 2);
+    assert_eq!((n_clusters(stage::COMPLETION, "objects"), output.detections.len()), (2, 2));
+}
+
+#[test]
+fn every_stage_has_one_name_for_its_time_and_its_products() {
     let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
         .with_vehicle_model(vehicle_model());
     let mut output = DetectorOutput::default();
     detector.detect(&street(), &mut output);
-    let products = detector.stage_products(&street());
-    let shape = |name: &str| {
-        let product = products.iter().find(|it| it.stage == "classify" && it.name == name);
-        &product.unwrap_or_else(|| panic!("no {name}")).shape
-    };
-    let Shape::Spheres(spheres) = shape("corner_spheres") else { panic!("no spheres") };
-    assert_eq!(spheres.len(), 4 * output.detections.len());
-    for name in ["convex_profiles", "concave_profiles", "nearest_prototypes"] {
-        let Shape::Contours(contours) = shape(name) else { panic!("{name} are no contours") };
-        assert_eq!(contours.len(), output.detections.len(), "{name}");
-        assert!(contours.iter().all(|contour| contour.len() > 3), "{name}");
-    }
+    let timed: Vec<&str> = output.stage_times.iter().map(|it| it.stage).collect();
+    // Tables of runs have these names.
+    let expected = [
+        "grid",
+        "ground",
+        "walls",
+        "foreground",
+        "dense_level",
+        "merge",
+        "separation",
+        "boxes",
+        "features",
+        "classification",
+        "regrouping",
+        "completion",
+    ];
+    assert_eq!(timed, expected);
+    let mut drawn: Vec<&str> = detector.stage_products(&street()).iter().map(|it| it.stage).collect();
+    drawn.dedup();
+    let in_order: Vec<&str> = timed.into_iter().filter(|it| drawn.contains(it)).collect();
+    assert_eq!(drawn, in_order);
 }

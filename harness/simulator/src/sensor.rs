@@ -3,7 +3,7 @@
 /// A rotating LiDAR, read from a description file.
 ///
 /// ```
-/// use crate::sensor::SensorModel;
+/// use simulator::sensor::SensorModel;
 ///
 /// let sensor = SensorModel::hdl_64e_s2();
 /// assert_eq!(sensor.n_beams(), 64);

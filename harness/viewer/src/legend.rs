@@ -1,6 +1,7 @@
 //! What the class ids of a recording mean.
 
-use detector::stage_product::{LinkFate, SurfaceClass};
+use detector::stage_product::LinkFate;
+use detector::surface_class::SurfaceClass;
 use re_sdk_types::datatypes::{ClassDescription, Rgba32};
 
 use super::palette::{self, Rgb};

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use detector::stage_product::{LinkFate, ProductCell, ProductLink, Shape, StageProduct, SurfaceClass};
+use detector::stage_product::{LinkFate, ProductCell, ProductLink, Shape, StageProduct};
+use detector::surface_class::SurfaceClass;
 use re_sdk_types::archetypes::LineStrips3D;
 use re_sdk_types::components::Radius;
 use rerun::{EntityPath, RecordingStream, SerializedComponentBatch};

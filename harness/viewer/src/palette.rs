@@ -2,7 +2,8 @@
 //!
 //! The hues can be told apart with every kind of colour vision; the greys stay behind them on a dark background.
 
-use detector::stage_product::{LinkFate, SurfaceClass};
+use detector::stage_product::LinkFate;
+use detector::surface_class::SurfaceClass;
 use reports::palette::detector_hue;
 pub use reports::palette::{BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW};
 

@@ -151,7 +151,7 @@ mod tests {
             ("separation", 0.5),
             ("boxes", 0.5),
             ("features", 0.75),
-            ("regroup", 0.375),
+            ("regrouping", 0.375),
         ];
         insta::assert_snapshot!(table(&stages), @r"
         **Medians of the stages of hierarchical in ms, on Example CPU @ 2 GHz.**
@@ -162,8 +162,8 @@ mod tests {
         | segmentation | ground, walls, foreground | 4 | 0.88 |
         | separation | dense_level, merge, separation | 6 | 1.00 |
         | features | boxes, features | 18 | 1.25 |
-        | SVM | svm | 2 | –¹ |
-        | not in the paper | regroup |  | 0.38 |
+        | SVM | classification | 2 | –¹ |
+        | not in the paper | regrouping |  | 0.38 |
         | **whole** |  | 43 | 9.50 |
 
         - Steps that several stages do: the sum of their medians. paper: VM section 6, on another machine, other scans and with eight features where ours has more: for orientation.

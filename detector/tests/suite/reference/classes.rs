@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use detector::params::HierarchicalParams;
-use detector::stage_product::SurfaceClass;
+use detector::surface_class::SurfaceClass;
 
 use super::cells::{Cell, CellPoints};
 use super::density::points_per_cell;

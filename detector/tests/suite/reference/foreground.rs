@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use detector::PointCloud;
 use detector::segment::foreground::ForegroundParams;
-use detector::stage_product::SurfaceClass;
+use detector::surface_class::SurfaceClass;
 
 use super::cells::{Cell, CellPoints};
 use super::terrain::Terrain;

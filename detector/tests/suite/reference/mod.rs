@@ -16,7 +16,7 @@ pub mod twins;
 
 use detector::classify::size_gate::size_gate;
 use detector::params::HierarchicalParams;
-use detector::stage_product::SurfaceClass;
+use detector::surface_class::SurfaceClass;
 use detector::{DetectedClass, OrientedBox, PointCloud};
 
 /// What the reference finds in a scan.

@@ -2,7 +2,8 @@
 
 use detector::params::HierarchicalParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
-use detector::stage_product::{Shape, StageProduct, SurfaceClass};
+use detector::stage_product::{Shape, StageProduct};
+use detector::surface_class::SurfaceClass;
 use detector::{Detector, DetectorOutput, PointCloud};
 
 use super::{Found, FoundObject};

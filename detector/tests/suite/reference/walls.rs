@@ -7,7 +7,7 @@ use detector::grid::hierarchical_grid::HierarchicalGrid;
 use detector::params::HierarchicalParams;
 use detector::segment::terrain::Terrain;
 use detector::segment::wall_refinement::WallRefinement;
-use detector::stage_product::SurfaceClass;
+use detector::surface_class::SurfaceClass;
 
 use super::cells::Cell;
 

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use detector::stage_product::{Shape, SurfaceClass};
+use detector::stage_product::Shape;
+use detector::surface_class::SurfaceClass;
 use detector::{Detections, StageProduct};
 use scans::annotation::{LabeledScan, range_m};
 

@@ -1,7 +1,7 @@
 //! What the cells of the ground plan hold.
 
 use detector::pipeline::foreground_stages::ForegroundStages;
-use detector::stage_product::SurfaceClass;
+use detector::surface_class::SurfaceClass;
 use reports::curve_pair::{CurveBin, CurvePair, Measured, Sides};
 
 /// The classes of occupied cells, in the order of the bins.

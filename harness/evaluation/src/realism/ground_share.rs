@@ -1,7 +1,7 @@
 //! How much of a scan is ground.
 
 use detector::pipeline::foreground_stages::ForegroundStages;
-use detector::stage_product::SurfaceClass;
+use detector::surface_class::SurfaceClass;
 use reports::curve_pair::{CurvePair, Sides};
 
 use super::distribution::distribution;

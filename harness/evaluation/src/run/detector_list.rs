@@ -179,7 +179,7 @@ mod tests {
                     });
                     has_completed |= foreground.is_some_and(|classes| {
                         let is_added = |point_idx: usize| {
-                            classes[point_idx] != detector::stage_product::SurfaceClass::Short
+                            classes[point_idx] != detector::surface_class::SurfaceClass::Short
                         };
                         (0..completed.len()).any(|it| completed[it].is_some() && is_added(it))
                     });
@@ -187,7 +187,7 @@ mod tests {
             }
             let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
             has_small |= vehicles.into_iter().any(|it| it.point_indices.len() < min_points);
-            has_regrouped |= output.stage_times.iter().any(|it| it.stage == "regroup");
+            has_regrouped |= output.stage_times.iter().any(|it| it.stage == "regrouping");
         }
         let seen = [
             (has_walls, Rule::Walls),

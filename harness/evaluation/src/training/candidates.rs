@@ -2,11 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use detector::classify::regrouping_params::RegroupingParams;
 use detector::describe::surroundings::{ObjectRaster, Surroundings};
 use detector::detector::StageClock;
 use detector::params::HierarchicalParams;
 use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::regroup::regrouping_params::RegroupingParams;
 use detector::{Detector, DetectorOutput, OrientedBox};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

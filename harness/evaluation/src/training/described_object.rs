@@ -4,10 +4,10 @@ use baselines::pca_features::{N_PCA_FEATURES, PcaDescriber};
 use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams};
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
+use detector::classify::vehicle_model::N_FEATURES;
 use detector::describe::seen_size::may_be_vehicle;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::VehicleDescriber;
-use detector::pipeline::vehicle_model::N_FEATURES;
 
 use super::candidates::Candidate;
 

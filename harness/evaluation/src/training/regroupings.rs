@@ -1,9 +1,9 @@
 //! What regrouping might make of clusters.
 
-use detector::classify::cut_places::CutPlaces;
-use detector::classify::joinable::may_be_one;
-use detector::classify::regrouping_params::RegroupingParams;
 use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::regroup::cut_places::CutPlaces;
+use detector::regroup::joinable::may_be_one;
+use detector::regroup::regrouping_params::RegroupingParams;
 use detector::{Detections, OrientedBox, PointCloud};
 
 /// Parts are cut once more, and then no more.

@@ -2,6 +2,18 @@
 
 use detector::{OrientedBox, PointCloud};
 
+use crate::annotation::Annotation;
+
+/// Gives every annotation that has a box the points in it, as [`points_of_boxes`] tells them; others keep theirs.
+pub fn assign_points_in_boxes(cloud: &PointCloud, annotations: &mut [Annotation]) {
+    let mut boxed: Vec<&mut Annotation> =
+        annotations.iter_mut().filter(|it| it.bounding_box.is_some()).collect();
+    let boxes: Vec<_> = boxed.iter().filter_map(|it| it.bounding_box).collect();
+    for (annotation, points) in boxed.iter_mut().zip(points_of_boxes(cloud, &boxes)) {
+        annotation.point_indices = points;
+    }
+}
+
 /// For every box, the indices of its points, ascending.
 ///
 /// A point belongs to the box that contains it; if several do, to the one of least volume, since a small box around a

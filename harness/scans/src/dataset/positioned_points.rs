@@ -9,6 +9,7 @@ use std::path::Path;
 use detector::PointCloud;
 
 use super::DatasetError;
+use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 
 /// A coordinate farther from the origin than this, in metres, is damage.
 pub const MAX_COORDINATE_M: f64 = 10_000.0;
@@ -25,6 +26,31 @@ impl PositionedPoints {
     /// No points yet, with room for `capacity`.
     pub fn with_capacity(capacity: usize) -> Self {
         Self { cloud: PointCloud::with_capacity(capacity), left_out: Vec::new() }
+    }
+
+    /// The points of a file that has `N` bytes for each; `point_of` makes position, in metres, and intensity of them. `path` is named
+    /// in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::PartialPoint`] if bytes are left over; as [`Self::push`] and [`Self::not_empty`].
+    pub fn of_rows<const N: usize>(
+        path: &Path,
+        bytes: &[u8],
+        point_of: impl Fn(&[u8; N]) -> ([f32; 3], f32),
+    ) -> Result<Self, DatasetError> {
+        let (rows, rest) = bytes.as_chunks::<N>();
+        if !rest.is_empty() {
+            let (path, n_bytes) = (path.to_path_buf(), bytes.len());
+            return Err(DatasetError::PartialPoint { path, n_bytes, n_bytes_per_point: N });
+        }
+        let mut points = Self::with_capacity(rows.len());
+        for row in rows {
+            let (position_m, intensity) = point_of(row);
+            let taken = points.push(position_m.map(f64::from), intensity);
+            taken.map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
+        }
+        points.not_empty(path)
     }
 
     /// Takes the next point of the file, in metres. Errors are the rest of a sentence about the file.
@@ -71,6 +97,14 @@ impl PositionedPoints {
     /// The cloud, and the places in the file of the points that are not in it, ascending.
     pub fn into_parts(self) -> (PointCloud, Vec<u32>) {
         (self.cloud, self.left_out)
+    }
+
+    /// The scan of these points, of which everything is labelled.
+    pub fn labeled_everywhere(self, id: ScanId, annotations: Vec<Annotation>) -> LabeledScan {
+        let (cloud, points_left_out) = self.into_parts();
+        let point_regions = vec![PointRegion::Labeled; cloud.len()];
+        let labeled_area = LabeledArea::Everywhere;
+        LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out }
     }
 
     /// These, if there are any; `path` is named in errors.

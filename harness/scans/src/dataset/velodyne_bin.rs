@@ -29,21 +29,10 @@ pub fn read_velodyne_bin(path: &Path) -> Result<PositionedPoints, DatasetError> 
 ///
 /// As [`read_velodyne_bin`].
 pub fn parse_velodyne_bin(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
-    let (rows, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
-    if !rest.is_empty() {
-        return Err(DatasetError::PartialPoint {
-            path: path.to_path_buf(),
-            n_bytes: bytes.len(),
-            n_bytes_per_point: N_BYTES_PER_POINT,
-        });
-    }
-    let mut points = PositionedPoints::with_capacity(rows.len());
-    for row in rows {
+    PositionedPoints::of_rows(path, bytes, |row| {
         let [x_m, y_m, z_m, intensity] = values_of(row);
-        let taken = points.push([x_m, y_m, z_m].map(f64::from), intensity);
-        taken.map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
-    }
-    points.not_empty(path)
+        ([x_m, y_m, z_m], intensity)
+    })
 }
 
 fn values_of(point: &[u8; N_BYTES_PER_POINT]) -> [f32; 4] {

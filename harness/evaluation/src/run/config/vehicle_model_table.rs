@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use baselines::pca_vehicle_model::PcaVehicleModel;
+use detector::classify::vehicle_model::{VehicleModel, VehicleModelError};
 use detector::params::ParamsError;
-use detector::pipeline::vehicle_model::{VehicleModel, VehicleModelError};
 use scans::dataset::checksum::sha256;
 use serde::Deserialize;
 

@@ -48,7 +48,8 @@ fn check_damaged(path: &Path, parts: &[&str]) {
     let mut message = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
-        message += &format!(": {error}");
+        message += ": ";
+        message += &error.to_string();
         cause = error.source();
     }
     assert!(parts.iter().all(|part| message.contains(part)), "{message}");

@@ -16,13 +16,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use nalgebra::{Isometry3, Vector3};
 
 use super::log_truth::{ANNOTATIONS, LogTruth, survey_classes};
-use crate::annotation::{AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{AnnotationClass, LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::numbered_files::is_hidden;
-use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
@@ -125,22 +125,10 @@ impl Dataset for SensorLogs {
         let sweep = &self.sweeps[scan_idx];
         let truth = self.truth_of(&sweep.log)?;
         let path = sweep.log.join(SWEEPS).join(format!("{}.feather", sweep.time_ns));
-        let (cloud, points_left_out) = read_sweep(&path, &truth.car_from_sensor_m)?.into_parts();
+        let points = read_sweep(&path, &truth.car_from_sensor_m)?;
         let mut annotations = truth.annotations.get(&sweep.time_ns).cloned().unwrap_or_default();
-        let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
-        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
-            annotation.point_indices = points;
-        }
-        let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        let id = self.scan_ids[scan_idx].clone();
-        Ok(LabeledScan {
-            id,
-            cloud,
-            annotations,
-            point_regions,
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out,
-        })
+        assign_points_in_boxes(points.cloud(), &mut annotations);
+        Ok(points.labeled_everywhere(self.scan_ids[scan_idx].clone(), annotations))
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use super::calibration::{KittiCalibration, parse_calibration};
 use super::ground_truth::{KittiGroundTruth, label_scan};
 use super::label::{KITTI_VOCABULARY, KittiLabel, parse_object_labels};
-use super::region_file::{point_region_file, read_point_regions};
+use super::region_file::with_regions_of_file;
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::class_table::ClassReader;
@@ -105,13 +105,12 @@ impl Dataset for KittiObjects {
             labeled_region: self.labeled_region,
             labels: &scan.labels,
         };
-        let mut labeled = label_scan(id, points, &truth);
-        if self.labeled_region == LabeledRegion::PerPoint {
-            let root = self.description.root.as_deref().expect("it was recorded");
-            let file = point_region_file(&format!("{:06}", labeled.id.index));
-            labeled.point_regions = read_point_regions(&root.join(file), &labeled)?;
+        let name = format!("{:06}", id.index);
+        let labeled = label_scan(id, points, &truth);
+        match self.labeled_region {
+            LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.description, &name),
+            LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
         }
-        Ok(labeled)
     }
 }
 

@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use crate::annotation::{LabeledScan, PointRegion};
-use crate::dataset::DatasetError;
 use crate::dataset::positioned_points::values_of_kept;
+use crate::dataset::{DatasetDescription, DatasetError};
 
 /// The file that belongs to the scan called `name`, relative to the split.
 pub fn point_region_file(name: &str) -> String {
@@ -23,12 +23,27 @@ pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
     regions.iter().map(byte).collect()
 }
 
+/// The scan called `name` with the regions that the file beside it says.
+///
+/// # Errors
+///
+/// As [`read_point_regions`].
+pub fn with_regions_of_file(
+    mut scan: LabeledScan,
+    dataset: &DatasetDescription,
+    name: &str,
+) -> Result<LabeledScan, DatasetError> {
+    let root = dataset.root.as_deref().expect("it was recorded");
+    scan.point_regions = read_point_regions(&root.join(point_region_file(name)), &scan)?;
+    Ok(scan)
+}
+
 /// The regions of the points of `scan`, of a file with one for each point of the scan's file; all is labelled where there is none.
 ///
 /// # Errors
 ///
 /// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
-pub fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
+fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion>, DatasetError> {
     if !path.exists() {
         return Ok(vec![PointRegion::Labeled; scan.cloud.len()]);
     }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use super::calibration::{KittiCalibration, parse_calibration};
 use super::ground_truth::{KittiGroundTruth, label_scan};
 use super::label::{KITTI_VOCABULARY, KittiLabel, parse_tracking_labels};
-use super::region_file::{point_region_file, read_point_regions};
+use super::region_file::with_regions_of_file;
 use super::split_folder::SplitFolder;
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::class_table::ClassReader;
@@ -108,13 +108,12 @@ impl Dataset for KittiTracking {
             labeled_region: self.labeled_region,
             labels: sequence.labels_by_scan.get(&id.index).map_or(&[], Vec::as_slice),
         };
-        let mut labeled = label_scan(id, points, &truth);
-        if self.labeled_region == LabeledRegion::PerPoint {
-            let root = self.description.root.as_deref().expect("it was recorded");
-            let file = point_region_file(&format!("{}/{:06}", labeled.id.sequence, labeled.id.index));
-            labeled.point_regions = read_point_regions(&root.join(file), &labeled)?;
+        let name = id.to_string();
+        let labeled = label_scan(id, points, &truth);
+        match self.labeled_region {
+            LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.description, &name),
+            LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
         }
-        Ok(labeled)
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {

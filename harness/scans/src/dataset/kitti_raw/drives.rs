@@ -27,7 +27,7 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
 use crate::dataset::kitti::label::KITTI_VOCABULARY;
 use crate::dataset::numbered_files::is_hidden;
-use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -138,10 +138,7 @@ impl Dataset for KittiRaw {
             return Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out });
         };
         let mut annotations = labels.annotations_by_scan.get(&id.index).cloned().unwrap_or_default();
-        let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
-        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
-            annotation.point_indices = points;
-        }
+        assign_points_in_boxes(&cloud, &mut annotations);
         let view = CameraFieldOfView {
             image_from_velodyne: &labels.view.image_from_velodyne,
             image_size_px: labels.view.image_size_px,

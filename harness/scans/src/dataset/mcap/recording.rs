@@ -22,7 +22,7 @@ use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::packed_points::PackedPoints;
-use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
 
@@ -506,15 +506,6 @@ fn assign_points(objects: &[f64], annotations: &mut [Annotation]) {
         if let Some(annotation) = annotation {
             annotation.point_indices.push(point_idx);
         }
-    }
-}
-
-fn assign_points_in_boxes(cloud: &PointCloud, annotations: &mut [Annotation]) {
-    let mut boxed: Vec<&mut Annotation> =
-        annotations.iter_mut().filter(|it| it.bounding_box.is_some()).collect();
-    let boxes: Vec<_> = boxed.iter().filter_map(|it| it.bounding_box).collect();
-    for (annotation, points) in boxed.iter_mut().zip(points_of_boxes(cloud, &boxes)) {
-        annotation.point_indices = points;
     }
 }
 

@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 use nalgebra::Isometry3;
 
 use super::lidar_tables::{Keyframe, LidarTables, read_keyframes};
-use crate::annotation::{Annotation, AnnotationClass, LabeledArea, LabeledScan, PointRegion, ScanId};
+use crate::annotation::{Annotation, AnnotationClass, LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;
-use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
@@ -137,23 +137,11 @@ impl Dataset for NuScenes {
         let keyframe = &self.keyframes[scan_idx];
         let path = self.scans.join(&keyframe.file);
         let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
-        let (cloud, points_left_out) = parse_scan(&path, &bytes)?.into_parts();
+        let points = parse_scan(&path, &bytes)?;
         let mut annotations: Vec<Annotation> =
             keyframe.objects.iter().map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
-        let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
-        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
-            annotation.point_indices = points;
-        }
-        let point_regions = vec![PointRegion::Labeled; cloud.len()];
-        let id = self.scan_ids[scan_idx].clone();
-        Ok(LabeledScan {
-            id,
-            cloud,
-            annotations,
-            point_regions,
-            labeled_area: LabeledArea::Everywhere,
-            points_left_out,
-        })
+        assign_points_in_boxes(points.cloud(), &mut annotations);
+        Ok(points.labeled_everywhere(self.scan_ids[scan_idx].clone(), annotations))
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
@@ -190,22 +178,11 @@ fn versions_in(folder: &Path) -> Vec<PathBuf> {
 }
 
 fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
-    let (rows, rest) = bytes.as_chunks::<N_BYTES_PER_POINT>();
-    if !rest.is_empty() {
-        return Err(DatasetError::PartialPoint {
-            path: path.to_path_buf(),
-            n_bytes: bytes.len(),
-            n_bytes_per_point: N_BYTES_PER_POINT,
-        });
-    }
-    let mut points = PositionedPoints::with_capacity(rows.len());
-    for row in rows {
+    PositionedPoints::of_rows(path, bytes, |row: &[u8; N_BYTES_PER_POINT]| {
         let (values, _) = row.as_chunks::<4>();
-        let values: [f32; 4] = std::array::from_fn(|column| f32::from_le_bytes(values[column]));
-        let [right_m, forward_m, up_m, intensity] = values;
+        let [right_m, forward_m, up_m, intensity] =
+            std::array::from_fn(|column| f32::from_le_bytes(values[column]));
         // A byte, brought to the range that other sensors have.
-        let taken = points.push([forward_m, -right_m, up_m].map(f64::from), intensity / 255.0);
-        taken.map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })?;
-    }
-    points.not_empty(path)
+        ([forward_m, -right_m, up_m], intensity / 255.0)
+    })
 }

@@ -21,7 +21,7 @@ use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::is_hidden;
-use crate::dataset::points_of_boxes::points_of_boxes;
+use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
 use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
@@ -123,10 +123,7 @@ impl Dataset for ScanFolder {
             }
             None => (Vec::new(), PointRegion::Outside),
         };
-        let boxes: Vec<_> = annotations.iter().filter_map(|it| it.bounding_box).collect();
-        for (annotation, points) in annotations.iter_mut().zip(points_of_boxes(&cloud, &boxes)) {
-            annotation.point_indices = points;
-        }
+        assign_points_in_boxes(&cloud, &mut annotations);
         let point_regions = vec![region; cloud.len()];
         let id = self.scan_ids[scan_idx].clone();
         let labeled_area = LabeledArea::AsPoints;

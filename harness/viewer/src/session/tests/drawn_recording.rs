@@ -7,9 +7,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use detector::detector::StageTime;
-use detector::stage_product::{
-    LinkFate, ObjectCell, ProductCell, ProductLink, ProductSphere, Shape, SurfaceClass,
-};
+use detector::stage_product::{LinkFate, ObjectCell, ProductCell, ProductLink, ProductSphere, Shape};
+use detector::surface_class::SurfaceClass;
 use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, StageProduct};
 use evaluation::matching::mistake::{Mistake, MistakeKind};
 use evaluation::matching::outcome::{

@@ -2,9 +2,9 @@
 
 use super::cut_places::{CutPlaces, Plane};
 use super::joinable::may_be_one;
-use super::object_classifier::{NO_VEHICLE, ObjectClassifier};
 use super::regrouping_params::RegroupingParams;
-use super::size_gate::{SizeGateParams, size_gate};
+use crate::classify::object_classifier::{NO_VEHICLE, ObjectClassifier};
+use crate::classify::size_gate::{SizeGateParams, size_gate};
 use crate::describe::surroundings::Surroundings;
 use crate::detection::DetectedClass;
 use crate::fit::convex_hull_box::ConvexHullBox;

@@ -14,7 +14,6 @@ use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use crate::detection::DetectedClass;
 use crate::oriented_box::OrientedBox;
-use crate::stage_product::{Shape, StageProduct};
 
 /// Number of values that the model looks at.
 pub const N_FEATURES: usize = VehicleFeatures::NAMES.len();
@@ -96,27 +95,9 @@ impl VehicleModel {
         values.map_or(NO_VEHICLE, |it| self.svm.decision(it))
     }
 
-    /// What the features of `objects`, boxes with their points, were taken from.
-    pub fn stage_products<P: ExactSizeIterator<Item = [f32; 3]>>(
-        &self,
-        objects: impl Iterator<Item = (OrientedBox, P)>,
-    ) -> Vec<StageProduct> {
-        let shapes =
-            objects.filter_map(|(bounding_box, points_m)| self.describer.shapes(&bounding_box, points_m));
-        let (mut spheres, mut convex, mut concave, mut nearest) = (vec![], vec![], vec![], vec![]);
-        for it in shapes {
-            spheres.extend(it.spheres);
-            convex.push(it.convex_m);
-            concave.push(it.concave_m);
-            nearest.extend(it.nearest_prototype_m);
-        }
-        let product = |name, shape| StageProduct { stage: "classify", name, shape };
-        vec![
-            product("corner_spheres", Shape::Spheres(spheres)),
-            product("convex_profiles", Shape::Contours(convex)),
-            product("concave_profiles", Shape::Contours(concave)),
-            product("nearest_prototypes", Shape::Contours(nearest)),
-        ]
+    /// What the side profiles of objects are compared with.
+    pub fn prototypes(&self) -> &PrototypeLibrary {
+        self.describer.library()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The dense cells of every object, to look at.
 
-use crate::grid::dense_level::DenseLevel;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::dense_level::DenseLevel;
 use crate::segment::object_points::ObjectPoints;
 use crate::stage_product::{ObjectCell, Shape};
 

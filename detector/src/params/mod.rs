@@ -2,13 +2,13 @@
 
 use serde::Deserialize;
 
-use crate::classify::regrouping_params::RegroupingParams;
 use crate::classify::size_gate::SizeGateParams;
+use crate::complete::completion::CompletionParams;
 use crate::describe::seen_size::VehicleBoundsParams;
-use crate::fit::completion::CompletionParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
 use crate::grid::density_weighting::DensityWeightingParams;
 use crate::grid::hierarchical_grid::GridParams;
+use crate::regroup::regrouping_params::RegroupingParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
 use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::foreground::ForegroundParams;
@@ -17,6 +17,19 @@ use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 
 /// Parameters of every stage. `params/paper.toml` explains the values.
+///
+/// ```
+/// use detector::params::HierarchicalParams;
+///
+/// let mut document = HierarchicalParams::paper_table();
+/// document["grid"]["cell_size_m"] = 0.4.into();
+/// assert_eq!(HierarchicalParams::from_toml(&document.to_string())?.grid.cell_size_m, 0.4);
+///
+/// document["grid"]["cell_size_m"] = 40.0.into();
+/// let refused = HierarchicalParams::from_toml(&document.to_string());
+/// assert!(refused.is_err_and(|it| it.to_string() == "grid.cell_size_m = 40 is outside of 0.05 to 10 m"));
+/// # Ok::<(), detector::params::ParamsError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HierarchicalParams {
@@ -60,7 +73,7 @@ pub struct ClusterParams {
 }
 
 /// The text of `params/paper.toml`, which lacks the density curve: that is the sensor's.
-const PAPER_TOML: &str = include_str!("params/paper.toml");
+const PAPER_TOML: &str = include_str!("paper.toml");
 /// The sensor of the paper, whose density curve stands in where that of the sensor is not known.
 pub const PAPER_SENSOR: &str = "hdl-64e-s2";
 

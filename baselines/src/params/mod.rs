@@ -6,6 +6,14 @@ use serde::Deserialize;
 use crate::occupancy_grid_components::OccupancyParams;
 
 /// Parameters of every baseline. `params.toml` explains the values.
+///
+/// ```
+/// use baselines::params::{BaselineParams, PARAMS_TOML};
+///
+/// let wider = PARAMS_TOML.replace("tolerance_m = 0.5", "tolerance_m = 0.8");
+/// assert_eq!(BaselineParams::from_toml(&wider)?.kd_tree.tolerance_m, 0.8);
+/// # Ok::<(), detector::params::ParamsError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BaselineParams {

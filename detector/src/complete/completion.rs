@@ -123,9 +123,10 @@ impl Completion {
         &self.added
     }
 
-    /// What was found in the latest scan: pairs of object and point, ascending.
-    pub fn added(&self) -> &[[u32; 2]] {
-        &self.added
+    /// What was found for object `object_idx` of the latest scan: pairs of object and point, ascending.
+    pub fn added_to(&self, object_idx: usize) -> &[[u32; 2]] {
+        let n_before = |end: u32| self.added.partition_point(|&[of_object, _]| of_object < end);
+        &self.added[n_before(object_idx as u32)..n_before(object_idx as u32 + 1)]
     }
 
     fn cover_cells<'a>(

@@ -1,7 +1,7 @@
 //! Which neighbouring coarse cells belong together, as a graph to look at.
 
-use crate::grid::dense_level::{DenseLevel, NO_BLOCK};
 use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::dense_level::{DenseLevel, NO_BLOCK};
 use crate::stage_product::{LinkFate, ProductLink, Shape};
 
 /// All pairs of neighbouring blocks, from top to top: of `links` some were cut, and the others are not among them.

@@ -1,0 +1,29 @@
+//! The names of the stages.
+//!
+//! Each name is used for the time of the stage, for its products and for its rows in tables. Names are nouns, lower case,
+//! words joined by `_`; where a stage has parameters, it is the name of their table.
+
+/// Points are sorted into cells.
+pub const GRID: &str = "grid";
+/// The ground is found, and cells are told from it.
+pub const GROUND: &str = "ground";
+/// Walls are taken out of the short cells.
+pub const WALLS: &str = "walls";
+/// The points of short objects are gathered.
+pub const FOREGROUND: &str = "foreground";
+/// Foreground points are sorted into dense cells.
+pub const DENSE_LEVEL: &str = "dense_level";
+/// Coarse cells that belong together are linked.
+pub const MERGE: &str = "merge";
+/// Links are cut along gaps between dense cells.
+pub const SEPARATION: &str = "separation";
+/// Boxes are fitted to clusters.
+pub const BOXES: &str = "boxes";
+/// What a vehicle model looks at is computed.
+pub const FEATURES: &str = "features";
+/// A vehicle model decides by these values.
+pub const CLASSIFICATION: &str = "classification";
+/// Objects are cut and joined where the vehicle model prefers that.
+pub const REGROUPING: &str = "regrouping";
+/// Objects get the points in their boxes that are no foreground.
+pub const COMPLETION: &str = "completion";
