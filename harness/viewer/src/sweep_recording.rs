@@ -12,8 +12,8 @@ use evaluation::sweep::swept_values::SweptValues;
 use reports::numbers::sweep_score::{SweepScore, SweepScores};
 use reports::run_folder::run_directory::RunDirectory;
 use reports::vocabulary::extent::Extent;
-
 use reports::vocabulary::task::Task;
+
 use scans::annotation::LabeledScan;
 use scans::dataset::DatasetDescription;
 

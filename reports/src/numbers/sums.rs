@@ -1,5 +1,6 @@
 //! Sums over objects, of which every ratio of a report is made: those of any choice of scans give its ratios.
 
+use crate::rows::counts::Counts;
 use crate::vocabulary::metric::{BoxDimension, Metric};
 
 /// What is summed.
@@ -78,6 +79,15 @@ pub const RATIOS: [Metric; 11] = [
 ];
 
 impl Sums {
+    /// What was found, missed and false; nothing false where that is not known.
+    pub fn of_counts(counts: Counts) -> Self {
+        let mut sums = Self::default();
+        sums.add(Term::Annotations, counts.no() as f64);
+        sums.add(Term::Matched, counts.tp() as f64);
+        sums.add(Term::False, counts.fo().unwrap_or(0) as f64);
+        sums
+    }
+
     /// The sum of `term`.
     pub fn of(&self, term: Term) -> f64 {
         self.0[term as usize]
@@ -187,6 +197,15 @@ mod tests {
         assert_eq!(value(Metric::BoxError(BoxDimension::Length)), Some(0.25));
         assert_eq!(value(Metric::UnderSegmentation), None);
         assert_eq!(value(Metric::FpsMean), None);
+    }
+
+    #[test]
+    fn sums_of_counts_have_their_rates() {
+        let counts = Counts::new(4, 3, Some(2)).unwrap();
+        let sums = Sums::of_counts(counts);
+        assert_eq!(sums.value(&Metric::FRate, FalseObjects::Known), counts.f_rate());
+        assert_eq!(sums.value(&Metric::Recall, FalseObjects::Known), counts.recall());
+        assert_eq!(Sums::of_counts(Counts::new(4, 3, None).unwrap()).of(Term::False), 0.0);
     }
 
     #[test]

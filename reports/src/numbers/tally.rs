@@ -101,10 +101,8 @@ impl Tally {
         }
         let sums = gathered.sums(Slice::All, &block);
         let segmentation = &numbers.segmentation;
+        sums.add_times(&Sums::of_counts(numbers.counts), 1.0);
         for (term, value) in [
-            (Term::Annotations, numbers.counts.no() as f64),
-            (Term::Matched, numbers.counts.tp() as f64),
-            (Term::False, numbers.counts.fo().unwrap_or(0) as f64),
             (Term::IgnoredAnnotations, numbers.n_ignored_annotations as f64),
             (Term::IgnoredDetections, numbers.n_ignored_detections as f64),
             (Term::Unknowable, numbers.n_unknowable_detections as f64),

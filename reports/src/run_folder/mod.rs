@@ -2,7 +2,6 @@
 
 pub mod manifest;
 pub mod comparison_manifest;
-pub mod experiment_manifest;
 pub mod run_target;
 mod folder_in_place;
 pub mod run_directory;

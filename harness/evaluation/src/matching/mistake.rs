@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use detector::stage_product::Shape;
 use detector::surface_class::SurfaceClass;
 use detector::{Detections, StageProduct};
-use reports::vocabulary::reason::FalseReason;
-use reports::vocabulary::reason::MissReason;
+use reports::vocabulary::reason::{FalseReason, MissReason};
 use scans::annotation::{LabeledScan, range_m};
 
 use crate::matching::box_overlap::{bev_iou, iou_3d};

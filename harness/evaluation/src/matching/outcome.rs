@@ -1,9 +1,6 @@
 //! What became of every annotation and every detection of a scan.
 
-use reports::vocabulary::reason::FalseReason;
-use reports::vocabulary::reason::IgnoredAnnotation;
-use reports::vocabulary::reason::IgnoredDetection;
-use reports::vocabulary::reason::MissReason;
+use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 use reports::vocabulary::task::Task;
 
 /// The assignment of one scan for one task, and what follows from it.

@@ -3,40 +3,39 @@
 //! Paper: HG section 3.2 and Fig. 7, separation of nearby objects.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use detector::{Detector, DetectorOutput};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use reports::numbers::gap_curve::{GapBin, PairCounts};
-use scans::annotation::LabeledScan;
+use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::checksum::sha256;
+use scans::dataset::simulation::Simulation;
+use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+use serde::Serialize;
 use simulator::object_pair::{ObjectPair, PairKind, PairLayout, any_bearing_rad};
 use simulator::sensor::SensorModel;
 use simulator::staged_scene::staged_scan;
 
+use crate::matching::assign::MatchingParams;
 use crate::metrics::pair_separation::{PairOutcome, judge_pairs};
-use crate::run::config::RunConfig;
-use crate::run::detector_list::ListedDetector;
-use crate::run::side_by_side::RunError;
+use crate::run::sink::{JudgedScan, RunSink};
 
 /// Where the nearer object of a pair stands, from and to in metres from the sensor.
 pub const RANGES_M: [[f32; 2]; 3] = [[5.0, 10.0], [10.0, 20.0], [20.0, 30.0]];
 /// The gaps, in decimetres.
 pub const GAPS_DM: std::ops::RangeInclusive<u16> = 2..=12;
+/// The tracks of the pair at each range.
+const PAIRS: [[u32; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 
-/// What is put up, and who looks at it.
-pub struct GapExperiment<'a> {
-    /// The detectors.
-    pub detectors: &'a [ListedDetector],
-    /// Their parameters.
-    pub config: &'a RunConfig,
-    /// The sensor.
-    pub sensor: &'a SensorModel,
-    /// Pairs of each kind and layout at each range, each put up once with every gap.
-    pub n_pairs: u32,
-    /// What everything is drawn from.
-    pub seed: u64,
+/// The scans of the experiment as a data set. A drive is a pair at each range that comes closer and closer; the number of a scan is
+/// its gap in decimetres.
+#[derive(Debug, Clone)]
+pub struct StagedPairs {
+    description: DatasetDescription,
+    sensor: SensorModel,
+    seed: u64,
+    stagings: Vec<Staging>,
+    scan_ids: Vec<ScanId>,
 }
 
 /// One scan of the experiment: a pair at each range, in three directions.
@@ -52,19 +51,52 @@ pub struct Staging {
     pub pair_idx: u32,
 }
 
-type Key = (usize, PairKind, PairLayout, usize, u16);
+/// What the scans are simulated from.
+#[derive(Serialize)]
+struct StagedFrom<'a> {
+    sensor: &'a str,
+    n_pairs: u32,
+    seed: u64,
+}
 
-impl GapExperiment<'_> {
-    /// All scans, in order.
-    pub fn stagings(&self) -> Vec<Staging> {
-        let n_pairs = self.n_pairs;
+impl StagedPairs {
+    /// `n_pairs` pairs of each kind and layout at each range, each put up once with every gap, before the sensor that is called
+    /// `sensor_name`. Everything is drawn from `seed`.
+    pub fn new(sensor_name: &str, sensor: SensorModel, n_pairs: u32, seed: u64) -> Self {
         let of_kind = |kind| PairLayout::ALL.into_iter().map(move |layout| (kind, layout));
         let gaps = |(kind, layout)| {
             GAPS_DM.flat_map(move |gap_dm| {
                 (0..n_pairs).map(move |pair_idx| Staging { kind, layout, gap_dm, pair_idx })
             })
         };
-        PairKind::ALL.into_iter().flat_map(of_kind).flat_map(gaps).collect()
+        let stagings: Vec<Staging> = PairKind::ALL.into_iter().flat_map(of_kind).flat_map(gaps).collect();
+        let id = |it: &Staging| ScanId {
+            sequence: format!("{}-{}-{}", it.kind.name(), it.layout.name(), it.pair_idx),
+            index: it.gap_dm.into(),
+        };
+        let description = DatasetDescription {
+            id: "pairs".to_owned(),
+            format: "staged-pairs".to_owned(),
+            root: None,
+            annotated: AnnotatedClasses::EveryObject,
+            sensor_height_m: sensor.height_above_road_m,
+            sensor: sensor_name.to_owned(),
+            licence: None,
+            checksum: Some(sha256(format!("{n_pairs} pairs, seed {seed}, {sensor:?}"))),
+            simulation: Some(Simulation::of(&StagedFrom { sensor: sensor_name, n_pairs, seed })),
+        };
+        let scan_ids = stagings.iter().map(id).collect();
+        Self { description, sensor, seed, stagings, scan_ids }
+    }
+
+    /// All scans, in order.
+    pub fn stagings(&self) -> &[Staging] {
+        &self.stagings
+    }
+
+    /// The sensor.
+    pub fn sensor(&self) -> &SensorModel {
+        &self.sensor
     }
 
     /// Makes the scan of `staging`; the pair at range number r consists of the tracks 2r and 2r + 1. The same pair
@@ -84,65 +116,70 @@ impl GapExperiment<'_> {
             pair.placed(gap_m, range_m, bearing_rad)
         });
         let objects: Vec<_> = objects.collect();
-        staged_scan(&objects, self.sensor, rng.random())
+        staged_scan(&objects, &self.sensor, rng.random())
+    }
+}
+
+impl Dataset for StagedPairs {
+    fn description(&self) -> &DatasetDescription {
+        &self.description
     }
 
-    /// The detectors, ready to detect.
-    pub fn build_detectors(&self) -> Vec<Box<dyn Detector>> {
-        self.detectors.iter().map(|it| it.build(self.config, self.sensor.height_above_road_m)).collect()
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.scan_ids
     }
 
-    /// What became of the pairs of `scan`, by range, for each detector.
-    pub fn judge(&self, scan: &LabeledScan, detectors: &mut [Box<dyn Detector>]) -> Vec<Vec<PairOutcome>> {
-        let pairs = [0, 1, 2].map(|range_idx: u32| [2 * range_idx, 2 * range_idx + 1]);
-        let mut output = DetectorOutput::default();
-        let judge = |detector: &mut Box<dyn Detector>| {
-            detector.detect(&scan.cloud, &mut output);
-            judge_pairs(scan, &output.detections, &pairs, &self.config.matching)
-        };
-        detectors.iter_mut().map(judge).collect()
+    fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
+        let id = self.scan_ids[scan_idx].clone();
+        Ok(LabeledScan { id, ..self.scan(&self.stagings[scan_idx]) })
+    }
+}
+
+/// Place of the detector, kind, layout, place of the range, gap.
+type Key = (usize, PairKind, PairLayout, usize, u16);
+
+/// Counts which pairs are told apart.
+#[derive(Debug, Clone)]
+pub struct PairTally<'a> {
+    stagings: &'a [Staging],
+    matching: MatchingParams,
+    detectors: Vec<&'static str>,
+    counts: BTreeMap<Key, PairCounts>,
+}
+
+impl<'a> PairTally<'a> {
+    /// Nothing yet of the pairs of `stagings`, which are judged by `matching`.
+    pub fn new(stagings: &'a [Staging], matching: MatchingParams) -> Self {
+        Self { stagings, matching, detectors: Vec::new(), counts: BTreeMap::new() }
     }
 
-    /// Runs all detectors on all scans, several at once, and counts; `on_scan` is told of each.
-    ///
-    /// # Errors
-    ///
-    /// [`RunError::Interrupted`] once `interrupted` is set.
-    pub fn run(&self, interrupted: &AtomicBool, on_scan: impl Fn() + Sync) -> Result<Vec<GapBin>, RunError> {
-        let stagings = self.stagings();
-        let look = |detectors: &mut Vec<Box<dyn Detector>>, staging: &Staging| {
-            (!interrupted.load(Ordering::Relaxed)).then(|| {
-                let outcomes = self.judge(&self.scan(staging), detectors);
-                on_scan();
-                outcomes
-            })
-        };
-        let judged: Vec<_> = stagings.par_iter().map_init(|| self.build_detectors(), look).collect();
-        let mut counts: BTreeMap<Key, PairCounts> = BTreeMap::new();
-        let n_done = judged.iter().flatten().count();
-        if n_done < stagings.len() {
-            return Err(RunError::Interrupted { n_done, n_scans: stagings.len() });
-        }
-        for (staging, by_detector) in stagings.iter().zip(judged.into_iter().flatten()) {
-            for (detector_idx, outcomes) in by_detector.into_iter().enumerate() {
-                for (range_idx, outcome) in outcomes.into_iter().enumerate() {
-                    let key = (detector_idx, staging.kind, staging.layout, range_idx, staging.gap_dm);
-                    *counts.entry(key).or_default() += counted(outcome);
-                }
-            }
-        }
-        Ok(counts.into_iter().map(|(key, counts)| self.bin(key, counts)).collect())
-    }
-
-    fn bin(&self, (detector_idx, kind, layout, range_idx, gap_dm): Key, counts: PairCounts) -> GapBin {
-        GapBin {
-            detector: self.detectors[detector_idx].name.to_owned(),
+    /// What was counted.
+    pub fn bins(&self) -> Vec<GapBin> {
+        let bin = |(&(detector_idx, kind, layout, range_idx, gap_dm), &counts): (&Key, &PairCounts)| GapBin {
+            detector: self.detectors[detector_idx].to_owned(),
             pair: kind.name().to_owned(),
             layout: layout.name().to_owned(),
             range_m: RANGES_M[range_idx].map(f64::from),
             gap_m: f64::from(gap_dm) / 10.0,
             counts,
+        };
+        self.counts.iter().map(bin).collect()
+    }
+}
+
+impl<E> RunSink<E> for &mut PairTally<'_> {
+    fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), E> {
+        let Staging { kind, layout, gap_dm, .. } = self.stagings[judged.scan_idx()];
+        self.detectors = judged.results.results.iter().map(|it| it.detector).collect();
+        for (detector_idx, result) in judged.results.results.iter().enumerate() {
+            let detections = &result.output.detections;
+            let outcomes = judge_pairs(judged.results.scan, detections, &PAIRS, &self.matching);
+            for (range_idx, outcome) in outcomes.into_iter().enumerate() {
+                let key = (detector_idx, kind, layout, range_idx, gap_dm);
+                *self.counts.entry(key).or_default() += counted(outcome);
+            }
         }
+        Ok(())
     }
 }
 
@@ -159,15 +196,19 @@ fn counted(outcome: PairOutcome) -> PairCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::num::NonZeroUsize;
+    use std::sync::atomic::AtomicBool;
+
+    use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
+    use crate::run::entrant::Entrant;
+    use crate::run::side_by_side::{RunError, SideBySide};
+    use crate::run::sink::{Sinks, run_watched};
     use reports::numbers::gap_curve::gap_curves;
 
     #[test]
     fn every_scan_has_a_pair_at_each_range_whatever_the_gap() {
-        let config = RunConfig::load(None).unwrap();
-        let sensor = SensorModel::hdl_64e_s2();
-        let experiment =
-            GapExperiment { detectors: &[], config: &config, sensor: &sensor, n_pairs: 2, seed: 3 };
+        let experiment = StagedPairs::new("hdl-64e-s2", SensorModel::hdl_64e_s2(), 2, 3);
         assert_eq!(experiment.stagings().len(), 5 * 2 * 11 * 2);
         let staging = Staging { kind: PairKind::Cars, layout: PairLayout::Beside, gap_dm: 2, pair_idx: 1 };
         let scans = [2, 12].map(|gap_dm| experiment.scan(&Staging { gap_dm, ..staging }));
@@ -187,17 +228,34 @@ mod tests {
             sizes[0].iter().flatten().zip(sizes[1].iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-3);
         assert!(alike, "the same cars: {sizes:?}");
         assert_ne!(experiment.scan(&Staging { pair_idx: 0, ..staging }), scans[0]);
+        let (first, last) = (0, experiment.scan_ids().len() - 1);
+        assert_eq!(experiment.scan_ids()[first].to_string(), "cars-beside-0/000002");
+        for scan_idx in [first, last] {
+            assert_eq!(experiment.read_scan(scan_idx).unwrap().id, experiment.scan_ids()[scan_idx]);
+        }
     }
 
     #[test]
     fn wide_gaps_are_seen_by_all_and_narrow_ones_by_the_dense_level() {
         let config = RunConfig::load(None).unwrap();
         let names = ["simple-grid", "hierarchical"].map(str::to_owned);
-        let detectors = detectors_named(&names).unwrap();
-        let sensor = SensorModel::hdl_64e_s2();
-        let experiment =
-            GapExperiment { detectors: &detectors, config: &config, sensor: &sensor, n_pairs: 1, seed: 1 };
-        let mut bins = experiment.run(&AtomicBool::new(false), || ()).unwrap();
+        let entrants = detectors_named(&names).unwrap().into_iter().map(|it| Entrant::of(it, &config));
+        let pairs = StagedPairs::new("hdl-64e-s2", SensorModel::hdl_64e_s2(), 1, 1);
+        let mut detectors: Vec<_> = entrants.map(|it| it.build(pairs.description())).collect();
+        let mut tally = PairTally::new(pairs.stagings(), config.matching);
+        let side_by_side = SideBySide {
+            dataset: &pairs,
+            scan_indices: &(0..pairs.scan_ids().len()).collect::<Vec<_>>(),
+            matching: config.matching,
+            n_warmup: 0,
+            n_repeats: NonZeroUsize::MIN,
+            n_jobs: 2,
+            interrupted: &AtomicBool::new(false),
+        };
+        let mut sinks: Sinks<'_, RunError> = vec![Box::new(&mut tally)];
+        run_watched(&side_by_side, &mut detectors, |_, error| Err(error), &mut sinks).unwrap();
+        drop(sinks);
+        let mut bins = tally.bins();
         bins.retain(|it| it.layout == "beside" && it.range_m == [5.0, 10.0]);
         let curves = gap_curves(&bins);
         let separated = |detector: &str, gaps_m: std::ops::RangeInclusive<f64>| -> u64 {
@@ -207,7 +265,5 @@ mod tests {
         };
         assert!(separated("simple-grid", 1.0..=1.2) > separated("simple-grid", 0.2..=0.4));
         assert!(separated("hierarchical", 0.4..=0.8) > separated("simple-grid", 0.4..=0.8));
-        let error = experiment.run(&AtomicBool::new(true), || ()).unwrap_err();
-        assert!(matches!(error, RunError::Interrupted { n_done: 0, .. }), "{error}");
     }
 }

@@ -6,10 +6,12 @@ use detector::grid::hierarchical_grid::HierarchicalGrid;
 use detector::{Detector, DetectorOutput};
 use reports::plots::plan_plot::Plan;
 use scans::annotation::LabeledScan;
+use scans::dataset::Dataset as _;
 use simulator::object_pair::{PairKind, PairLayout};
 
 use crate::metrics::pair_separation::{PairOutcome, judge_pairs};
-use crate::run::gap_experiment::{GapExperiment, Staging};
+use crate::run::entrant::Entrant;
+use crate::run::gap_experiment::{StagedPairs, Staging};
 
 /// The pair that is shown is one of these, at the nearest range.
 const SHOWN: (PairKind, PairLayout) = (PairKind::CarAndPedestrian, PairLayout::Beside);
@@ -31,24 +33,24 @@ pub struct GapPicture {
     pub plans: [Plan; 2],
 }
 
-/// The first pair of which detector `joining` of the experiment makes one object and `separating` two; `None` if there is
-/// none among those that are looked through.
-pub fn gap_picture(experiment: &GapExperiment<'_>, joining: usize, separating: usize) -> Option<GapPicture> {
-    let mut detectors = experiment.build_detectors();
+/// The first of `n_pairs` pairs that the first of `entrants` makes one object of and the second two; `None` if there is none among
+/// those that are looked through.
+pub fn gap_picture(pairs: &StagedPairs, n_pairs: u32, entrants: [&Entrant; 2]) -> Option<GapPicture> {
+    let mut detectors = entrants.map(|it| it.build(pairs.description()));
     let (kind, layout) = SHOWN;
-    let stagings = SHOWN_GAPS_DM.iter().flat_map(|&gap_dm| {
-        (0..experiment.n_pairs).map(move |pair_idx| Staging { kind, layout, gap_dm, pair_idx })
-    });
+    let stagings = SHOWN_GAPS_DM
+        .iter()
+        .flat_map(|&gap_dm| (0..n_pairs).map(move |pair_idx| Staging { kind, layout, gap_dm, pair_idx }));
     for staging in stagings {
-        let scan = experiment.scan(&staging);
+        let scan = pairs.scan(&staging);
         let mut look = |detector_idx: usize| {
             let detector: &mut dyn Detector = detectors[detector_idx].as_mut();
             let mut output = DetectorOutput::default();
             detector.detect(&scan.cloud, &mut output);
-            let outcomes = judge_pairs(&scan, &output.detections, &[[0, 1]], &experiment.config.matching);
-            (outcomes[0], plan(experiment, &scan, detector.name(), &output))
+            let outcomes = judge_pairs(&scan, &output.detections, &[[0, 1]], &entrants[0].config.matching);
+            (outcomes[0], plan(entrants[0], &scan, detector.name(), &output))
         };
-        let ((joined, of_joining), (separated, of_separating)) = (look(joining), look(separating));
+        let ((joined, of_joining), (separated, of_separating)) = (look(0), look(1));
         // One object for both and one for each, without fragments: they would hide the point.
         let is_plain = of_joining.groups.len() == 1 && of_separating.groups.len() == 2;
         if (joined, separated) == (PairOutcome::Joined, PairOutcome::Separated) && is_plain {
@@ -60,7 +62,7 @@ pub fn gap_picture(experiment: &GapExperiment<'_>, joining: usize, separating: u
 }
 
 /// The detections that hold points of the first pair of `scan`.
-fn plan(experiment: &GapExperiment<'_>, scan: &LabeledScan, name: &str, output: &DetectorOutput) -> Plan {
+fn plan(entrant: &Entrant, scan: &LabeledScan, name: &str, output: &DetectorOutput) -> Plan {
     let of_pair = scan.annotations.iter().filter(|it| matches!(it.track, Some(0 | 1)));
     let is_of_pair =
         |point_idx: &u32| of_pair.clone().any(|it| it.point_indices.binary_search(point_idx).is_ok());
@@ -80,7 +82,7 @@ fn plan(experiment: &GapExperiment<'_>, scan: &LabeledScan, name: &str, output: 
         let positions_m = thinned.map(|&point_idx| scan.cloud.position_m(point_idx as usize));
         positions_m.filter(is_near).map(|[x_m, y_m, _]| [f64::from(x_m), f64::from(y_m)]).collect()
     };
-    let grid = HierarchicalGrid::new(experiment.config.hierarchical.grid.clone());
+    let grid = HierarchicalGrid::new(entrant.config.hierarchical.grid.clone());
     let cell_size_m = grid.params().cell_size_m;
     let n_found = holding().count();
     Plan {

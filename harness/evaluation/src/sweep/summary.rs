@@ -3,13 +3,16 @@
 use detector::grid::cell_fitness::{CellTally, FitnessReading};
 use rayon::prelude::*;
 use reports::numbers::blocks::BlockCount;
+use reports::numbers::latencies::Latencies;
+use reports::numbers::sums::{FalseObjects, Sums};
 use reports::numbers::sweep_score::{
     CellScore, FitnessValue, SweepScore, SweepScores, SweepSubject, SweepTime,
 };
 use reports::vocabulary::extent::Extent;
+use reports::vocabulary::metric::Metric;
 use reports::vocabulary::origin::Origin;
-
 use reports::vocabulary::task::Task;
+
 use scans::dataset::scan_times::scan_times_s;
 
 use crate::metrics::counts::{Counts, FalseDetections};
@@ -149,16 +152,19 @@ impl SweepResults<'_> {
             sum
         });
         let counts = counts.unwrap_or_default();
-        let within = |terms: fn(&Counts) -> [f64; 2]| interval(&found, |it| terms(&it.counts[task_idx]));
-        let f_rate_terms =
-            |it: &Counts| [2.0 * it.n_matched as f64, (it.n_annotations + it.n_matched + it.n_false) as f64];
+        let within = |metric: &Metric| {
+            interval(&found, |it| {
+                let counts = it.counts[task_idx].scored(FalseDetections::Known);
+                Sums::of_counts(counts).ratio(metric, FalseObjects::Known).unwrap_or_default()
+            })
+        };
         SweepScore {
             subject: self.subject(group, detector_idx, point_idx),
             task: Task::ALL[task_idx],
             n_scans: found.iter().map(|it| it.scans.len() as u64).sum(),
             blocks: blocks_of(group),
-            f_rate_within: counts.fo().and_then(|_| within(f_rate_terms)),
-            recall_within: within(|it| [it.n_matched as f64, it.n_annotations as f64]),
+            f_rate_within: counts.fo().and_then(|_| within(&Metric::FRate)),
+            recall_within: within(&Metric::Recall),
             cells: cells(&found),
             counts,
         }
@@ -168,27 +174,20 @@ impl SweepResults<'_> {
         let is_member =
             |it: &&TimedScan| group.members.iter().any(|member| member.dataset_idx == it.dataset_idx);
         let scans: Vec<&TimedScan> = self.times.iter().filter(is_member).collect();
-        let mut times_ns: Vec<u64> =
-            scans.iter().flat_map(|it| &it.times_ns[point_idx][detector_idx]).copied().collect();
-        times_ns.sort_unstable();
+        let ms = |time_ns: &u64| *time_ns as f64 / 1e6;
+        let all = scans.iter().flat_map(|it| &it.times_ns[point_idx][detector_idx]).map(ms);
+        let all = Latencies::new(all.collect());
         let shortest = scans.iter().filter_map(|it| it.times_ns[point_idx][detector_idx].iter().min());
-        let mut shortest_ns: Vec<u64> = shortest.copied().collect();
-        shortest_ns.sort_unstable();
-        // By nearest rank, as all times of this program.
-        let of = |sorted_ns: &[u64], percent: usize| {
-            let rank = (sorted_ns.len() * percent).div_ceil(100);
-            sorted_ns.get(rank.saturating_sub(1)).map(|it| *it as f64 / 1e6)
-        };
-        let percentile_ms = |percent| of(&times_ns, percent);
+        let shortest = Latencies::new(shortest.map(ms).collect());
         Some(SweepTime {
             subject: self.subject(group, detector_idx, point_idx),
             n_scans: scans.len() as u64,
-            n_detections: times_ns.len() as u64,
-            typical_ms: of(&shortest_ns, 50)?,
-            min_ms: percentile_ms(0)?,
-            p50_ms: percentile_ms(50)?,
-            p90_ms: percentile_ms(90)?,
-            max_ms: percentile_ms(100)?,
+            n_detections: all.n() as u64,
+            typical_ms: shortest.percentile_ms(50)?,
+            min_ms: all.percentile_ms(0)?,
+            p50_ms: all.percentile_ms(50)?,
+            p90_ms: all.percentile_ms(90)?,
+            max_ms: all.percentile_ms(100)?,
         })
     }
 }

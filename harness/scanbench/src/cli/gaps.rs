@@ -34,4 +34,5 @@ Puts up two cars, a car and a pedestrian, two pedestrians, a car and a sign, and
 a car and a bin, side by side and one behind the other, 0.2 to 1.2 m apart, 5 to
 30 m away, on a bare road. Leaves in the directory gaps.csv, with every bin and
 its denominator, gaps.svg and one plot for each kind of pair, pair.svg (a pair
-from above as simple-grid and hierarchical see it) and manifest.json.";
+from above as simple-grid and hierarchical see it) and the files of a run on the
+scans of the pairs.";

@@ -1,34 +1,37 @@
 //! What experiments on simulated scans have in common.
 
-use evaluation::metrics::counts::SCORING_VERSION;
+use std::num::NonZeroUsize;
+
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ListedDetector, detectors_named};
+use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
-use reports::files::archive::SCHEMA;
-use reports::run_folder::experiment_manifest::ExperimentManifest;
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
-use simulator::SIMULATOR_VERSION;
 
 use crate::cli::{ExperimentArgs, OutputArgs};
 use crate::commands::config::detector_config;
 use crate::commands::failure::Failure;
-use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
+use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 
 /// Who looks at the scans of an experiment, and since when.
 pub struct Experiment {
     /// Parameters of detectors and matching.
     pub config: RunConfig,
-    /// The detectors.
-    pub detectors: Vec<ListedDetector>,
     /// What everything is drawn from.
     pub seed: u64,
-    /// When it began.
-    pub started: Timestamp,
+    detectors: Vec<ListedDetector>,
+    started: Timestamp,
 }
 
 impl Experiment {
+    /// Detections of the first scan of each data set that are thrown away.
+    pub const N_WARMUP: u16 = 1;
+
     /// What `arguments` ask for; `detectors` if they name none.
     ///
     /// # Errors
@@ -55,22 +58,23 @@ impl Experiment {
         begin_run_directory(output, &format!("{}-{name}", compact_utc(self.started)), LatestPointer::Leave)
     }
 
-    /// Everything that decides the numbers; `details` is what only this experiment has.
-    pub fn manifest(&self, details: serde_json::Value) -> ExperimentManifest {
-        ExperimentManifest {
-            schema: SCHEMA,
-            scoring_version: SCORING_VERSION,
-            scanbench_version: env!("CARGO_PKG_VERSION").to_owned(),
-            created: rfc3339_utc(self.started),
-            argv: command_line(),
-            simulated: true,
-            simulator_version: SIMULATOR_VERSION,
-            seed: self.seed,
-            detectors: self.detectors.iter().map(|it| it.name.to_owned()).collect(),
-            config: serde_json::to_value(&self.config.resolved).expect("a configuration has text keys only"),
-            experiment: details,
-            git: git_state(),
-            rustc_version: rustc_version(),
-        }
+    /// Who takes part.
+    pub fn entrants(&self) -> Vec<Entrant> {
+        self.detectors.iter().map(|it| Entrant::of(*it, &self.config)).collect()
+    }
+
+    /// That of a run on `datasets`, which are drawn from the seed of `drawn`; `put_up` is what only this experiment has.
+    pub fn manifest(&self, drawn: &str, put_up: serde_json::Value, datasets: &[OpenedDataset]) -> Manifest {
+        let mut manifest = run_manifest(RunSettings {
+            selection: None,
+            n_warmup: Self::N_WARMUP,
+            n_repeats: NonZeroUsize::MIN,
+            config: &self.config,
+            detectors: detector_entries(&self.detectors, &self.config),
+            datasets,
+            started: self.started,
+        });
+        manifest.seeds.insert(drawn.to_owned(), self.seed);
+        Manifest { experiment: Some(put_up), ..manifest }
     }
 }

@@ -1,18 +1,23 @@
 //! `scanbench gaps`.
 
+use std::num::NonZeroUsize;
+
 use evaluation::metrics::pair_separation::SEPARATED;
-use evaluation::run::gap_experiment::{GAPS_DM, GapExperiment, RANGES_M};
+use evaluation::run::entrant::Entrant;
+use evaluation::run::gap_experiment::{GAPS_DM, PairTally, RANGES_M, StagedPairs};
 use evaluation::run::gap_picture::gap_picture;
-use reports::files::csv_rows::CsvRowWriter;
+use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::gap_curve::{GapBin, gap_curves};
+use reports::numbers::tally::Tally;
 use reports::plots::gap_plot::gap_plot;
 use reports::plots::plan_plot::plan_plot;
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
-use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::gap_row::GapRow;
 use reports::tables::studies::gap_table::GapTable;
+use scans::dataset::source::DamagePolicy;
 use simulator::object_pair::{PairKind, PairLayout};
 use simulator::simulated_street::sensor_named;
 
@@ -20,13 +25,17 @@ use crate::cli::GapsArgs;
 use crate::commands::experiment::Experiment;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::progress::progress_over_scans;
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::progress::RunProgress;
+use crate::commands::run_numbers::write_numbers;
+use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::watched_run::WatchedRun;
 
 /// The ablation, the method, its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
 
-/// Simulates pairs of objects with growing gaps, writes who separates them, and prints the table.
+/// Simulates pairs of objects with growing gaps, writes a run directory with who separates them, and prints the table.
 ///
 /// # Errors
 ///
@@ -36,32 +45,31 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     let sensor = sensor_named(&arguments.sensor)?;
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
     let directory = asked.begin_directory(&arguments.output, "gaps")?;
-    // Whose density is not known is taken for the paper's sensor, as in any run.
-    let config = asked.config.for_sensor(&arguments.sensor).unwrap_or_else(|| asked.config.clone());
-    let experiment = GapExperiment {
-        detectors: &asked.detectors,
-        config: &config,
-        sensor: &sensor,
-        n_pairs: arguments.pairs,
-        seed: asked.seed,
+    let pairs = StagedPairs::new(&arguments.sensor, sensor, arguments.pairs, asked.seed);
+    let datasets = [OpenedDataset::whole(Box::new(pairs.clone()))];
+    let entrants = asked.entrants();
+    let progress = RunProgress::new();
+    let mut tally = Tally::default();
+    let mut pair_tally = PairTally::new(pairs.stagings(), asked.config.matching);
+    let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
+    sinks.push(Box::new(&mut pair_tally));
+    let watched = WatchedRun {
+        entrants: &entrants,
+        datasets: &datasets,
+        damage: DamagePolicy::Refuse,
+        n_warmup: Experiment::N_WARMUP,
+        n_repeats: NonZeroUsize::MIN,
+        n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
+        interrupted,
+        progress: &progress,
     };
-    let progress = progress_over_scans(experiment.stagings().len(), "pairs of objects");
-    let bins = experiment.run(interrupted, || progress.inc(1))?;
-    progress.finish_and_clear();
-    let details = serde_json::json!({
-        "sensor": sensor,
-        "n_pairs": arguments.pairs,
-        "pairs": PairKind::ALL.map(PairKind::name),
-        "layouts": PairLayout::ALL.map(PairLayout::name),
-        "ranges_m": RANGES_M,
-        "gaps_dm": GAPS_DM.collect::<Vec<_>>(),
-        "separated": SEPARATED,
-    });
-    directory.write_file(MANIFEST_JSON, asked.manifest(details).to_json().as_bytes())?;
+    watched.run(sinks)?;
+    write_numbers(&directory, &manifest(arguments, &asked, &pairs, &datasets), &tally)?;
+    let bins = pair_tally.bins();
     write_curves(&directory, &bins)?;
-    let of_detector = |name: &str| asked.detectors.iter().position(|it| it.name == name);
-    if let Some((simple, hierarchical)) = of_detector("simple-grid").zip(of_detector("hierarchical")) {
-        write_picture(&directory, &experiment, simple, hierarchical)?;
+    let named = |name: &str| entrants.iter().find(|it| it.name == name);
+    if let Some((simple, hierarchical)) = named("simple-grid").zip(named("hierarchical")) {
+        write_picture(&directory, &pairs, arguments.pairs, [simple, hierarchical])?;
     }
     let finished = directory.finish()?;
     let printed = print_result(
@@ -72,12 +80,28 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     printed
 }
 
+/// That of a run, with what was put up.
+fn manifest(
+    arguments: &GapsArgs,
+    asked: &Experiment,
+    pairs: &StagedPairs,
+    datasets: &[OpenedDataset],
+) -> Manifest {
+    let experiment = serde_json::json!({
+        "sensor": pairs.sensor(),
+        "n_pairs": arguments.pairs,
+        "pairs": PairKind::ALL.map(PairKind::name),
+        "layouts": PairLayout::ALL.map(PairLayout::name),
+        "ranges_m": RANGES_M,
+        "gaps_dm": GAPS_DM.collect::<Vec<_>>(),
+        "separated": SEPARATED,
+    });
+    asked.manifest("pairs", experiment, datasets)
+}
+
 fn write_curves(directory: &RunDirectory, bins: &[GapBin]) -> Result<(), Failure> {
-    let mut rows = CsvRowWriter::new(directory.begin_file("gaps.csv")?)?;
-    for bin in bins {
-        rows.write(&GapRow::simulated(bin))?;
-    }
-    rows.finish()?;
+    let rows: Vec<GapRow> = bins.iter().map(GapRow::simulated).collect();
+    directory.write_file("gaps.csv", &to_csv_bytes(&rows)?)?;
     let plot = gap_plot(&gap_curves(bins), "Pairs of objects told apart (simulated; bars: 95 % intervals)");
     directory.write_file("gaps.svg", plot.as_bytes())?;
     for kind in PairKind::ALL.map(PairKind::name) {
@@ -90,11 +114,11 @@ fn write_curves(directory: &RunDirectory, bins: &[GapBin]) -> Result<(), Failure
 
 fn write_picture(
     directory: &RunDirectory,
-    experiment: &GapExperiment<'_>,
-    joining: usize,
-    separating: usize,
+    pairs: &StagedPairs,
+    n_pairs: u32,
+    joining_and_separating: [&Entrant; 2],
 ) -> Result<(), Failure> {
-    let Some(picture) = gap_picture(experiment, joining, separating) else {
+    let Some(picture) = gap_picture(pairs, n_pairs, joining_and_separating) else {
         print_diagnostic(
             "No pair is drawn: there is none that simple-grid joins and hierarchical separates without fragments.",
         );

@@ -2,7 +2,6 @@
 
 use std::num::NonZeroUsize;
 
-use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::condition_scores::ConditionScores;
@@ -22,7 +21,6 @@ use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::RunProgress;
-use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
 use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
@@ -30,9 +28,6 @@ use crate::commands::watched_run::WatchedRun;
 
 /// All there are, the method first.
 const DETECTORS: [&str; 4] = ["hierarchical", "kd-tree", "pca", "simple-grid"];
-
-/// Detections of the first scan under each condition that are thrown away.
-const N_WARMUP: u16 = 1;
 
 /// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run directory
 /// and prints the table.
@@ -47,7 +42,7 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let datasets =
         CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(asked.seed, arguments.scans)?)));
     let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
-    let entrants: Vec<Entrant> = asked.detectors.iter().map(|it| Entrant::of(*it, &asked.config)).collect();
+    let entrants = asked.entrants();
     let progress = RunProgress::new();
     let mut tally = Tally::default();
     let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
@@ -55,7 +50,7 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
         entrants: &entrants,
         datasets: &datasets,
         damage: DamagePolicy::Refuse,
-        n_warmup: N_WARMUP,
+        n_warmup: Experiment::N_WARMUP,
         n_repeats: NonZeroUsize::MIN,
         n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
         interrupted,
@@ -86,18 +81,7 @@ fn manifest(arguments: &RobustnessArgs, asked: &Experiment, datasets: &[OpenedDa
         let drives = it.drives(asked.seed, arguments.scans);
         serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
     });
-    let experiment = Some(conditions.collect::<Vec<_>>().into());
-    let mut manifest = run_manifest(RunSettings {
-        selection: None,
-        n_warmup: N_WARMUP,
-        n_repeats: NonZeroUsize::MIN,
-        config: &asked.config,
-        detectors: detector_entries(&asked.detectors, &asked.config),
-        datasets,
-        started: asked.started,
-    });
-    manifest.seeds.insert("streets".to_owned(), asked.seed);
-    Manifest { experiment, ..manifest }
+    asked.manifest("streets", conditions.collect::<Vec<_>>().into(), datasets)
 }
 
 fn notes(arguments: &RobustnessArgs, asked: &Experiment) -> Vec<String> {

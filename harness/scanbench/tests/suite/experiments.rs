@@ -23,14 +23,11 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
     let workplace = Workplace::new();
     let arguments = ["gaps", "--pairs", "1", "-d", "simple-grid,hierarchical", "-o", "out"];
     let ended = workplace.succeed(&arguments);
-    let mut names = names_in(&workplace, "out");
-    // Whether one of a single pair shows the difference is up to the seed.
-    names.retain(|it| it != "pair.svg");
+    let names = names_in(&workplace, "out");
     let kinds = ["car-bin", "car-pedestrian", "car-sign", "cars", "pedestrians"];
     let mut expected: Vec<String> = kinds.iter().map(|kind| format!("gaps_{kind}.svg")).collect();
-    expected.extend(["gaps.csv", "gaps.svg", "manifest.json"].map(str::to_owned));
-    expected.sort();
-    assert_eq!(names, expected);
+    expected.extend(["gaps.csv", "gaps.svg", "manifest.json", "report.html"].map(str::to_owned));
+    assert!(expected.iter().all(|it| names.contains(it)), "{names:?}");
     // Two detectors, five kinds, two layouts, three ranges, eleven gaps.
     assert_eq!(column(&workplace, "out/gaps.csv", "n_pairs"), vec!["1"; 2 * 5 * 2 * 3 * 11]);
     assert!(column(&workplace, "out/gaps.csv", "data").iter().all(|it| it == "simulated"));
@@ -40,7 +37,14 @@ fn gaps_leave_curves_plots_and_a_pair_behind() {
     assert!(ended.stderr.ends_with("Curves and plots: out\n"), "{ended:#?}");
     assert!(workplace.read("out/gaps.svg").contains("(simulated"));
     let manifest: serde_json::Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
-    assert_eq!((&manifest["simulated"], &manifest["seed"]), (&true.into(), &1.into()));
+    assert_eq!(
+        (&manifest["datasets"][0]["simulated"], &manifest["seeds"]["pairs"]),
+        (&true.into(), &1.into())
+    );
+    // Every scan of the pairs is one of a run.
+    assert_eq!(column(&workplace, "out/scans.csv", "scan").len(), 5 * 2 * 11 * 2 * 2);
+    let compared = workplace.succeed(&["compare", "out", "--detectors", "simple-grid,hierarchical"]);
+    assert!(compared.stdout.contains("hierarchical − simple-grid"), "{compared:#?}");
     assert_eq!(workplace.run(&arguments).exit_code, Some(2), "it is there already");
 }
 

@@ -1,10 +1,7 @@
 //! From one scan's annotations and detections to what became of each.
 
 use detector::Detections;
-use reports::vocabulary::reason::FalseReason;
-use reports::vocabulary::reason::IgnoredAnnotation;
-use reports::vocabulary::reason::IgnoredDetection;
-use reports::vocabulary::reason::MissReason;
+use reports::vocabulary::reason::{FalseReason, IgnoredAnnotation, IgnoredDetection, MissReason};
 use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::AnnotatedClasses;
