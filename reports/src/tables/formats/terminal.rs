@@ -63,7 +63,9 @@ impl<T: Tabular + ?Sized> Format<T> for Terminal {
         }
         for (head, items) in listing.iter().flat_map(|it| &it.entries) {
             push_line(&mut text, head);
-            items.iter().for_each(|it| push_line(&mut text, &format!("  {it}")));
+            for it in items {
+                push_line(&mut text, &format!("  {it}"));
+            }
         }
         if listing.is_some() {
             text.push('\n');
