@@ -106,7 +106,9 @@ fn help_fits_into_80_columns() {
 fn examples_of_the_help_can_be_copied() {
     for (verb, least) in [("run", 4), ("detect", 4), ("ablation", 3)] {
         let help = help(&format!("{verb} --help"));
-        let examples: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("  scanbench ")).collect();
+        let of_verb = |line: &&str| line.starts_with(verb);
+        let examples: Vec<&str> =
+            help.lines().filter_map(|line| line.strip_prefix("  scanbench ")).filter(of_verb).collect();
         assert!(examples.len() >= least, "{help}");
         for example in examples {
             // With a configuration that is not there the program ends before it does anything, but after it has read all
