@@ -34,5 +34,5 @@ Examples:
   scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
   scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
 
-All variants look at each scan, one after the other. Leaves in the directory
-ablation.csv, ablation.md and manifest.json.";
+Runs the whole method and one variant without each part. Writes ablation.csv,
+ablation.md and manifest.json.";
