@@ -205,14 +205,14 @@ impl TryFrom<Parts> for MatchOutcome {
     fn try_from(parts: Parts) -> Result<Self, &'static str> {
         let Parts { kind, outcome, reason, cost, annotation, detection } = parts;
         let is_tall = reason.as_deref() == Some(TALL);
-        let reason = reason.ok_or("a missed, false or ignored object gives no reason");
+        let reason = reason.ok_or("a missed, false or ignored object has no reason");
         match (kind, outcome, annotation, detection) {
             (Kind::Pair, Outcome::Matched, Some(annotation), Some(detection)) => {
                 let cost = cost.ok_or("a matched pair has no cost")?;
                 Ok(Self::Matched { annotation, detection, cost })
             }
             (Kind::Pair, Outcome::Ignored, Some(annotation), Some(detection)) if is_tall => {
-                let cost = cost.ok_or("a tall annotation was found at no cost")?;
+                let cost = cost.ok_or("a tall annotation was found but has no cost")?;
                 Ok(Self::Tall { annotation, found_by: Some(FoundBy { detection, cost }) })
             }
             (Kind::Annotation, Outcome::Ignored, Some(annotation), None) if is_tall => {
@@ -233,7 +233,7 @@ impl TryFrom<Parts> for MatchOutcome {
             (Kind::Detection, Outcome::Unknowable, None, Some(detection)) => {
                 Ok(Self::Unknowable { detection })
             }
-            _ => Err("kind, outcome and the filled columns contradict each other"),
+            _ => Err("kind, outcome and the filled columns do not agree"),
         }
     }
 }
@@ -268,7 +268,7 @@ fn place_from_columns(columns: PlaceColumns) -> Result<(Option<BoxFacts>, Option
         }
         [Some(x), Some(y), Some(z), None, None, None, None] => Ok((None, Some([x, y, z]))),
         [None, None, None, None, None, None, None] => Ok((None, None)),
-        _ => Err("a box misses a number"),
+        _ => Err("a box has an empty number"),
     }
 }
 
@@ -336,7 +336,7 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
         n_points: record.annotation_n_points.ok_or("an annotation has no number of points")?,
         n_points_outside: record
             .annotation_n_points_outside
-            .ok_or("an annotation does not say how many of its points are outside")?,
+            .ok_or("an annotation has no number of points outside")?,
         bounding_box,
         centroid_m,
     }))
@@ -529,8 +529,8 @@ mod tests {
 
     #[test]
     fn a_box_with_a_gap_is_refused() {
-        check_refused("10.2500,-3.5000", "10.2500,", "a box misses a number");
-        check_refused("10.5000,-3.2500,", "10.5000,,", "a box misses a number");
+        check_refused("10.2500,-3.5000", "10.2500,", "a box has an empty number");
+        check_refused("10.5000,-3.2500,", "10.5000,,", "a box has an empty number");
     }
 
     #[test]

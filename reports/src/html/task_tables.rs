@@ -18,7 +18,7 @@ pub(super) fn task_tables(tables: &[TaskTable]) -> Markup {
                 p.about { "Rates in %. Matched by " (task.matching_criterion) "." }
                 (table(&main, &notes, &format!("Task {}: rates and speeds", task.task)))
                 details {
-                    summary { "The counts behind it" }
+                    summary { "Counts" }
                     (table(&counts, &notes, &format!("Task {}: counts", task.task)))
                 }
                 (sentences(&notes))

@@ -15,13 +15,13 @@ pub fn agreement_table(names: Sides<&str>, curves: &[CurvePair]) -> String {
     write_grid(&mut text, &grid, &Notes::none());
     text.push('\n');
     text.push_str(&wrapped(&format!(
-        "ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one, in %, \
-         whose ratio is within a factor of {ALIKE_FACTOR} of 1, either way. median: of the ratios. worst bin: the \
-         one whose ratio is farthest from 1."
+        "ratio: left divided by right. bins: bins with a ratio/all bins. alike: share of the bins with a ratio, in %, \
+         whose ratio is between 1/{ALIKE_FACTOR} and {ALIKE_FACTOR}. median: of the ratios. worst bin: the \
+         bin whose ratio is farthest from 1."
     )));
-    text.push_str(&wrapped(&format!("A bin has a ratio if it is made of at least {}.", thresholds(curves))));
+    text.push_str(&wrapped(&format!("A bin has a ratio if it has at least {}.", thresholds(curves))));
     if let Some(left_out) = left_out(curves) {
-        text.push_str(&wrapped(&format!("Left out, as one side has too few: {left_out}.")));
+        text.push_str(&wrapped(&format!("Bins without a ratio, because one side has too few: {left_out}.")));
     }
     text
 }

@@ -20,7 +20,7 @@ pub fn gap_table(curves: &[GapCurve], definition: &str) -> String {
         write_grid(&mut text, &grid, &Notes::none());
         text.push('\n');
     }
-    text.push_str(&wrapped("seen: pairs that are judged. sep: share of these that are separated. low, high: its 95 % interval (Wilson). joined: share of these that one detection joins."));
+    text.push_str(&wrapped("seen: judged pairs. sep: share of them that is separated. low, high: its 95 % interval (Wilson). joined: share of them that one detection joins."));
     text.push_str(&wrapped(definition));
     text
 }

@@ -10,7 +10,7 @@ use crate::table::markdown::write_grid as write_markdown_grid;
 use crate::table::notes::Notes;
 use crate::table::terminal::{wrapped, write_grid};
 
-const TITLE: &str = "F-rate in % under one condition after another (all simulated).";
+const TITLE: &str = "F-rate in % under each condition (all simulated).";
 
 /// The table for a terminal: one row a condition, the F-rates of both tasks for each detector.
 pub fn robustness_to_terminal(conditions: &[ConditionScores], notes: &[String]) -> String {
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn conditions_of_a_kind_stand_together_and_rates_over_nothing_are_undefined() {
         insta::assert_snapshot!(robustness_to_terminal(&conditions(), &["A note.".to_owned()]), @r"
-        F-rate in % under one condition after another (all simulated).
+        F-rate in % under each condition (all simulated).
 
                                  NO        grid        tree
                               ────────   ─────────   ─────────
@@ -112,7 +112,7 @@ mod tests {
         A note.
         ");
         insta::assert_snapshot!(robustness_to_markdown(&conditions(), &["A note.".to_owned()]), @r"
-        **F-rate in % under one condition after another (all simulated).**
+        **F-rate in % under each condition (all simulated).**
 
         | kind | condition | NO: obj | veh | grid: obj | veh | tree: obj | veh |
         | :-- | :-- | --: | --: | --: | --: | --: | --: |

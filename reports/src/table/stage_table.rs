@@ -63,10 +63,10 @@ impl StageTable {
 
     /// The table as Markdown.
     pub fn to_markdown(&self) -> String {
-        let title = format!("Medians of the stages of {DETECTOR} in ms, on {}.", self.cpu_model);
+        let title = format!("Median times of the stages of {DETECTOR} in ms, on {}.", self.cpu_model);
         let sentences = vec![
-            "Steps that several stages do: the sum of their medians. paper: VM section 6, on another machine, other scans and \
-             with eight features where ours has more: for orientation."
+            "A step with several stages has the sum of their medians. paper: VM section 6, with another machine, other scans and \
+             fewer features (eight); for orientation."
                 .to_owned(),
         ];
         let notes = Notes::beneath(std::slice::from_ref(&self.grid), sentences);

@@ -28,8 +28,8 @@ pub fn sweep_to_terminal(sweep: &SweepScores) -> String {
     let kind = kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both });
     let about_interval = kind.map_or_else(String::new, about_interval);
     let sentence = format!(
-        "NO: annotations that count. Best at: the first of several values that are as good. 95 %: {about_interval} Lowest: the rate \
-         at the worst value. Time: of a detection at the best value, the median over scans of the shortest of each."
+        "NO: annotations that count. Best at: the value with the highest rate, the first one if several are equal. 95 %: {about_interval} \
+         Lowest: the rate at the worst value. Time: the shortest detection of each scan at the best value, median over scans."
     );
     let grids = [grid];
     let notes = Notes::beneath(&grids, vec![sentence]);

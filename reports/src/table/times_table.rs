@@ -106,12 +106,12 @@ impl TimesTable {
     }
 
     fn title(&self) -> String {
-        format!("Times of detection alone, on {}.", self.cpu_model)
+        format!("Times of detection only, on {}.", self.cpu_model)
     }
 
     fn notes(&self) -> Notes {
         let sentences = vec![
-            "Percentiles by nearest rank. Only ratios between detectors of one run mean something on another machine."
+            "Percentiles by nearest rank. On another machine, only ratios between detectors can be compared."
                 .to_owned(),
         ];
         Notes::beneath(std::slice::from_ref(&self.grid), sentences)

@@ -58,14 +58,14 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
 fn notes(arguments: &RobustnessArgs, robustness: &Robustness<'_>) -> Vec<String> {
     vec![
         format!(
-            "NO: annotations that count. obj, veh: tasks objects and vehicles. {} scans a condition, {} of each kind of \
+            "NO: annotations that count. obj, veh: tasks objects and vehicles. {} scans per condition, {} of each kind of \
              street, the same streets under all conditions (seeds from {}).",
             robustness.n_scans_per_condition(),
             arguments.scans,
             robustness.seed
         ),
-        "Conditions change one thing of the standard each; roads rise as drawn but for the kind road. Detectors know which \
-         sensor it is and how high it is mounted; nothing else is adapted."
+        "Each condition changes one thing of the standard. Road gradients are random, except under road. Detectors know the sensor and \
+         its height; nothing else is adapted."
             .to_owned(),
     ]
 }
