@@ -295,10 +295,18 @@ mod tests {
     #[test]
     fn other_files_versions_and_values_are_named() {
         check_refused("scanbench nu-svm", "recipe", "format is \"recipe\"");
-        check_refused("version = 2", "version = 1", "version 1 of the format, this program reads 2");
-        check_refused("\"width_m\"", "\"depth_m\"", "trained on the values [\"length_m\", \"depth_m\"]");
+        check_refused(
+            "version = 2",
+            "version = 1",
+            "the format has version 1, but this program reads version 2",
+        );
+        check_refused("\"width_m\"", "\"depth_m\"", "trained on the features [\"length_m\", \"depth_m\"]");
         check_refused("gamma", "gama", "unknown field `gama`");
-        check_refused("ruler", "compass", "taken with a \"compass\", those of this program with a \"ruler\"");
+        check_refused(
+            "ruler",
+            "compass",
+            "computed with a \"compass\", but this program computes them with a \"ruler\"",
+        );
     }
 
     #[test]
@@ -313,8 +321,8 @@ mod tests {
         check_refused("deviations = [1e-7,", "deviations = [0.0,", "deviation of length_m = 0");
         check_refused("gamma = 0.1078", "gamma = -1.0", "gamma = -1 is outside");
         check_refused("nu = 0.0377", "nu = 0.0", "nu = 0 is outside");
-        check_refused("2.0],", "two],", "\"two\" in support_vectors[1] is no number");
-        check_refused("[1.5, ", "[1.5 ", "\"1.5 -0.5\" in coefficients is no number");
+        check_refused("2.0],", "two],", "\"two\" in support_vectors[1] is not a number");
+        check_refused("[1.5, ", "[1.5 ", "\"1.5 -0.5\" in coefficients is not a number");
         check_refused(
             "    [-1.0, 2.0],",
             "    -1.0, 2.0,",

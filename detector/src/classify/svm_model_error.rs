@@ -9,7 +9,7 @@ pub enum SvmModelError {
     #[error(transparent)]
     File(#[from] TrainedFileError),
     /// A model for other values.
-    #[error("trained on the values {found:?}, not on {expected:?}")]
+    #[error("the model was trained on the features {found:?}, but needs {expected:?}")]
     Features {
         /// What it says.
         found: Vec<String>,
@@ -17,7 +17,9 @@ pub enum SvmModelError {
         expected: Vec<&'static str>,
     },
     /// A model for values that were taken in another way.
-    #[error("its values were taken with {found}, those of this program with {expected}")]
+    #[error(
+        "the features of the model were computed with {found}, but this program computes them with {expected}"
+    )]
     Describer {
         /// What it says.
         found: String,
@@ -43,7 +45,7 @@ pub enum SvmModelError {
         found: String,
     },
     /// An entry of a list that is none.
-    #[error("{text:?} in {list} is no number")]
+    #[error("{text:?} in {list} is not a number")]
     NoNumber {
         /// Which list.
         list: String,
@@ -51,7 +53,7 @@ pub enum SvmModelError {
         text: String,
     },
     /// A value that no training gives.
-    #[error("{name} = {value} is outside of {allowed}")]
+    #[error("{name} = {value} is not within {allowed}")]
     OutOfRange {
         /// Which value.
         name: String,

@@ -20,7 +20,7 @@ pub enum PrototypeFileError {
     #[error(transparent)]
     File(#[from] TrainedFileError),
     /// A file with prototypes missing.
-    #[error("{found} prototypes, where {announced} are announced")]
+    #[error("the file has {found} prototypes but announces {announced}")]
     Count {
         /// How many there are.
         found: usize,
@@ -149,9 +149,17 @@ mod tests {
     #[test]
     fn what_is_no_library_says_where_and_why() {
         check_refused("side profiles", "recipe", "line 1: format is \"scanbench recipe\"");
-        check_refused("version = 1", "version = 3", "line 2: version 3 of the format, this program reads 1");
-        check_refused("n_prototypes = 2", "n_prototypes = 3", "line 3: 2 prototypes, where 3 are announced");
-        check_refused("column_m = 0.2", "column_m = 0.0", "line 4: column_m = 0 is outside");
+        check_refused(
+            "version = 1",
+            "version = 3",
+            "line 2: the format has version 3, but this program reads version 1",
+        );
+        check_refused(
+            "n_prototypes = 2",
+            "n_prototypes = 3",
+            "line 3: the file has 2 prototypes but announces 3",
+        );
+        check_refused("column_m = 0.2", "column_m = 0.0", "line 4: column_m = 0 is not within");
         check_refused("[2.0, 1.0]", "[2.0, nan]", "line 12: the contour of prototype 0, \"box\"");
         check_refused("contour_m", "contour", "line 14: unknown field `contour`");
     }

@@ -49,16 +49,16 @@ pub struct NearestPrototype {
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum PrototypeLibraryError {
     /// Columns that no profile can be made of.
-    #[error("column_m = {column_m} is outside of 0.02 to 2 m")]
+    #[error("column_m = {column_m} is not within 0.02 to 2 m")]
     Column {
         /// The width it says.
         column_m: f32,
     },
     /// Nothing to compare with.
-    #[error("no prototype")]
+    #[error("there is no prototype")]
     Empty,
     /// A prototype that is no outline.
-    #[error("the contour of prototype {prototype_idx}, {name:?}, does not go around an area once")]
+    #[error("the contour of prototype {prototype_idx}, {name:?}, is not a simple closed curve")]
     Contour {
         /// Its place.
         prototype_idx: usize,

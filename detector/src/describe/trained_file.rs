@@ -34,7 +34,7 @@ pub enum TrainedFileError {
     #[error("{0}")]
     Syntax(String),
     /// Another kind of file.
-    #[error("format is {found:?}, not {expected:?}")]
+    #[error("the format is {found:?}, not {expected:?}")]
     Format {
         /// What it says.
         found: String,
@@ -42,7 +42,7 @@ pub enum TrainedFileError {
         expected: &'static str,
     },
     /// A file of another time.
-    #[error("version {found} of the format, this program reads {expected}")]
+    #[error("the format has version {found}, but this program reads version {expected}")]
     Version {
         /// What it says.
         found: i64,

@@ -61,7 +61,7 @@ pub struct CurveOrigin {
 
 /// Why a curve cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{field} = {value} is outside of {allowed}")]
+#[error("{field} = {value} is not within {allowed}")]
 pub struct ImplausibleCurve {
     /// The field, as parameters of the detector are called.
     pub field: &'static str,
@@ -73,9 +73,7 @@ pub struct ImplausibleCurve {
 
 /// Too little was seen to fit a curve.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "only {n_rings} of {N_RINGS} rings hold {LEAST_POINTS} points or more, but {least} are needed to fit a weight"
-)]
+#[error("only {n_rings} of {N_RINGS} rings have {LEAST_POINTS} points or more, but the fit needs {least}")]
 pub struct TooFewRings {
     /// Rings with enough points.
     pub n_rings: usize,
@@ -387,12 +385,12 @@ mod tests {
         check_refused(
             "version",
             "2",
-            "density_weighting.curve.version = 2 is outside of what this program reads",
+            "density_weighting.curve.version = 2 is not within what this program reads",
         );
         check_refused(
             "coefficients",
             "[0.0, 2.0, 1.0, 3.0, 4.0, 5.0, 6.0]",
-            "curve.coefficients = 1 is outside of",
+            "curve.coefficients = 1 is not within",
         );
         check_refused(
             "coefficients",
@@ -406,7 +404,7 @@ mod tests {
         );
         check_refused("coefficients", "[0.0, 1.0]", "invalid length 2");
         check_refused("peak_points_per_m2", "0.0", "curve.peak_points_per_m2 = 0 is outside");
-        check_refused("ring_points_per_m2", "[1.0]", "curve.ring_points_per_m2 = 1 is outside of 79 values");
+        check_refused("ring_points_per_m2", "[1.0]", "curve.ring_points_per_m2 = 1 is not within 79 values");
         check_refused("sensor", "7", "invalid type");
     }
 

@@ -84,7 +84,7 @@ pub enum ParamsError {
     #[error("{0}")]
     Syntax(#[from] toml::de::Error),
     /// A value no detector can work with.
-    #[error("{name} = {value} is outside of {allowed}")]
+    #[error("{name} = {value} is not within {allowed}")]
     OutOfRange {
         /// The parameter.
         name: &'static str,
@@ -227,7 +227,7 @@ mod tests {
     fn misspelled_missing_and_senseless_parameters_are_refused() {
         check_refused("xi = 3", "ksi = 3", "unknown field `ksi`");
         check_refused("xi = 3", "", "missing field `xi`");
-        check_refused("xi = 3", "xi = 9", "grid.xi = 9 is outside of 1 to 8");
+        check_refused("xi = 3", "xi = 9", "grid.xi = 9 is not within 1 to 8");
         check_refused(
             "ground_band_m = 0.25",
             "ground_band_m = -1.0",
@@ -237,7 +237,7 @@ mod tests {
         check_refused(
             "max_gap_m = 0.3",
             "max_gap_m = -0.1",
-            "regrouping.max_gap_m = -0.1 is outside of 0 to 100",
+            "regrouping.max_gap_m = -0.1 is not within 0 to 100",
         );
         check_refused("low_quantile = 0.25", "low_quantile = 1.1", "terrain.low_quantile = 1.1 is outside");
         check_refused("cell_size_m = 0.6", "cell_size_m = nan", "grid.cell_size_m = NaN");

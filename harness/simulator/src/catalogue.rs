@@ -31,10 +31,10 @@ impl SimulatedEntry for StreetDrive {
     fn check(&self) -> Result<(), String> {
         let &Self { n_scans, turns_per_scan, scans_per_drive, .. } = self;
         if scans_per_drive == Some(0) {
-            return Err("0 scans per drive is no drive".to_owned());
+            return Err("a drive needs at least one scan".to_owned());
         }
         if n_scans == 0 || turns_per_scan == 0 || n_scans.checked_mul(turns_per_scan).is_none() {
-            return Err(format!("{n_scans} scans, {turns_per_scan} turns each, is no drive"));
+            return Err(format!("{n_scans} scans with {turns_per_scan} turns each are not a drive"));
         }
         if let Some(mm_per_h) = self.rain_mm_per_h
             && !RAIN_RATES_MM_PER_H.contains(&mm_per_h)

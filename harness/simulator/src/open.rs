@@ -58,7 +58,10 @@ pub fn open_dataset(
         && let Err(error) = simulation.read::<StreetDrive>()
     {
         let path = description.root.clone().unwrap_or_default();
-        return Err(DatasetError::Damaged { path, problem: format!("is of an unknown simulation: {error}") });
+        return Err(DatasetError::Damaged {
+            path,
+            problem: format!("has a description of its simulation that cannot be read: {error}"),
+        });
     }
     Ok(dataset)
 }

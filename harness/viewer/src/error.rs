@@ -14,11 +14,11 @@ pub enum StreamError {
         reason: String,
     },
     /// The user's environment forbids recordings.
-    #[error("the environment variable RERUN switches recordings off; unset it")]
+    #[error("the environment variable RERUN turns recordings off; unset it")]
     SwitchedOff,
     /// A viewer is to be started, but there is none.
     #[error(
-        "no program `rerun` in PATH; install the viewer with `pip install rerun-sdk=={version}` or `cargo binstall rerun-cli@{version}`"
+        "there is no program `rerun` in PATH; install the viewer with `pip install rerun-sdk=={version}` or `cargo binstall rerun-cli@{version}`"
     )]
     ViewerNotInstalled {
         /// The version that fits the recordings.
@@ -63,7 +63,7 @@ pub enum StreamError {
         reason: String,
     },
     /// A detector logs that was not announced when the stream was opened.
-    #[error("detector {detector:?} was not announced; there are {announced:?}")]
+    #[error("detector {detector:?} was not announced; announced are {announced:?}")]
     UnknownDetector {
         /// Its name.
         detector: String,
@@ -71,7 +71,7 @@ pub enum StreamError {
         announced: Vec<String>,
     },
     /// A stage product of another scan.
-    #[error("{product} of {detector} labels {n_labels} points of a scan of {n_points}")]
+    #[error("{product} of {detector} has {n_labels} labels, but the scan has {n_points} points")]
     ProductLength {
         /// The detector.
         detector: String,
@@ -84,7 +84,7 @@ pub enum StreamError {
     },
     /// An assignment of another scan.
     #[error(
-        "an assignment of {detector} has {n_annotation_outcomes} annotations and {n_detection_outcomes} detections, the scan has {n_annotations} and {n_detections}"
+        "an assignment of {detector} has {n_annotation_outcomes} annotations and {n_detection_outcomes} detections, but the scan has {n_annotations} and {n_detections}"
     )]
     AssignmentLength {
         /// The detector.

@@ -123,7 +123,9 @@ impl ScanRecorder for RunRecording {
         match self.stream.viewer_state() {
             ViewerState::Lost { reason } if !self.viewer_was_lost => {
                 self.viewer_was_lost = true;
-                Ok(Some(format!("the viewer was lost ({reason}); the recording goes on to the file alone")))
+                Ok(Some(format!(
+                    "lost the connection to the viewer ({reason}); the recording continues in the file"
+                )))
             }
             _ => Ok(None),
         }
@@ -135,9 +137,9 @@ impl ScanRecorder for RunRecording {
             elsewhere.finish()?;
         }
         let warning = match ending.viewer {
-            ViewerState::Lost { reason } if !self.viewer_was_lost => {
-                Some(format!("the viewer was lost ({reason}) and may lack the end; the file is complete"))
-            }
+            ViewerState::Lost { reason } if !self.viewer_was_lost => Some(format!(
+                "lost the connection to the viewer ({reason}), which may miss the end; the file is complete"
+            )),
             _ => None,
         };
         let served = ending.served.map(|it| Box::new(it) as Box<dyn Served>);

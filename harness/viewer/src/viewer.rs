@@ -61,7 +61,7 @@ impl FromStr for ViewerUrl {
         let bad_url = |reason: String| StreamError::BadUrl { url: url.to_owned(), reason };
         match url.parse::<RedapUri>() {
             Ok(RedapUri::Proxy(uri)) => Ok(Self(uri)),
-            Ok(_) => Err(bad_url("the path has to be /proxy".to_owned())),
+            Ok(_) => Err(bad_url("the path must be /proxy".to_owned())),
             Err(error) => Err(bad_url(error.to_string())),
         }
     }
@@ -195,7 +195,7 @@ impl ViewerLink {
                 }
             }
             Ok(Err(reason)) => self.give_up(&reason),
-            Err(_) => self.give_up("it does not take the last messages"),
+            Err(_) => self.give_up("it does not accept the last messages"),
         }
         (self.state(), None)
     }
@@ -250,7 +250,7 @@ impl ViewerLink {
                 Ok(()) => return,
                 Err(TrySendError::Disconnected(_)) => return self.give_up("it was closed"),
                 Err(TrySendError::Full(_)) if started.elapsed() > PATIENCE => {
-                    return self.give_up(&format!("it took nothing for {} s", PATIENCE.as_secs()));
+                    return self.give_up(&format!("it accepted nothing for {} s", PATIENCE.as_secs()));
                 }
                 Err(TrySendError::Full(returned)) => parcel = returned,
             }

@@ -94,7 +94,7 @@ impl BlockCount {
             (_, 1) => "block of scans",
             _ => "blocks of scans",
         };
-        self.are_too_few().then(|| format!("of only {} {what}", self.n_blocks))
+        self.are_too_few().then(|| format!("from only {} {what}", self.n_blocks))
     }
 
     /// Whether these are too few for anything to rest on: fewer than [`FEWEST_BLOCKS`] of one data set, or as few degrees of

@@ -62,7 +62,7 @@ pub struct MetricRow {
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RunReportError {
     /// Two rows say the same thing.
-    #[error("{metric} of {detector} on {dataset}, task {task}, slice {slice}, is reported twice")]
+    #[error("the report has {metric} of {detector} on {dataset}, task {task}, slice {slice}, twice")]
     Duplicate {
         /// Id of the data set.
         dataset: String,
@@ -470,7 +470,7 @@ mod tests {
         let error = RunReport::new(1, twice).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "no of kd-tree on main_road, task objects, slice all, is reported twice"
+            "the report has no of kd-tree on main_road, task objects, slice all, twice"
         );
     }
 }

@@ -16,15 +16,15 @@ pub(super) fn curves(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let panels: Vec<ThemedPanel> = facts.curves.iter().map(|it| panel(facts, it)).collect();
     html! {
         section #curves aria-labelledby="curves-title" {
-            h2 #curves-title { "Surer or more: vehicles by score" }
+            h2 #curves-title { "Precision and recall of vehicles" }
             (FigureMarkup {
                 file_stem: "precision_recall",
                 title: "Precision over recall of vehicles",
                 panels: &panels,
                 key: &key(&facts.detectors()),
                 caption: html! {
-                    "Each detector from its surest detection of a vehicle alone (left) to all of them (right end). A curve ends "
-                    "where the detector itself ends. Up and to the right is better."
+                    "Precision over recall as the score threshold falls, from the most certain vehicle (left) to all (right end). "
+                    "Up and to the right is better."
                 },
                 class: "",
             }.render(files))

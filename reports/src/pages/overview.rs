@@ -54,7 +54,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 caption: html! {
                     "Rates over all data sets together with 95 % intervals (bars" (caveat(facts, ",")) "). "
                     @if has_paper {
-                        "Hollow diamonds: what the papers state for their detectors of the same kind, on other scans, for orientation. "
+                        "Hollow diamonds: results of the papers for the same kind of detector, on other scans, for orientation. "
                     }
                     @if origin != Origin::Recorded { "Scans: " (origin.name()) "." }
                 },
@@ -67,7 +67,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
 /// What is to be said of the intervals, after `before`; nothing if there is nothing to be said.
 pub(super) fn caveat(facts: &RunFacts, before: &str) -> String {
     let caveat = facts.caveat_of_intervals();
-    caveat.map_or_else(String::new, |it| format!("{before} {it}, too few for anything to rest on them"))
+    caveat.map_or_else(String::new, |it| format!("{before} {it}, too few for conclusions"))
 }
 
 /// Units stay with their numbers.

@@ -8,10 +8,10 @@ use crate::run_folder::manifest::Manifest;
 pub(super) fn parameters(manifest: &Manifest) -> Markup {
     let git = manifest.git.as_ref().map_or_else(
         || "not known".to_owned(),
-        |it| format!("{}{}", it.commit, if it.dirty { ", with changes" } else { "" }),
+        |it| format!("{}{}", it.commit, if it.dirty { ", with uncommitted changes" } else { "" }),
     );
     let facts = [
-        ("began", manifest.created.clone()),
+        ("started", manifest.created.clone()),
         (
             "scanbench",
             format!("{}, scoring version {}", manifest.scanbench_version, manifest.scoring_version),
@@ -27,14 +27,14 @@ pub(super) fn parameters(manifest: &Manifest) -> Markup {
         ),
         ("matched by", manifest.matching_criterion.clone()),
         (
-            "not counted",
+            "ignored",
             format!(
                 "annotations with fewer than {} points or beyond {} m",
                 manifest.ignored.min_points, manifest.ignored.max_range_m
             ),
         ),
         ("warm-up", format!("{} detections for each detector", manifest.n_warmup_detections)),
-        ("repetitions", format!("{} of each detection, of which the first counts", manifest.n_repeats)),
+        ("repetitions", format!("{} of each detection; the first one counts", manifest.n_repeats)),
     ];
     html! {
         section #manifest aria-labelledby="manifest-title" {

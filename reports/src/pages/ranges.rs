@@ -13,7 +13,7 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let key = key(&facts.detectors());
     let origin = origin_of_run(&facts.manifest).name();
     let undefined = "Precision and F-rate are undefined: not every class of object is annotated, so false objects cannot be \
-                     known. ";
+                     counted. ";
     let together = if facts.manifest.datasets.len() > 1 { ", all data sets together" } else { "" };
     html! {
         section #range aria-labelledby="range-title" {
@@ -28,8 +28,8 @@ pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                     panels: &panels,
                     key: &key,
                     caption: html! {
-                        "By distance from the sensor on the ground plan" (together) " (" (origin)
-                        "), with 95 % intervals" (caveat(facts, "")) ". An annotation counts where it is, a false detection where it was made. "
+                        "By horizontal distance from the sensor" (together) " (" (origin)
+                        "), with 95 % intervals" (caveat(facts, "")) ". An annotation counts at its own range, a false detection at its own. "
                         "Annotations that count: " (annotations(of_task)) ". "
                         @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
                     },

@@ -10,11 +10,11 @@ pub(super) fn reproduction(facts: &RunFacts) -> Markup {
     let manifest = &facts.manifest;
     html! {
         section #reproduce aria-labelledby="reproduce-title" {
-            h2 #reproduce-title { "Make it again" }
+            h2 #reproduce-title { "Reproduce" }
             (commands(&command_lines(manifest), "Commands that repeat the run"))
             @match &manifest.git {
-                Some(git) if git.dirty => p { "The source had changes beyond that commit, so the same numbers are not sure." },
-                Some(_) => p { "Numbers come out the same to the last digit, times do not." },
+                Some(git) if git.dirty => p { "The source had uncommitted changes, so the numbers may differ." },
+                Some(_) => p { "All numbers are reproduced to the last digit, except times." },
                 None => p { "The commit that the program was built from is not known." },
             }
             (data_table(manifest))
@@ -38,7 +38,7 @@ fn data_table(manifest: &Manifest) -> Markup {
             table.data {
                 caption.hidden { "Data of the run" }
                 thead { tr {
-                    @for title in ["data set", "scans", "sensor", "what the scans are made of", "licence"] {
+                    @for title in ["data set", "scans", "sensor", "source", "licence"] {
                         th scope="col" class=(if title == "scans" { "number" } else { "text" }) { (title) }
                     }
                 } }
@@ -71,7 +71,7 @@ fn made_of(manifest: &Manifest, entry: &DatasetEntry) -> Markup {
         (selection)
         @match &entry.checksum {
             Some(checksum) => { ", SHA-256 " code { (checksum) } },
-            None => ", checksum not known",
+            None => ", no checksum",
         }
     }
 }

@@ -93,7 +93,7 @@ const SECTIONS: [(&str, &str); 8] = [
     ("curves", "Curves"),
     ("times", "Times"),
     ("worst", "Worst"),
-    ("reproduce", "Make it again"),
+    ("reproduce", "Reproduce"),
     ("manifest", "Manifest"),
 ];
 
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn one_block_of_scans_gives_no_interval() {
         let html = page(&SampleRun { n_blocks: 1, ..USUAL }).html;
-        check_holds(&html, &["these scans are too few to tell who leads"]);
+        check_holds(&html, &["these scans are too few to show which one leads"]);
         assert!(!html.contains("leads with") && !html.contains("95 % interval 8"), "{html}");
     }
 
@@ -210,10 +210,10 @@ mod tests {
         check_holds(
             &few.html,
             &[
-                "; 9 blocks of scans are too few to tell who leads.",
+                "; 9 blocks of scans are too few to show which one leads.",
                 "<sup>§</sup>",
-                "§ of fewer than 10 blocks",
-                "95 % intervals (bars, of only 9 blocks of scans, too few for anything to rest on them).",
+                "§ from fewer than 10 blocks",
+                "95 % intervals (bars, from only 9 blocks of scans, too few for conclusions).",
             ],
         );
         assert!(!few.html.contains("leads with"));

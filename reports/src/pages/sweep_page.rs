@@ -13,12 +13,8 @@ use crate::run_folder::run_directory::{REPORT_HTML, SWEEP_CSV, SWEEP_TIMES_CSV};
 /// The kinds of plots that a sweep leaves, by the beginnings of their names, and what is seen on them.
 const PLOTS: [(&str, &str, &str); 3] = [
     ("f_rate_", "Rates over the parameter", "With 95 % intervals; the best point is marked."),
-    (
-        "fitness_",
-        "How well cells fit",
-        "The paper's figures 6 a and b: what can be read without annotations.",
-    ),
-    ("pareto_", "Rates against times", "The Pareto front: no other point is both better and faster."),
+    ("fitness_", "Cell fitness", "As in figures 6 a and b of the paper; needs no annotations."),
+    ("pareto_", "Rates over times", "On the Pareto front, no other point is both better and faster."),
 ];
 
 /// The page of a sweep.
@@ -53,7 +49,7 @@ impl SweepPage {
         let sections = html! {
             header {
                 p.kicker { "scanbench" }
-                h1 { "A sweep of " (scores.swept()) }
+                h1 { "Sweep of " (scores.swept()) }
                 p.facts { (scores.rows.len()) " rows of detectors, data sets and tasks" }
             }
             @for (number, (beginning, title, about)) in PLOTS.iter().enumerate() {

@@ -17,7 +17,7 @@ pub(super) fn task_tables(tables: &[TaskTable]) -> Markup {
                 @if let [main, counts] = &sheet.parts[..] {
                     (table(&main.grid, &sheet.notes, &format!("Task {}: rates and speeds", task.task)))
                     details {
-                        summary { "The counts behind it" }
+                        summary { "Counts" }
                         (table(&counts.grid, &sheet.notes, &format!("Task {}: counts", task.task)))
                     }
                 }

@@ -25,7 +25,7 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     html! {
         section #times aria-labelledby="times-title" {
             h2 #times-title { "Times" }
-            p.about { "Of detection alone, on " (facts.manifest.machine.cpu_model) ". Ratios mean something on another machine, milliseconds do not." }
+            p.about { "Detection only, on " (facts.manifest.machine.cpu_model) ". On another machine, only ratios can be compared." }
             div.beside {
                 @if let Some(panel) = latency_plot(&facts.times_ms) {
                     (FigureMarkup {
@@ -34,8 +34,8 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                         panels: &[panel],
                         key: &key(&facts.detectors()),
                         caption: html! {
-                            "Share of the scans (" (origin) ") that are done within a time. Steeper is steadier, farther left is faster. "
-                            "A sensor that turns ten times a second leaves 100 ms."
+                            "Share of the scans (" (origin) ") that finish within a time. Farther left is faster, steeper is more constant. "
+                            "A sensor with ten turns per second allows 100 ms."
                         },
                         class: "single",
                     }.render(files))
@@ -55,7 +55,7 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                     panels: &stages,
                     key: &[],
                     caption: html! {
-                        "Median time of each stage (" (origin) "), in the order of the stages. Bars are to scale within a detector, not between detectors."
+                        "Median time of each stage (" (origin) "), in the order of the stages. The scale of the bars differs between detectors."
                     },
                     class: "stages",
                 }.render(files))

@@ -17,10 +17,10 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
     let tasks: Vec<Task> = facts.standings.iter().map(|it| it.task).collect();
     html! {
         section #worst aria-labelledby="worst-title" {
-            h2 #worst-title { "The worst mistakes, from above" }
+            h2 #worst-title { "Worst mistakes, seen from above" }
             p.about {
-                "What was seen by the most points, and yet missed or false: each object once. Forward is up; the wedge at the edge points to the sensor. "
-                @if facts.points.is_some() { "Dots are where the sensor saw something: strong on what stands on the road, faint on the road." }
+                "The missed and false objects with the most points, each object once. Forward is up; the wedge at the edge points to the sensor. "
+                @if facts.points.is_some() { "Dots are points of the scan: dark above the road, pale on the road." }
             }
             (key(&scene_keys(&facts.detectors())))
             @for &task in &tasks {

@@ -59,7 +59,7 @@ pub fn fitness_plot(sweep: &SweepScores, extent: &Extent) -> Option<String> {
             y_range,
         }
     });
-    let title = format!("Cell fitness, {}. Ring: fittest. {}", heading(&curves), about_bars(&curves));
+    let title = format!("Cell fitness, {}. Ring: best fitness. {}", heading(&curves), about_bars(&curves));
     Some(panels_svg(&panels.collect::<Vec<_>>(), &title))
 }
 

@@ -19,9 +19,10 @@ pub fn latency_plot(of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> 
         .map(|(name, times)| Series { name: name.clone(), places: steps(times) })
         .collect();
     let detectors: Vec<&str> = series.iter().map(|it| it.name.as_str()).collect();
-    let label = format!("share of scans done within a time in milliseconds, of {}", detectors.join(", "));
+    let label =
+        format!("share of scans that finish within a time in milliseconds, of {}", detectors.join(", "));
     let panel = SmallPanel {
-        title: "scans done within a time",
+        title: "scans that finish within a time",
         x_title: "time of a scan (ms), logarithmic",
         y_title: "scans (%)",
         x: plotters::coord::combinators::LogCoord::from((from..to).log_scale()),

@@ -129,7 +129,7 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
     let subject = format!(
         r#"<rect class="f-subject" x="6" y="1" width="24" height="14" fill="{SUBJECT_HEX}" opacity="0.35"/>"#
     );
-    let name = "what is missed or false".to_owned();
+    let name = "missed or false object".to_owned();
     let swatch = ThemedPanel::of_elements(subject, KEY_SIZE_PX, name.clone());
     let mut keys = vec![KeyEntry { name, swatch }, sample("annotated", "k-ink", BLACK_HEX, 1.8, "")];
     keys.extend(names.iter().enumerate().map(|(idx, name)| {
@@ -139,13 +139,7 @@ pub fn scene_keys(names: &[&str]) -> Vec<KeyEntry> {
         let color = hex(detector_hue(idx).on_light);
         sample(name, &format!("k-d{}", idx % DETECTOR_HUES.len()), &color, 2.0, &dashes)
     }));
-    keys.push(sample(
-        "found, but taken for something else",
-        "k-ink",
-        BLACK_HEX,
-        2.0,
-        r#" stroke-dasharray="1 3""#,
-    ));
+    keys.push(sample("found, but as another class", "k-ink", BLACK_HEX, 2.0, r#" stroke-dasharray="1 3""#));
     keys
 }
 

@@ -29,7 +29,7 @@ pub(crate) fn about_bars(curves: &[SweepCurve<'_>]) -> String {
     let caveat = curves.first().and_then(|it| it.points[0].score.blocks.caveat());
     caveat.map_or_else(
         || "Bars: 95 % intervals".to_owned(),
-        |it| format!("Bars: 95 % intervals {it}, too few to be relied on"),
+        |it| format!("Bars: 95 % intervals {it}, too few for conclusions"),
     )
 }
 

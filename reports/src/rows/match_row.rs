@@ -205,7 +205,7 @@ impl TryFrom<Parts> for MatchOutcome {
                 Ok(Self::Matched { annotation, detection, cost })
             }
             (Kind::Pair, Outcome::Ignored, Some(annotation), Some(detection)) if is_tall => {
-                let cost = cost.ok_or("a tall annotation was found at no cost")?;
+                let cost = cost.ok_or("a tall annotation was found but has no cost")?;
                 Ok(Self::Tall { annotation, found_by: Some(FoundBy { detection, cost }) })
             }
             (Kind::Annotation, Outcome::Ignored, Some(annotation), None) if is_tall => {
@@ -228,7 +228,7 @@ impl TryFrom<Parts> for MatchOutcome {
             (Kind::Detection, Outcome::Unknowable, None, Some(detection)) => {
                 Ok(Self::Unknowable { detection })
             }
-            _ => Err("kind, outcome and the filled columns contradict each other"),
+            _ => Err("kind, outcome and the filled columns do not agree"),
         }
     }
 }
@@ -269,7 +269,7 @@ fn place_from_columns(columns: PlaceColumns) -> Result<(Option<BoxFacts>, Option
         }
         [Some(x), Some(y), Some(z), None, None, None, None] => Ok((None, Some([x, y, z]))),
         [None, None, None, None, None, None, None] => Ok((None, None)),
-        _ => Err("a box misses a number"),
+        _ => Err("a box has an empty number"),
     }
 }
 
@@ -337,7 +337,7 @@ fn annotation_of(record: &MatchRecord) -> Result<Option<AnnotationFacts>, &'stat
         n_points: record.annotation_n_points.ok_or("an annotation has no number of points")?,
         n_points_outside: record
             .annotation_n_points_outside
-            .ok_or("an annotation does not say how many of its points are outside")?,
+            .ok_or("an annotation has no number of points outside")?,
         bounding_box,
         centroid_m,
     }))
@@ -535,8 +535,8 @@ mod tests {
 
     #[test]
     fn a_box_with_a_gap_is_refused() {
-        check_refused("10.2500,-3.5000", "10.2500,", "a box misses a number");
-        check_refused("10.5000,-3.2500,", "10.5000,,", "a box misses a number");
+        check_refused("10.2500,-3.5000", "10.2500,", "a box has an empty number");
+        check_refused("10.5000,-3.2500,", "10.5000,,", "a box has an empty number");
     }
 
     #[test]

@@ -213,24 +213,24 @@ impl TryFrom<ScanRecord> for ScanRow {
         let outcome = match record.status {
             Status::Evaluated => ScanOutcome::Evaluated(numbers_of(&record)?),
             Status::Skipped => {
-                let reason = record.reason.ok_or("a skipped scan gives no reason")?;
+                let reason = record.reason.ok_or("a skipped scan has no reason")?;
                 ScanOutcome::Skipped { reason }
             }
         };
         let ScanRecord { dataset, sequence, scan, time_s: Fixed(time_s), detector, task, .. } = record;
         if !time_s.is_finite() {
-            return Err("time_s is no time");
+            return Err("time_s is not a time");
         }
         Ok(Self { dataset, sequence, scan, time_s, detector, task, outcome })
     }
 }
 
 fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
-    let present = |number: Option<u64>| number.ok_or("an evaluated scan misses a number");
+    let present = |number: Option<u64>| number.ok_or("an evaluated scan has an empty number");
     let counts = Counts::new(present(record.no)?, present(record.tp)?, record.fo);
     let counts = counts.ok_or("tp is larger than no")?;
     let entropy =
-        |it: Option<Fixed<6>>| it.map(|Fixed(nats)| nats).ok_or("an evaluated scan misses a number");
+        |it: Option<Fixed<6>>| it.map(|Fixed(nats)| nats).ok_or("an evaluated scan has an empty number");
     if record.mo != Some(counts.mo()) {
         return Err("mo is not no - tp");
     }
@@ -369,7 +369,7 @@ mod tests {
     #[test]
     fn a_scan_without_a_time_is_refused() {
         check_refused("0000,1,0.100,", "0000,1,,", "line: 3");
-        check_refused("0000,1,0.100,", "0000,1,NaN,", "time_s is no time");
+        check_refused("0000,1,0.100,", "0000,1,NaN,", "time_s is not a time");
     }
 
     #[test]

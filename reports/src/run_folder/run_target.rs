@@ -45,14 +45,14 @@ pub enum RunDirectoryError {
         target: PathBuf,
     },
     /// There is something already.
-    #[error("{target:?} exists; choose another name, remove it, or ask for it to be replaced")]
+    #[error("{target:?} exists; choose another name, remove it, or replace it")]
     Occupied {
         /// Where the run was to be written.
         target: PathBuf,
     },
     /// There is something already that is no run, and is not replaced.
     #[error(
-        "{target:?} exists and is not the directory of a run (a folder with a {MANIFEST_JSON}), so it is not replaced"
+        "{target:?} exists, but is not the directory of a run, which has a {MANIFEST_JSON}; it is not replaced"
     )]
     NotARun {
         /// Where the run was to be written.
@@ -65,7 +65,7 @@ pub enum RunDirectoryError {
         target: PathBuf,
     },
     /// The name `latest` is taken by something that does not point at a run.
-    #[error("{path:?} should point at the newest run, but is something else; rename it")]
+    #[error("{path:?} is not a link to the newest run; rename it")]
     LatestOccupied {
         /// What has that name.
         path: PathBuf,

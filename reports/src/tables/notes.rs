@@ -33,7 +33,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
     let mut notes = Notes { marks, sentences: vec![abbreviations(&table.cpu_model)] };
     if has_column("IA") {
         notes.sentences.push(
-            "P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored, \
+            "P: precision, TP / ND. R: recall, TP / NO. IA, ID: ignored annotations and detections, \
              neither right nor wrong."
                 .to_owned(),
         );
@@ -44,9 +44,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
             .extend(table.block_kind().map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
     }
     if has_line(LineKind::Overall) {
-        notes.sentences.push(
-            "overall: counts and times are summed over the data sets before a ratio is taken.".to_owned(),
-        );
+        notes.sentences.push("overall: ratios of counts and times summed over the data sets.".to_owned());
     }
     if has_line(LineKind::Paper) {
         notes.sentences.extend(table.paper.map(|paper| {
@@ -54,7 +52,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
                 paper.methods.iter().filter(|it| table.detectors.iter().any(|our| our == it.detector));
             let places: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
             format!(
-                "paper: {}; {}. Other scans, annotations and machine than ours: for orientation.",
+                "paper: {}; {}. Other scans, annotations and machine; for orientation.",
                 paper.source,
                 places.join(", ")
             )
@@ -68,7 +66,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
 /// What is whose beside the clusters; `None` where nobody has anything.
 fn rules(table: &TaskTable) -> Option<String> {
     let whose = |names: &[String]| match names {
-        [only] => format!("{only} alone"),
+        [only] => format!("only {only}"),
         names if names.len() == table.detectors.len() => "all".to_owned(),
         names => names.join(", "),
     };
@@ -77,21 +75,21 @@ fn rules(table: &TaskTable) -> Option<String> {
     let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
     let without: Vec<&str> = table.detectors.iter().filter(|it| !has_any(it)).map(String::as_str).collect();
     let without = if without.is_empty() { String::new() } else { format!("; none: {}", without.join(", ")) };
-    (!rules.is_empty()).then(|| format!("Rules beside the clustering: {}{without}.", rules.join("; ")))
+    (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{without}.", rules.join("; ")))
 }
 
 /// How intervals are made, and what they say.
 pub(crate) fn about_interval(kind: BlockKind) -> String {
     let of = format!("cluster bootstrap, {N_RESAMPLES} resamples of");
-    let same_drives = "how much scans of the same drives could vary, not other drives";
+    let same_drives = "they cover other scans of the same drives, but not other drives";
     match kind {
         BlockKind::Drives => format!("{of} whole drives."),
         BlockKind::Seconds => {
-            format!("{of} seconds of the drives, which are fewer than {FEWEST_DRIVES}: {same_drives}.")
+            format!("{of} seconds, because there are fewer than {FEWEST_DRIVES} drives: {same_drives}.")
         }
-        BlockKind::Tracks => format!("{of} objects, each with all scans that show it: {same_drives}."),
+        BlockKind::Tracks => format!("{of} objects, each with all its scans: {same_drives}."),
         BlockKind::Both => format!(
-            "{of} whole drives; of data sets that have fewer than {FEWEST_DRIVES}, of seconds of these: {same_drives}."
+            "{of} whole drives, or of seconds for data sets with fewer than {FEWEST_DRIVES} drives: {same_drives}."
         ),
     }
 }
@@ -103,7 +101,7 @@ fn marks(grid: &Grid) -> impl Iterator<Item = Mark> + '_ {
 fn abbreviations(cpu_model: &str) -> String {
     format!(
         "NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per \
-         second of detection alone, on {cpu_model}."
+         second, detection only, on {cpu_model}."
     )
 }
 
@@ -152,21 +150,20 @@ impl Notes {
 
     fn sentence_about(&self, mark: Mark) -> String {
         let sentence = match mark {
-            Mark::Simulated => return "simulated: made by a simulator, not recorded.".to_owned(),
+            Mark::Simulated => return "simulated: from a simulator, not recorded.".to_owned(),
             Mark::PartlySimulated => {
                 return "partly simulated: summed over recorded and simulated data sets.".to_owned();
             }
             Mark::NotPublic => "Budapest recordings, not public.",
-            Mark::FewScans => "of too few scans to be relied on: p95 takes 59, p99 takes 299.",
+            Mark::FewScans => "from too few scans to be reliable: p95 needs 59, p99 needs 299.",
             Mark::FewBlocks => {
                 let sign = self.sign_of(mark);
                 return format!(
-                    "{sign} of fewer than {FEWEST_BLOCKS} blocks: too few for the interval to be relied on, and for anything to be \
-                     concluded from it."
+                    "{sign} from fewer than {FEWEST_BLOCKS} blocks: too few for a reliable interval and for conclusions."
                 );
             }
             Mark::Undefined(Undefined::FalseObjectsUnknown) => {
-                "undefined: not every class of object is annotated, so false objects cannot be known."
+                "undefined: not every class of object is annotated, so false objects cannot be counted."
             }
             Mark::Undefined(Undefined::ZeroDenominator) => "undefined: the denominator is zero.",
             Mark::Undefined(Undefined::NotTimed) => "undefined: no scan was timed.",

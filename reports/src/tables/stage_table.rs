@@ -57,9 +57,9 @@ impl StageTable {
 
 impl Tabular for StageTable {
     fn sheet(&self) -> Sheet {
-        let title = format!("Medians of the stages of {DETECTOR} in ms, on {}.", self.cpu_model);
-        let sentence = "Steps that several stages do: the sum of their medians. paper: VM section 6, on another machine, other \
-             scans and with eight features where ours has more: for orientation.";
+        let title = format!("Median times of the stages of {DETECTOR} in ms, on {}.", self.cpu_model);
+        let sentence = "A step with several stages has the sum of their medians. paper: VM section 6, with another machine, other \
+             scans and fewer features (eight); for orientation.";
         Sheet::of(title, self.grid.clone(), vec![sentence.to_owned()])
     }
 }

@@ -85,10 +85,10 @@ pub struct RateIntervals {
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// The report is about a data set that the manifest does not list.
-    #[error("the report is about the data set {0:?}, which the manifest does not list")]
+    #[error("the report has the data set {0:?}, but the manifest does not")]
     UnknownDataset(String),
     /// The report is about a detector that the manifest does not list.
-    #[error("the report is about the detector {0:?}, which the manifest does not list")]
+    #[error("the report has the detector {0:?}, but the manifest does not")]
     UnknownDetector(String),
     /// A number is missing.
     #[error("the report has no {metric} of {detector} on {dataset} in the task {task}")]
@@ -103,7 +103,7 @@ pub enum TableError {
         metric: String,
     },
     /// A count is not one.
-    #[error("{metric} of {detector} on {dataset} in the task {task} is {value:?}, which cannot be")]
+    #[error("{metric} of {detector} on {dataset} in the task {task} is {value:?}, which is not a count")]
     BadCount {
         /// Id of the data set.
         dataset: String,
@@ -117,7 +117,7 @@ pub enum TableError {
         value: Option<f64>,
     },
     /// Two detectors were judged by different annotations.
-    #[error("on {dataset}, {first} was asked for {n_first} annotations but {second} for {n_second}")]
+    #[error("on {dataset}, {first} has {n_first} annotations that count, but {second} has {n_second}")]
     DifferentAnnotations {
         /// Id of the data set.
         dataset: String,

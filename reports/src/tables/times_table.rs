@@ -65,8 +65,9 @@ impl TimesTable {
 
 impl Tabular for TimesTable {
     fn sheet(&self) -> Sheet {
-        let sentence = "Percentiles by nearest rank. Only ratios between detectors of one run mean something on another machine.";
-        let title = format!("Times of detection alone, on {}.", self.cpu_model);
+        let sentence =
+            "Percentiles by nearest rank. On another machine, only ratios between detectors can be compared.";
+        let title = format!("Times of detection only, on {}.", self.cpu_model);
         Sheet::of(title, self.grid.clone(), vec![sentence.to_owned()])
     }
 }

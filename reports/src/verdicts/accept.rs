@@ -52,14 +52,14 @@ pub enum Succession {
 pub enum AcceptError {
     /// The program that made them was built from changes that nobody can find again.
     #[error(
-        "the run was made by a program with changes beyond commit {commit}; commit them, and run it again"
+        "the run was made by a program with uncommitted changes after commit {commit}; commit them and run again"
     )]
     Dirty {
         /// The commit that the changes are beyond.
         commit: String,
     },
     /// There is an accepted run that these results say nothing about.
-    #[error("{reason}; if that is meant, accept it with --new-baseline")]
+    #[error("{reason}; to accept it all the same, give --new-baseline")]
     NoSuccessor {
         /// Why.
         reason: String,
@@ -133,7 +133,7 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
 /// The accepted run in `target`, which `run` is to follow; or why it cannot.
 fn predecessor(target: &Path, run: &RunArchive) -> Result<RunArchive, String> {
     let before = RunArchive::read(target)
-        .map_err(|error| format!("the accepted run {} cannot be read: {error}", target.display()))?;
+        .map_err(|error| format!("cannot read the accepted run {}: {error}", target.display()))?;
     match check_comparable(&before, run) {
         Ok(()) => Ok(before),
         Err(NotComparable { reasons }) => {

@@ -36,7 +36,7 @@ fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
     let mut reasons = Vec::new();
     let mut compare = |what: &str, before: String, now: String| {
         if before != now {
-            reasons.push(format!("{what} was {before} and is {now}"));
+            reasons.push(format!("{what} changed from {before} to {now}"));
         }
     };
     let version = |it: &Manifest| it.scoring_version.to_string();
@@ -46,7 +46,7 @@ fn rules(baseline: &Manifest, run: &Manifest) -> Vec<String> {
     let ignored = |it: &Manifest| {
         format!("fewer than {} points or beyond {} m", it.ignored.min_points, it.ignored.max_range_m)
     };
-    compare("what is ignored", ignored(baseline), ignored(run));
+    compare("the ignored annotations", ignored(baseline), ignored(run));
     reasons
 }
 
@@ -54,7 +54,7 @@ fn datasets(baseline: &Manifest, run: &Manifest) -> Vec<String> {
     let ids = |it: &Manifest| it.datasets.iter().map(|it| it.id.clone()).collect::<Vec<_>>();
     let (before, now) = (ids(baseline), ids(run));
     if before != now {
-        return vec![format!("the data sets were {} and are {}", before.join(", "), now.join(", "))];
+        return vec![format!("the data sets changed from {} to {}", before.join(", "), now.join(", "))];
     }
     let pairs = baseline.datasets.iter().zip(&run.datasets);
     pairs.filter_map(|(before, now)| difference(before, now)).collect()
@@ -63,16 +63,16 @@ fn datasets(baseline: &Manifest, run: &Manifest) -> Vec<String> {
 fn difference(before: &DatasetEntry, now: &DatasetEntry) -> Option<String> {
     let id = &before.id;
     if before.checksum != now.checksum {
-        return Some(format!("the data of {id} have changed: their checksums differ"));
+        return Some(format!("the data of {id} changed: their checksums differ"));
     }
     if before.annotated != now.annotated {
-        return Some(format!("{id} annotated other classes"));
+        return Some(format!("the annotated classes of {id} changed"));
     }
     if before.classes != now.classes {
-        return Some(format!("names of classes in the labels of {id} stood for others"));
+        return Some(format!("the mapping of class names of {id} changed"));
     }
     if (before.sensor_height_m, &before.sensor) != (now.sensor_height_m, &now.sensor) {
-        return Some(format!("the sensor of {id} is another, or mounted elsewhere"));
+        return Some(format!("the sensor of {id} or its height changed"));
     }
     None
 }
@@ -109,9 +109,9 @@ fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
     let missing = before.iter().filter_map(|(subject, scans)| {
         let (detector, task, dataset) = subject;
         match now.get(subject) {
-            None => Some(format!("{detector} was not run on {dataset}, or not asked for {task}")),
+            None => Some(format!("{detector} has no results on {dataset} in the task {task}")),
             Some(theirs) if theirs != scans => Some(format!(
-                "{detector} was evaluated on {} scans of {dataset} for {task} and is on {}",
+                "{detector} was evaluated on {} scans of {dataset} in the task {task}, and now on {}",
                 scans.len(),
                 theirs.len()
             )),

@@ -137,14 +137,14 @@ fn changes(before: &ScanObjects<'_>, now: &ScanObjects<'_>) -> Vec<String> {
         match before.unmatched.get(key) {
             Some((_, old)) if old == what => {}
             Some((_, old)) => {
-                changes.push(format!("{}: {old} before, {what} now", unmatched_name(detection)));
+                changes.push(format!("{}: before {old}, now {what}", unmatched_name(detection)));
             }
             None => changes.push(format!("{}: new, {what}", unmatched_name(detection))),
         }
     }
     for (key, (detection, what)) in &before.unmatched {
         if !now.unmatched.contains_key(key) {
-            changes.push(format!("{}: gone, was {what}", unmatched_name(detection)));
+            changes.push(format!("{}: gone, before {what}", unmatched_name(detection)));
         }
     }
     if changes.is_empty() {
@@ -165,18 +165,18 @@ fn fate_change(annotation: &AnnotationFacts, before: &Fate<'_>, now: &Fate<'_>) 
                 return None;
             }
             format!(
-                "found otherwise, at cost {old_cost:.3} with {} points before and {cost:.3} with {} now",
-                old.n_points, detection.n_points
+                "still found, but at cost {cost:.3} with {} points, before at cost {old_cost:.3} with {} points",
+                detection.n_points, old.n_points
             )
         }
         (Fate::Matched { .. }, Fate::Missed { reason }) => {
-            format!("found before, missed now ({})", reason.name())
+            format!("found before, now missed ({})", reason.name())
         }
         (Fate::Missed { reason }, Fate::Matched { .. }) => {
-            format!("missed before ({}), found now", reason.name())
+            format!("missed before ({}), now found", reason.name())
         }
         (Fate::Missed { reason: old }, Fate::Missed { reason }) => {
-            format!("missed before ({}) and now ({})", old.name(), reason.name())
+            format!("missed before ({}), now missed ({})", old.name(), reason.name())
         }
     };
     Some(format!("{}: {what}", name(annotation)))
@@ -214,7 +214,7 @@ fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Op
                 |it| {
                     let segmentation = &it.segmentation;
                     format!(
-                        "{} annotations and {} detections ignored, {} split, {} joining, {} and {} clusters dropped",
+                        "{} annotations and {} detections ignored, {} split, {} joining, {} too small and {} too large clusters dropped",
                         it.n_ignored_annotations,
                         it.n_ignored_detections,
                         segmentation.n_split,
@@ -225,6 +225,6 @@ fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Op
                 },
             )
         };
-        format!("the same matches, but {} before and {} now", in_words(&before), in_words(&now))
+        format!("same matches, but before {}; now {}", in_words(&before), in_words(&now))
     })
 }

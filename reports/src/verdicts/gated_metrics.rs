@@ -161,7 +161,7 @@ fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric]) -> Vec<String> {
                 };
                 if !gated.iter().any(|it| is_held(&it)) {
                     problems.push(format!(
-                        "{}: nothing is held to it: neither run has {} of {pattern:?} that no rule before it decides about",
+                        "{}: the rule has no effect on {} of {pattern:?}: neither run has it, or an earlier rule applies",
                         rule_name(rule_idx),
                         metric.id()
                     ));

@@ -76,7 +76,7 @@ impl Sides<'_> {
         let Some(rule) = rule else { return SpeedComparison::NotAsked };
         let [before, after] = machines.map(|it| &it.cpu_model);
         if before != after {
-            let reason = format!("the processor was {before:?} and is {after:?}");
+            let reason = format!("the processor changed from {before:?} to {after:?}");
             return SpeedComparison::NotCompared { reason };
         }
         // Every task has the same times.

@@ -119,13 +119,13 @@ impl Standing {
                 indefinite(metric),
                 only.text(),
                 only.interval.filter(|it| it.blocks.are_too_few()).map_or_else(String::new, |it| format!(
-                    "; {} too few for the interval to be relied on",
+                    "; {} too few for the interval to be reliable",
                     blocks_are(it.blocks.n_blocks)
                 )),
             ),
             ([first, second, ..], lead) if lead.as_ref().is_none_or(PairedDifference::is_of_few_blocks) => {
                 format!(
-                    "{about}{} has {} {}, {} of {}; {} too few to tell who leads.",
+                    "{about}{} has {} {}, {} has {}; {} too few to show which one leads.",
                     first.detector,
                     indefinite(metric),
                     first.text(),
@@ -146,7 +146,7 @@ impl Standing {
                 lead.interval_text(),
             ),
             ([first, second, ..], lead) => format!(
-                "{about}{} and {} cannot be told apart: {metric} {} and {}{}.",
+                "{about}no significant difference between {} and {}: {metric} {} and {}{}.",
                 first.detector,
                 second.detector,
                 first.text(),
@@ -267,7 +267,7 @@ mod tests {
     fn a_lead_that_may_be_chance_is_none() {
         assert_eq!(
             standing(&[Some(0.7), Some(0.69)], Some([0.01, -0.005, 0.02])).sentence(),
-            "Task objects (simulated): grid and tree cannot be told apart: F-rate 70.0 % (68.0 to 71.0) and 69.0 % \
+            "Task objects (simulated): no significant difference between grid and tree: F-rate 70.0 % (68.0 to 71.0) and 69.0 % \
              (67.0 to 70.0), a difference of 1.0 points (95 % interval −0.5 to 2.0)."
         );
     }
@@ -279,18 +279,18 @@ mod tests {
         assert_eq!(
             few.sentence(),
             "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0), tree of 60.0 % (58.0 to 61.0); 9 blocks \
-             of scans are too few to tell who leads."
+             of scans are too few to show which one leads."
         );
         few.lead.as_mut().unwrap().interval = None;
         assert!(
-            few.sentence().ends_with("; these scans are too few to tell who leads."),
+            few.sentence().ends_with("; these scans are too few to show which one leads."),
             "{}",
             few.sentence()
         );
         let mut alone = standing(&[Some(0.7)], None);
         alone.places[0].interval.as_mut().unwrap().blocks = drives(4);
         assert!(
-            alone.sentence().ends_with("; 4 blocks of scans are too few for the interval to be relied on."),
+            alone.sentence().ends_with("; 4 blocks of scans are too few for the interval to be reliable."),
             "{}",
             alone.sentence()
         );

@@ -11,7 +11,7 @@ pub(super) fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a Strin
         Some(closest) if likeness(&closest) >= LEAST_LIKENESS => format!("; did you mean {closest:?}?"),
         Some(_) => {
             let known: Vec<&str> = known.iter().map(|it| it.as_str()).collect();
-            format!("; there are {}", known.join(", "))
+            format!("; choose from {}", known.join(", "))
         }
         None => String::new(),
     }

@@ -220,7 +220,7 @@ impl QualityRecord {
     fn absolute_problem(&self) -> Option<String> {
         let absolute = self.absolute;
         if !absolute.is_finite() || absolute < 0.0 {
-            return Some(format!("absolute = {absolute} is no tolerance"));
+            return Some(format!("absolute = {absolute} is not a tolerance; it must be 0 or more"));
         }
         let units = self.metrics.iter().filter_map(|id| Some(Metric::from_id(id)?.unit()));
         let limits = units.filter_map(|unit| Some((unit, greatest_absolute(unit)?)));
@@ -228,9 +228,7 @@ impl QualityRecord {
         (absolute > limit).then(|| {
             let unit =
                 if unit == "ratio" { "of a rate, where 1 is 100 %".to_owned() } else { unit.to_owned() };
-            format!(
-                "absolute = {absolute} lets nearly everything pass; at most {limit} {unit} may be tolerated"
-            )
+            format!("absolute = {absolute} would pass nearly everything; the most is {limit} {unit}")
         })
     }
 }
@@ -239,7 +237,7 @@ impl SpeedRule {
     fn problems(&self) -> Vec<String> {
         let reference = &self.reference;
         let unknown = (reference != SPEED_REFERENCE)
-            .then(|| format!("times are not measured by {reference:?} but by {SPEED_REFERENCE:?}"));
+            .then(|| format!("the reference for times is {SPEED_REFERENCE:?}, not {reference:?}"));
         unknown.into_iter().chain(share_problem("relative", self.relative)).collect()
     }
 }
@@ -263,13 +261,11 @@ fn metric_problem(id: &str) -> Option<String> {
         return Some(format!("there is no metric {id:?}{}", did_you_mean(id, known.iter())));
     };
     if metric.is_time() {
-        Some(format!("{id:?} is another in every run; times are gated by [speed]"))
+        Some(format!("{id:?} changes with every run; check times with [speed]"))
     } else if metric.direction() == Direction::Neither {
-        Some(format!("{id:?} has no better way"))
+        Some(format!("{id:?} has no direction that is better"))
     } else if matches!(metric, Metric::AveragePrecision(_)) {
-        Some(format!(
-            "{id:?} has no interval, so that no loss of it is sure; gate f_rate, precision and recall"
-        ))
+        Some(format!("{id:?} has no interval, so a loss may be chance; use f_rate, precision and recall"))
     } else {
         None
     }
@@ -278,10 +274,10 @@ fn metric_problem(id: &str) -> Option<String> {
 /// A tolerance that is a share of a number has to be less than all of it.
 fn share_problem(name: &str, share: f64) -> Option<String> {
     if !share.is_finite() || share < 0.0 {
-        Some(format!("{name} = {share} is no tolerance"))
+        Some(format!("{name} = {share} is not a tolerance; it must be 0 or more"))
     } else if share >= 1.0 {
         let percent = 100.0 * share;
-        Some(format!("{name} = {share} tolerates {percent} %; it has to be less than 1, which is 100 %"))
+        Some(format!("{name} = {share} tolerates {percent} %; it must be less than 1, which is 100 %"))
     } else {
         None
     }
@@ -372,7 +368,7 @@ mod tests {
         );
         check_refused("\"f_rate\"", "\"latency_p50_ms\"", "times are gated by [speed]");
         check_refused("\"f_rate\"", "\"time_over_reference\"", "times are gated by [speed]");
-        check_refused("\"f_rate\"", "\"no\"", "has no better way");
+        check_refused("\"f_rate\"", "\"no\"", "has no direction that is better");
         check_refused("\"f_rate\"", "\"ap_r40\"", "has no interval");
         check_refused(
             "[\"vehicles\"]",
@@ -385,16 +381,16 @@ mod tests {
         check_refused(
             "grid-write",
             "kd-tree",
-            "[speed]: times are not measured by \"kd-tree\" but by \"grid-write\"",
+            "[speed]: the reference for times is \"grid-write\", not \"kd-tree\"",
         );
     }
 
     #[test]
     fn tolerances_that_let_everything_pass_are_refused() {
         for absurd in ["-0.05", "nan", "inf"] {
-            check_refused("absolute = 0.05", &format!("absolute = {absurd}"), "is no tolerance");
-            check_refused("relative = 0.1", &format!("relative = {absurd}"), "is no tolerance");
-            check_refused("relative = 0.5", &format!("relative = {absurd}"), "is no tolerance");
+            check_refused("absolute = 0.05", &format!("absolute = {absurd}"), "is not a tolerance");
+            check_refused("relative = 0.1", &format!("relative = {absurd}"), "is not a tolerance");
+            check_refused("relative = 0.5", &format!("relative = {absurd}"), "is not a tolerance");
         }
         check_refused(
             "relative = 0.1",
@@ -408,7 +404,7 @@ mod tests {
             read(&text.replacen("absolute = 0.05", &format!("absolute = {absolute}"), 1))
         };
         assert!(of_boxes(2.0).is_ok());
-        assert!(of_boxes(2.1).unwrap_err().contains("at most 2 m may be tolerated"));
+        assert!(of_boxes(2.1).unwrap_err().contains("the most is 2 m"));
     }
 
     #[test]

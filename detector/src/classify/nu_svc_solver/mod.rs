@@ -35,7 +35,7 @@ pub struct NuSvcSolution {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NuSvcError {
     /// Vectors without labels, or the other way round.
-    #[error("{n_vectors} vectors have {n_labels} labels")]
+    #[error("there are {n_vectors} vectors but {n_labels} labels")]
     LabelCount {
         /// Number of vectors.
         n_vectors: usize,
@@ -49,7 +49,9 @@ pub enum NuSvcError {
         vector_idx: usize,
     },
     /// Too few vectors of one class for this ν, or none.
-    #[error("nu = {nu} is outside of 0 to {largest}, the largest with {n_first} against {n_second} vectors")]
+    #[error(
+        "nu = {nu} is not within 0 to {largest}, the largest value for {n_first} against {n_second} vectors"
+    )]
     Nu {
         /// The ν asked for.
         nu: f64,
@@ -67,7 +69,7 @@ pub enum NuSvcError {
         n_steps: usize,
     },
     /// The end was not reached.
-    #[error("not trained after {n_steps} steps: decision values are still {deviation} off")]
+    #[error("training did not converge in {n_steps} steps: decision values are still {deviation} off")]
     NotConverged {
         /// Steps taken.
         n_steps: usize,

@@ -107,17 +107,18 @@ impl<'a> Evidence<'a> {
         let parts = self.overlap.of_annotation(annotation_idx);
         let Some(&(detection_idx, n_shared)) = parts.iter().max_by_key(|(_, n_shared)| *n_shared) else {
             return match reason {
-                MissReason::NothingThere => format!("in no detection: {}", self.losses(annotation_idx)),
+                MissReason::NothingThere => format!("not detected: {}", self.losses(annotation_idx)),
                 // By boxes or centres, which need no common point.
-                _ => format!("{}, by a detection without a point of it", reason.name()),
+                _ => format!("{}; no detection has any of its points", reason.name()),
             };
         };
         let agreement = self.agreement(annotation_idx, detection_idx);
         match reason {
             MissReason::WrongClass => {
                 let detection = self.detections.get(detection_idx);
-                let score = detection.score.map_or("by its size".to_owned(), |it| format!("score {it:.2}"));
-                format!("detection {detection_idx} is taken for background, {score}")
+                let score =
+                    detection.score.map_or("because of its size".to_owned(), |it| format!("score {it:.2}"));
+                format!("detection {detection_idx} is classified as background, {score}")
             }
             MissReason::MergedWithOthers => {
                 let others = self.others(detection_idx, annotation_idx);
@@ -132,7 +133,7 @@ impl<'a> Evidence<'a> {
             }
             MissReason::NothingThere | MissReason::PartlyFound => {
                 let losses = self.losses(annotation_idx);
-                format!("detection {detection_idx} has {n_shared} points of it; {agreement}; {losses}")
+                format!("detection {detection_idx} has {n_shared} of its points; {agreement}; {losses}")
             }
             MissReason::TakenByAnother => {
                 let of_annotation = |it: &usize| match assignment.annotations[*it] {
@@ -145,7 +146,7 @@ impl<'a> Evidence<'a> {
                     .filter(of_annotation)
                     .map(|annotation_idx| self.name(annotation_idx))
                     .collect();
-                format!("detection {detection_idx} is needed for {}", listed(&takers))
+                format!("detection {detection_idx} is matched with {}", listed(&takers))
             }
         }
     }
@@ -161,11 +162,11 @@ impl<'a> Evidence<'a> {
         let agreement = self.agreement(annotation_idx, detection_idx);
         match reason {
             FalseReason::NothingThere => {
-                format!("only {n_shared} points are annotated, of {name}; {agreement}")
+                format!("only {n_shared} points are annotated, as {name}; {agreement}")
             }
-            FalseReason::WrongClass => format!("it is {name}, which is none"),
+            FalseReason::WrongClass => format!("{name} is not a vehicle"),
             FalseReason::Fragment => {
-                format!("a part of {name}, {n_shared} of {n_annotation} points; {agreement}")
+                format!("only a part of {name}, {n_shared} of {n_annotation} points; {agreement}")
             }
             FalseReason::JoinsSeveral => {
                 let names: Vec<String> = shared.iter().map(|it| self.name(it.0)).collect();
@@ -173,7 +174,7 @@ impl<'a> Evidence<'a> {
             }
             FalseReason::TooLarge => {
                 let n_points = self.detections.get(detection_idx).point_indices.len();
-                format!("holds {name} and {} other points; {agreement}", n_points - n_shared)
+                format!("has {name} and {} other points; {agreement}", n_points - n_shared)
             }
         }
     }
@@ -192,9 +193,9 @@ impl<'a> Evidence<'a> {
             let place = match surface {
                 _ if size > 0 => "in clusters of the wrong size",
                 SurfaceClass::Unseen => "outside of the grid",
-                SurfaceClass::Clutter => "clutter, too sparse",
-                SurfaceClass::Ground => "taken for ground",
-                SurfaceClass::Tall => "taken for tall",
+                SurfaceClass::Clutter => "clutter (too sparse)",
+                SurfaceClass::Ground => "classified as ground",
+                SurfaceClass::Tall => "classified as tall",
                 SurfaceClass::Short => "in no object",
             };
             largest = largest.max(size);
@@ -205,7 +206,7 @@ impl<'a> Evidence<'a> {
         let mut said: Vec<String> =
             places.iter().map(|(place, n_points)| format!("{n_points} {place}")).collect();
         if largest > 0 {
-            said.push(format!("largest such cluster {largest}"));
+            said.push(format!("the largest such cluster has {largest}"));
         }
         said.join(", ")
     }
@@ -224,7 +225,7 @@ impl<'a> Evidence<'a> {
             let own = self.overlap.of_annotation(annotation_idx).iter();
             let n_own: usize = own.filter(|it| it.0 == detection_idx).map(|it| it.1).sum();
             let n_points = self.detections.get(detection_idx).point_indices.len();
-            return format!("{} points of nothing annotated", n_points - n_own);
+            return format!("{} points without annotation", n_points - n_own);
         }
         listed(&others.iter().map(|it| self.name(it.0)).collect::<Vec<_>>())
     }
@@ -251,13 +252,15 @@ impl<'a> Evidence<'a> {
                     let apart_m = |axis: usize| f64::from(found_m[axis]) - f64::from(at_m[axis]);
                     apart_m(0).hypot(apart_m(1))
                 });
-                return format!("centres {distance_m:.1} m apart, less than {max_distance_m:.1} m needed");
+                return format!(
+                    "centres {distance_m:.1} m apart, allowed are less than {max_distance_m:.1} m"
+                );
             }
         };
         if iou < min_iou {
             format!("IoU {iou:.2} < {min_iou:.2}")
         } else {
-            format!("IoU {iou:.2}, but another fits better")
+            format!("IoU {iou:.2}, but another match is better")
         }
     }
 
@@ -388,12 +391,12 @@ mod tests {
     fn where_points_were_lost_is_said() {
         use SurfaceClass::{Clutter, Ground, Short, Tall, Unseen};
         let lost = [(Ground, 0..20), (Tall, 20..32), (Short, 32..41), (Clutter, 41..45), (Unseen, 45..47)];
-        let expected = "car 0: in no detection: 20 taken for ground, \
-            12 taken for tall, 9 in clusters of the wrong size, 4 clutter, too sparse, 3 in no object, \
-            2 outside of the grid, largest such cluster 9 (50 points, 2 m)";
+        let expected = "car 0: not detected: 20 classified as ground, \
+            12 classified as tall, 9 in clusters of the wrong size, 4 clutter (too sparse), 3 in no object, \
+            2 outside of the grid, the largest such cluster has 9 (50 points, 2 m)";
         check(&[(Car, 0..50)], &[], &lost, &[expected]);
-        let partly = "car 0: detection 0 has 20 points of it; IoU 0.40 < 0.50; \
-            30 taken for ground (50 points, 2 m)";
+        let partly = "car 0: detection 0 has 20 of its points; IoU 0.40 < 0.50; \
+            30 classified as ground (50 points, 2 m)";
         let fragment = "detection 0: a part of car 0, 20 of 50 points; IoU 0.40 < 0.50 \
             (vehicle -0.25, 20 points, 1 m)";
         check(&[(Car, 0..50)], &[(Vehicle, 0..20)], &[(Ground, 20..50)], &[partly, fragment]);
@@ -416,9 +419,9 @@ mod tests {
             &[(Vehicle, 0..90)],
             &[],
             &[
-                "car 0: merged with 50 points of nothing annotated in detection 0; \
+                "car 0: merged with 50 points without annotation in detection 0; \
                     IoU 0.44 < 0.50 (40 points, 2 m)",
-                "detection 0: holds car 0 and 50 other points; IoU 0.44 < 0.50 \
+                "detection 0: has car 0 and 50 other points; IoU 0.44 < 0.50 \
                     (vehicle -0.25, 90 points, 4 m)",
             ],
         );
@@ -426,7 +429,7 @@ mod tests {
             &[(Car, 0..40), (Car, 40..80)],
             &[(Vehicle, 0..80)],
             &[],
-            &["car 1: detection 0 is needed for car 0 (40 points, 6 m)"],
+            &["car 1: detection 0 is matched with car 0 (40 points, 6 m)"],
         );
     }
 
@@ -443,8 +446,8 @@ mod tests {
             &[(Object, 0..40), (Vehicle, 50..90), (Vehicle, 100..120)],
             &[],
             &[
-                "car 0: detection 0 is taken for background, score -0.25 (40 points, 2 m)",
-                "detection 1: it is pedestrian 1, which is none (vehicle -0.25, 40 points, 7 m)",
+                "car 0: detection 0 is classified as background, score -0.25 (40 points, 2 m)",
+                "detection 1: pedestrian 1 is not a vehicle (vehicle -0.25, 40 points, 7 m)",
                 "detection 2: nothing is annotated there (vehicle -0.25, 20 points, 11 m)",
             ],
         );
@@ -459,10 +462,10 @@ mod tests {
             &off,
             &[],
             &[
-                "car 0: detection 0 has 15 points of it; centres 2.3 m apart, less than 2.0 m needed; \
+                "car 0: detection 0 has 15 of its points; centres 2.3 m apart, allowed are less than 2.0 m; \
                     25 in no object (40 points, 2 m)",
-                "detection 0: only 15 points are annotated, of car 0; \
-                    centres 2.3 m apart, less than 2.0 m needed (vehicle -0.25, 35 points, 4 m)",
+                "detection 0: only 15 points are annotated, as car 0; \
+                    centres 2.3 m apart, allowed are less than 2.0 m (vehicle -0.25, 35 points, 4 m)",
             ],
         );
     }

@@ -25,8 +25,8 @@ pub enum PairOutcome {
 pub const JOINING_SHARE: f64 = 0.1;
 
 /// What *separated* means, for tables and pages.
-pub const SEPARATED: &str = "Separated: each of the two objects is matched with a detection of its own (points, IoU at \
-    least 0.5), and no detection holds more than a tenth of the points of each. Pairs of which an object has fewer than \
+pub const SEPARATED: &str = "Separated: each of the two objects matches a detection of its own (points, IoU at \
+    least 0.5), and no detection has more than a tenth of the points of both. Pairs with an object of fewer than \
     20 points are not judged.";
 
 /// Judges the pairs of `scan`, each given by the tracks of its two objects. Whether an object is judged at all and when

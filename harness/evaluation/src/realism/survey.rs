@@ -43,7 +43,7 @@ pub enum SurveyError {
     #[error(transparent)]
     Dataset(#[from] DatasetError),
     /// The user asked for it.
-    #[error("interrupted while looking at the {n_scans} scans of {dataset:?}")]
+    #[error("interrupted while measuring the {n_scans} scans of {dataset:?}")]
     Interrupted {
         /// The data set.
         dataset: String,

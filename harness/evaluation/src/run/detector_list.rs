@@ -98,13 +98,13 @@ pub const DEFAULT_DETECTORS: [&str; 4] = ["hierarchical", "kd-tree-same-walls", 
 #[derive(Debug, thiserror::Error)]
 pub enum DetectorListError {
     /// No detector is called so.
-    #[error("there is no detector {name:?}; there are {}", DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>().join(", "))]
+    #[error("there is no detector {name:?}; detectors are {}", DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>().join(", "))]
     Unknown {
         /// The name.
         name: String,
     },
     /// A detector is asked for twice.
-    #[error("the detector {name:?} is asked for twice")]
+    #[error("the detector {name:?} is given twice")]
     Twice {
         /// The name.
         name: String,

@@ -39,7 +39,7 @@ pub struct Journal {
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// It is that of another sweep.
-    #[error("{path:?} is what is there of another sweep: {} differ; end that one with its own options, name another directory, or start over with --overwrite", differences.join(", "))]
+    #[error("{path:?} belongs to another sweep: {} differ; continue that sweep with its own options, choose another directory, or start again with --overwrite", differences.join(", "))]
     Another {
         /// The file.
         path: PathBuf,
@@ -47,7 +47,7 @@ pub enum JournalError {
         differences: Vec<String>,
     },
     /// Its first line says nothing.
-    #[error("{path:?} is no journal of a sweep; remove it")]
+    #[error("{path:?} is not the journal of a sweep; remove it")]
     NoJournal {
         /// The file.
         path: PathBuf,

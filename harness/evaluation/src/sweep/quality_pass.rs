@@ -60,7 +60,7 @@ pub enum SweepError {
         n_results: usize,
     },
     /// The user asked for it when all was counted.
-    #[error("interrupted while times were taken")]
+    #[error("interrupted while detections were timed")]
     InterruptedWhileTimed,
 }
 

@@ -48,7 +48,7 @@ pub enum SweepPlanError {
     )]
     NothingSwept,
     /// A parameter is tied to one that is not swept.
-    #[error("{name} is to go with {divisor}, which is not swept; swept are {}", swept.join(", "))]
+    #[error("{name} is divided by {divisor}, which is not swept; swept are {}", swept.join(", "))]
     TiedToNothing {
         /// The tied parameter.
         name: String,
@@ -58,7 +58,7 @@ pub enum SweepPlanError {
         swept: Vec<String>,
     },
     /// A parameter is tied to one that is no number above 0.
-    #[error("{name} is to go with {divisor}, which is {value}, and not a number above 0, at one point")]
+    #[error("{name} is divided by {divisor}, which has the value {value}; it must be a number above 0")]
     TiedToWord {
         /// The tied parameter.
         name: String,
@@ -68,13 +68,13 @@ pub enum SweepPlanError {
         value: String,
     },
     /// Too many combinations.
-    #[error("{n_points} combinations of values are more than {MOST_POINTS}")]
+    #[error("{n_points} combinations of values are too many; the most is {MOST_POINTS}")]
     TooManyPoints {
         /// How many.
         n_points: usize,
     },
     /// The same parameters twice.
-    #[error("{first} and {second} of {name} are the same")]
+    #[error("the values {first} and {second} of {name} are equal")]
     SamePoint {
         /// The parameter.
         name: String,
@@ -278,14 +278,10 @@ mod tests {
         check_refused(
             &["cell_size_m=0.0:0.4:0.1"],
             &[],
-            "hierarchical.grid.cell_size_m = 0 is outside of 0.05 to 10 m",
+            "hierarchical.grid.cell_size_m = 0 is not within 0.05 to 10 m",
         );
-        check_refused(&["cell_size_m=0.2:0.4:0.1", "cell_size_m=0.6"], &[], "has been given a value before");
-        check_refused(
-            &["cell_size_m=0.2:0.4:0.1"],
-            &["grid.cell_size_m=1,2"],
-            "has been given a value before",
-        );
+        check_refused(&["cell_size_m=0.2:0.4:0.1", "cell_size_m=0.6"], &[], "is set twice");
+        check_refused(&["cell_size_m=0.2:0.4:0.1"], &["grid.cell_size_m=1,2"], "is set twice");
         check_refused(&["xi=1.0:2.0:0.5"], &[], "hierarchical.grid.xi is of type float, expected integer");
         check_refused(
             &["block_cells=3.0/cell_size_m"],
@@ -295,12 +291,12 @@ mod tests {
         check_refused(
             &[],
             &["cell_size_m=0.6,0.60"],
-            "0.6 and 0.60 of hierarchical.grid.cell_size_m are the same",
+            "the values 0.6 and 0.60 of hierarchical.grid.cell_size_m are equal",
         );
         check_refused(
             &["cell_size_m=0.1:2:0.001", "foreground.clearance_m=0.1:0.2:0.001"],
             &[],
-            "combinations of values are more than 100000",
+            "combinations of values are too many; the most is 100000",
         );
     }
 }

@@ -60,7 +60,9 @@ impl FromStr for SweepOption {
         {
             let divisor = divisor.trim().to_owned();
             if !(dividend.is_finite() && dividend > 0.0) || divisor.is_empty() {
-                return Err(format!("{value} is no positive number divided by a swept parameter"));
+                return Err(format!(
+                    "{value} is not NUMBER/SWEPT, a positive number divided by a swept parameter"
+                ));
             }
             return Ok(Self::Tied(TiedValue { name, dividend, divisor }));
         }
@@ -78,7 +80,7 @@ impl FromStr for ListOption {
             // Whatever a single value could not be, none of a list can.
             format!("{name}={value}").parse::<OverrideOption>()?;
             if values[..idx].contains(value) {
-                return Err(format!("{value} is there twice"));
+                return Err(format!("{value} is given twice"));
             }
         }
         Ok(Self(SweptValues { name: name.trim().to_owned(), values }))
@@ -96,7 +98,7 @@ struct Decimal {
 fn range(written: &str) -> Result<Vec<String>, String> {
     let parts: Vec<&str> = written.split(':').collect();
     let [start, stop, step] = parts[..] else {
-        return Err(format!("{written} is not START:STOP:STEP"));
+        return Err(format!("{written} is not START:STOP:STEP, such as 0.2:1.0:0.1"));
     };
     let parse =
         |part: &str| decimal(part).ok_or_else(|| format!("{part:?} in {written} is not a decimal number"));
@@ -108,7 +110,7 @@ fn range(written: &str) -> Result<Vec<String>, String> {
     }
     let n_steps = (stop - start) / step;
     if (stop - start).signum() * step.signum() < 0 {
-        return Err(format!("no step of {written} leads from its start to its stop"));
+        return Err(format!("the step of {written} has the wrong sign"));
     }
     if n_steps >= MOST_VALUES {
         return Err(format!("{written} has more than {MOST_VALUES} values"));
@@ -228,7 +230,7 @@ mod tests {
             list.0,
             SweptValues { name: "foreground".to_owned(), values: vec!["short".into(), "refined".into()] }
         );
-        check_refused::<ListOption>("xi=2,3,2", "2 is there twice");
+        check_refused::<ListOption>("xi=2,3,2", "2 is given twice");
         check_refused::<ListOption>("xi=2,,3", "expected NAME=VALUE");
         check_refused::<ListOption>("xi", "expected NAME=VALUE,VALUE");
     }

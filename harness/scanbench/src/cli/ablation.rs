@@ -34,6 +34,6 @@ Examples:
   scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
   scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
 
-All variants look at each scan, one after the other. Leaves in the directory
-ablation.csv, ablation.md and the files of a run whose detectors are the variants:
+Runs the whole method and one variant without each part. Writes ablation.csv,
+ablation.md and the files of a run whose detectors are the variants:
   scanbench compare DIR --detectors 'whole method,without terrain'";

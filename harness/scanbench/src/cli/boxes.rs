@@ -29,9 +29,8 @@ Examples:
   scanbench boxes
   scanbench boxes streets ~/data/kitti_tracking -o runs/boxes
 
-Fits a box to the convex hull and one along the principal axes to the same
-clusters: those of the hierarchical detector that match an annotated car, van,
-truck or bus, whatever it takes them for. Leaves in the directory boxes.csv, with
-every box, box_errors.csv and box_errors.md, with the median errors by occlusion
-and range and their 95 % intervals, a plot for simulated data and for each
-recorded data set, and manifest.json.";
+Fits two boxes to each cluster of the hierarchical detector that matches an annotated
+car, van, truck or bus: one to its convex hull, one along its principal axes. Writes
+boxes.csv with every box; box_errors.csv and box_errors.md with median errors by
+occlusion and range and their 95 % intervals; a plot for simulated data and one for
+each recorded data set; and manifest.json.";

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::help_text::{DETECTORS, OUTPUT};
+
 /// Arguments of `scanbench compare`.
 #[derive(Debug, Args)]
 #[command(after_help = COMPARE_EXAMPLES)]
@@ -21,14 +23,15 @@ pub struct CompareArgs {
         value_name = "NAME,NAME",
         value_delimiter = ',',
         num_args = 1,
+        help_heading = DETECTORS,
         conflicts_with = "other"
     )]
     pub detectors: Option<Vec<String>>,
-    /// Compare every slice as well: by class, range, number of points and occlusion
-    #[arg(long)]
+    /// Compare slices, too: by class, range, number of points and occlusion
+    #[arg(long, help_heading = OUTPUT)]
     pub slices: bool,
     /// Print Markdown
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub markdown: bool,
 }
 
@@ -38,5 +41,5 @@ Examples:
   scanbench compare runs/latest -d kd-tree,hierarchical
   scanbench compare runs/before runs/after --slices --markdown > slices.md
 
-Every difference comes with a 95 % interval, for which both sides are drawn from
-in the same way, and with the least difference that the scans could have shown.";
+Every difference has a 95 % interval from a paired bootstrap, and the least
+difference that these scans could have shown.";

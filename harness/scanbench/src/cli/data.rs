@@ -5,28 +5,29 @@ use clap::{Args, Subcommand};
 use super::data_check::{CheckArgs, HashArgs};
 use super::data_convert::{CONVERT_EXAMPLES, ConvertArgs, SIMULATE_EXAMPLES};
 use super::data_prelabel::PrelabelArgs;
+use super::help_text::JUDGING;
 use super::output::OutputArgs;
 use super::scans::{CatalogueArgs, DatasetArgs};
 
 /// The verbs of `scanbench data`.
 #[derive(Debug, Subcommand)]
 pub enum DataCommand {
-    /// List the data sets of the catalogue and whether they are there
+    /// List the data sets of the catalogue, and which are on this machine
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
-    /// Read scans and say what they are and what may be wrong with them
+    /// Check scans and annotations, and print what may be wrong
     Check(Box<CheckArgs>),
-    /// Print the checksums of data sets, or write them into a catalogue
+    /// Print checksums of data sets, or write them into a catalogue
     Hash(HashArgs),
-    /// Write scans and annotations in another format
+    /// Convert scans and annotations to another format
     #[command(after_help = CONVERT_EXAMPLES)]
     Convert(Box<ConvertArgs>),
-    /// Write scans with the vehicles that a detector finds, for an annotation tool to correct
+    /// Write detected vehicles as proposals for an annotation tool
     Prelabel(Box<PrelabelArgs>),
-    /// Write simulated streets to disk, as others read them
+    /// Simulate streets and write them to disk
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Box<ConvertArgs>),
-    /// Measure how like the scans of one data set are to those of another
+    /// Compare the statistics of two data sets, such as simulated and recorded
     Realism(Box<RealismArgs>),
 }
 
@@ -37,14 +38,14 @@ pub struct RealismArgs {
     /// The scans that are judged.
     #[command(flatten)]
     pub data: DatasetArgs,
-    /// Data set to judge by: an id of the catalogue, or a path
-    #[arg(long, value_name = "DATASET")]
+    /// Data set to compare with: an id of the catalogue, or a path
+    #[arg(long, help_heading = JUDGING, value_name = "DATASET")]
     pub against: String,
-    /// Format of the data set to judge by, if it is given as a path
-    #[arg(long, value_name = "FORMAT")]
+    /// Format of that data set, if it is a path [default: recognised by its files]
+    #[arg(long, help_heading = JUDGING, hide_short_help = true, value_name = "FORMAT")]
     pub against_format: Option<String>,
-    /// Which of its scans, as `--scans`
-    #[arg(long, value_name = "RANGE")]
+    /// Scans to take from it, written as in --scans
+    #[arg(long, help_heading = JUDGING, value_name = "RANGE")]
     pub against_scans: Option<String>,
     /// Where curves and plots are written.
     #[command(flatten)]
@@ -58,5 +59,5 @@ Examples:
   scanbench data realism kitti-object --against kitti-tracking --against-scans 0..40
 
 Compares returns, share of ground, density, points per car, clusters, heights and
-cells of the scans, bin by bin. Leaves in the directory realism.csv, with every
-bin, a plot of each statistic as SVG, and manifest.json.";
+cells, bin by bin. Writes realism.csv with every bin, an SVG plot of each statistic,
+and manifest.json.";

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::help_text::OUTPUT;
 use super::scans::{CatalogueArgs, DamageArgs, DatasetArgs};
 
 /// Arguments of `scanbench data check`.
@@ -21,20 +22,19 @@ Examples:
   scanbench data check ~/data/kitti_tracking
   scanbench data check recording.mcap --topic /lidar_top/points --scans 0..1000:10
 
-Reads the scans and says what they are, how many points, annotations and points in
-boxes there are, where the ground is, how dense points are, and what may be wrong:
-boxes without points, gaps in time, repeated scans. Exit code 3 if a scan is damaged,
-unless --skip-damaged.";
+Prints the numbers of points, annotations and points in boxes, the height of the
+ground and the density of points; and warnings about boxes without points, gaps in
+time and repeated scans. Exit code 3 if a scan is damaged, unless --skip-damaged.";
 
 /// Arguments of `scanbench data hash`.
 #[derive(Debug, Args)]
 #[command(after_help = HASH_EXAMPLES)]
 pub struct HashArgs {
-    /// Ids of the catalogue, or paths of data sets
+    /// Data sets: ids of the catalogue, or paths
     #[arg(value_name = "DATASET", required = true)]
     pub datasets: Vec<String>,
-    /// Write the checksums into the catalogue, which is to be named by --catalogue
-    #[arg(long, requires = "catalogue")]
+    /// Write the checksums into the file of --catalogue
+    #[arg(long, help_heading = OUTPUT, requires = "catalogue")]
     pub write: bool,
     /// Where ids are looked up.
     #[command(flatten)]
@@ -46,4 +46,4 @@ Examples:
   scanbench data hash ~/data/kitti_tracking
   scanbench data hash my-drive --catalogue my-datasets.toml --write
 
-A data set of the catalogue whose files have another checksum is refused by every verb.";
+If the catalogue has a checksum, every verb refuses data that differ from it.";

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use scans::conversion::mcap_writer::ChunkCompression;
 use scans::conversion::output_format::OutputFormat;
 
+use super::help_text::OUTPUT;
 use super::scans::{DamageArgs, DatasetArgs};
 
 /// Arguments of `scanbench data convert` and `scanbench data simulate`.
@@ -17,21 +18,21 @@ pub struct ConvertArgs {
     /// What becomes of damaged ones.
     #[command(flatten)]
     pub damage: DamageArgs,
-    /// File or folder to write; with several data sets, the folder to write them into
-    #[arg(short, long, value_name = "PATH")]
+    /// File or folder to write; for several data sets, a folder for all
+    #[arg(short, long, help_heading = OUTPUT, value_name = "PATH")]
     pub output: PathBuf,
     /// Format to write [default: mcap if the path ends in .mcap]
-    #[arg(long, value_enum, value_name = "FORMAT")]
+    #[arg(long, value_enum, value_name = "FORMAT", help_heading = OUTPUT)]
     pub to: Option<FormatName>,
-    /// How recordings are compressed
-    #[arg(long, value_enum, value_name = "METHOD", default_value = "zstd")]
+    /// Compression of MCAP recordings
+    #[arg(long, value_enum, value_name = "METHOD", default_value = "zstd", help_heading = OUTPUT)]
     pub compression: CompressionName,
 }
 
 /// Formats to write by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FormatName {
-    /// One recording with clouds and scenes as Foxglove has them
+    /// MCAP: one recording with point clouds and scenes for Foxglove
     Mcap,
     /// KITTI tracking: drives with tracks
     KittiTracking,
@@ -56,11 +57,11 @@ impl FormatName {
 /// Ways to compress a recording by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum CompressionName {
-    /// Smallest
+    /// Smallest file
     Zstd,
-    /// Fastest to read of the compressed ones
+    /// Larger file, faster to read
     Lz4,
-    /// Not at all
+    /// No compression
     None,
 }
 
@@ -81,13 +82,13 @@ Examples:
   scanbench data convert recording.mcap --topic /lidar_top/points --to kitti-tracking -o drive
   scanbench data convert semantic-kitti --scans 0..100 --to mcap --compression lz4 -o out.mcap
 
-Recordings keep everything: run on one gives the counts that the original gives.
-The layouts of KITTI keep points and boxes; an object without a box gets the one
-around its points. SemanticKITTI keeps points and which object they belong to.";
+MCAP keeps everything: a run gives the same counts as on the original. The KITTI
+formats keep points and boxes; an object without a box gets one around its points.
+SemanticKITTI keeps points and the object that each belongs to.";
 
 pub(super) const SIMULATE_EXAMPLES: &str = "\
 Examples:
   scanbench data simulate street-narrow --seed 7 --simulated-scans 100 -o narrow.mcap
   scanbench data simulate streets --sensor vlp-16 --to semantic-kitti -o streets
 
-What is written says that it is simulated, and of which seed.";
+The files say that they are simulated, and name the seed.";

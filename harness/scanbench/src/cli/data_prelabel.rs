@@ -7,6 +7,7 @@ use evaluation::run::detector_list::DETECTORS;
 use scans::conversion::proposal_format::ProposalFormat;
 
 use super::detect::detector_help;
+use super::help_text::{DETECTORS as DETECTORS_HEADING, OUTPUT};
 use super::parameters::ConfigArgs;
 use super::scans::{DamageArgs, DatasetArgs};
 
@@ -22,18 +23,19 @@ pub struct PrelabelArgs {
     pub damage: DamageArgs,
     /// The detector.
     #[arg(short, long, value_name = "NAME", help = detector_help(), default_value = DETECTORS[0].name)]
+    #[arg(help_heading = DETECTORS_HEADING)]
     pub detector: String,
     /// Parameters.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Folder to write; with several data sets, the folder to write them into
-    #[arg(short, long, value_name = "DIR")]
+    /// Folder to write; for several data sets, a folder for all
+    #[arg(short, long, help_heading = OUTPUT, value_name = "DIR")]
     pub output: PathBuf,
     /// Annotation tool to write for
-    #[arg(long, value_enum, value_name = "TOOL")]
+    #[arg(long, value_enum, value_name = "TOOL", help_heading = OUTPUT)]
     pub to: ToolName,
     /// Propose only vehicles with at least this score
-    #[arg(long, value_name = "SCORE")]
+    #[arg(long, help_heading = OUTPUT, value_name = "SCORE")]
     pub min_score: Option<f32>,
 }
 
@@ -65,5 +67,5 @@ Examples:
   scanbench data prelabel drive.mcap --scans 0..100:10 -o data/drive --to sustechpoints
   scanbench data prelabel capture.pcap -d hierarchical --min-score 0.5 -o drive --to kitti
 
-Writes the scans and a box for each vehicle that the detector finds, for a person to
-correct. What the tool then saves is a data set: scanbench run project.";
+Writes the scans and a box for each detected vehicle. Correct the boxes in the tool;
+what it saves is a data set: scanbench run project.";

@@ -6,6 +6,7 @@ use clap::Args;
 use evaluation::run::detector_list::DETECTORS;
 
 use super::detectors::detector_names;
+use super::help_text::{DATA, DETECTORS as DETECTORS_HEADING, OUTPUT};
 use super::parameters::ConfigArgs;
 use super::scans::SourceArgs;
 
@@ -13,34 +14,37 @@ use super::scans::SourceArgs;
 #[derive(Debug, Args)]
 #[command(after_help = DETECT_EXAMPLES)]
 pub struct DetectArgs {
-    /// Scan: a Velodyne `.bin` file; or, with --scan, a data set: its id in the catalogue or its path
+    /// File of a scan, such as a Velodyne `.bin`; or, with --scan, the id or path of a data set
     #[arg(value_name = "SCAN")]
     pub input: String,
-    /// Which scan of a data set: `0000/000110`, or `110` if only one drive has a scan of that number
-    #[arg(long, value_name = "ID")]
+    /// Scan of the data set: `0000/000110`, or `110` if only one drive has that number
+    #[arg(long, value_name = "ID", help_heading = DATA)]
     pub scan: Option<String>,
-    /// The detector.
-    #[arg(short, long, value_name = "NAME", help = detector_help(), default_value = DETECTORS[0].name)]
-    pub detector: String,
-    /// File for the cluster of every point, in the order of the scan: `.csv`, or `.u32` (little endian, 4294967295
-    /// for points of no cluster); `-` prints the CSV
-    #[arg(short, long, value_name = "FILE")]
-    pub output: Option<PathBuf>,
-    /// CSV file for the boxes; `-` prints it
-    #[arg(long, value_name = "FILE")]
-    pub boxes: Option<PathBuf>,
     /// Height of the sensor above the road in metres [default: the data set's; 1.73 for a file]
-    #[arg(long, value_name = "M", value_parser = sensor_height_m)]
+    #[arg(long, value_name = "M", value_parser = sensor_height_m, help_heading = DATA)]
     pub sensor_height: Option<f32>,
-    /// Parameters.
-    #[command(flatten)]
-    pub config: ConfigArgs,
-    /// Detections of the scan; with several, the least and the median of their times are printed
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub repeat: u32,
     /// How the data set is opened.
     #[command(flatten)]
     pub source: SourceArgs,
+    /// The detector.
+    #[arg(short, long, value_name = "NAME", help = detector_help(), default_value = DETECTORS[0].name)]
+    #[arg(help_heading = DETECTORS_HEADING)]
+    pub detector: String,
+    /// Parameters.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+    /// Detect N times, and print the least and the median time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(help_heading = DETECTORS_HEADING)]
+    pub repeat: u32,
+    /// File for the cluster of each point: `.csv` or `.u32`; `-` prints the CSV
+    ///
+    /// Rows are in the order of the points. In `.u32`, numbers are little endian, and points of no cluster have 4294967295.
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    pub output: Option<PathBuf>,
+    /// CSV file for the boxes; `-` prints it
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub boxes: Option<PathBuf>,
 }
 
 const DETECT_EXAMPLES: &str = "\
@@ -50,8 +54,8 @@ Examples:
   scanbench detect street-narrow --scan 10 --sensor vlp-16 --repeat 20
   scanbench detect ~/data/kitti_tracking --scan 0000/000110 --boxes - | head
 
-Clusters are numbered from 0, as in the column id of the boxes. Points of no
-cluster have an empty one. Files are written whole or not at all.";
+Clusters are numbered from 0; the column id of the boxes has the same numbers. For
+points of no cluster the CSV has an empty cell.";
 
 pub(super) fn detector_help() -> String {
     format!("Detector: {}", detector_names().join(", "))
@@ -60,5 +64,5 @@ pub(super) fn detector_help() -> String {
 /// A height from that of the road itself, for clouds that are given from there, to that of a house.
 fn sensor_height_m(text: &str) -> Result<f32, String> {
     let height_m: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=100.0).contains(&height_m) { Ok(height_m) } else { Err("outside of 0 to 100 m".to_owned()) }
+    if (0.0..=100.0).contains(&height_m) { Ok(height_m) } else { Err("not within 0 to 100 m".to_owned()) }
 }

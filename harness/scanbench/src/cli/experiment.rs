@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::detectors::detector_names;
+use super::help_text::{DATA, DETECTORS};
 use super::parameters::ConfigArgs;
 
 /// What experiments on simulated scans have in common.
@@ -10,18 +11,19 @@ use super::parameters::ConfigArgs;
 pub struct ExperimentArgs {
     /// The detectors.
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = experiment_detectors_help())]
+    #[arg(help_heading = DETECTORS)]
     pub detectors: Vec<String>,
     /// Parameters.
     #[command(flatten)]
     pub config: ConfigArgs,
-    /// Seed of all that is drawn
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    /// Seed of the simulator
+    #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 1)]
     pub seed: u64,
 }
 
 fn experiment_detectors_help() -> String {
     format!(
-        "Detectors, by comma, of {} [default: all but pca for gaps, else all]",
+        "Detectors, separated by commas: {} [default: hierarchical,kd-tree,simple-grid; for robustness also pca]",
         detector_names().join(", ")
     )
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::help_text::OUTPUT;
 use super::scans::DatasetArgs;
 
 /// Arguments of `scanbench fit-density`.
@@ -13,14 +14,14 @@ pub struct FitDensityArgs {
     /// The scans, all of one sensor.
     #[command(flatten)]
     pub data: DatasetArgs,
-    /// File to write, which `scanbench run --config` takes
-    #[arg(short, long, value_name = "FILE", default_value = "density.toml")]
+    /// File to write, for --config
+    #[arg(short, long, help_heading = OUTPUT, value_name = "FILE", default_value = "density.toml")]
     pub output: PathBuf,
-    /// Write both curves, measured and fitted, as CSV and SVG into a directory
-    #[arg(long, value_name = "DIR")]
+    /// Directory for the measured and the fitted curve, as CSV and SVG
+    #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
     pub figures: Option<PathBuf>,
-    /// Replace file and directory if there are earlier ones
-    #[arg(long)]
+    /// Replace file and directory if they exist
+    #[arg(long, help_heading = OUTPUT)]
     pub overwrite: bool,
 }
 
@@ -30,5 +31,5 @@ Examples:
   scanbench fit-density training-streets --seed 1000 --simulated-scans 40 --sensor my-sensor.toml
   scanbench run ~/data/kitti_tracking --config density.toml
 
-Without such a file, a run takes the curve that comes with the program for the
-sensor of each data set: hdl-64e-s2, hdl-32e, vlp-16 or os1-128.";
+The curve says how the density of points falls with the range. All scans must be of
+one sensor. The program has curves for hdl-64e-s2, hdl-32e, vlp-16 and os1-128.";

@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::experiment::ExperimentArgs;
+use super::help_text::DATA;
 use super::output::OutputArgs;
 use super::scans::sensor_help;
 
@@ -13,11 +14,11 @@ pub struct GapsArgs {
     /// The detectors, in the order of tables and plots.
     #[command(flatten)]
     pub detectors: ExperimentArgs,
-    /// Pairs of each kind and layout at each range; each is put up with every gap
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Pairs of each kind, layout and range; each is simulated with every gap
+    #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub pairs: u32,
     /// Sensor.
-    #[arg(long, value_name = "SENSOR", default_value = "hdl-64e-s2", help = sensor_help())]
+    #[arg(long, help_heading = DATA, value_name = "SENSOR", default_value = "hdl-64e-s2", help = sensor_help())]
     pub sensor: String,
     /// Where curves and plots are written.
     #[command(flatten)]
@@ -30,9 +31,8 @@ Examples:
   scanbench gaps --pairs 100 --seed 7 -o runs/gaps
   scanbench gaps -d hierarchical,pca --sensor os1-128
 
-Puts up two cars, a car and a pedestrian, two pedestrians, a car and a sign, and
-a car and a bin, side by side and one behind the other, 0.2 to 1.2 m apart, 5 to
-30 m away, on a bare road. Leaves in the directory gaps.csv, with every bin and
-its denominator, gaps.svg and one plot for each kind of pair, pair.svg (a pair
-from above as simple-grid and hierarchical see it) and the files of a run on the
-scans of the pairs.";
+Simulates pairs on an empty road: two cars, a car and a pedestrian, two pedestrians,
+a car and a sign, a car and a bin; side by side and one behind the other, 0.2 to
+1.2 m apart, 5 to 30 m away. Writes gaps.csv with every bin and its denominator,
+gaps.svg and one plot for each kind of pair, pair.svg (a pair from above, as
+simple-grid and hierarchical segment it) and the files of a run on these scans.";

@@ -4,10 +4,13 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::help_text::{JUDGING, OUTPUT};
+
 /// Where the accepted run lies.
 #[derive(Debug, Args)]
+#[command(next_help_heading = JUDGING)]
 pub struct BaselineArgs {
-    /// The baseline: a directory with an accepted run, its tolerances and its history; or any run directory
+    /// Directory of the baseline, or of any run
     #[arg(short, long, value_name = "DIR", default_value = "reports/golden")]
     pub baseline: PathBuf,
 }
@@ -22,11 +25,11 @@ pub struct GateArgs {
     /// What it is judged by.
     #[command(flatten)]
     pub baseline: BaselineArgs,
-    /// TOML file that says how much worse numbers may become [default: `tolerances.toml` of the baseline]
-    #[arg(short, long, value_name = "FILE")]
+    /// TOML file with the tolerated losses [default: `tolerances.toml` of the baseline]
+    #[arg(short, long, value_name = "FILE", help_heading = JUDGING)]
     pub tolerances: Option<PathBuf>,
-    /// Directory to write gate.json, gate.md, junit.xml, custom-smaller-is-better.json and bencher.json into
-    #[arg(short, long, value_name = "DIR")]
+    /// Directory for gate.json, gate.md, junit.xml, custom-smaller-is-better.json and bencher.json
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
 }
 
@@ -35,17 +38,21 @@ Examples:
   scanbench gate runs/latest
   scanbench gate runs/latest --baseline runs/before --tolerances mine.toml -o verdict
 
-Ends with 100 if a number is surely worse than tolerated, 101 if nothing is but a
-detector is judged otherwise on a scan, 5 if the two runs cannot be compared or a
-number is missing in one, and 2 if the tolerances name what there is not. Of fewer
-than ten blocks of scans nothing is sure, and only 101 can come of them. Times are
-compared on the same processor alone: give both runs --repeats 5. On GitHub, the
-verdict goes into the summary of the job as well.";
+Exit codes:
+  0    no regression, no result changed
+  2    the tolerances name something that the runs do not have
+  5    the runs cannot be compared, or a number is missing
+  100  regression: a number is worse than tolerated, with its whole 95 % interval
+  101  no regression, but results of scans changed
+
+With fewer than ten blocks of scans, no regression can be shown; 101 still can. Times
+are compared only between runs on the same processor; make both with --repeats 5. On
+GitHub, the verdict is added to the summary of the job.";
 
 /// The verbs of `scanbench baseline`.
 #[derive(Debug, Subcommand)]
 pub enum BaselineCommand {
-    /// Make a run the one that others are judged by
+    /// Accept a run as the new baseline
     Accept(AcceptArgs),
 }
 
@@ -56,12 +63,11 @@ pub struct AcceptArgs {
     /// Run directory
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
-    /// Why the scores are what they are now
-    #[arg(long, value_name = "TEXT")]
+    /// Why the scores changed; goes into SCORES.md
+    #[arg(long, value_name = "TEXT", help_heading = JUDGING)]
     pub why: String,
-    /// Accept a run that cannot be compared with the one accepted before, as after a change of the scans or of the rules of
-    /// judging
-    #[arg(long)]
+    /// Accept a run that cannot be compared with the last one, because scans or rules of judging changed
+    #[arg(long, help_heading = JUDGING)]
     pub new_baseline: bool,
     /// Where it is kept.
     #[command(flatten)]
@@ -72,6 +78,10 @@ const ACCEPT_EXAMPLES: &str = "\
 Example:
   scanbench baseline accept runs/latest --why 'fences are no longer walls'
 
-Leaves in the baseline run/, without what is ignored, and a line in SCORES.md. Ends with 2
-if the program was built from changes that are not committed, and with 5 if the run cannot
-be compared with the one accepted before, unless --new-baseline says that this is meant.";
+Copies the run into run/ of the baseline, without ignored objects, and adds a line to
+SCORES.md.
+
+Exit codes:
+  0  accepted
+  2  the program was built from uncommitted changes
+  5  the run cannot be compared with the last accepted one; --new-baseline allows it";

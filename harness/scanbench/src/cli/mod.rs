@@ -1,5 +1,6 @@
 //! The command line: one file for the arguments of each verb, after those that verbs share.
 
+mod help_text;
 mod scans;
 mod detectors;
 mod output;

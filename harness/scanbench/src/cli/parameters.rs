@@ -5,36 +5,46 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use evaluation::run::config::override_option::OverrideOption;
 
+use super::help_text::{DETECTORS, JUDGING};
+
 /// How detections are judged.
 #[derive(Debug, Args)]
+#[command(next_help_heading = JUDGING)]
 pub struct MatchingArgs {
-    /// When a detection may match an annotation
-    #[arg(long, value_enum, value_name = "CRITERION")]
+    /// How detections match
+    ///
+    /// The default is `points`, unless the configuration says otherwise.
+    #[arg(long, value_enum, value_name = "RULE")]
     pub criterion: Option<CriterionName>,
 }
 
 /// Names of the matching criteria.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum CriterionName {
-    /// Point sets agree: intersection over union of at least 0.5
+    /// Same points: intersection over union of at least 0.5
     Points,
-    /// Boxes agree on the ground plan: intersection over union of at least 0.5
+    /// Boxes seen from above: intersection over union of at least 0.5
     BevIou,
-    /// Boxes agree in space: intersection over union of at least 0.5
+    /// Boxes in space: intersection over union of at least 0.5
     #[value(name = "iou-3d")]
     Iou3d,
-    /// Centres are less than 2 m apart on the ground plan
+    /// Centres less than 2 m apart, seen from above
     Centre,
 }
 
 /// Parameters of detectors and matching.
 #[derive(Debug, Args)]
+#[command(next_help_heading = DETECTORS)]
 pub struct ConfigArgs {
-    /// TOML file that overrides parameters of detectors and matching, by the names under `config` in manifest.json
+    /// TOML file with parameters of detectors and matching
+    ///
+    /// The manifest.json of every run lists all parameters under `config`. The file needs only those that differ.
     #[arg(short, long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Override one parameter, after the file; may be repeated. The end of a name will do where only one parameter of
-    /// the detectors that run has it
+    /// Set one parameter; may be repeated
+    ///
+    /// It has priority over the file of -c. The last parts of a name are enough if only one parameter ends in them:
+    /// `xi=2` sets `hierarchical.grid.xi`.
     #[arg(short = 'P', long = "param", value_name = "NAME=VALUE")]
     pub parameters: Vec<OverrideOption>,
 }

@@ -16,8 +16,8 @@ pub struct ReportArgs {
 const REPORT_EXAMPLES: &str = "\
 Examples:
   scanbench report runs/latest
-  scanbench report runs/cell-sizes         of a sweep: its plots and its table
+  scanbench report runs/cell-sizes         a sweep
 
-Makes report.html and figures/ again from the other files of the run directory alone. The
-page needs no network and no scripts. Of worst_points.json, which every run leaves, it takes
-what the sensor saw around the worst mistakes; without it, these are drawn as boxes alone.";
+Makes report.html and figures/ from the other files of the run directory; no data set
+is read. The page needs no network and no scripts. Without worst_points.json, the
+pictures of the worst mistakes show boxes only, no points.";

@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::experiment::ExperimentArgs;
+use super::help_text::DATA;
 use super::output::OutputArgs;
 
 /// Arguments of `scanbench robustness`.
@@ -12,8 +13,8 @@ pub struct RobustnessArgs {
     /// The detectors, in the order of the table.
     #[command(flatten)]
     pub detectors: ExperimentArgs,
-    /// Scans of each of the three kinds of street under each condition
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Scans of each of the three kinds of street, under each condition
+    #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub scans: u32,
     /// Where the tables are written.
     #[command(flatten)]
@@ -26,7 +27,7 @@ Examples:
   scanbench robustness --scans 20 --seed 7 -o runs/robustness
   scanbench robustness -d hierarchical -P walls.enabled=false
 
-Conditions: slopes and hills, kerbs, a truck ahead, mounting heights, sensors,
-rain, rolling shutter. Leaves in the directory robustness.csv, with what every
-rate is made of, robustness.md and the files of a run whose data sets are the
-conditions.";
+Simulates the same streets under one condition after another: slopes and hills,
+kerbs, a truck ahead, mounting heights, sensors, rain, rolling shutter. Writes
+robustness.csv with the counts behind every rate, robustness.md and the files of a
+run whose data sets are the conditions.";

@@ -6,6 +6,7 @@ use clap::Args;
 use evaluation::run::detector_list::DEFAULT_DETECTORS;
 
 use super::detectors::detectors_help;
+use super::help_text::{DETECTORS, OUTPUT, with_details};
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
 use super::scans::{DamageArgs, DatasetArgs};
@@ -14,7 +15,7 @@ use super::timing::TimingArgs;
 
 /// Arguments of `scanbench run`.
 #[derive(Debug, Args)]
-#[command(after_help = RUN_EXAMPLES)]
+#[command(after_help = RUN_EXAMPLES, after_long_help = with_details(RUN_EXAMPLES, RUN_DETAILS))]
 pub struct RunArgs {
     /// The scans.
     #[command(flatten)]
@@ -24,27 +25,31 @@ pub struct RunArgs {
     pub damage: DamageArgs,
     /// The detectors, in the order of the tables.
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
-    #[arg(default_values = DEFAULT_DETECTORS)]
+    #[arg(default_values = DEFAULT_DETECTORS, help_heading = DETECTORS)]
     pub detectors: Vec<String>,
     /// Parameters.
     #[command(flatten)]
     pub config: ConfigArgs,
+    /// What runs beside what.
+    #[command(flatten)]
+    pub timing: TimingArgs,
+    /// Detections of each scan; `gate` needs 5 to compare times
+    ///
+    /// Detectors take turns, and so does the reference that `gate` measures times by. `gate` compares the shortest times;
+    /// everything else uses the first.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = repeats, help_heading = DETECTORS)]
+    pub repeats: NonZeroUsize,
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
     /// Where the run directory is written.
     #[command(flatten)]
     pub output: OutputArgs,
-    /// Record scans and results for Foxglove as well: run.mcap in the run directory, of several data sets one each
-    #[arg(long)]
+    /// Write an MCAP recording for Foxglove, too
+    ///
+    /// It is run.mcap in the run directory; of several data sets, one file each.
+    #[arg(long, help_heading = OUTPUT)]
     pub mcap: bool,
-    /// What runs beside what.
-    #[command(flatten)]
-    pub timing: TimingArgs,
-    /// How often each detector looks at each scan, in turns with the others and with the reference that `gate` measures times
-    /// by; the shortest of all counts there, the first everywhere else
-    #[arg(long, value_name = "N", default_value = "1", value_parser = repeats)]
-    pub repeats: NonZeroUsize,
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,
@@ -61,13 +66,11 @@ Examples:
   scanbench run
   scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
-  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
-  scanbench run street-narrow --mcap
-  scanbench run --repeats 5                     times for a gate
-  scanbench run kitti-tracking --connect rerun+http://127.0.0.1:9876/proxy
+  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50";
 
-Leaves in the run directory, which runs/latest points at unless -o names it:
-manifest.json, report.json, scans.csv, matches.csv, stages.csv,
-precision_recall.csv, table_<task>.{csv,md,tex}, table_times.md, table_stages.md, worst_points.json,
-report.html, figures/ and, unless --no-rrd, run.rrd for the Rerun viewer; with --mcap
-run.mcap for Foxglove.";
+const RUN_DETAILS: &str = "\
+The run directory holds report.html with figures/, report.json, manifest.json,
+scans.csv, matches.csv, stages.csv, precision_recall.csv,
+table_<task>.{csv,md,tex}, table_times.md, table_stages.md and worst_points.json;
+unless --no-rrd, run.rrd for the Rerun viewer; with --mcap, run.mcap for Foxglove.
+Unless -o names it, runs/latest points at it.";

@@ -5,28 +5,34 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
+use clap::builder::Resettable;
 use reports::vocabulary::class::AnnotationClass;
 use scans::dataset::class_table::class_of_word;
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::source::DamagePolicy;
 use simulator::sensor::EMBEDDED_SENSORS;
 
+use super::help_text::DATA;
+
 /// Where data sets are looked up.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = DATA)]
 pub struct CatalogueArgs {
-    /// Catalogue to look ids up in, instead of the built-in one
-    #[arg(long, value_name = "FILE", env = "SCANBENCH_DATASETS")]
+    /// Catalogue of data sets [default: the built-in one]
+    #[arg(long, value_name = "FILE", env = "SCANBENCH_DATASETS", hide_short_help = true)]
     pub catalogue: Option<PathBuf>,
 }
 
 /// Which scans are taken.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = DATA)]
 pub struct DatasetArgs {
-    /// Ids of the catalogue, or paths of data sets
-    #[arg(value_name = "DATASET", default_value = simulator::catalogue::DEFAULT_DATASETS)]
+    /// Data sets: ids of the catalogue, or paths
+    #[arg(value_name = "DATASET", default_value = simulator::catalogue::DEFAULT_DATASETS, help_heading = Resettable::Reset)]
     pub datasets: Vec<String>,
-    /// Which scans, by place in each data set, from 0: `7`, `0..500` (without 500), `0..500:5` (every fifth), or several
-    /// of these by comma
+    /// Scans to take from each data set, such as `7`, `0..500` or `0..500:5`
+    ///
+    /// Scans are counted from 0. `0..500` is without 500, `0..500:5` is every fifth scan. Separate several by commas.
     #[arg(long, value_name = "RANGE")]
     pub scans: Option<String>,
     /// How they are opened.
@@ -36,24 +42,25 @@ pub struct DatasetArgs {
 
 /// How data sets are opened.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = DATA)]
 pub struct SourceArgs {
-    /// Format of data sets given as paths, instead of recognising it.
-    #[arg(long, value_name = "FORMAT", help = format_help())]
+    /// Format of data sets given as paths.
+    #[arg(long, value_name = "FORMAT", help = format_help(), hide_short_help = true)]
     pub format: Option<String>,
     /// Topic of the clouds in MCAP recordings [default: the only one]
-    #[arg(long, value_name = "TOPIC")]
+    #[arg(long, value_name = "TOPIC", hide_short_help = true)]
     pub topic: Option<String>,
     /// Topic of the annotations in MCAP recordings [default: /annotations, or the only one]
-    #[arg(long, value_name = "TOPIC")]
+    #[arg(long, value_name = "TOPIC", hide_short_help = true)]
     pub annotation_topic: Option<String>,
-    /// What a name of a class in labels stands for, such as `forklift=misc`; may be repeated. Case does not matter
-    #[arg(long = "class", value_name = "NAME=CLASS")]
+    /// Read the class NAME of labels as CLASS, such as `forklift=misc`; may be repeated, ignores case
+    #[arg(long = "class", value_name = "NAME=CLASS", hide_short_help = true)]
     pub classes: Vec<ClassOption>,
-    /// Seed of simulated data sets, instead of the catalogue's
+    /// Seed of simulated data sets [default: the catalogue's]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
-    /// Number of scans of simulated data sets, instead of the catalogue's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Number of scans of simulated data sets [default: the catalogue's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), hide_short_help = true)]
     pub simulated_scans: Option<u32>,
     /// Sensor of simulated data sets.
     #[arg(long, value_name = "SENSOR", help = sensor_help())]
@@ -90,14 +97,15 @@ impl fmt::Display for ClassOption {
 
 fn format_help() -> String {
     let names = DatasetFormat::names().join("`, `");
-    format!("Format of data sets given as paths, instead of recognising it: `{names}`")
+    format!("Format of data sets given as paths [default: recognised by their files]: `{names}`")
 }
 
 /// What becomes of damaged scans.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = DATA)]
 pub struct DamageArgs {
-    /// Leave damaged scans out, name each, and go on
-    #[arg(long)]
+    /// Skip damaged scans with a warning, instead of stopping
+    #[arg(long, hide_short_help = true)]
     pub skip_damaged: bool,
 }
 
@@ -110,7 +118,7 @@ impl DamageArgs {
 
 pub(super) fn sensor_help() -> String {
     let ids = EMBEDDED_SENSORS.map(|(id, _)| format!("`{id}`")).join(", ");
-    format!("Sensor of simulated data sets: {ids}, or a TOML file that describes one")
+    format!("Sensor of simulated data sets: {ids}, or a TOML file")
 }
 
 #[cfg(test)]
@@ -127,7 +135,7 @@ mod tests {
             "forklift=mics"
                 .parse::<ClassOption>()
                 .unwrap_err()
-                .starts_with("\"mics\" is no class; there are car")
+                .starts_with("\"mics\" is not a class; classes are car")
         );
     }
 }

@@ -4,12 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::help_text::VIEWER;
+
 /// What is streamed to Rerun.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = VIEWER)]
 #[allow(dead_code, reason = "read by the viewer, where there is one")]
 pub struct StreamArgs {
-    /// Save the Rerun recording as `run.rrd` in the run directory (the default), or as FILE
-    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    /// Save the Rerun recording as FILE [default: `run.rrd` in the run directory]
+    #[arg(long, hide_short_help = true, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     #[allow(clippy::option_option, reason = "both the option and its value may be left out")]
     pub save_rrd: Option<Option<PathBuf>>,
     /// Write no Rerun recording
@@ -18,15 +21,16 @@ pub struct StreamArgs {
         conflicts_with_all = ["save_rrd", "connect", "spawn", "serve", "rerun_every", "rerun_points", "blueprint"]
     )]
     pub no_rrd: bool,
-    /// Stream to a running Rerun viewer as well
+    /// Stream to a running Rerun viewer, too, such as rerun+http://127.0.0.1:9876/proxy
     #[arg(long, value_name = "URL")]
     pub connect: Option<String>,
-    /// Start a Rerun viewer and stream to it as well
-    #[arg(long, conflicts_with = "connect")]
+    /// Start a Rerun viewer and stream to it, too
+    #[arg(long, hide_short_help = true, conflicts_with = "connect")]
     pub spawn: bool,
-    /// Serve the recording to viewers that connect to PORT of this machine as well, until Ctrl-C [default port: 9876]
+    /// Serve the recording to Rerun viewers at PORT of this machine until Ctrl-C, too [default port: 9876]
     #[arg(
         long,
+        hide_short_help = true,
         value_name = "PORT",
         num_args = 0..=1,
         require_equals = true,
@@ -34,14 +38,14 @@ pub struct StreamArgs {
         conflicts_with_all = ["connect", "spawn"]
     )]
     pub serve: Option<u16>,
-    /// Record every Nth scan alone; all are evaluated
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Record only every Nth scan; all are evaluated
+    #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub rerun_every: u32,
-    /// Draw at most N points of a scan; detectors are given all
-    #[arg(long, value_name = "N")]
+    /// Record at most N points of a scan; detectors get all
+    #[arg(long, hide_short_help = true, value_name = "N")]
     pub rerun_points: Option<usize>,
-    /// Which tab of the recording is in front when it is opened
-    #[arg(long, value_enum, value_name = "TAB", default_value = "compare")]
+    /// Tab that the recording opens with
+    #[arg(long, hide_short_help = true, value_enum, value_name = "TAB", default_value = "compare")]
     pub blueprint: TabName,
 }
 
@@ -52,6 +56,6 @@ pub enum TabName {
     Compare,
     /// The first detector, stage by stage
     Stages,
-    /// The drive in a frame that rests, where poses are known
+    /// The drive in a fixed frame, if its poses are known
     Drive,
 }

@@ -2,14 +2,17 @@
 
 use clap::Args;
 
+use super::help_text::DETECTORS;
+
 /// What runs beside what, so that times mean something.
 #[derive(Debug, Args)]
+#[command(next_help_heading = DETECTORS)]
 pub struct TimingArgs {
-    /// Scans read or simulated at once; detectors always run alone [default: number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    /// Scans to read or simulate at once; detectors always run one at a time [default: number of cores]
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: Option<u16>,
-    /// Detections of the first scan that are thrown away before anything is timed
-    #[arg(long, value_name = "N", default_value_t = 3)]
+    /// Untimed detections of the first scan before the timed ones
+    #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 3)]
     pub warmup: u16,
 }
 

@@ -4,59 +4,67 @@ use clap::{Args, ValueEnum};
 use evaluation::run::detector_list::DETECTORS;
 use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 
+use super::help_text::{DETECTORS as DETECTORS_HEADING, JUDGING, TRAINING, with_details};
 use super::output::OutputArgs;
 use super::scans::DatasetArgs;
 
 /// Arguments of `scanbench train`.
 #[derive(Debug, Args)]
-#[command(after_help = TRAIN_EXAMPLES)]
+#[command(after_help = TRAIN_EXAMPLES, after_long_help = with_details(TRAIN_EXAMPLES, TRAIN_DETAILS))]
 pub struct TrainArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
-    /// The detector whose model it becomes
+    /// Detector to train the model for
     #[arg(short, long, value_enum, value_name = "NAME", default_value = "hierarchical")]
+    #[arg(help_heading = DETECTORS_HEADING)]
     pub detector: ModelName,
-    /// The detector whose clusters are described.
-    #[arg(long, value_name = "NAME", value_parser = DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>(), help = clusters_help())]
+    /// Detector whose clusters are the examples [default: that of --detector]
+    #[arg(long, value_name = "NAME", value_parser = DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>())]
+    #[arg(help_heading = DETECTORS_HEADING, hide_short_help = true)]
     pub clusters: Option<String>,
-    /// Data set to judge by, all of it, instead of holding out drives of those trained on; may be repeated
-    #[arg(long, value_name = "DATASET", conflicts_with = "hold_out_every")]
-    pub held_out: Vec<String>,
-    /// Format of data sets to judge by that are given as paths
-    #[arg(long, value_name = "FORMAT", requires = "held_out")]
-    pub held_out_format: Option<String>,
-    /// Which of their scans, as `--scans`
-    #[arg(long, value_name = "RANGE", requires = "held_out")]
-    pub held_out_scans: Option<String>,
-    /// Hold out the last of every N drives of each data set to judge by
-    #[arg(long, value_name = "N", default_value_t = HOLD_OUT_EVERY, value_parser = clap::value_parser!(u32).range(2..=1000))]
-    pub hold_out_every: u32,
     /// Most vehicles to train on
     #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    #[arg(help_heading = TRAINING)]
     pub vehicles: u32,
-    /// Most other objects to train on, for each vehicle; parts and pairs of clusters come on top
+    /// Most other objects to train on, per vehicle; parts and pairs of clusters come on top
     #[arg(long, value_name = "N", default_value_t = OTHERS_PER_VEHICLE, value_parser = others_per_vehicle)]
+    #[arg(help_heading = TRAINING, hide_short_help = true)]
     pub others: f64,
-    /// Train with parts and pairs of clusters too, as regrouping makes them; hierarchical always does
-    #[arg(long)]
+    /// Train on parts and pairs of clusters, too, as regrouping makes them; always for hierarchical
+    #[arg(long, help_heading = TRAINING, hide_short_help = true)]
     pub parts_and_pairs: bool,
-    /// Train with objects of any size, also those that no vehicle has; pca always does. A run takes such a model with
-    /// `-P vehicle_bounds.enabled=false`
-    #[arg(long)]
+    /// Train on objects of any size, even if no vehicle has it; always for pca
+    ///
+    /// Run such a model with `-P vehicle_bounds.enabled=false`.
+    #[arg(long, help_heading = TRAINING, hide_short_help = true)]
     pub any_size: bool,
-    /// Most side profiles of each kind of vehicle to compare with
+    /// Most side profiles to keep as prototypes of each kind of vehicle
     #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
+    #[arg(help_heading = TRAINING, hide_short_help = true)]
     pub prototypes: u32,
-    /// Width of the Gaussian kernel over standardised values; the paper has 0.1078 [default: 0.054; for pca 0.1078]
-    #[arg(long, value_name = "X")]
+    /// Width of the Gaussian kernel, for standardised features [default: 0.054; for pca 0.1078, as in the paper]
+    #[arg(long, value_name = "X", help_heading = TRAINING)]
     pub gamma: Option<f32>,
-    /// Share of vehicles and background that may lie inside the margin; the paper has 0.0377 [default: 0.12; for pca 0.2]
-    #[arg(long, value_name = "X")]
+    /// Share of training examples allowed inside the margin [default: 0.12; for pca 0.2; in the paper 0.0377]
+    #[arg(long, value_name = "X", help_heading = TRAINING)]
     pub nu: Option<f64>,
-    /// Seed of the choice among objects, and of the regions that are cut out
-    #[arg(long, value_name = "N", default_value_t = CHOICE_SEED)]
+    /// Seed of the choice of training examples
+    #[arg(long, value_name = "N", default_value_t = CHOICE_SEED, help_heading = TRAINING, hide_short_help = true)]
     pub choice_seed: u64,
+    /// Test on this data set, instead of on held-out drives; may be repeated
+    #[arg(long, value_name = "DATASET", conflicts_with = "hold_out_every", help_heading = JUDGING)]
+    pub held_out: Vec<String>,
+    /// Format of data sets of --held-out that are paths [default: recognised by their files]
+    #[arg(long, value_name = "FORMAT", requires = "held_out", help_heading = JUDGING, hide_short_help = true)]
+    pub held_out_format: Option<String>,
+    /// Scans to take from the data sets of --held-out, written as in --scans
+    #[arg(long, value_name = "RANGE", requires = "held_out", help_heading = JUDGING, hide_short_help = true)]
+    pub held_out_scans: Option<String>,
+    /// Hold out the last of every N drives of each data set
+    #[arg(long, value_name = "N", default_value_t = HOLD_OUT_EVERY, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    #[arg(help_heading = JUDGING)]
+    pub hold_out_every: u32,
     /// Where model, prototypes, curves and plots are written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -65,9 +73,9 @@ pub struct TrainArgs {
 /// Detectors with a vehicle model of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ModelName {
-    /// By shape: box, corner spheres and side profile; kd-tree and simple-grid take it too
+    /// Features of shape: box, corner spheres and side profile; kd-tree and simple-grid use this model, too
     Hierarchical,
-    /// By size, and by how points lie in their neighbourhoods
+    /// Features of size, and of the shape of point neighbourhoods
     Pca,
 }
 
@@ -76,23 +84,19 @@ fn others_per_vehicle(text: &str) -> Result<f64, String> {
     if (0.1..=20.0).contains(&number) { Ok(number) } else { Err(format!("{number} is not within 0.1 to 20")) }
 }
 
-fn clusters_help() -> String {
-    "Detector whose clusters are trained on and judged; with another one than --detector the same \
-     objects can be told by different features [default: that of --detector]"
-        .to_owned()
-}
-
 const TRAIN_EXAMPLES: &str = "\
 Examples:
   scanbench train training-streets --scans 0..300:6 -o model
   scanbench train ~/data/kitti_tracking -o model
   scanbench train training-streets --seed 3000 --scans 0..300:6 --nu 0.3 --gamma 0.1078
-  scanbench train training-streets --scans 0..300:6 --held-out ~/data/kitti_tracking -d pca -o model-pca
+  scanbench train training-streets --scans 0..300:6 --held-out ~/data/kitti_tracking -d pca";
 
-Objects are what the detector finds: those that match an annotated
-car, van, truck or bus, and those without points of any, with regions cut out
-anywhere. Leaves in the directory model.toml and prototypes.toml, which a run takes
-with -P vehicle_model.directory=DIR (for pca model.toml alone, which it takes with
--P vehicle_model.pca_directory=DIR), objects.csv with every held-out object,
-importance.csv, curves.csv, curves.svg and manifest.json. The same scans and options
-give the same bytes, but for the date in the manifest.";
+const TRAIN_DETAILS: &str = "\
+Examples of vehicles are clusters that match an annotated car, van, truck or bus.
+Examples of other objects are clusters without points of any, and regions cut out at
+random places. Writes model.toml and prototypes.toml, objects.csv with every held-out
+object, importance.csv, curves.csv, curves.svg and manifest.json.
+
+To run the model, give -P vehicle_model.directory=DIR; for pca, which has no
+prototypes.toml, give -P vehicle_model.pca_directory=DIR. The same scans and options
+write the same bytes, except the date in the manifest.";

@@ -2,31 +2,33 @@
 
 use std::path::PathBuf;
 
+use clap::builder::Resettable;
 use clap::{Args, ValueEnum};
 use reports::vocabulary::task::Task;
 
+use super::help_text::MISTAKES;
 use super::stream::StreamArgs;
 
 /// Arguments of `scanbench view`.
 #[derive(Debug, Args)]
-#[command(after_help = VIEW_EXAMPLES)]
+#[command(after_help = VIEW_EXAMPLES, next_help_heading = MISTAKES)]
 pub struct ViewArgs {
     /// Run directory
-    #[arg(value_name = "RUN")]
+    #[arg(value_name = "RUN", help_heading = Resettable::Reset)]
     pub run: PathBuf,
-    /// How many of the worst mistakes
+    /// Number of mistakes to list, the worst first
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub worst: u32,
-    /// Whose mistakes [default: those of the first detector of the run]
+    /// Detector to list mistakes of [default: the first of the run]
     #[arg(short, long, value_name = "NAME")]
     pub detector: Option<String>,
-    /// At what
+    /// Task to list mistakes of
     #[arg(long, value_enum, value_name = "TASK", default_value = "vehicles")]
     pub task: TaskName,
-    /// Of which kind [default: both]
+    /// Kind of mistake [default: both]
     #[arg(long, value_enum, value_name = "OUTCOME")]
     pub outcome: Option<OutcomeName>,
-    /// Only what is annotated as CLASS, or was taken for it
+    /// Only mistakes with this annotated or detected class
     #[arg(long, value_name = "CLASS")]
     pub class: Option<String>,
     /// What is streamed to Rerun.
@@ -37,9 +39,9 @@ pub struct ViewArgs {
 /// Tasks by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum TaskName {
-    /// Anything that stands on the street
+    /// Find anything that stands on the street
     Objects,
-    /// Vehicles against background
+    /// Find vehicles
     Vehicles,
 }
 
@@ -56,9 +58,9 @@ impl TaskName {
 /// Mistakes by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum OutcomeName {
-    /// Annotations that nothing found
+    /// Missed annotations
     Missed,
-    /// Detections of nothing
+    /// False detections
     False,
 }
 
@@ -68,7 +70,6 @@ Examples:
   scanbench view runs/latest --worst 30 --outcome missed --class van
   scanbench view runs/latest -d pca --task objects --save-rrd=pca.rrd
 
-Lists the mistakes with most points first, and why each is one. The scans they are in are
-run again, as the manifest of the run says, and recorded alone, the worst first:
-in worst.rrd of the run directory unless --save-rrd=FILE or --no-rrd says otherwise.
-Paths of data are taken from the run: start it in the same folder.";
+Lists the mistakes with the most points first, each with its reason. Then runs their
+scans again with the parameters of the run and records them as worst.rrd in the run
+directory. Paths of data are those of the run: start it in the same folder.";

@@ -34,10 +34,10 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 /// What has to be said of the numbers.
 const NOTES: [&str; 2] = [
     "Medians of absolute errors with their 95 % intervals. pairs: clusters of the \
-     hierarchical detector that match an annotated car, van, truck or bus; both boxes are fitted to the same points of \
-     these. centre: distance on the ground plan; yaw: modulo 180 degrees, so at most 90.",
-    "Annotated boxes hold the whole vehicle, also what the sensor does not see of it; a box around what is seen is shorter \
-     or narrower even if it is right.",
+     hierarchical detector that match an annotated car, van, truck or bus; both boxes are fitted to the same points. \
+     centre: distance seen from above; yaw: modulo 180 degrees, so at most 90.",
+    "Annotated boxes contain the whole vehicle, also the sides that the sensor does not see. A box around the visible \
+     points is therefore shorter or narrower, even if it is right.",
 ];
 
 /// Fits boxes of two kinds to the same matched clusters, and writes and prints how far they are from annotated ones.
@@ -57,7 +57,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let groups = collect_all(&opened, &detectors[0], &config, interrupted)?;
     if groups.iter().all(|it| it.pairs.is_empty()) {
-        return Err(NothingEvaluated { reason: "no annotated vehicle is matched".to_owned() }.into());
+        return Err(NothingEvaluated { reason: "no cluster matches an annotated vehicle".to_owned() }.into());
     }
     let lines: Vec<Vec<BoxErrorLine>> =
         groups.iter().map(|it| box_error_lines(&it.pairs, &it.name, it.is_simulated)).collect();

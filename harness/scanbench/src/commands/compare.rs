@@ -40,7 +40,11 @@ fn of_detectors(
     for name in [first, second] {
         let known: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
         if !known.contains(&name) {
-            return Err(Usage(format!("the run has no detector {name:?}, but {}", known.join(", "))).into());
+            return Err(Usage(format!(
+                "the run has no detector {name:?}; its detectors are {}",
+                known.join(", ")
+            ))
+            .into());
         }
     }
     Ok(compare_detectors(run, first, second, slices))

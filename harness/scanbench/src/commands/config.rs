@@ -47,8 +47,8 @@ pub fn judging_config(
 pub fn warn_of_unknown_sensor(config: &RunConfig, sensor: &str) {
     if config.for_sensor(sensor).is_none() {
         print_diagnostic(format_args!(
-            "warning: how densely {sensor:?} samples the street is not known, {PAPER_SENSOR} stands in; \
-             learn it with scanbench fit-density, and give the file to --config"
+            "warning: there is no density curve for the sensor {sensor:?}; the detector uses that of {PAPER_SENSOR}; \
+             fit one with scanbench fit-density, and give the file to --config"
         ));
     }
 }

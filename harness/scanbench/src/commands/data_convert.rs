@@ -38,7 +38,7 @@ pub fn data_simulate(arguments: &ConvertArgs) -> Result<(), Failure> {
     let opened = open_datasets(&arguments.data, &ClassTable::default())?;
     if let Some(recorded) = opened.iter().map(|it| it.dataset.description()).find(|it| it.root.is_some()) {
         let problem =
-            format!("{:?} is on disk already; `data convert` writes it in another format", recorded.id);
+            format!("{:?} is already on disk; use `data convert` to change its format", recorded.id);
         return Err(Usage(problem).into());
     }
     convert_all(arguments, &opened)
@@ -78,7 +78,7 @@ fn format_of(arguments: &ConvertArgs, n_datasets: usize) -> Result<OutputFormat,
         Some(name) => Ok(name.format()),
         None if says_mcap && n_datasets == 1 => Ok(OutputFormat::Mcap),
         None => Err(Usage(
-            "say by --to in which format: mcap, kitti-tracking, kitti-object or semantic-kitti".to_owned(),
+            "choose the format with --to: mcap, kitti-tracking, kitti-object or semantic-kitti".to_owned(),
         )),
     }
 }

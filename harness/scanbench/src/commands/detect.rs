@@ -63,7 +63,7 @@ impl Destinations {
         let clusters = destination(&arguments.output, &["csv", "u32"])?;
         let boxes = destination(&arguments.boxes, &["csv"])?;
         if clusters.is_some() && clusters == boxes {
-            return Err(Usage("clusters and boxes go to different places".to_owned()));
+            return Err(Usage("--output and --boxes must be different files".to_owned()));
         }
         Ok(Self { clusters, boxes })
     }
@@ -114,12 +114,12 @@ fn summary(scan: &OpenedScan, detector: &str, result: &SingleScan) -> String {
     let n_vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle).count();
     let left_out = match scan.points_left_out.len() {
         0 => String::new(),
-        n => format!(" and {n} without a position, which are left out"),
+        n => format!(" and {n} without a position, which are skipped"),
     };
     let mut text = format!(
         "{}: {} points{left_out}, sensor {} m above the road\n\
-         {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} of them vehicles; {} more dropped for \
-         their size\n\n",
+         {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} of them vehicles; {} more dropped because \
+         of their size\n\n",
         scan.name,
         scan.cloud.len(),
         scan.sensor_height_m,

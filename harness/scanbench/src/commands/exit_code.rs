@@ -80,7 +80,7 @@ mod tests {
         check(RunError::from(unknown()), 2);
         check(SurveyError::from(missing()), 3);
         let bad_catalogue = Failure::usage("bad catalogue".to_owned(), missing());
-        assert_eq!(bad_catalogue.to_string(), "bad catalogue: \"velodyne\" holds no scans");
+        assert_eq!(bad_catalogue.to_string(), "bad catalogue: \"velodyne\" has no scans");
         check(bad_catalogue, 2);
     }
 

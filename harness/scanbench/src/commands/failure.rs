@@ -62,7 +62,7 @@ pub struct NothingEvaluated {
 
 /// A run is not as it was accepted; the verdict has been printed.
 #[derive(Debug, thiserror::Error)]
-#[error("the gate is closed: {}", .0.name())]
+#[error("gate FAILED: {}", .0.name())]
 pub struct GateClosed(pub Conclusion);
 
 /// What was asked for makes no sense.

@@ -39,7 +39,7 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
     for target in [Some(path), arguments.figures.as_deref()].into_iter().flatten() {
         if target.exists() && !arguments.overwrite {
             return Err(Usage(format!(
-                "{} exists; choose another name or replace it with --overwrite",
+                "{} exists; choose another name, or replace it with --overwrite",
                 target.display()
             ))
             .into());
@@ -77,9 +77,10 @@ fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> Result<CurveOrig
     let one_sensor = sensors.first().filter(|_| sensors.len() == 1);
     let Some(sensor) = one_sensor else {
         let names = sensors.into_iter().collect::<Vec<_>>().join(", ");
-        return Err(
-            Usage(format!("a density curve is that of one sensor, but the scans are of {names}")).into()
-        );
+        return Err(Usage(format!(
+            "the scans are of several sensors ({names}), but a density curve is of one"
+        ))
+        .into());
     };
     Ok(CurveOrigin {
         sensor: (*sensor).to_owned(),
@@ -124,7 +125,7 @@ fn write_figures(
 fn summary(curve: &DensityCurve) -> String {
     let mut lines = vec![
         format!("Sensor {}, {} scans", curve.sensor, curve.n_scans),
-        format!("Densest ring: {} points/m² a scan", curve.peak_points_per_m2),
+        format!("Densest ring: {} points/m² per scan", curve.peak_points_per_m2),
     ];
     let weights =
         [5, 10, 20, 40, 80].map(|range_m| format!("{:.2e} at {range_m} m", curve.weight(f64::from(range_m))));

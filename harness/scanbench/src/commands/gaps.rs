@@ -102,11 +102,11 @@ fn manifest(
 fn write_curves(directory: &RunDirectory, bins: &[GapBin]) -> Result<(), Failure> {
     let rows: Vec<GapRow> = bins.iter().map(GapRow::simulated).collect();
     directory.write_file("gaps.csv", &to_csv_bytes(&rows)?)?;
-    let plot = gap_plot(&gap_curves(bins), "Pairs of objects told apart (simulated; bars: 95 % intervals)");
+    let plot = gap_plot(&gap_curves(bins), "Separated pairs of objects (simulated; bars: 95 % intervals)");
     directory.write_file("gaps.svg", plot.as_bytes())?;
     for kind in PairKind::ALL.map(PairKind::name) {
         let curves = gap_curves(bins.iter().filter(|it| it.pair == kind));
-        let plot = gap_plot(&curves, &format!("Pairs told apart: {kind} (simulated; bars: 95 % intervals)"));
+        let plot = gap_plot(&curves, &format!("Separated pairs: {kind} (simulated; bars: 95 % intervals)"));
         directory.write_file(&format!("gaps_{kind}.svg"), plot.as_bytes())?;
     }
     Ok(())
@@ -120,12 +120,12 @@ fn write_picture(
 ) -> Result<(), Failure> {
     let Some(picture) = gap_picture(pairs, n_pairs, joining_and_separating) else {
         print_diagnostic(
-            "No pair is drawn: there is none that simple-grid joins and hierarchical separates without fragments.",
+            "No pair.svg: there is no pair that simple-grid joins and hierarchical separates without fragments.",
         );
         return Ok(());
     };
     let title = format!(
-        "{}, {} m apart, from above (simulated); a marker for each detection, cells grey",
+        "{}, {} m apart, seen from above (simulated); one marker per detection, grey cells",
         picture.pair, picture.gap_m
     );
     directory.write_file("pair.svg", plan_plot(&picture.plans, &title).as_bytes())?;

@@ -72,7 +72,7 @@ fn append(path: &Path, text: &str) -> Result<(), Failure> {
     let file = std::fs::File::options().append(true).create(true).open(path);
     let written = file.and_then(|mut it| it.write_all(text.as_bytes()));
     written.map_err(|error| {
-        Failure::usage(format!("cannot write {}, which {STEP_SUMMARY} names", path.display()), error)
+        Failure::usage(format!("cannot write {}, the file that {STEP_SUMMARY} names", path.display()), error)
     })
 }
 
@@ -84,7 +84,7 @@ fn append(path: &Path, text: &str) -> Result<(), Failure> {
 /// or written.
 pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
     if arguments.why.trim().is_empty() {
-        return Err(Usage("--why is empty: say why the scores are what they are now".to_owned()).into());
+        return Err(Usage("--why is empty; say why the scores changed".to_owned()).into());
     }
     let run = open_run(&arguments.run)?;
     let directory = &arguments.baseline.baseline;

@@ -63,7 +63,7 @@ impl OpenedDataset {
             return Err(error);
         }
         let reason = with_causes(&error);
-        print_diagnostic(format_args!("warning: scan {id} is left out: {reason}"));
+        print_diagnostic(format_args!("warning: skipped scan {id}: {reason}"));
         self.skipped.borrow_mut().push(SkippedScan { scan: id.to_string(), reason });
         Ok(())
     }
@@ -72,7 +72,7 @@ impl OpenedDataset {
     pub fn warn_of_points_left_out(&self) {
         if let Some((n_points, n_scans, first)) = self.points_left_out.sum() {
             print_diagnostic(format_args!(
-                "warning: {n_points} points without a position are left out of {n_scans} of the scans of {:?}, the first is {}",
+                "warning: skipped {n_points} points without a position in {n_scans} scans of {:?}, first in {}",
                 self.dataset.description().id,
                 self.dataset.scan_ids()[first]
             ));
@@ -121,7 +121,7 @@ pub fn open_catalogue(path: Option<&Path>) -> Result<Catalogue, Failure> {
         if error.is_usage_error() {
             error.into()
         } else {
-            Failure::usage("the catalogue cannot be used".to_owned(), error)
+            Failure::usage("cannot use the catalogue".to_owned(), error)
         }
     })
 }
@@ -155,8 +155,9 @@ pub fn open_datasets_past_damage(
         let id = &dataset.description().id;
         if !opened.iter().all(|it| it.dataset.description().id != *id) {
             return Err(Usage(format!(
-                "two of the data sets are called {id:?}; rename a folder or give the other an id in a catalogue"
-            )).into());
+                "two data sets are called {id:?}; rename a folder, or give one another id in a catalogue"
+            ))
+            .into());
         }
         let n_scans = dataset.scan_ids().len();
         let scan_indices = match &selection {
@@ -176,7 +177,7 @@ pub fn open_datasets_past_damage(
         ));
         let left_out = dataset.left_out().map(|reason| {
             print_diagnostic(format_args!(
-                "warning: the end of {:?} is left out: it {reason}",
+                "warning: skipped the end of {:?}: it {reason}",
                 dataset.description().id
             ));
             SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
@@ -229,7 +230,7 @@ pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
     ];
     match for_simulated.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => {
-            let problem = format!("{option} is for simulated data sets, and none is asked for");
+            let problem = format!("{option} is only for simulated data sets, and none is given");
             Err(Usage(problem).into())
         }
         None => Ok(()),

@@ -46,7 +46,7 @@ pub fn open_scan(
     let catalogue = open_catalogue(source.catalogue.catalogue.as_deref())?;
     let path = Path::new(input);
     if let Some(members) = catalogue.groups.get(input) {
-        let problem = format!("{input:?} is several data sets; take one of {}", members.join(", "));
+        let problem = format!("{input:?} is a group of data sets; choose one of {}", members.join(", "));
         return Err(Usage(problem).into());
     }
     let is_catalogued = catalogue.ids().any(|it| it == input);
@@ -56,10 +56,11 @@ pub fn open_scan(
         }
         if path.is_file() && !is_mcap(path) && !is_velodyne_capture(path) {
             return Err(Usage(format!(
-                "{input:?} is not read: a scan is a file whose name ends in .{}, or one of an MCAP recording or a \
-                 capture of packets",
+                "cannot read {input:?} as a scan: give a file that ends in .{}, or an MCAP recording or a \
+                 packet capture with --scan",
                 SCAN_EXTENSIONS.join(", .")
-            )).into());
+            ))
+            .into());
         }
     }
     let dataset = open_dataset(input, &open_options(source, of_config)?, &catalogue)?;
@@ -82,7 +83,7 @@ pub fn open_scan(
 fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<OpenedScan, Failure> {
     let for_datasets = [("--scan", id.is_some()), ("--format", source.format.is_some())];
     if let Some((option, _)) = for_datasets.iter().find(|(_, is_given)| *is_given) {
-        return Err(Usage(format!("{option} is for data sets, and {input:?} is a scan")).into());
+        return Err(Usage(format!("{option} is only for data sets, but {input:?} is a scan")).into());
     }
     refuse_simulation(source)?;
     let (cloud, points_left_out) = read_scan_file(Path::new(input))?.points.into_parts();
@@ -98,12 +99,12 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
 /// The place among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.
 fn find_scan(id: Option<&str>, scan_ids: &[ScanId], dataset: &str) -> Result<usize, Usage> {
     let extent = match scan_ids {
-        [] => "it has none".to_owned(),
-        [only] => format!("it has {only} only"),
-        [first, .., last] => format!("it has {} from {first} to {last}", scan_ids.len()),
+        [] => "it has no scans".to_owned(),
+        [only] => format!("it has only {only}"),
+        [first, .., last] => format!("it has {} scans from {first} to {last}", scan_ids.len()),
     };
     let Some(id) = id else {
-        return Err(Usage(format!("say by --scan which scan of {dataset:?}: {extent}")));
+        return Err(Usage(format!("choose a scan of {dataset:?} with --scan: {extent}")));
     };
     let (sequence, number) = match id.rsplit_once('/') {
         Some((sequence, number)) => (Some(sequence), number),
@@ -144,7 +145,10 @@ mod tests {
 
     #[test]
     fn what_is_no_scan_or_several_is_refused() {
-        check(None, Err("say by --scan which scan of \"drive\": it has 3 from 0000/000000 to 0001/000000"));
+        check(
+            None,
+            Err("choose a scan of \"drive\" with --scan: it has 3 scans from 0000/000000 to 0001/000000"),
+        );
         check(Some("0"), Err("\"drive\" has several scans \"0\", such as 0000/000000 and 0001/000000"));
         for id in ["8", "0001/7", "first", "", "/", "-1", "0000/"] {
             let expected = format!("\"drive\" has no scan {id:?}: it has 3 from 0000/000000 to 0001/000000");

@@ -34,7 +34,7 @@ impl Destination {
         }
         let endings: Vec<String> = extensions.iter().map(|it| format!(".{it}")).collect();
         let name = written.to_string_lossy();
-        Err(Usage(format!("{name:?} does not end in {}, and is not -", endings.join(" or "))))
+        Err(Usage(format!("{name:?} must end in {}, or be -", endings.join(" or "))))
     }
 
     /// Fails if nothing can be written there: before the work, and not after it.

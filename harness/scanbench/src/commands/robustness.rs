@@ -88,14 +88,14 @@ fn notes(arguments: &RobustnessArgs, asked: &Experiment) -> Vec<String> {
     let n_streets = CONDITIONS.first().map_or(0, |it| it.drives(asked.seed, arguments.scans).len());
     vec![
         format!(
-            "NO: annotations that count. obj, veh: tasks objects and vehicles. {} scans a condition, {} of each kind of \
+            "NO: annotations that count. obj, veh: tasks objects and vehicles. {} scans per condition, {} of each kind of \
              street, the same streets under all conditions (seeds from {}).",
             n_streets * arguments.scans as usize,
             arguments.scans,
             asked.seed
         ),
-        "Conditions change one thing of the standard each; roads rise as drawn but for the kind road. Detectors know which \
-         sensor it is and how high it is mounted; nothing else is adapted."
+        "Each condition changes one thing of the standard. Road gradients are random, except under road. Detectors know the sensor and \
+         its height; nothing else is adapted."
             .to_owned(),
     ]
 }

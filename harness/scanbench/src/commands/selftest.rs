@@ -20,7 +20,7 @@ use crate::commands::standard_streams::print_result;
 
 /// The scores are not what they must be.
 #[derive(Debug, thiserror::Error)]
-#[error("{n_failed} of {n_checked} checks failed: scores cannot be trusted")]
+#[error("{n_failed} of {n_checked} checks failed: the scoring is wrong")]
 pub struct SelftestFailed {
     n_failed: usize,
     n_checked: usize,

@@ -115,7 +115,7 @@ impl<'a> Sweep<'a> {
         let identity = sweep_identity(self.arguments, &self.plan, &self.datasets);
         let (journal, done) = Journal::open(&path, &identity, other)?;
         if !done.is_empty() {
-            print_diagnostic(format_args!("Going on with {} results of {}", done.len(), path.display()));
+            print_diagnostic(format_args!("Continuing with {} results from {}", done.len(), path.display()));
         }
         Ok((journal, done))
     }
@@ -199,7 +199,7 @@ fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
 }
 
 fn how_to_go_on(target: &Path) -> String {
-    format!("What is done is kept: the same command, with -o {}, goes on", target.display())
+    format!("Results are kept: to continue, give the same command with -o {}", target.display())
 }
 
 /// That of a run, and what is swept.

@@ -133,12 +133,13 @@ fn parted(
     if held_out.is_empty() {
         let every = arguments.hold_out_every as usize;
         return HeldOut::every(every, drives(trained)).ok_or_else(|| {
-            let problem = "the scans are of one drive: there is none to train on and another to judge by";
+            let problem = "all scans are of one drive; training and testing need at least two";
             Usage(problem.to_owned()).into()
         });
     }
     HeldOut::apart(drives(trained), drives(held_out)).map_err(|(dataset, sequence)| {
-        Usage(format!("the drive {sequence} of {dataset} is to be trained on and to judge by")).into()
+        Usage(format!("the drive {sequence} of {dataset} is both in the training data and in --held-out"))
+            .into()
     })
 }
 
@@ -244,7 +245,7 @@ impl Training<'_> {
     fn prototypes(&self) -> Result<PrototypeLibrary, Failure> {
         let prototypes = find_prototypes(&self.taught, self.arguments.prototypes as usize);
         if prototypes.is_empty() {
-            return Err(nothing(&"no vehicle is seen well enough for a side profile").into());
+            return Err(nothing(&"no vehicle has enough points for a side profile").into());
         }
         let made = self.settings.made.clone();
         Ok(PrototypeLibrary::new(made, COLUMN_M, prototypes).map_err(|error| nothing(&error))?)
@@ -284,7 +285,7 @@ impl Training<'_> {
             // Writing to a string cannot fail.
             let _ = write!(
                 printed,
-                "\nNot judged, because no vehicle has their size: {n_vehicles} vehicles and {n_others} others"
+                "\nNot tested, because no vehicle has their size: {n_vehicles} vehicles and {n_others} others"
             );
         }
         let trained = TrainedModel { model, library, judged, evaluation };

@@ -23,13 +23,13 @@ pub fn summary<const D: usize>(
         format!("Trained on {} drives: {}", parted.trained.len(), HeldOut::summary(&parted.trained)),
         format!("Held out {} drives: {}", parted.held_out.len(), HeldOut::summary(&parted.held_out)),
         format!(
-            "{n_vehicles} vehicles and {} others, {n_cut} of them cut regions and {n_regrouped} parts or pairs of \
+            "{n_vehicles} vehicles and {} others, of which {n_cut} cut regions and {n_regrouped} parts or pairs of \
              clusters; {prototypes}{} support vectors",
             selected.len() - n_vehicles,
             model.support_vectors.len()
         ),
         String::new(),
-        format!("{:<16}{:>14}{:>18}", "held out", "told vehicle", "told background"),
+        format!("{:<16}{:>14}{:>18}", "classified as", "vehicle", "background"),
     ];
     for ((_, kind), told) in &evaluation.told {
         lines.push(format!("{kind:<16}{:>14}{:>18}", told.n_vehicle, told.n_background));
@@ -37,11 +37,14 @@ pub fn summary<const D: usize>(
     let [n_vehicles, n_others] = evaluation.curves.totals();
     let share = |area: Option<f64>| area.map_or_else(|| "undefined".to_owned(), |it| format!("{it:.4}"));
     lines.push(String::new());
-    lines.push(format!("Areas over {n_vehicles} vehicles and {n_others} others:"));
+    lines.push(format!("On {n_vehicles} held-out vehicles and {n_others} others:"));
     lines.push(format!("ROC area {}", share(evaluation.curves.roc_area())));
     lines.push(format!("Precision-recall area {}", share(evaluation.curves.precision_recall_area())));
     lines.push(String::new());
-    lines.push("Loss of ROC area with one value mixed up between the held-out objects:".to_owned());
+    lines.push(
+        "Permutation importance (loss of ROC area when one feature is shuffled over the held-out objects):"
+            .to_owned(),
+    );
     for (feature, loss) in evaluation.importance {
         lines.push(format!("{feature:<22}{:>10}", share(loss)));
     }

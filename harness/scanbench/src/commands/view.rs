@@ -18,7 +18,11 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     let names: Vec<&str> = run.manifest.detectors.iter().map(|it| it.name.as_str()).collect();
     let detector = arguments.detector.as_deref().or(names.first().copied()).unwrap_or_default();
     if !names.contains(&detector) {
-        return Err(Usage(format!("the run has no detector {detector:?}, but {}", names.join(", "))).into());
+        return Err(Usage(format!(
+            "the run has no detector {detector:?}; its detectors are {}",
+            names.join(", ")
+        ))
+        .into());
     }
     let choice = MistakeChoice {
         detector,
@@ -31,7 +35,7 @@ pub fn view(arguments: &ViewArgs) -> Result<(), Failure> {
     };
     let mistakes = worst(&run.matches, &choice, arguments.worst as usize);
     if mistakes.is_empty() {
-        return Err(NothingEvaluated { reason: "the run has no such mistakes".to_owned() }.into());
+        return Err(NothingEvaluated { reason: "the run has no mistakes of this kind".to_owned() }.into());
     }
     print_bytes(worst_to_terminal(&mistakes).as_bytes())?;
     record(arguments, &run.manifest, &mistakes)

@@ -103,14 +103,16 @@ impl RunAgain {
         let parsed = Cli::try_parse_from(&manifest.argv).map(|it| it.command);
         let Ok(Command::Run(arguments)) = parsed else {
             let line = manifest.argv.join(" ");
-            return Err(Usage(format!("this program cannot repeat the run of `{line}`")).into());
+            return Err(
+                Usage(format!("this program does not understand the command of the run: `{line}`")).into()
+            );
         };
         let detectors = detectors_named(&arguments.detectors)?;
         let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
         let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
         if resolved != manifest.config {
             return Err(Usage(
-                "the parameters are not those of the run: a file or this program has changed".to_owned(),
+                "the parameters differ from those of the run: a file or this program has changed".to_owned(),
             )
             .into());
         }
@@ -127,7 +129,7 @@ impl RunAgain {
             let is_listed = manifest.datasets.iter().any(|entry| is_same(&entry));
             if !is_listed || seeds(&datasets).get(id) != manifest.seeds.get(id) {
                 return Err(Usage(format!(
-                    "the scans of {id:?} are not those of the run: data or simulator have changed"
+                    "the scans of {id:?} differ from those of the run: data or simulator have changed"
                 ))
                 .into());
             }
@@ -149,7 +151,7 @@ impl RunAgain {
             });
             let place = place.ok_or_else(|| {
                 Usage(format!(
-                    "scan {} {} of {:?} is not there any more",
+                    "scan {} {} of {:?} does not exist any more",
                     row.sequence, row.scan, row.dataset
                 ))
             })?;

@@ -90,7 +90,7 @@ fn a_coordinate_that_no_sensor_sees() {
 fn an_empty_scan() {
     let it = Spoilt::drive();
     it.dataset.write(SCAN, []);
-    it.check_run(3, &["0000/000001.bin\" holds no points"]);
+    it.check_run(3, &["0000/000001.bin\" has no points"]);
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn a_detection_on_a_damaged_scan() {
     check(&file, &["0000/000001.bin\" is damaged or cut off", "23 bytes are not a multiple of the 16"]);
     check("street --scan 1", &["0000/000001.bin\" is damaged or cut off"]);
     it.dataset.write(SCAN, []);
-    check(&file, &["0000/000001.bin\" holds no points"]);
+    check(&file, &["0000/000001.bin\" has no points"]);
     check("gone.bin", &["cannot read \"gone.bin\": No such file"]);
 }
 
@@ -141,11 +141,14 @@ fn a_detection_on_what_is_no_scan() {
     let file = format!("street/{SCAN}");
     it.workplace.write("scan.xyz", "");
     for (arguments, part) in [
-        ("detect scan.xyz", "\"scan.xyz\" is not read: a scan is a file whose name ends in .bin, .pcd"),
-        ("detect nowhere --scan 1", "\"nowhere\" is neither a data set of the catalogue"),
-        ("detect street", "say by --scan which scan of \"street\": it has 3 from 0000/000000 to 0000/000002"),
+        ("detect scan.xyz", "cannot read \"scan.xyz\" as a scan: give a file that ends in .bin, .pcd"),
+        ("detect nowhere --scan 1", "there is no data set \"nowhere\": it is neither in the catalogue"),
+        (
+            "detect street",
+            "choose a scan of \"street\" with --scan: it has 3 scans from 0000/000000 to 0000/000002",
+        ),
         ("detect street --scan 3", "\"street\" has no scan \"3\": it has 3"),
-        ("detect streets --scan 3", "\"streets\" is several data sets; take one of street-main-road, "),
+        ("detect streets --scan 3", "\"streets\" is a group of data sets; choose one of street-main-road, "),
         ("detect street --scan 1 --seed 3", "--seed is for simulated data sets"),
         (&format!("detect {file} --scan 1"), "--scan is for data sets"),
         (&format!("detect {file} --sensor vlp-16"), "--sensor is for simulated data sets"),
@@ -159,10 +162,10 @@ fn a_detection_whose_results_have_no_place() {
     let it = Spoilt::drive();
     std::fs::create_dir(it.workplace.path("folder.csv")).expect("a fresh folder");
     for (arguments, part) in [
-        ("-o clusters.txt", "\"clusters.txt\" does not end in .csv or .u32, and is not -"),
-        ("--boxes boxes.u32", "\"boxes.u32\" does not end in .csv, and is not -"),
-        ("-o a.csv --boxes a.csv", "clusters and boxes go to different places"),
-        ("-o - --boxes -", "clusters and boxes go to different places"),
+        ("-o clusters.txt", "\"clusters.txt\" must end in .csv or .u32, or be -"),
+        ("--boxes boxes.u32", "\"boxes.u32\" must end in .csv, or be -"),
+        ("-o a.csv --boxes a.csv", "--output and --boxes must be different files"),
+        ("-o - --boxes -", "--output and --boxes must be different files"),
         ("-o gone/a.csv", "cannot write \"gone/a.csv\": No such file"),
         ("-o a.csv --boxes folder.csv", "cannot write \"folder.csv\""),
         ("-o a.csv -d kdtree", "there is no detector \"kdtree\""),
@@ -246,7 +249,7 @@ fn a_format_for_what_is_simulated() {
 fn a_folder_that_is_no_data_set() {
     let it = Spoilt::drive();
     std::fs::create_dir(it.workplace.path("empty")).expect("a fresh folder");
-    it.check("run empty -o out", 2, &["\"empty\" holds no data set in a known format"]);
+    it.check("run empty -o out", 2, &["\"empty\" has no data set in a known format"]);
 }
 
 #[test]
@@ -255,7 +258,7 @@ fn an_unknown_data_set() {
     it.check(
         "run nowhere -o out",
         2,
-        &["\"nowhere\" is neither a data set of the catalogue", "kitti-tracking"],
+        &["there is no data set \"nowhere\": it is neither in the catalogue", "kitti-tracking"],
     );
     it.check("run no/where -o out", 3, &["cannot read \"no/where\": No such file"]);
     // The last of several costs nothing either.
@@ -273,7 +276,7 @@ fn a_catalogued_data_set_that_is_not_there() {
 #[test]
 fn two_data_sets_of_the_same_name() {
     let it = Spoilt::drive();
-    it.check("run street ./street -o out", 2, &["two of the data sets are called \"street\""]);
+    it.check("run street ./street -o out", 2, &["two data sets are called \"street\""]);
 }
 
 #[test]
@@ -286,14 +289,14 @@ fn a_seed_for_what_is_not_simulated() {
 fn an_unknown_detector() {
     let it = Spoilt::drive();
     let parts =
-        ["there is no detector \"kdtree\"", "there are hierarchical, kd-tree-same-walls, kd-tree, pca"];
+        ["there is no detector \"kdtree\"", "detectors are hierarchical, kd-tree-same-walls, kd-tree, pca"];
     it.check("run street -d pca,kdtree -o out", 2, &parts);
 }
 
 #[test]
 fn a_detector_named_twice() {
     let it = Spoilt::drive();
-    it.check("run street -d pca,kd-tree,pca -o out", 2, &["the detector \"pca\" is asked for twice"]);
+    it.check("run street -d pca,kd-tree,pca -o out", 2, &["the detector \"pca\" is given twice"]);
 }
 
 #[test]
@@ -313,7 +316,7 @@ fn a_selection_beyond_the_last_scan() {
     it.check(
         "run street --scans 3 -o out",
         2,
-        &["scan selection \"3\": there is no scan 3, the data set has 3"],
+        &["scan selection \"3\": there is no scan 3: the data set has 3"],
     );
 }
 
@@ -349,7 +352,7 @@ fn a_configuration_with_a_value_of_the_wrong_type() {
 fn a_configuration_with_a_value_out_of_range() {
     check_config(
         "[matching]\n\nmin_iou = 1.5\n",
-        &["\"mine.toml\", line 3: matching.min_iou = 1.5 is outside of 0.01 to 1"],
+        &["\"mine.toml\", line 3: matching.min_iou = 1.5 is not within 0.01 to 1"],
     );
 }
 
@@ -374,12 +377,12 @@ fn a_parameter_of_another_name_type_or_range() {
             "run street -P tolerance_m=far -o out",
             ["-P tolerance_m=far: kd_tree.tolerance_m is", "expected float"],
         ),
-        ("run street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is outside of 1 to 8"]),
+        ("run street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is not within 1 to 8"]),
         (
             "run street -P low_quantile=1.1 -o out",
             ["hierarchical.terrain.low_quantile = 1.1 is", "of 0 to 1"],
         ),
-        ("ablation street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is outside of 1 to 8"]),
+        ("ablation street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is not within 1 to 8"]),
     ] {
         it.check(arguments, 2, &parts);
     }

@@ -54,6 +54,6 @@ fn nothing_matched_is_nothing_evaluated() {
     let before = workplace.names();
     let ended = workplace.run(&[&BOXES[..], &["-P", "matching.min_points=100000"]].concat());
     assert_eq!(ended.exit_code, Some(4), "{ended:#?}");
-    assert!(ended.stderr.contains("no annotated vehicle is matched"), "{ended:#?}");
+    assert!(ended.stderr.contains("no cluster matches an annotated vehicle"), "{ended:#?}");
     assert_eq!(workplace.names(), before);
 }

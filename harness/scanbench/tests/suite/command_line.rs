@@ -16,37 +16,79 @@ fn help(arguments: &str) -> String {
     ended.stdout
 }
 
+/// Every verb.
+const VERBS: [&str; 25] = [
+    "run",
+    "detect",
+    "compare",
+    "report",
+    "view",
+    "gate",
+    "baseline",
+    "baseline accept",
+    "selftest",
+    "data",
+    "data list",
+    "data check",
+    "data hash",
+    "data convert",
+    "data prelabel",
+    "data simulate",
+    "data realism",
+    "train",
+    "fit-density",
+    "ablation",
+    "sweep",
+    "robustness",
+    "gaps",
+    "boxes",
+    "completions",
+];
+
+/// The headings of options, in order.
+const HEADINGS: [&str; 8] =
+    ["Data", "Detectors", "Training", "Judging", "Mistakes", "Output", "Viewer", "General"];
+
 #[test]
 fn every_verb_has_help_with_an_example() {
-    for verb in [
-        "run",
-        "detect",
-        "ablation",
-        "selftest",
-        "gaps",
-        "robustness",
-        "sweep",
-        "completions",
-        "data",
-        "data list",
-        "data check",
-        "data hash",
-        "data convert",
-        "data simulate",
-        "data realism",
-        "fit-density",
-        "train",
-        "compare",
-        "view",
-        "report",
-        "gate",
-        "baseline",
-        "baseline accept",
-        "boxes",
-    ] {
+    for verb in VERBS {
         let help = help(&format!("{verb} --help"));
         assert!(help.contains(&format!("Usage: scanbench {verb}")), "{help}");
         assert!(help.contains("Example") && help.contains(&format!("\n  scanbench {verb}")), "{help}");
+    }
+}
+
+#[test]
+fn short_help_fits_on_a_screen() {
+    for arguments in VERBS.map(|it| format!("{it} -h")).iter().map(String::as_str).chain(["-h"]) {
+        let workplace = Workplace::new();
+        let mut command = workplace.command(&arguments.split(' ').collect::<Vec<_>>());
+        let ended = Ended::from(command.env("COLUMNS", "100").output().expect("it starts"));
+        let n_lines = ended.stdout.lines().count();
+        assert!((5..=45).contains(&n_lines), "{n_lines} lines: {ended:#?}");
+    }
+}
+
+#[test]
+fn every_option_stands_below_a_heading() {
+    for arguments in VERBS.map(|it| format!("{it} --help")).iter().map(String::as_str).chain(["--help"]) {
+        let help = help(arguments);
+        let mut below = Vec::new();
+        for line in help.lines() {
+            let title = line.strip_suffix(':').filter(|it| !it.starts_with(' '));
+            below.extend(title.map(|it| (it, 0)));
+            let option = line.strip_prefix(' ').map(str::trim_start).and_then(|it| it.strip_prefix('-'));
+            // Possible values have a dash and a space.
+            if option.is_some_and(|it| !it.starts_with(' ')) {
+                below.last_mut().unwrap_or_else(|| panic!("{line:?} of {arguments}")).1 += 1;
+            }
+        }
+        below.retain(|(_, n_options)| *n_options > 0);
+        let places: Vec<Option<usize>> =
+            below.iter().map(|(title, _)| HEADINGS.iter().position(|it| it == title)).collect();
+        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{arguments}: {below:?}");
+        let general = below.last().expect("options of every verb");
+        assert!(general.0 == "General" && general.1 >= 3, "{arguments}: {below:?}");
     }
 }
 
@@ -69,7 +111,7 @@ fn help_lists_every_verb_and_exit_code() {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
     }
     for line in
-        ["0    good", "1    internal", "2    wrong usage", "3    data", "4    nothing", "130  interrupted"]
+        ["0    success", "1    internal", "2    wrong usage", "3    data", "4    nothing", "130  interrupted"]
     {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");
     }
@@ -139,7 +181,7 @@ fn wrong_usage_is_named_on_stderr() {
         ("run --criterion near", "possible values: points, bev-iou, iou-3d, centre"),
         ("run --no-such-flag", "unexpected argument '--no-such-flag'"),
         ("run -P tolerance_m", "invalid value 'tolerance_m' for '--param <NAME=VALUE>': expected NAME=VALUE"),
-        ("run -P tolerance_m=1.2.3", "1.2.3 is neither TOML nor a word"),
+        ("run -P tolerance_m=1.2.3", "1.2.3 is not a valid value"),
         ("detect a.bin --sensor-height=-1", "outside of 0 to 100 m"),
         ("detect a.bin --repeat 0", "0 is not in 1..=100000"),
         ("completions ksh", "possible values: bash"),
@@ -391,7 +433,11 @@ fn a_viewer_that_is_not_there_is_warned_about_once() {
         std::net::TcpListener::bind("127.0.0.1:0").and_then(|it| it.local_addr()).expect("a port").port();
     let url = format!("rerun+http://127.0.0.1:{port}/proxy");
     let ended = workplace.succeed(&["run", "street", "-d", "pca", "-o", "out", "--connect", &url]);
-    assert_eq!(ended.stderr.matches("warning: the viewer was lost (no viewer at ").count(), 1, "{ended:#?}");
+    assert_eq!(
+        ended.stderr.matches("warning: lost the connection to the viewer (no viewer at ").count(),
+        1,
+        "{ended:#?}"
+    );
     assert!(workplace.path("out/run.rrd").is_file());
 }
 

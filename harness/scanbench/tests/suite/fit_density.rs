@@ -66,7 +66,7 @@ fn a_run_takes_the_file() {
     workplace.write("density.toml", &damaged);
     let ended = workplace.run(&[&run[..], &["--overwrite"]].concat());
     assert_eq!(ended.exit_code, Some(2));
-    let said = "hierarchical.density_weighting.curve.version = 2 is outside of what this program reads";
+    let said = "hierarchical.density_weighting.curve.version = 2 is not within what this program reads";
     assert!(ended.stderr.contains(said), "{ended:#?}");
     let cut = damaged.split_once("coefficients").expect("it is there").0;
     workplace.write("density.toml", &format!("{cut}coefficients = [0.0, 1.0]\n"));
@@ -156,7 +156,7 @@ fn a_sensor_without_a_curve_is_warned_about_unless_one_is_given() {
         "out",
         "--overwrite",
     ];
-    let warning = "warning: how densely \"mine.toml\" samples the street is not known";
+    let warning = "warning: there is no density curve for the sensor \"mine.toml\"";
     let ended = workplace.succeed(&run);
     assert!(ended.stderr.contains(warning), "{ended:#?}");
     workplace.succeed(&["fit-density", "street-narrow", "--sensor", "mine.toml", "--scans", "0..2"]);

@@ -74,7 +74,7 @@ fn a_run_is_as_good_as_itself_and_as_its_repetition() {
     let workplace = accepted();
     check_gate(&workplace, "first", 0, "Gate: as accepted.");
     run(&workplace, "again", &["--jobs", "1", "--warmup", "0", "-d", "pca,hierarchical"]);
-    let ended = check_gate(&workplace, "again", 0, "0 scans judged otherwise");
+    let ended = check_gate(&workplace, "again", 0, "Changed scan results: 0.");
     assert!(!ended.stdout.contains("inconclusive\n"), "{}", ended.stdout);
     check_gate(&workplace, "golden/run", 0, "Gate: as accepted.");
 }
@@ -91,7 +91,11 @@ fn twenty_streets_run_twice_report_nothing() {
         run(&workplace, "twice", &[&options[..], &["--jobs", "3"]].concat());
         let arguments = ["gate", "twice", "-b", "once", "-t", "tolerances.toml"];
         let ended = workplace.succeed(&arguments);
-        assert!(ended.stdout.contains(" 0 surely worse, 0 perhaps, 0 missing. 0 scans"), "{}", ended.stdout);
+        assert!(
+            ended.stdout.contains(" regressions: 0, inconclusive: 0, missing: 0. Changed scan results: 0."),
+            "{}",
+            ended.stdout
+        );
         assert!(
             ended.stdout.contains("Only 2 blocks of scans: no loss can be told from chance"),
             "{}",
@@ -159,7 +163,7 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         ended
     };
     accept("worse", "nothing better\nyet");
-    check_gate(&workplace, "better", 101, "nothing is surely worse, but scans are judged otherwise");
+    check_gate(&workplace, "better", 101, "FAILED: results changed. ");
     let ended = accept("better", "smaller clusters are objects too");
     assert!(ended.stdout.contains(" → ") && ended.stdout.contains("objects: hierarchical "), "{ended:#?}");
     check_gate(&workplace, "better", 0, "Gate: as accepted.");
@@ -181,8 +185,8 @@ fn runs_that_were_asked_for_other_things_are_not_compared() {
         ("seed", &["--seed", "7"][..], "the data of street-narrow have changed"),
         ("scans", &["--scans", "0..6:2"], "the scans differ: 10 before, 3 now, 3 in common"),
         ("criterion", &["--criterion", "centre"], "the matching criterion was"),
-        ("range", &["-P", "matching.max_range_m=60"], "what is ignored was"),
-        ("detectors", &["-d", "pca"], "hierarchical was not run on street-narrow"),
+        ("range", &["-P", "matching.max_range_m=60"], "the ignored annotations changed from"),
+        ("detectors", &["-d", "pca"], "hierarchical has no results on street-narrow"),
         ("sensor", &["--sensor", "hdl-32e", "--scans", "0"], "the data of street-narrow have changed"),
     ] {
         run(&workplace, name, options);
@@ -247,7 +251,7 @@ fn two_detectors_are_compared_on_the_same_resamples() {
     assert!(text.contains("hierarchical − pca") && text.contains("least"), "{text}");
     let itself = workplace.succeed(&["compare", "first", "golden/run", "--slices", "--markdown"]).stdout;
     assert!(itself.contains(r"| objects | pca | range/0-15 | recall \[%] |"), "{itself}");
-    assert!(itself.contains("Every scan is judged as before."), "{itself}");
+    assert!(itself.contains("No result of a scan changed."), "{itself}");
 }
 
 /// A loss of fifteen points of F-rate and more, and tolerances that are about something else: whatever it is, the gate does not
@@ -314,7 +318,7 @@ fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
     workplace.write("unknown/scans.csv", &(lines.join("\n") + "\n"));
     let expected = "f_rate of all, hierarchical, objects, street-narrow: missing in the run.";
     let ended = check_gate(&workplace, "unknown", 5, expected);
-    assert!(ended.stdout.starts_with("Gate: not comparable, a number is missing."), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("FAILED: numbers are missing."), "{}", ended.stdout);
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     assert_eq!(verdict["conclusion"], "incomparable");
 }
@@ -332,18 +336,20 @@ fn of_few_blocks_nothing_is_surely_worse() {
     for part in [
         "Only 9 blocks of scans: no loss",
         "inconclusive: only 9 blocks of scans",
-        "§ of fewer than 10 blocks",
+        "§ from fewer than 10 blocks",
     ] {
         assert!(ended.stdout.contains(part), "no {part:?} in\n{}", ended.stdout);
     }
     let text = workplace.succeed(&["compare", "once", "worse"]).stdout;
-    assert!(text.contains('§') && text.contains("§ of fewer than 10 blocks"), "{text}");
+    assert!(text.contains('§') && text.contains("§ from fewer than 10 blocks"), "{text}");
     let table = workplace.read("once/table_objects.md");
     assert!(table.contains('§'), "{table}");
     assert!(workplace.read("once/table_objects.tex").contains("\\S{}"));
     let csv = workplace.read("once/table_objects.csv");
     assert!(csv.lines().nth(1).expect("a row").ends_with(",9,seconds,true"), "{csv}");
-    assert!(workplace.read("once/report.html").contains("9 blocks of scans are too few to tell who leads"));
+    assert!(
+        workplace.read("once/report.html").contains("9 blocks of scans are too few to show which one leads")
+    );
     assert!(workplace.read("once/report.json").contains("\"caveat\":\"interval of only 9 blocks of scans\""));
 }
 
@@ -367,7 +373,7 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     assert_eq!(text.lines().next().expect("a head").split(',').nth(10), Some("least_latency_ms"));
     workplace.write("slower/scans.csv", &slower.collect::<String>());
     let ended = check_gate(&workplace, "slower", 100, "Of ");
-    assert!(ended.stdout.contains(" 1 surely worse,"), "{}", ended.stdout);
+    assert!(ended.stdout.contains(" regressions: 1,"), "{}", ended.stdout);
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     let slowdown = verdict["speeds"][1]["slowdown"].as_f64().expect("a number");
     assert!((slowdown - 0.5).abs() < 0.01 && verdict["speeds"][1]["detector"] == "pca", "{verdict}");
@@ -376,7 +382,8 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     let ended = check_gate(&workplace, "slower", 0, "Gate: as accepted.");
     let second = ended.stdout.lines().nth(1).expect("a line");
     assert!(
-        second.starts_with("Speed was not compared: the processor was ") && second.contains("Another "),
+        second.starts_with("Speed was not compared: the processor changed from ")
+            && second.contains("Another "),
         "{second}"
     );
     // The report has what a verdict is made of.
@@ -425,7 +432,7 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
     };
     if workplace.read("changed/manifest.json").contains("\"dirty\"") {
         for more in [&[][..], &["--new-baseline"]] {
-            accept("changed", more, 2, "with changes beyond commit");
+            accept("changed", more, 2, "with uncommitted changes after commit");
         }
     }
     run(&workplace, "seed", &["--seed", "7"]);

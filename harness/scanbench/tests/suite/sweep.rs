@@ -159,7 +159,7 @@ fn a_sweep_that_was_killed_goes_on_and_gives_the_same_bytes() {
     let ended = broken.succeed(&arguments);
     let n_done = ended
         .stderr
-        .strip_prefix("Going on with ")
+        .strip_prefix("Continuing with ")
         .and_then(|it| it.split(' ').next()?.parse::<usize>().ok());
     assert!(n_done.is_some_and(|it| (7..24).contains(&it)), "{}", ended.stderr);
     check_same_files(&whole, &broken);
@@ -180,7 +180,7 @@ fn ctrl_c_keeps_what_is_done_and_says_so() {
     assert!(ended.stderr.contains("error: interrupted after ") && ended.stderr.contains(" of 24 results"));
     assert_eq!(broken.top_names(), ["out.unfinished"]);
     whole.succeed(&arguments);
-    assert!(broken.succeed(&arguments).stderr.starts_with("Going on with "));
+    assert!(broken.succeed(&arguments).stderr.starts_with("Continuing with "));
     check_same_files(&whole, &broken);
 }
 
@@ -195,7 +195,7 @@ fn going_on_with_something_else_is_refused() {
     let refused = |more: &[&str], difference: &str| {
         let ended = workplace.run(&with(&with(&LONG, &common), more));
         assert_eq!(ended.exit_code, Some(2), "{more:?}: {ended:?}");
-        let says = format!("is what is there of another sweep: {difference} differ;");
+        let says = format!("belongs to another sweep: {difference} differ;");
         assert!(ended.stderr.contains(&says), "{more:?}: {}", ended.stderr);
     };
     refused(&["-P", "cell_size_m=0.4:0.8:0.4"], "points");
@@ -257,7 +257,7 @@ fn sweeps_that_cannot_be_are_refused_with_their_codes() {
         &workplace,
         &["street-narrow", "-P", "cell_size_m=0:2:1"],
         2,
-        "cell_size_m = 0 is outside of 0.05 to 10 m",
+        "cell_size_m = 0 is not within 0.05 to 10 m",
     );
     check_refused(
         &workplace,

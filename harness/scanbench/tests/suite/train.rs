@@ -99,9 +99,9 @@ fn a_damaged_model_is_named() {
     for (damaged, said) in [
         (
             whole.replace("version = 2", "version = 9"),
-            "model.toml: line 2: version 9 of the format, this program reads 2",
+            "model.toml: line 2: the format has version 9, but this program reads version 2",
         ),
-        (whole.replace("nu = 0.3", "nu = 3.0"), "model.toml: line 14: nu = 3 is outside of"),
+        (whole.replace("nu = 0.3", "nu = 3.0"), "model.toml: line 14: nu = 3 is not within"),
         (whole[..whole.len() / 2].to_owned(), "vehicle_model.directory"),
     ] {
         workplace.write("model/model.toml", &damaged);
@@ -115,7 +115,9 @@ fn a_damaged_model_is_named() {
     let ended = workplace.run(&run);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
     assert!(
-        ended.stderr.contains("model.toml: line 4: its values were taken with prototypes of SHA-256"),
+        ended.stderr.contains(
+            "model.toml: line 4: the features of the model were computed with prototypes of SHA-256"
+        ),
         "{ended:#?}"
     );
     let ended = workplace.run(&["run", "-P", "vehicle_model.directory=nowhere", "-o", "out"]);

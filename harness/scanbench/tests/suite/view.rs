@@ -54,8 +54,12 @@ fn what_cannot_be_viewed_is_said() {
     let workplace = small_run();
     for (arguments, code, message) in [
         (&["view", "nowhere"][..], 2, "there is no run directory nowhere"),
-        (&["view", "run", "-d", "kd-tree"], 2, "the run has no detector \"kd-tree\", but hierarchical, pca"),
-        (&["view", "run", "--class", "boat"], 4, "the run has no such mistakes"),
+        (
+            &["view", "run", "-d", "kd-tree"],
+            2,
+            "the run has no detector \"kd-tree\"; its detectors are hierarchical, pca",
+        ),
+        (&["view", "run", "--class", "boat"], 4, "the run has no mistakes of this kind"),
     ] {
         let ended = workplace.run(arguments);
         assert_eq!(ended.exit_code, Some(code), "{arguments:?}: {}", ended.stderr);

@@ -32,7 +32,7 @@ pub enum ConversionError {
         source: mcap::McapError,
     },
     /// There is something already.
-    #[error("{path:?} exists already; choose another name or remove it")]
+    #[error("{path:?} exists; choose another name or remove it")]
     Occupied {
         /// The file or folder.
         path: PathBuf,
@@ -45,7 +45,7 @@ pub enum ConversionError {
     },
     /// A drive with more objects than the format has numbers for.
     #[error(
-        "drive {drive:?} has at least {n_objects} objects, {format} has numbers for {max}; those without a track count anew in each scan; take fewer scans by --scans"
+        "drive {drive:?} has at least {n_objects} objects, but {format} has only {max} numbers; objects without a track count once in each scan; take fewer scans with --scans"
     )]
     TooManyObjects {
         /// The drive.

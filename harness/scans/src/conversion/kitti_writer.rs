@@ -74,7 +74,7 @@ impl ScanWriter for KittiWriter {
             KittiLayout::Object => self.n_written,
         };
         if self.layout == KittiLayout::Tracking && !self.written.insert((drive.clone(), number)) {
-            let problem = "there is one of this number in its drive already".to_owned();
+            let problem = "its drive already has a scan with this number".to_owned();
             let (scan, format) = (scan.id.to_string(), self.format());
             return Err(ConversionError::Unwritable { scan, format, problem });
         }

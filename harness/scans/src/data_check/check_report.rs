@@ -109,7 +109,7 @@ impl CheckReport {
         else {
             return;
         };
-        self.line("points", format!("{n_points}, {least} to {most} a scan"));
+        self.line("points", format!("{n_points}, {least} to {most} per scan"));
         self.line("labelled", share(sum(|it| it.n_labeled), n_points));
         self.line("no position", share(sum(|it| it.n_without_position), n_points));
         self.line("at the same place", share(sum(|it| it.n_duplicates), n_points));
@@ -119,9 +119,9 @@ impl CheckReport {
             format!("{per_m2:.2} ({}-{} m)", RANGES_M[ring], RANGES_M[ring + 1])
         };
         let densities: Vec<String> = ring_areas_m2().into_iter().enumerate().map(density).collect();
-        self.line("points a m²", densities.join(", "));
+        self.line("points per m²", densities.join(", "));
         if n_points == 0 {
-            self.warnings.push("no scan holds a point".to_owned());
+            self.warnings.push("no scan has a point".to_owned());
         }
     }
 
@@ -129,12 +129,12 @@ impl CheckReport {
         let mut heights_m: Vec<f32> = facts.iter().filter_map(|it| it.ground_z_m).collect();
         heights_m.sort_unstable_by(f32::total_cmp);
         let Some(&median_m) = heights_m.get(heights_m.len() / 2) else { return };
-        self.line("ground", format!("at z = {median_m:.2} m, 4 to 12 m around"));
+        self.line("ground", format!("at z = {median_m:.2} m, 4 to 12 m from the sensor"));
         let expected_m = -description.sensor_height_m;
         if (median_m - expected_m).abs() > GROUND_TOLERANCE_M {
             self.warnings.push(format!(
-                "the ground lies at z = {median_m:.2} m, a sensor {} m above the road has it at {expected_m:.2} m: is z up, \
-                 is the origin at the sensor, is sensor_height_m right?",
+                "the ground is at z = {median_m:.2} m, but expected at {expected_m:.2} m, because the sensor is {} m above the \
+                 road: check that z is up, that the origin is at the sensor, and sensor_height_m",
                 description.sensor_height_m
             ));
         }
@@ -159,12 +159,12 @@ impl CheckReport {
             let mut n_points: Vec<usize> = near.iter().map(|it| it.n_points).collect();
             n_points.sort_unstable();
             let (median, empty) = (n_points[n_points.len() / 2], share(n_empty, near.len()));
-            format!("{median} in the median box nearer than {NEAR_M} m; empty are {empty}")
+            format!("{median} in the median box nearer than {NEAR_M} m; {empty} are empty")
         });
         if n_empty as f64 > MAX_EMPTY_SHARE * near.len() as f64 {
             self.warnings.push(format!(
-                "{n_empty} of {} boxes nearer than {NEAR_M} m hold no point: labels and scans are not in the same frame, or \
-                 not of the same time",
+                "{n_empty} of {} boxes nearer than {NEAR_M} m contain no point: the labels and scans may differ in \
+                 frame or time",
                 near.len()
             ));
         }
@@ -196,13 +196,16 @@ impl CheckReport {
             if let Some((longest_ns, id)) = gaps.iter().max() {
                 let longest_s = *longest_ns as f64 / 1e9;
                 self.warnings.push(format!(
-                    "{} in time, the longest of {longest_s:.2} s before {id}",
+                    "{} between scans, the longest {longest_s:.2} s before {id}",
                     plural(gaps.len(), "gap")
                 ));
             }
         }
         if n_backwards > 0 {
-            self.warnings.push(format!("time stands still or goes back {}", plural(n_backwards, "time")));
+            self.warnings.push(format!(
+                "the time of a scan is not later than that of the one before: {}",
+                plural(n_backwards, "time")
+            ));
         }
     }
 
@@ -219,7 +222,7 @@ impl CheckReport {
         }
         if let [(first, second), ..] = repeated[..] {
             let n = plural(repeated.len(), "scan");
-            self.warnings.push(format!("{n} repeated, such as {second}, which has the points of {first}"));
+            self.warnings.push(format!("{n} repeated: {second} has the same points as {first}"));
         }
     }
 }
@@ -311,9 +314,9 @@ mod tests {
             "points              400, 100 to 100 a scan",
             "no position         20 of 400 (5.0 %)",
             "annotations         12: 12 car",
-            "points in boxes     30 in the median box nearer than 40 m; empty are 4 of 12 (33.3 %)",
+            "points in boxes     30 in the median box nearer than 40 m; 4 of 12 (33.3 %) are empty",
             "time between scans  100.0 ms; 0 gaps",
-            "ground              at z = -1.75 m, 4 to 12 m around",
+            "ground              at z = -1.75 m, 4 to 12 m from the sensor",
         ] {
             assert!(report.lines().any(|it| it == line), "{line}\n{report}");
         }
@@ -338,16 +341,16 @@ mod tests {
         let late = |it: &mut CheckedScan| {
             it.time_ns = it.time_ns.map(|ns| if ns > 2e8 as u64 { ns * 4 } else { ns });
         };
-        check(late, Some("1 gap in time, the longest of 1.00 s before 0000/000003"));
+        check(late, Some("1 gap between scans, the longest 1.00 s before 0000/000003"));
         let back =
             |it: &mut CheckedScan| it.time_ns = it.time_ns.map(|ns| if ns == 2e8 as u64 { 0 } else { ns });
-        check(back, Some("time stands still or goes back 1 time"));
+        check(back, Some("the time of a scan is not later than that of the one before: 1 time"));
     }
 
     #[test]
     fn repeated_and_damaged_scans_are_named() {
         let repeat = |it: &mut CheckedScan| facts(it).fingerprint /= 3;
-        check(repeat, Some("2 scans repeated, such as 0000/000001, which has the points of 0000/000000"));
+        check(repeat, Some("2 scans repeated: 0000/000001 has the same points as 0000/000000"));
         let damage = |it: &mut CheckedScan| {
             if it.id.index > 1 {
                 it.facts = Err(format!("{}.bin is cut off", it.id.index));

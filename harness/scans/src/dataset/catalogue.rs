@@ -175,7 +175,9 @@ pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Cata
     for (id, entry) in written.recorded {
         let checked = checked_id(&id, &source)?;
         if catalogue.simulated.contains_key(&checked) {
-            return Err(source.error(id.span().start, format!("{checked:?} is a simulated data set already")));
+            return Err(
+                source.error(id.span().start, format!("a simulated data set has the id {checked:?} already"))
+            );
         }
         catalogue.recorded.insert(checked, entry_from_written(entry, &source)?);
     }
@@ -187,7 +189,7 @@ pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Cata
             return Err(source.error(members.span().start, format!("there is no data set {unknown:?}")));
         }
         if members.get_ref().is_empty() || catalogue.ids().any(|it| *it == checked) {
-            let problem = format!("{checked:?} is empty, or a data set already");
+            let problem = format!("the group {checked:?} is empty, or a data set has this id");
             return Err(source.error(id.span().start, problem));
         }
         catalogue.groups.insert(checked, members.into_inner());
@@ -199,7 +201,7 @@ fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String
     if id.get_ref().chars().all(|it| it.is_ascii_alphanumeric() || it == '-' || it == '_') {
         return Ok(id.get_ref().clone());
     }
-    let problem = format!("{:?} is no id: only letters, digits, - and _ may be in it", id.get_ref());
+    let problem = format!("{:?} is not an id: use letters, digits, - and _", id.get_ref());
     Err(source.error(id.span().start, problem))
 }
 
@@ -261,7 +263,7 @@ fn entry_from_written(
         .map_err(|problem| source.error(written.root.span().start, problem))?;
     let sensor_height_m = *written.sensor_height_m.get_ref();
     if !(sensor_height_m > 0.0 && sensor_height_m.is_finite()) {
-        let problem = format!("sensor_height_m is {sensor_height_m}, but a sensor is above the road");
+        let problem = format!("sensor_height_m is {sensor_height_m}, but must be greater than 0");
         return Err(source.error(written.sensor_height_m.span().start, problem));
     }
     if let Some(checksum) = &written.checksum
@@ -272,7 +274,7 @@ fn entry_from_written(
     }
     let texts = [("sensor", &written.sensor), ("licence", &written.licence), ("url", &written.url)];
     if let Some((field, text)) = texts.into_iter().find(|(_, it)| !it.chars().all(is_printable)) {
-        let problem = format!("{field} {text:?} holds a control character");
+        let problem = format!("{field} {text:?} has a control character");
         return Err(source.error(written.root.span().start, problem));
     }
     let mut classes = ClassTable::default();
@@ -296,7 +298,7 @@ fn entry_from_written(
 fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<CataloguedParts, DatasetError> {
     let format = written.format;
     let misplaced = |field: &str, byte_offset: usize| {
-        source.error(byte_offset, format!("{field} cannot be chosen in the format {format}"))
+        source.error(byte_offset, format!("{field} does not exist for the format {format}"))
     };
     let mut parts = CataloguedParts::all(format);
     if let Some(chosen) = &written.sequences {
@@ -424,7 +426,12 @@ url = "https://example.org"
         check_refused("\"van\"", "\"wan\"", 6, "unknown variant `wan`");
         check_refused(r#"["van", "car"]"#, "\"everything\"", 6, "\"everything\"");
         check_refused(r#"["van", "car"]"#, "[]", 6, "at least one class");
-        check_refused("sequences = [\"0003\", \"0001\"]", "scans = [3]", 5, "scans cannot be chosen");
+        check_refused(
+            "sequences = [\"0003\", \"0001\"]",
+            "scans = [3]",
+            5,
+            "scans does not exist for the format",
+        );
         check_refused("url", "checksum = \"12ab\"\nurl", 9, "checksum \"12ab\"");
         check_refused("\"0003\"", "\"../0003\"", 5, "\"../0003\" is not the name of a folder");
         check_refused("\"0003\"", "\"/etc\"", 5, "\"/etc\" is not the name of a folder");
@@ -442,7 +449,7 @@ url = "https://example.org"
         assert_eq!(classes.get("big_lorry"), Some(AnnotationClass::Truck));
         let error = parse(&text.replace("\"misc\"", "\"mics\"")).expect_err("no class");
         assert!(
-            error.to_string().starts_with("my.toml, line 11: \"mics\" is no class; there are car, "),
+            error.to_string().starts_with("my.toml, line 11: \"mics\" is not a class; classes are car, "),
             "{error}"
         );
     }
@@ -477,12 +484,12 @@ url = "https://example.org"
         };
         refused("= 3", "= 0", 11, "n_houses is 0");
         refused("n_houses", "n_homes", 12, "unknown field `n_homes`");
-        refused("simulated.town", "simulated.my-drive", 2, "is a simulated data set already");
+        refused("simulated.town", "simulated.my-drive", 2, "a simulated data set has the id");
     }
 
     #[test]
     fn sequences_cannot_be_chosen_where_there_are_none() {
-        check_refused("kitti-tracking", "kitti-object", 5, "sequences cannot be chosen");
+        check_refused("kitti-tracking", "kitti-object", 5, "sequences does not exist for the format");
     }
 
     #[test]
@@ -493,7 +500,7 @@ url = "https://example.org"
         let catalogue = parse(&recording).unwrap();
         let choice = TopicChoice { cloud: Some("/top".to_owned()), annotations: Some("/labels".to_owned()) };
         assert_eq!(catalogue.recorded["my-drive"].parts, CataloguedParts::Mcap(choice));
-        check_refused("url", "topic = \"/top\"\nurl", 9, "topic cannot be chosen");
+        check_refused("url", "topic = \"/top\"\nurl", 9, "topic does not exist for the format");
     }
 
     #[test]

@@ -49,7 +49,7 @@ impl ClassTable {
 ///
 /// If none is called so.
 pub fn class_of_word(word: &str) -> Result<AnnotationClass, String> {
-    class_named(word).ok_or_else(|| format!("{word:?} is no class; there are {}", all_classes()))
+    class_named(word).ok_or_else(|| format!("{word:?} is not a class; classes are {}", all_classes()))
 }
 
 fn all_classes() -> String {
@@ -224,16 +224,15 @@ impl UnknownClasses {
             .values()
             .filter_map(|it| Some(format!("--class {}", option_of(&it.written)?)))
             .collect();
-        writeln!(text, "say what each is, in place of misc, by options\n  {}", options.join(" "))
+        writeln!(text, "give the class of each, in place of misc, with options\n  {}", options.join(" "))
             .expect(ENDLESS);
-        writeln!(text, "or in the file of -c, or as classes of the entry in the catalogue\n  [classes]")
-            .expect(ENDLESS);
+        writeln!(text, "or in the file of -c or the catalogue\n  [classes]").expect(ENDLESS);
         for Unknown { written, .. } in self.by_name.values() {
             // A string in JSON is one in TOML.
             let key = serde_json::Value::from(written.as_str());
             writeln!(text, "  {key} = \"misc\"").expect(ENDLESS);
         }
-        write!(text, "classes are {}; misc is neither right nor wrong among vehicles", all_classes())
+        write!(text, "classes are {}; objects of misc are ignored in the task vehicles", all_classes())
             .expect(ENDLESS);
         text
     }
@@ -299,7 +298,7 @@ mod tests {
         ] {
             assert!(message.lines().any(|it| it == line), "{line}\n{message}");
         }
-        assert!(message.starts_with("\"drive\" has labels of 3 classes that are not known"), "{message}");
+        assert!(message.starts_with("the labels of \"drive\" have 3 unknown classes"), "{message}");
         let table: toml::Table = message
             .lines()
             .skip_while(|it| *it != "  [classes]")

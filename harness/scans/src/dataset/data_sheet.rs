@@ -60,7 +60,7 @@ impl DataSheet {
         }
         let sheet = Self::from_json(&read_text_file(&path)?);
         let damaged =
-            |problem| DatasetError::Damaged { path, problem: format!("is no data sheet: {problem}") };
+            |problem| DatasetError::Damaged { path, problem: format!("is not a data sheet: {problem}") };
         sheet.map(Some).map_err(damaged)
     }
 
@@ -72,13 +72,13 @@ impl DataSheet {
     pub fn from_json(text: &str) -> Result<Self, String> {
         let sheet: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
         if let Some(text) = sheet.texts().find(|it| !it.chars().all(is_printable)) {
-            return Err(format!("{text:?} holds a control character"));
+            return Err(format!("{text:?} has a control character"));
         }
         let height_m = sheet.sensor_height_m;
         if height_m > 0.0 && height_m.is_finite() {
             Ok(sheet)
         } else {
-            Err(format!("sensor_height_m is {height_m}, but a sensor is above the road"))
+            Err(format!("sensor_height_m is {height_m}, but must be greater than 0"))
         }
     }
 
@@ -129,7 +129,7 @@ mod tests {
             ("1.8", "-1.8", "a sensor is above the road"),
             ("1.8", "\"high\"", "invalid type"),
             ("\"sensor\"", "\"sensors\"", "unknown field `sensors`"),
-            ("vlp-16", "vlp\\u001b[31m", "\"vlp\\u{1b}[31m\" holds a control character"),
+            ("vlp-16", "vlp\\u001b[31m", "\"vlp\\u{1b}[31m\" has a control character"),
             ("parked-cycle", "unicycle", "unknown variant `unicycle`"),
         ] {
             std::fs::write(folder.path().join(DATA_SHEET), sheet().to_json().replace(from, to)).unwrap();

@@ -99,7 +99,7 @@ mod tests {
         let error = "kitty".parse::<DatasetFormat>().expect_err("no such format");
         let known = DatasetFormat::names().join(", ");
         assert!(known.starts_with("kitti-tracking, kitti-object, "));
-        assert_eq!(error.to_string(), format!(r#"unknown format "kitty", known are {known}"#));
+        assert_eq!(error.to_string(), format!(r#"unknown format "kitty"; formats are {known}"#));
         assert!(error.is_usage_error());
     }
 }

@@ -158,7 +158,11 @@ mod tests {
 
     #[test]
     fn of_several_data_sets_one_must_be_named() {
-        check(&[TRACKING, OBJECT].concat(), "", Err("holds several data sets, name one: kitti-object"));
+        check(
+            &[TRACKING, OBJECT].concat(),
+            "",
+            Err("has several data sets; give the path of one: kitti-object"),
+        );
     }
 
     #[test]
@@ -168,7 +172,7 @@ mod tests {
 
     #[test]
     fn what_is_unknown_is_refused_with_the_formats_looked_for() {
-        check(&["a/b.csv"], "", Err("holds no data set in a known format (kitti-tracking, kitti-object, "));
+        check(&["a/b.csv"], "", Err("has no data set in a known format (kitti-tracking, kitti-object, "));
         check(&["a/b.csv"], "nowhere", Err("cannot read"));
     }
 }

@@ -8,7 +8,7 @@ use super::shown_name::shown;
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetError {
     /// The name is neither in the catalogue nor on disk.
-    #[error("{name:?} is neither a data set of the catalogue ({}) nor an existing path", known.join(", "))]
+    #[error("there is no data set {name:?}: it is neither in the catalogue ({}) nor a path that exists", known.join(", "))]
     UnknownDataset {
         /// What was asked for.
         name: String,
@@ -16,7 +16,7 @@ pub enum DatasetError {
         known: Vec<String>,
     },
     /// No format is called so.
-    #[error("unknown format {name:?}, known are {}", known.join(", "))]
+    #[error("unknown format {name:?}; formats are {}", known.join(", "))]
     UnknownFormat {
         /// What was asked for.
         name: String,
@@ -24,7 +24,7 @@ pub enum DatasetError {
         known: Vec<String>,
     },
     /// No sensor is called so, and no file describes it.
-    #[error("{name:?} is neither a sensor ({}) nor a file that describes one", known.join(", "))]
+    #[error("there is no sensor {name:?}: it is neither one of {} nor a file", known.join(", "))]
     UnknownSensor {
         /// What was asked for.
         name: String,
@@ -50,7 +50,7 @@ pub enum DatasetError {
         asked_for: String,
     },
     /// Nothing at the path looks like a data set.
-    #[error("{path:?} holds no data set in a known format ({})", formats.join(", "))]
+    #[error("{path:?} has no data set in a known format ({})", formats.join(", "))]
     UnrecognizedFormat {
         /// The path.
         path: PathBuf,
@@ -58,7 +58,7 @@ pub enum DatasetError {
         formats: Vec<String>,
     },
     /// Several data sets lie at the path.
-    #[error("{path:?} holds several data sets, name one: {}", shown(&found.join(", ")))]
+    #[error("{path:?} has several data sets; give the path of one: {}", shown(&found.join(", ")))]
     SeveralDatasets {
         /// The path.
         path: PathBuf,
@@ -94,7 +94,7 @@ pub enum DatasetError {
         problem: String,
     },
     /// The root of a catalogued data set depends on a variable without a value.
-    #[error("where {id:?} lies is not known: set {variable} to its folder (the data are at {url})")]
+    #[error("the folder of {id:?} is not known: set {variable} to it (download: {url})")]
     UnsetVariable {
         /// The data set.
         id: String,
@@ -104,7 +104,7 @@ pub enum DatasetError {
         url: String,
     },
     /// A catalogued data set is not where the catalogue says.
-    #[error("{id:?} is not at {root:?}: {remedy} (the data are at {url})")]
+    #[error("{id:?} is not at {root:?}: {remedy} (download: {url})")]
     MissingRoot {
         /// The data set.
         id: String,
@@ -134,7 +134,7 @@ pub enum DatasetError {
         source: std::io::Error,
     },
     /// There is nothing to evaluate.
-    #[error("{path:?} holds no scans")]
+    #[error("{path:?} has no scans")]
     NoScans {
         /// The folder.
         path: PathBuf,
@@ -198,7 +198,7 @@ pub enum DatasetError {
         calibration: PathBuf,
     },
     /// A file whose name does not follow the format.
-    #[error("{path:?} is not named as the format asks: {expected}")]
+    #[error("{path:?} has a wrong name; the format requires {expected}")]
     FileName {
         /// The file.
         path: PathBuf,
@@ -206,7 +206,7 @@ pub enum DatasetError {
         expected: &'static str,
     },
     /// A scan without points.
-    #[error("{path:?} holds no points")]
+    #[error("{path:?} has no points")]
     NoPoints {
         /// The file.
         path: PathBuf,
@@ -224,7 +224,7 @@ pub enum DatasetError {
         n_bytes_per_point: usize,
     },
     /// Labels of another scan.
-    #[error("{path:?} has {n_labels} labels, its scan has {n_points} points")]
+    #[error("{path:?} has {n_labels} labels, but its scan has {n_points} points")]
     LabelCount {
         /// The file of the labels.
         path: PathBuf,
@@ -234,7 +234,7 @@ pub enum DatasetError {
         n_points: usize,
     },
     /// Labels of classes that nobody knows.
-    #[error("{id:?} has labels of {n_names} classes that are not known:\n{listing}")]
+    #[error("the labels of {id:?} have {n_names} unknown classes:\n{listing}")]
     UnknownClasses {
         /// The data set.
         id: String,
@@ -279,7 +279,7 @@ pub enum DatasetError {
     },
     /// A calibration whose rotation is none.
     #[error(
-        "{path:?}: {entry} is not a rotation, its columns are off right angles and unit length by {deviation}, allowed are {allowed}"
+        "{path:?}: {entry} is not a rotation: its columns differ from right angles and unit length by {deviation}, more than {allowed}"
     )]
     NotARotation {
         /// The file.
@@ -292,7 +292,7 @@ pub enum DatasetError {
         allowed: f64,
     },
     /// An image whose size cannot be read.
-    #[error("{path:?} does not begin like a PNG image")]
+    #[error("{path:?} is not a PNG image")]
     NotAPng {
         /// The file.
         path: PathBuf,

@@ -84,13 +84,13 @@ impl FeatherTable {
             // Batches lie one behind the other; those that share bytes are more than the file holds.
             n_batch_bytes = n_batch_bytes.saturating_add(metadata.len() + body.len());
             if metadata.is_empty() || n_batch_bytes > bytes.len() {
-                return Err("has batches of rows that are more than it holds".to_owned());
+                return Err("has batches of rows that are larger than the file".to_owned());
             }
             // The length of the description comes before it, in newer files after four bytes of ones.
             let skipped = if metadata.starts_with(&[0xff; 4]) { 8 } else { 4 };
             let message = arrow_ipc::root_as_message(metadata.get(skipped..).unwrap_or_default())
                 .map_err(|error| format!("has a batch of rows without a description: {error}"))?;
-            let batch = message.header_as_record_batch().ok_or("has a batch that holds no rows")?;
+            let batch = message.header_as_record_batch().ok_or("has a batch without rows")?;
             append_batch(&batch, body, (&fields, &mut budget), &mut columns)?;
         }
         Ok(Self { columns })
@@ -135,7 +135,7 @@ impl FeatherTable {
 }
 
 fn footer_of(bytes: &[u8]) -> Result<Footer<'_>, String> {
-    let not_feather = "is no Feather file, or is cut off: it does not begin and end with ARROW1";
+    let not_feather = "is not a Feather file, or is cut off: it does not begin and end with ARROW1";
     let inner = bytes.strip_prefix(MAGIC).and_then(|it| it.strip_suffix(MAGIC)).ok_or(not_feather)?;
     let (inner, length) = inner.split_last_chunk::<4>().ok_or(not_feather)?;
     let n_footer_bytes = usize::try_from(i32::from_le_bytes(*length)).unwrap_or(usize::MAX);
@@ -210,7 +210,7 @@ impl ByteBudget {
 
 /// What a buffer holds once it is decompressed: the size comes first, -1 if it is not compressed after all.
 fn plain(buffer: &[u8], codec: Option<CompressionType>, budget: &mut ByteBudget) -> Result<Vec<u8>, String> {
-    let too_much = |n_bytes: usize| format!("has columns of {n_bytes} bytes more than it may hold");
+    let too_much = |n_bytes: usize| format!("has columns that are {n_bytes} bytes too large");
     let Some(codec) = codec.filter(|_| !buffer.is_empty()) else {
         budget.spend(buffer.len()).ok_or_else(|| too_much(buffer.len()))?;
         return Ok(buffer.to_vec());
@@ -306,7 +306,7 @@ fn append_texts(offsets: &[u8], data: &[u8], n_rows: usize, texts: &mut Vec<Stri
     }
     let (offsets, _) = offsets.as_chunks::<4>();
     let bounds = n_rows.checked_add(1).and_then(|n| offsets.get(..n));
-    let bounds = bounds.ok_or_else(|| format!("has a column of less than {n_rows} texts"))?;
+    let bounds = bounds.ok_or_else(|| format!("has a column of fewer than {n_rows} texts"))?;
     for pair in bounds.windows(2) {
         let [begin, end] =
             [pair[0], pair[1]].map(|it| usize::try_from(i32::from_le_bytes(it)).unwrap_or(usize::MAX));

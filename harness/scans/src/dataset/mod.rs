@@ -98,7 +98,7 @@ pub trait Dataset: Send + Sync {
 
 /// The line of [`Dataset::oddities`] about `n` labels, of which `first` is one, that belong to no scan; none if there are none.
 fn labels_without_scan(n: usize, first: Option<String>) -> Vec<String> {
-    let line = |first| format!("labels of {n} scans that are not there, such as {first}");
+    let line = |first| format!("labels of {n} missing scans, such as {first}");
     first.filter(|_| n > 0).map(line).into_iter().collect()
 }
 

@@ -106,7 +106,7 @@ impl PackedPoints<'_> {
             _ => {
                 let (rows, columns, step) = (self.n_rows, self.n_columns, self.point_step);
                 Err(format!(
-                    "announces {rows} x {columns} points of {step} bytes, {} a row, and holds {n_bytes} bytes",
+                    "announces {rows} x {columns} points of {step} bytes, {} per row, but has {n_bytes} bytes",
                     self.row_step
                 ))
             }
@@ -166,7 +166,7 @@ impl PackedPoints<'_> {
 
     fn lacks(&self, name: &str) -> String {
         let names: Vec<&str> = self.fields.iter().map(|field| field.name.as_str()).collect();
-        format!("has points without {name}, only {}", names.join(", "))
+        format!("has points without {name}; they have {}", names.join(", "))
     }
 
     /// The bytes of every point; checked before.
@@ -272,7 +272,7 @@ mod tests {
         assert_eq!(xyz(2, 1, 0, &[0; 24]).positioned().unwrap().n_in_file(), 2);
         check_refused(
             &xyz(2, 1, 24, &[0; 23]),
-            "announces 1 x 2 points of 12 bytes, 24 a row, and holds 23 bytes",
+            "announces 1 x 2 points of 12 bytes, 24 per row, but has 23 bytes",
         );
         check_refused(&xyz(2, 2, 12, &[0; 48]), "12 a row");
         check_refused(&xyz(usize::MAX, 2, 24, &[0; 24]), "announces");

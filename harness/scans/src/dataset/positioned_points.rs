@@ -67,7 +67,7 @@ impl PositionedPoints {
         }
         let point_idx = self.n_in_file();
         if !position_m.iter().all(|it| it.is_finite()) {
-            let place = u32::try_from(point_idx).map_err(|_| "has more points than can be counted")?;
+            let place = u32::try_from(point_idx).map_err(|_| "has too many points")?;
             self.left_out.push(place);
             return Ok(());
         }
@@ -121,7 +121,7 @@ impl PositionedPoints {
             0 => Err(DatasetError::NoPoints { path }),
             n => Err(DatasetError::Damaged {
                 path,
-                problem: format!("holds {n} points, none with a position"),
+                problem: format!("has {n} points, but none with a position"),
             }),
         }
     }
@@ -195,8 +195,8 @@ mod tests {
         let message = |x_m: &[f64]| {
             points(x_m).unwrap().not_empty(Path::new("a.bin")).expect_err("nothing to look at").to_string()
         };
-        assert_eq!(message(&[]), "\"a.bin\" holds no points");
-        assert_eq!(message(&[f64::NAN; 3]), "\"a.bin\" holds 3 points, none with a position");
+        assert_eq!(message(&[]), "\"a.bin\" has no points");
+        assert_eq!(message(&[f64::NAN; 3]), "\"a.bin\" has 3 points, but none with a position");
     }
 
     proptest! {

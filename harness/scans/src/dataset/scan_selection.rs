@@ -40,7 +40,7 @@ impl ScanSelection {
             if start >= n_scans {
                 return Err(DatasetError::ScanSelection {
                     selection: self.written.clone(),
-                    problem: format!("there is no scan {start}, the data set has {n_scans}, counted from 0"),
+                    problem: format!("there is no scan {start}: the data set has {n_scans}, counted from 0"),
                 });
             }
             positions.extend((start..end.min(n_scans)).step_by(step));
@@ -65,16 +65,17 @@ fn parse_part(part: &str) -> Result<Part, String> {
     let (end, step) = rest.split_once(':').unwrap_or((rest, "1"));
     let (start, end, step) = (parse_number(start)?, parse_number(end)?, parse_number(step)?);
     if start >= end {
-        return Err(format!("the range {start}..{end} is empty, it ends before {end}"));
+        return Err(format!("the range {start}..{end} is empty: its start is not below its end"));
     }
     if step == 0 {
-        return Err("a step of 0 never gets anywhere".to_owned());
+        return Err("the step must not be 0".to_owned());
     }
     Ok(Part::Range { start, end, step })
 }
 
 fn parse_number(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| format!("{text:?} is not a number of a scan; write A, A..B, A..B:STEP or A,B,C"))
+    text.parse()
+        .map_err(|_| format!("{text:?} is not the number of a scan; write A, A..B, A..B:STEP or A,B,C"))
 }
 
 #[cfg(test)]
@@ -116,7 +117,7 @@ mod tests {
 
     #[test]
     fn what_does_not_exist_cannot_be_selected() {
-        check("40", Err("there is no scan 40, the data set has 40, counted from 0"));
+        check("40", Err("there is no scan 40: the data set has 40, counted from 0"));
         check("0,41..50", Err("there is no scan 41"));
     }
 

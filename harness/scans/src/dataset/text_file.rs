@@ -56,7 +56,7 @@ impl<'a> TextLine<'a> {
     /// [`DatasetError::Line`] also if it is none, or out of the range of `Integer`.
     pub fn integer<Integer: FromStr>(&mut self, name: &str) -> Result<Integer, DatasetError> {
         let word = self.word(name)?;
-        word.parse().map_err(|_| self.error(format!("{name} {} is not such a whole number", quoted(word))))
+        word.parse().map_err(|_| self.error(format!("{name} {} is not a valid whole number", quoted(word))))
     }
 
     /// The next field as a number.
@@ -99,7 +99,7 @@ impl<'a> TextLine<'a> {
     pub fn end(mut self) -> Result<(), DatasetError> {
         match self.fields.next() {
             None => Ok(()),
-            Some(word) => Err(self.error(format!("does not end before {}", quoted(word)))),
+            Some(word) => Err(self.error(format!("has more than expected: {}", quoted(word)))),
         }
     }
 
@@ -155,7 +155,7 @@ mod tests {
         let line = text_lines(Path::new("a.txt"), "5 6").next().expect("a line");
         assert_eq!(
             line.end().expect_err("two fields").to_string(),
-            r#""a.txt", line 1: does not end before "5""#
+            r#""a.txt", line 1: has more than expected: "5""#
         );
     }
 

@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn an_empty_scan_is_refused() {
-        check_refused(&[], r#""a.bin" holds no points"#);
+        check_refused(&[], r#""a.bin" has no points"#);
     }
 
     #[test]
@@ -93,7 +93,7 @@ mod tests {
         let (cloud, left_out) = parse_velodyne_bin(Path::new("a.bin"), &bytes).expect("sound").into_parts();
         assert!(cloud.positions_m().eq([[1.0; 3], [2.0; 3]]), "{cloud:?}");
         assert_eq!(left_out, [1, 3]);
-        check_refused(&bytes[16..32], r#""a.bin" holds 1 points, none with a position"#);
+        check_refused(&bytes[16..32], r#""a.bin" has 1 points, but none with a position"#);
     }
 
     #[test]

@@ -157,7 +157,7 @@ fn a_cut_scan_is_damaged() {
 fn an_empty_scan_is_damaged() {
     let disk = Disk::with_drives();
     disk.write("training/velodyne/0004/000007.bin", []);
-    check_damaged(&disk, &["velodyne/0004/000007.bin", "holds no points"]);
+    check_damaged(&disk, &["velodyne/0004/000007.bin", "has no points"]);
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn points_without_a_position_are_left_out_and_a_scan_without_others_is_damaged()
         assert_eq!((scan.cloud.len(), &scan.points_left_out[..]), (1, &[0][..]));
         assert_eq!(scan.annotations[0].point_indices, [0]);
         disk.write("training/velodyne/000009.bin", bytes_of(&[[1.0, 1.0, value, 0.0]]));
-        check_damaged(&disk, &["velodyne/000009.bin", "holds 1 points, none with a position"]);
+        check_damaged(&disk, &["velodyne/000009.bin", "has 1 points, but none with a position"]);
     }
 }
 
@@ -249,7 +249,7 @@ fn a_test_split_cannot_be_scored() {
 fn a_drive_without_scans_is_damage() {
     let disk = Disk::with_drives();
     disk.remove("training/velodyne/0001/000007.bin");
-    check_damaged(&disk, &["velodyne/0001", "holds no scans"]);
+    check_damaged(&disk, &["velodyne/0001", "has no scans"]);
 }
 
 #[test]

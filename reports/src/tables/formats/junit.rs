@@ -63,7 +63,7 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
     if verdict.drift.is_empty() {
         return vec![TestCase {
             class,
-            name: "every scan is judged as before".to_owned(),
+            name: "no result of a scan changed".to_owned(),
             outcome: Outcome::Passed,
         }];
     }
@@ -72,7 +72,7 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
         name: scan_name(drift),
         outcome: Outcome::Failed {
             kind: "drift",
-            message: format!("{} objects are judged otherwise", drift.changes.len()),
+            message: format!("results of {} objects changed", drift.changes.len()),
             details: drift.changes.join("\n"),
         },
     });
@@ -84,7 +84,7 @@ fn speed_cases(verdict: &Verdict, n_few_blocks: Option<u64>) -> Vec<TestCase> {
         SpeedComparison::NotAsked => Vec::new(),
         SpeedComparison::NotCompared { reason } => vec![TestCase {
             class: "scanbench.speed".to_owned(),
-            name: "times are as accepted".to_owned(),
+            name: "times of the baseline".to_owned(),
             outcome: Outcome::Skipped(format!("speed was not compared: {reason}")),
         }],
         SpeedComparison::Compared(speeds) => speeds.iter().map(|it| of_speed(it, n_few_blocks)).collect(),
@@ -99,7 +99,7 @@ fn of_metric(gated: &GatedMetric, n_few_blocks: Option<u64>) -> TestCase {
         |missing| format!("{}: {}", metric_text(metric), missing.in_words()),
         |it| {
             format!(
-                "{}: {} before, {} after, {} (95 % {}), {tolerance} is tolerated",
+                "{}: {} before, {} after, {} (95 % {}), tolerance {tolerance}",
                 metric_text(metric),
                 value_text(metric, it.before),
                 value_text(metric, it.after),
@@ -121,11 +121,10 @@ fn of_speed(speed: &GatedSpeed, n_few_blocks: Option<u64>) -> TestCase {
         Err(missing) => missing.in_words().to_owned(),
     };
     let tolerated = 100.0 * speed.tolerance;
-    let message =
-        format!("time over that of {}: {numbers}, {tolerated:.0} % more is tolerated", speed.reference);
+    let message = format!("time relative to {}: {numbers}, tolerance {tolerated:.0} %", speed.reference);
     TestCase {
         class: format!("scanbench.speed.{}", speed.detector),
-        name: format!("time over that of {}", speed.reference),
+        name: format!("time relative to {}", speed.reference),
         outcome: outcome(speed.finding, message, n_few_blocks),
     }
 }

@@ -43,12 +43,13 @@ impl Tabular for AblationTable {
             "NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). P: precision, \
              TP / ND. R: recall, TP / NO."
                 .to_owned(),
-            "over: share of NO torn apart, at least two detections each holding a tenth of the points. under: share of \
-             held, the detections with more than half of the points of an annotation, that hold several."
+            "over: oversegmentation, the share of NO that is split: at least two detections each have a tenth of its points. \
+             under: undersegmentation, the share of held that joins several; held: detections that have more than half of \
+             the points of an annotation."
                 .to_owned(),
             format!(
-                "p50: median time of detection of a scan, all variants in turns on each, on {}. overall: counts are \
-                 summed and times put together before a ratio or a median is taken.",
+                "p50: median time of detection per scan, with all variants in turns, on {}. overall: ratios of \
+                 summed counts, and medians over all scans.",
                 self.cpu_model
             ),
         ];

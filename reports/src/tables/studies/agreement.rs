@@ -20,13 +20,15 @@ impl Tabular for AgreementTable<'_> {
         let grid = Grid { columns: columns(), lines: curves.iter().flat_map(lines).collect() };
         let mut sentences = vec![
             format!(
-                "ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one, in %, \
-                 whose ratio is within a factor of {ALIKE_FACTOR} of 1, either way. median: of the ratios. worst bin: the \
-                 one whose ratio is farthest from 1."
+                "ratio: left divided by right. bins: bins with a ratio/all bins. alike: share of the bins with a ratio, in %, \
+                 whose ratio is between 1/{ALIKE_FACTOR} and {ALIKE_FACTOR}. median: of the ratios. worst bin: the bin \
+                 whose ratio is farthest from 1."
             ),
-            format!("A bin has a ratio if it is made of at least {}.", thresholds(curves)),
+            format!("A bin has a ratio if it has at least {}.", thresholds(curves)),
         ];
-        sentences.extend(left_out(curves).map(|it| format!("Left out, as one side has too few: {it}.")));
+        sentences.extend(
+            left_out(curves).map(|it| format!("Bins without a ratio, because one side has too few: {it}.")),
+        );
         let lead = vec![format!("Left:  {}", names.left), format!("Right: {}", names.right)];
         Sheet { lead, ..Sheet::of_parts(vec![Part { title: None, grid }], sentences) }
     }

@@ -9,16 +9,17 @@ use crate::vocabulary::origin::Origin;
 
 const TITLE: &str = "What each reading of the cell fitness recommends.";
 
-const SUMMARY_TITLE: &str = "The same over all data sets, each counting once.";
+const SUMMARY_TITLE: &str = "The same over all data sets, with equal weights.";
 
 const NOTES: [&str; 4] = [
-    "best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell size at which it is \
-     greatest, within its range if it has one; * is an end of what was tried, beyond which it may recommend any other.",
-    "defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost: what is lost there \
-     against the best, in percentage points. rank: Spearman's rank correlation of reading and rate over the cell sizes.",
-    "Over all data sets: of how many curves the reading recommends a cell size, how often an end of what was tried, the mean \
-     and the greatest of what is lost, and the mean rank correlation. as configured: the cell size of the configuration.",
-    "Where false objects cannot be known the rate is the recall, which large cells that join everything may raise.",
+    "best: the cell size with the highest rate, in m, and that rate in %. A reading recommends the cell size with its \
+     greatest value, within its range if it has one. *: the least or greatest cell size of the sweep, so the reading may \
+     recommend one beyond it.",
+    "defined: cell sizes at which the reading has a value, within its range if it has one/all cell sizes. lost: best rate \
+     minus rate at the recommended size, in percentage points. rank: Spearman's rank correlation of reading and rate.",
+    "Over all data sets: on how many curves the reading recommends a cell size, on how many of them the least or greatest of \
+     the sweep, the mean and the greatest loss, and the mean rank correlation. as configured: the configured cell size.",
+    "Where false objects cannot be counted, the rate is the recall; very large cells may raise it by joining everything.",
 ];
 
 /// What is recommended on every curve, and over all data sets.
@@ -155,7 +156,7 @@ mod tests {
                                                                    dense-share                            4/4         0.60      60.0  20.0  0.80
                                                                    as configured                          1/4         0.40      80.0   0.0  –
 
-        The same over all data sets, each counting once.
+        The same over all data sets, with equal weights.
 
         task, rate       reading        data sets  recommends  at an end  mean lost  most lost  mean rank
         ─────────────────────────────────────────────────────────────────────────────────────────────────

@@ -25,7 +25,7 @@ impl Tabular for GapTable<'_> {
             }
         };
         let sentences = vec![
-            "seen: pairs that are judged. sep: share of these that are separated. low, high: its 95 % interval (Wilson). joined: share of these that one detection joins."
+            "seen: judged pairs. sep: share of them that is separated. low, high: its 95 % interval (Wilson). joined: share of them that one detection joins."
                 .to_owned(),
             self.definition.to_owned(),
         ];

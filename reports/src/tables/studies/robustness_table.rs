@@ -10,7 +10,7 @@ use crate::tables::task_grids::interval_cell;
 use crate::tables::task_table::{MeasuredRow, TableRow, TaskTable};
 use crate::vocabulary::task::Task;
 
-const TITLE: &str = "F-rate in % under one condition after another (all simulated).";
+const TITLE: &str = "F-rate in % under each condition (all simulated).";
 
 /// A condition, and the data set of a run that was driven under it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -162,7 +162,7 @@ mod tests {
         let (conditions, notes) = (conditions(), ["A note.".to_owned()]);
         let table = RobustnessTable { conditions: &conditions, notes: &notes };
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&table), @r"
-        F-rate in % under one condition after another (all simulated).
+        F-rate in % under each condition (all simulated).
 
                                      NO        grid        tree
                                   ────────   ─────────   ─────────
@@ -181,7 +181,7 @@ mod tests {
           concluded from it.
         ");
         insta::assert_snapshot!(Markdown.text(&table), @r"
-        **F-rate in % under one condition after another (all simulated).**
+        **F-rate in % under each condition (all simulated).**
 
         | kind | condition | NO: obj | veh | grid: obj | veh | tree: obj | veh |
         | :-- | :-- | --: | --: | --: | --: | --: | --: |

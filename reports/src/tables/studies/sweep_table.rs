@@ -24,8 +24,9 @@ impl Tabular for SweepTable<'_> {
         let kind = kinds.reduce(|ours, theirs| if ours == theirs { ours } else { BlockKind::Both });
         let about_interval = kind.map_or_else(String::new, about_interval);
         let sentence = format!(
-            "NO: annotations that count. Best at: the first of several values that are as good. 95 %: {about_interval} Lowest: \
-             the rate at the worst value. Time: of a detection at the best value, the median over scans of the shortest of each."
+            "NO: annotations that count. Best at: the value with the highest rate, the first one if several are equal. 95 %: \
+             {about_interval} Lowest: the rate at the worst value. Time: the shortest detection of each scan at the best value, \
+             median over scans."
         );
         let title = format!("Best of {} over {}. Rates in %.", n_values(sweep), sweep.parameters[0]);
         Sheet::of(title, grid(sweep), vec![sentence])

@@ -117,13 +117,13 @@ impl Tabular for Comparison {
 impl Comparison {
     fn sentences(&self) -> Vec<String> {
         let about_scans = self.n_changed_scans.map(|n| match n {
-            0 => "Every scan is judged as before.".to_owned(),
-            n => format!("{n} times a detector is judged otherwise on a scan than before."),
+            0 => "No result of a scan changed.".to_owned(),
+            n => format!("Results changed {n} times (counted per scan, detector and task)."),
         });
         let kind = self.differences.iter().find_map(|it| it.difference.interval).map(|it| it.blocks.kind);
         let about_numbers = match kind {
             Some(kind) => about_differences(kind),
-            None => "A single block of scans: no interval can be given.".to_owned(),
+            None => "There is only one block of scans, so there is no interval.".to_owned(),
         };
         [about_numbers].into_iter().chain(about_scans).collect()
     }

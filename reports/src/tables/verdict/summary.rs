@@ -23,7 +23,7 @@ impl Tabular for Verdict {
         let of_speeds = (!self.speed.speeds().is_empty()).then(|| speed_grid(self));
         let parts = of_metrics.into_iter().chain(of_speeds).map(|grid| Part { title: None, grid });
         let changes = self.drift.iter().map(|it| (scan_name(it), it.changes.clone()));
-        let listing = Listing { entries: changes.collect(), in_full: "gate.json has them all" };
+        let listing = Listing { entries: changes.collect(), in_full: "gate.json lists all" };
         Sheet {
             lead: first_lines(self),
             listing: (!self.drift.is_empty()).then_some(listing),
@@ -42,7 +42,7 @@ fn first_lines(verdict: &Verdict) -> Vec<String> {
     }
     if verdict.blocks.are_too_few() {
         lines.push(format!(
-            "{}: no loss can be told from chance, and only scans that are judged otherwise can fail.",
+            "{}: too few to show a regression. The gate can only fail because results changed.",
             few_blocks(verdict)
         ));
     }
@@ -62,7 +62,7 @@ fn missing(verdict: &Verdict) -> Vec<String> {
     });
     let of_speeds = verdict.speed.speeds().iter().filter_map(|it| {
         let place = it.slowdown.as_ref().err()?.in_words();
-        Some(format!("Time over that of {}, {}, {dataset}: {place}.", it.reference, it.detector))
+        Some(format!("Time relative to {}, {}, {dataset}: {place}.", it.reference, it.detector))
     });
     of_metrics.chain(of_speeds).collect()
 }
@@ -76,14 +76,14 @@ fn few_blocks(verdict: &Verdict) -> String {
 
 fn headline(verdict: &Verdict) -> String {
     let conclusion = match verdict.conclusion() {
-        Conclusion::Regression => "regression",
-        Conclusion::Incomparable => "not comparable, a number is missing",
-        Conclusion::Drift => "nothing is surely worse, but scans are judged otherwise",
-        Conclusion::Same => "as accepted",
+        Conclusion::Regression => "FAILED: regression",
+        Conclusion::Incomparable => "FAILED: numbers are missing",
+        Conclusion::Drift => "FAILED: results changed",
+        Conclusion::Same => "PASSED",
     };
     let n_gated = verdict.metrics.len() + verdict.speed.speeds().len();
     format!(
-        "Gate: {conclusion}. Of {n_gated} numbers {} surely worse, {} perhaps, {} missing. {} scans judged otherwise.",
+        "{conclusion}. Checked numbers: {n_gated}, regressions: {}, inconclusive: {}, missing: {}. Changed scan results: {}.",
         verdict.n(Finding::Regression),
         verdict.n(Finding::Inconclusive),
         verdict.n(Finding::Incomparable),
@@ -118,17 +118,17 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
     let n_hidden = verdict.metrics.iter().filter(|it| !is_shown(it)).count();
     let mut sentences = vec![about_differences(verdict.blocks.kind)];
     sentences.push(
-        "regression: the whole interval is worse than tolerated. inconclusive: the difference is, but not all of its \
-         interval."
+        "regression: the whole interval is worse than tolerated. inconclusive: the difference is worse than tolerated, but \
+         not its whole interval."
             .to_owned(),
     );
     if n_hidden > 0 {
-        sentences.push(format!("{n_hidden} more numbers, unchanged or of slices, pass."));
+        sentences.push(format!("{n_hidden} more numbers passed; they are unchanged, or of slices."));
     }
     if let Some(speed) = verdict.speed.speeds().first() {
         sentences.push(format!(
-            "time: geometric mean over scans of a detector's time divided by that of {}, a plain write of a grid, on the same \
-             scan; the shortest of all repetitions of both.",
+            "time: time of a detector divided by that of {}, a simple grid that serves as the reference, on the same scan; shortest \
+             of all repetitions, geometric mean over scans.",
             speed.reference
         ));
     }
@@ -162,7 +162,7 @@ fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
 }
 
 fn speed_grid(verdict: &Verdict) -> Grid {
-    let left = ["detector", "time over that of"].map(Column::left);
+    let left = ["detector", "time relative to"].map(Column::left);
     let numbers = ["before", "after", "slower by [%]", "95 %", "tolerated"];
     let numbers = numbers.map(Column::number);
     let columns = left.into_iter().chain(numbers).chain([Column::left("finding")]);

@@ -61,8 +61,8 @@ pub(crate) fn metric_text(metric: &Metric) -> String {
 /// What all comparisons have to say of their numbers, whose intervals are drawn from blocks of this kind.
 pub(crate) fn about_differences(kind: BlockKind) -> String {
     format!(
-        "difference: after minus before. 95 %: its interval, by {} Both sides have the same resamples. least: the least true \
-         difference that scans like these would show, that is, tell from none at the 5 % level in four of five such data sets.",
+        "difference: after minus before. 95 %: its interval, by {} Both sides use the same resamples. least: the least true \
+         difference that such scans would show at the 5 % level with a power of 80 %.",
         about_interval(kind)
     )
 }

@@ -191,7 +191,7 @@ fn times_of_other_processors_are_not_compared_and_that_is_said() {
     run.manifest.machine.cpu_model = "Other CPU".to_owned();
     let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Same);
-    let said = "Speed was not compared: the processor was \"Example CPU @ 2 GHz\" and is \"Other CPU\".";
+    let said = "Speed was not compared: the processor changed from \"Example CPU @ 2 GHz\" to \"Other CPU\".";
     assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().nth(1), Some(said));
     assert!(Markdown.text(&verdict).lines().take(3).any(|it| it == said));
 }
@@ -206,7 +206,7 @@ fn times_that_were_not_taken_are_missing() {
         let verdict = judge(&before.archive(), &after.archive(), &tolerances()).unwrap();
         assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
         assert!(verdict.speed.speeds().iter().all(|it| it.slowdown == Err(missing)));
-        let said = format!("Time over that of grid-write, pca, main_road: {}.", missing.in_words());
+        let said = format!("Time relative to grid-write, pca, main_road: {}.", missing.in_words());
         assert!(
             Terminal::UNFOLDED.text(&verdict).lines().any(|it| it == said),
             "{}",
@@ -221,12 +221,14 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
     run.scans.retain(|it| it.detector == "kd-tree" || it.scan > 0);
     let error = judge(&USUAL.archive(), &run, &tolerances()).unwrap_err();
     assert!(
-        error.to_string().contains("pca was evaluated on 30 scans of main_road for objects and is on 29"),
+        error
+            .to_string()
+            .contains("pca was evaluated on 30 scans of main_road in the task objects, and now on 29"),
         "{error}"
     );
     run.scans.retain(|it| it.detector == "kd-tree");
     let error = judge(&USUAL.archive(), &run, &tolerances()).unwrap_err();
-    assert!(error.to_string().contains("pca was not run on main_road"), "{error}");
+    assert!(error.to_string().contains("pca has no results on main_road"), "{error}");
 }
 
 /// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.

@@ -41,7 +41,7 @@ pub enum ConfigError {
         remedy: String,
     },
     /// A short name that several parameters have.
-    #[error("{place}: {name} may be {}", meanings.join(", "))]
+    #[error("{place}: {name} is ambiguous; write one of {}", meanings.join(", "))]
     Ambiguous {
         /// Where.
         place: ConfigPlace,
@@ -51,7 +51,7 @@ pub enum ConfigError {
         meanings: Vec<String>,
     },
     /// A parameter that was given two values on the command line.
-    #[error("{place}: {key} has been given a value before")]
+    #[error("{place}: {key} is set twice")]
     Twice {
         /// Where the second one is.
         place: ConfigPlace,
@@ -59,7 +59,7 @@ pub enum ConfigError {
         key: String,
     },
     /// A parameter of the wrong type.
-    #[error("{place}: {key} is of type {found}, expected {expected}")]
+    #[error("{place}: {key} is of type {found}, but must be {expected}")]
     WrongType {
         /// Where.
         place: ConfigPlace,

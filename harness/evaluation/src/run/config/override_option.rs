@@ -29,7 +29,7 @@ impl FromStr for OverrideOption {
         let value = match value.parse::<Value>() {
             Ok(value) => value,
             Err(_) if is_word(value) => Value::String(value.to_owned()),
-            Err(error) => return Err(format!("{value} is neither TOML nor a word: {}", error.message())),
+            Err(error) => return Err(format!("{value} is not a valid value: {}", error.message())),
         };
         Ok(Self { written: written.to_owned(), name: name.to_owned(), value })
     }
@@ -126,7 +126,7 @@ impl OverrideOption {
         let inside: Vec<&str> =
             full.iter().filter(|it| format!(".{it}").contains(&within)).map(String::as_str).collect();
         if !inside.is_empty() {
-            return format!("it is a table of {}", inside.join(", "));
+            return format!("it is a table; its parameters are {}", inside.join(", "));
         }
         let of_others = format!(".{}", self.name);
         let elsewhere: Vec<&str> =
@@ -137,9 +137,12 @@ impl OverrideOption {
         let near = nearest(&self.name, &full);
         if near.is_empty() {
             let listed = full.iter().zip(known).filter(|(_, keys)| own.contains(&keys[0].as_str()));
-            return format!("there are {}", listed.map(|(it, _)| it.as_str()).collect::<Vec<_>>().join(", "));
+            return format!(
+                "parameters are {}",
+                listed.map(|(it, _)| it.as_str()).collect::<Vec<_>>().join(", ")
+            );
         }
-        format!("near it are {}", near.join(", "))
+        format!("did you mean {}?", near.join(", "))
     }
 }
 
@@ -225,7 +228,7 @@ mod tests {
         check_refused(
             &["pca.grid=1"],
             &ALL,
-            "-P pca.grid=1: unknown parameter pca.grid; it is a table of pca.grid.cell_size_m, pca.grid.extent_m",
+            "-P pca.grid=1: unknown parameter pca.grid; it is a table; its parameters are pca.grid.cell_size_m, pca.grid.extent_m",
         );
     }
 
@@ -239,7 +242,7 @@ mod tests {
         check_refused(
             &["hierarchical.grid.xi=3", "tolerance_m=0.001"],
             &ALL,
-            "-P tolerance_m=0.001: kd_tree.tolerance_m = 0.001 is outside of 0.01 to 100 m",
+            "-P tolerance_m=0.001: kd_tree.tolerance_m = 0.001 is not within 0.01 to 100 m",
         );
         check_refused(
             &["foreground=blue"],
@@ -260,7 +263,7 @@ mod tests {
         check_refused(
             &["tolerance_m=1", "kd_tree.tolerance_m=2"],
             &ALL,
-            "-P kd_tree.tolerance_m=2: kd_tree.tolerance_m has been given a value before",
+            "-P kd_tree.tolerance_m=2: kd_tree.tolerance_m is set twice",
         );
     }
 

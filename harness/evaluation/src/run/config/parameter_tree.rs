@@ -31,7 +31,7 @@ pub(super) fn set(
         let key = parents.last().expect("it was just pushed");
         let Some(present) = table.get_mut(key) else {
             let known = table.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-            let remedy = format!("there are {known}");
+            let remedy = format!("parameters are {known}");
             return Err(ConfigError::Unknown { place: place_of(parents), key: parents.join("."), remedy });
         };
         match (present, value) {

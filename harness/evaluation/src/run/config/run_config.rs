@@ -297,7 +297,7 @@ mod tests {
     fn what_cannot_be_worked_with_is_refused_with_its_line() {
         check_refused(
             "# mine\n[matching]\nmin_iou = 0.0",
-            "\"mine.toml\", line 3: matching.min_iou = 0 is outside of 0.01 to 1",
+            "\"mine.toml\", line 3: matching.min_iou = 0 is not within 0.01 to 1",
         );
         check_refused(
             "[matching]\nmin_points = -1",
@@ -305,7 +305,7 @@ mod tests {
         );
         check_refused(
             "\n[hierarchical.grid]\ncell_size_m = 1.0\nxi = 9",
-            "line 4: hierarchical.grid.xi = 9 is outside of 1 to 8",
+            "line 4: hierarchical.grid.xi = 9 is not within 1 to 8",
         );
         check_refused(
             "hierarchical.grid.xi = -3",
@@ -313,14 +313,14 @@ mod tests {
         );
         check_refused(
             "[hierarchical.terrain]\nlow_quantile = 1.1",
-            "line 2: hierarchical.terrain.low_quantile = 1.1 is outside of 0 to 1",
+            "line 2: hierarchical.terrain.low_quantile = 1.1 is not within 0 to 1",
         );
         check_refused(
             "kd_tree.max_points = 9",
             "line 1: kd_tree.max_points = 9 is less than kd_tree.min_points = 15",
         );
         check_refused("kd_tree.foreground = \"blue\"", "line 1: kd_tree.foreground: unknown variant `blue`");
-        check_refused("[pca.grid]\ncell_size_m = 0", "line 2: pca.grid.cell_size_m = 0 is outside of");
+        check_refused("[pca.grid]\ncell_size_m = 0", "line 2: pca.grid.cell_size_m = 0 is not within");
     }
 
     #[test]
@@ -332,7 +332,7 @@ mod tests {
         assert_eq!(config.overridden(&[option], &[]).unwrap().classes, config.classes);
         check_refused(
             "[classes]\nforklift = \"mics\"",
-            "line 2: classes.forklift: \"mics\" is no class; there are car",
+            "line 2: classes.forklift: \"mics\" is not a class; classes are car",
         );
         check_refused(
             "[classes]\nforklift = 3",

@@ -19,7 +19,7 @@ impl ValueProblem {
         let (names, problem) = match error {
             ParamsError::OutOfRange { name, value, allowed } => {
                 let names = name.split('.').map(str::to_owned).collect();
-                (names, format!(" = {value} is outside of {allowed}"))
+                (names, format!(" = {value} is not within {allowed}"))
             }
             ParamsError::TooLow { name, value, least } => {
                 let names = name.split('.').map(str::to_owned).collect();

@@ -26,7 +26,7 @@ pub fn is_wanted(arguments: &StreamArgs) -> Result<bool, Failure> {
     ];
     match for_recordings.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => {
-            Err(Usage(format!("{option} needs Rerun, and this program was built without it")).into())
+            Err(Usage(format!("{option} needs Rerun, but this program was built without it")).into())
         }
         None => Ok(false),
     }

@@ -34,9 +34,9 @@ fn points_of_no_bytes_are_refused_whatever_their_number() {
         for encoding in ["ascii", "binary", "binary_compressed"] {
             let pcd = |fields: &str| format!("{fields}POINTS {n_points}\nDATA {encoding}\n\0\0\0\0\0\0\0\0");
             let empty = pcd("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\n");
-            check("a.pcd", empty.as_bytes(), "of no numbers");
+            check("a.pcd", empty.as_bytes(), "has an empty field");
             let one_empty = pcd("FIELDS x y z w\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 0\n");
-            check("a.pcd", one_empty.as_bytes(), "of no numbers");
+            check("a.pcd", one_empty.as_bytes(), "has an empty field");
             check("a.pcd", pcd("FIELDS x y z\nSIZE 0 0 0\nTYPE F F F\n").as_bytes(), "size 0");
             check("a.pcd", pcd("FIELDS\nSIZE\nTYPE\nCOUNT\n").as_bytes(), "names 0 fields");
         }

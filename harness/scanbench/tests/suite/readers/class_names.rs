@@ -73,7 +73,7 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
         let ended = workplace.run(&["data", "check", data, "--skip-damaged"]);
         // Nothing is damaged: the user has to say something, and is told everything at once.
         assert_eq!(ended.exit_code, Some(2), "{data}: {ended:#?}");
-        assert!(ended.stderr.contains("has labels of 2 classes that are not known:"), "{data}: {ended:#?}");
+        assert!(ended.stderr.contains("have 2 unknown classes:"), "{data}: {ended:#?}");
         let lines: Vec<&str> = ended.stderr.lines().map(str::trim).collect();
         assert!(
             lines.iter().any(|it| it.starts_with("\"gizmo\"") && it.contains(" times, first in ")),

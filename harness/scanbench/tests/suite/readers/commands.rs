@@ -128,7 +128,7 @@ fn what_is_wrong_with_data_is_said() {
     drawn.change("training/velodyne/0000/000002.bin", |bytes| bytes.truncate(1001));
     let ended = check();
     assert_eq!(ended.exit_code, Some(3));
-    assert!(ended.stdout.contains("1 scan repeated, such as 0000/000001"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("1 scan repeated: 0000/000001"), "{}", ended.stdout);
     assert!(ended.stdout.contains("1 scan cannot be read, the first is 0000/000002"), "{}", ended.stdout);
     assert!(ended.stderr.contains("000002.bin") && ended.stderr.contains("1001 bytes"), "{}", ended.stderr);
 }
@@ -169,7 +169,7 @@ fn a_damaged_scan_ends_a_run_unless_it_is_to_be_skipped() {
     assert!(refused.stderr.contains("000001.bin"), "{}", refused.stderr);
     let skipped = run(&["--skip-damaged"]);
     assert_eq!(skipped.exit_code, Some(0), "{skipped:#?}");
-    assert!(skipped.stderr.contains("warning: scan 0000/000001 is left out: "), "{}", skipped.stderr);
+    assert!(skipped.stderr.contains("warning: skipped scan 0000/000001: "), "{}", skipped.stderr);
     let manifest: serde_json::Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
     let entry = &manifest["datasets"][0];
     assert_eq!((&entry["n_scans"], &entry["skipped_scans"][0]["scan"]), (&4.into(), &"0000/000001".into()));
@@ -191,7 +191,7 @@ fn a_recording_that_was_cut_off_is_read_to_the_cut() {
     assert_eq!(checked.exit_code, Some(3), "{checked:#?}");
     assert!(checked.stderr.contains("\"a.mcap\" is cut off"), "{}", checked.stderr);
     let rescued = workplace.succeed(&["data", "convert", "a.mcap", "-o", "b.mcap", "--skip-damaged"]);
-    assert!(rescued.stderr.contains("the end of \"a\" is left out: it is cut off"), "{}", rescued.stderr);
+    assert!(rescued.stderr.contains("skipped the end of \"a\": it is cut off"), "{}", rescued.stderr);
     workplace.succeed(&["data", "check", "b.mcap"]);
 }
 

@@ -365,5 +365,5 @@ fn a_file_that_is_no_recording_is_refused() {
     let workplace = Workplace::new();
     workplace.write("drive.mcap", "no recording");
     let error = try_open(&workplace.path("drive.mcap")).err().expect("no recording");
-    assert!(error.to_string().contains("holds no data set in a known format"), "{error}");
+    assert!(error.to_string().contains("has no data set in a known format"), "{error}");
 }

@@ -65,7 +65,7 @@ fn names_that_cannot_be_taken_are_said() {
     for scan_ids in [r#"[["a", 1]]"#, "no list"] {
         named(&workplace, scan_ids);
         let ended = workplace.succeed(&["data", "check", "drive.mcap"]);
-        let said = "where there are 2: they are numbered instead";
+        let said = "but 2 scans: they are numbered instead";
         assert!(ended.stdout.contains("WARNING") && ended.stdout.contains(said), "{ended:#?}");
     }
     named(&workplace, r#"[["a", 1], ["a", 2]]"#);
@@ -189,7 +189,7 @@ fn topics_and_frames_are_shown_escaped() {
 fn check_labels_without_scan(dataset: &dyn Dataset, n: usize, such_as: &str) {
     let oddities = dataset.oddities().unwrap();
     let [only] = &oddities[..] else { panic!("{oddities:?}") };
-    let begins = format!("labels of {n} scans that are not there, such as ");
+    let begins = format!("labels of {n} missing scans, such as ");
     assert!(only.starts_with(&begins) && only.contains(such_as), "{only}");
 }
 

@@ -171,7 +171,8 @@ fn drive() -> Workplace {
     workplace
 }
 
-const SAID: &str = "warning: 3 points without a position are left out of 1 of the scans of \"street\", the first is 0000/000000\n";
+const SAID: &str =
+    "warning: skipped 3 points without a position in 1 scans of \"street\", first in 0000/000000\n";
 
 #[test]
 fn every_verb_says_what_it_left_out() {
@@ -228,7 +229,7 @@ fn clusters_have_an_entry_for_every_point_of_the_file() {
     for input in [&[file][..], &["street", "--scan", "0"]] {
         let arguments = [&["detect", "-o", "clusters.u32"], input].concat();
         let ended = workplace.succeed(&arguments);
-        assert!(ended.stdout.contains("points and 3 without a position, which are left out"), "{ended:#?}");
+        assert!(ended.stdout.contains("points and 3 without a position, which are skipped"), "{ended:#?}");
         let clusters = std::fs::read(workplace.path("clusters.u32")).unwrap();
         let (clusters, rest) = clusters.as_chunks::<4>();
         assert_eq!((clusters.len(), rest.len()), (n_points, 0));

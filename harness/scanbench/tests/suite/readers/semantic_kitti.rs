@@ -115,7 +115,7 @@ fn what_is_missing_or_damaged_is_named() {
     check(|it| it.write("labels/000001.label", &[0; 4]), &["000001.label", "1 labels", "2 points"]);
     check(|it| it.write("labels/000001.label", &[0; 7]), &["000001.label", "7 bytes"]);
 
-    check(|it| it.write("times.txt", b"0\n"), &["times.txt", "has 1 lines, the last scan is 1"]);
+    check(|it| it.write("times.txt", b"0\n"), &["times.txt", "has 1 lines, but the last scan is 1"]);
     check(|it| it.write("times.txt", b"0\nx\n"), &["times.txt", "line 2"]);
     check(|it| it.write("poses.txt", b"1 0 0 0 0 1 0 0 0 0 1 0\n"), &["calib.txt", "does not exist"]);
     let without_labels = |it: &Drawn| std::fs::remove_dir_all(it.path("labels")).unwrap();

@@ -100,7 +100,7 @@ fn car_from_sensor_m(path: &Path) -> Result<Vector3<f64>, DatasetError> {
         .collect();
     match lidars[..] {
         [first, second] => Ok((first + second) / 2.0),
-        _ => Err(damaged(format!("names {} of the sensors {}", lidars.len(), LIDARS.join(" and ")))),
+        _ => Err(damaged(format!("has {} of the sensors {}", lidars.len(), LIDARS.join(" and ")))),
     }
 }
 

@@ -65,7 +65,7 @@ fn set_once<const R: usize, const C: usize>(
     mut line: TextLine<'_>,
 ) -> Result<(), DatasetError> {
     if matrix.is_some() {
-        return Err(line.error("gives a matrix for the second time".to_owned()));
+        return Err(line.error("gives a matrix twice".to_owned()));
     }
     let mut rows = SMatrix::zeros();
     for row in 0..R {
@@ -166,7 +166,7 @@ Tr_imu_to_velo: none of our business
         );
         check_refused(
             &FORWARD_CAMERA.replace("1 0 0 0 1 0 0 0 1\n", "1 0 0 0 1 0 0 0 1 7\n"),
-            r#""c.txt", line 3: does not end before "7""#,
+            r#""c.txt", line 3: has more than expected: "7""#,
         );
         check_refused(
             &FORWARD_CAMERA.replace("621", "6x1"),
@@ -174,7 +174,7 @@ Tr_imu_to_velo: none of our business
         );
         check_refused(
             &format!("{FORWARD_CAMERA}R_rect: 1 0 0 0 1 0 0 0 1"),
-            r#""c.txt", line 6: gives a matrix for the second time"#,
+            r#""c.txt", line 6: gives a matrix twice"#,
         );
     }
 
@@ -182,8 +182,8 @@ Tr_imu_to_velo: none of our business
     fn what_is_no_rotation_is_refused_with_both_values() {
         check_refused(
             &FORWARD_CAMERA.replace("R0_rect: 1", "R0_rect: 2"),
-            "\"c.txt\": R0_rect or R_rect is not a rotation, its columns are off right angles and unit length by 3, \
-             allowed are 0.001",
+            "\"c.txt\": R0_rect or R_rect is not a rotation: its columns differ from right angles and unit length by 3, \
+             more than 0.001",
         );
         let reflected = FORWARD_CAMERA.replace("0 0 -1 0 1 0 0 0\n", "0 0 1 0 1 0 0 0\n");
         assert!(matches!(

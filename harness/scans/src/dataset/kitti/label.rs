@@ -175,9 +175,9 @@ fn parse_label(
         class,
         track,
         occlusion: parse_occlusion(occluded)
-            .ok_or_else(|| line.error(format!("occlusion {occluded} is not among -1 to 3")))?,
+            .ok_or_else(|| line.error(format!("occlusion {occluded} is not within -1 to 3")))?,
         truncation: truncation_of(truncated)
-            .ok_or_else(|| line.error(format!("truncation {truncated} is not known to the format")))?,
+            .ok_or_else(|| line.error(format!("truncation {truncated} is not within the format")))?,
         camera_box: CameraBox { bottom_center_m, height_width_length_m, rotation_y_rad },
     })))
 }
@@ -197,7 +197,7 @@ fn parse_class(line: &mut TextLine<'_>, classes: &mut ClassReader<'_>) -> Result
     match classes.class_of(word, || line.place()) {
         None => Ok(LineClass::Unknown),
         Some(class) if classes.contradicts_catalogue(class) => {
-            Err(line.error(format!("class {} is not among those the data set annotates", quoted(word))))
+            Err(line.error(format!("class {} is not one that the data set annotates", quoted(word))))
         }
         Some(class) => Ok(LineClass::Known(class)),
     }
@@ -350,12 +350,12 @@ mod tests {
         );
         check_object_refused(
             &CAR.replace("0.36 1", "0.36 x"),
-            r#"line 1: occlusion "x" is not such a whole number"#,
+            r#"line 1: occlusion "x" is not a valid whole number"#,
         );
-        check_object_refused(&CAR.replace("0.36 1", "0.36 4"), "line 1: occlusion 4 is not among -1 to 3");
-        check_object_refused(&CAR.replace("0.36", "2"), "line 1: truncation 2 is not known to the format");
+        check_object_refused(&CAR.replace("0.36 1", "0.36 4"), "line 1: occlusion 4 is not within -1 to 3");
+        check_object_refused(&CAR.replace("0.36", "2"), "line 1: truncation 2 is not within the format");
         check_object_refused(&CAR.replace("4.04", "-1"), "line 1: a box with a side of -1 m");
-        check_object_refused(&format!("{CAR} 0.9 7"), r#"line 1: does not end before "7""#);
+        check_object_refused(&format!("{CAR} 0.9 7"), r#"line 1: has more than expected: "7""#);
     }
 
     #[test]
@@ -365,7 +365,7 @@ mod tests {
         let error = parse_object_labels(Path::new("l.txt"), CAR, &mut classes).expect_err("a car");
         assert_eq!(
             error.to_string(),
-            r#""l.txt", line 1: class "Car" is not among those the data set annotates"#
+            r#""l.txt", line 1: class "Car" is not one that the data set annotates"#
         );
         let anything = ClassRules::default();
         let mut classes = ClassReader::new(&anything, KITTI_VOCABULARY);

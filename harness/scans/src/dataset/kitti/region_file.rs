@@ -58,7 +58,7 @@ fn read_point_regions(path: &Path, scan: &LabeledScan) -> Result<Vec<PointRegion
         1 => Ok(PointRegion::Unscorable),
         2 => Ok(PointRegion::Outside),
         other => {
-            let problem = format!("has the byte {other}, known are 0, 1 and 2");
+            let problem = format!("has the byte {other}; allowed are 0, 1 and 2");
             Err(DatasetError::Damaged { path: path.to_path_buf(), problem })
         }
     };

@@ -80,7 +80,7 @@ impl<'a> Entries<'a> {
                 values.push(line.number(name)?);
             }
             if numbers.insert(*name, values).is_some() {
-                return Err(line.error("gives a matrix for the second time".to_owned()));
+                return Err(line.error("gives a matrix twice".to_owned()));
             }
         }
         Ok(Self { path, numbers })
@@ -125,7 +125,7 @@ pub(crate) mod tests {
         refused(VELO_TO_CAM, "", "\"c.txt\" has no line R_rect_00");
         refused(VELO_TO_CAM, &CAM_TO_CAM.replace("S_rect_02: 1242", "S_rect_02:"), "no line S_rect_02");
         refused(&VELO_TO_CAM.replace("R: 0 -1", "R: 0 -2"), CAM_TO_CAM, "not a rotation");
-        refused(&format!("{VELO_TO_CAM}T: 1 2 3"), CAM_TO_CAM, "second time");
+        refused(&format!("{VELO_TO_CAM}T: 1 2 3"), CAM_TO_CAM, "gives a matrix twice");
         refused(&VELO_TO_CAM.replace("T: 0", "T: x"), CAM_TO_CAM, "\"x\" is not a number");
     }
 }

@@ -290,11 +290,11 @@ fn parse_times(path: &Path, text: &str, last_scan: u32) -> Result<Vec<u64>, Data
         times_ns.push(time_ns.ok_or_else(|| DatasetError::Line {
             path: path.to_path_buf(),
             line,
-            problem: format!("{:?} is no time", content.chars().take(40).collect::<String>()),
+            problem: format!("{:?} is not a time", content.chars().take(40).collect::<String>()),
         })?);
     }
     if times_ns.len() <= last_scan as usize {
-        let problem = format!("has {} lines, the last scan is {last_scan}", times_ns.len());
+        let problem = format!("has {} lines, but the last scan is {last_scan}", times_ns.len());
         return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
     }
     Ok(times_ns)

@@ -31,9 +31,7 @@ pub fn parse_inertial_fix(path: &Path, text: &str) -> Result<InertialFix, Datase
     let [latitude_deg, longitude_deg, height_m] = line.numbers("position")?;
     let roll_pitch_yaw_rad = line.numbers("turn")?;
     if latitude_deg.abs() >= 85.0 || longitude_deg.abs() > 360.0 {
-        return Err(
-            line.error(format!("latitude {latitude_deg} and longitude {longitude_deg} are on no map"))
-        );
+        return Err(line.error(format!("latitude {latitude_deg} and longitude {longitude_deg} do not exist")));
     }
     let (latitude_rad, longitude_rad) = (latitude_deg.to_radians(), longitude_deg.to_radians());
     Ok(InertialFix { latitude_rad, longitude_rad, height_m, roll_pitch_yaw_rad })
@@ -82,6 +80,6 @@ mod tests {
     fn what_is_no_place_is_refused() {
         assert_eq!(parse(" \n").expect_err("empty"), "\"o.txt\" is empty");
         assert_eq!(parse("49 8.4 110 0 0").expect_err("short"), "\"o.txt\", line 1: ends before its turn");
-        assert!(parse("90 8.4 110 0 0 0").expect_err("the pole").contains("are on no map"));
+        assert!(parse("90 8.4 110 0 0 0").expect_err("the pole").contains("do not exist"));
     }
 }

@@ -75,7 +75,7 @@ fn parse(reader: &mut Reader<&[u8]>) -> Result<Vec<Tracklet>, String> {
             Event::Start(element) => {
                 open.push(String::from_utf8_lossy(element.name().as_ref()).into_owned());
                 if open.len() > MAX_DEPTH {
-                    return Err(format!("has elements in one another beyond {MAX_DEPTH}"));
+                    return Err(format!("has elements nested deeper than {MAX_DEPTH}"));
                 }
                 text.clear();
                 if open == OBJECT {
@@ -88,7 +88,7 @@ fn parse(reader: &mut Reader<&[u8]>) -> Result<Vec<Tracklet>, String> {
                 }
             }
             Event::Text(content) => {
-                text.push_str(&content.decode().map_err(|error| format!("has text that is none: {error}"))?);
+                text.push_str(&content.decode().map_err(|error| format!("has damaged text: {error}"))?);
             }
             Event::End(_) => {
                 let names: Vec<&str> = open.iter().map(String::as_str).collect();
@@ -114,8 +114,8 @@ fn parse(reader: &mut Reader<&[u8]>) -> Result<Vec<Tracklet>, String> {
     }
     match n_announced {
         Some(n_announced) if n_announced == tracklets.len() => Ok(tracklets),
-        Some(n_announced) => Err(format!("announces {n_announced} objects and holds {}", tracklets.len())),
-        None => Err("holds no tracklets".to_owned()),
+        Some(n_announced) => Err(format!("announces {n_announced} objects but has {}", tracklets.len())),
+        None => Err("has no tracklets".to_owned()),
     }
 }
 
@@ -128,7 +128,7 @@ fn set(tracklet: &mut Tracklet, names: &[&str], text: &str) -> Result<(), String
             "w" => tracklet.height_width_length_m[1] = Some(number(text)?),
             "l" => tracklet.height_width_length_m[2] = Some(number(text)?),
             "first_frame" => {
-                let not_one = |_| format!("has the first frame {text:?}");
+                let not_one = |_| format!("has the first frame {text:?}, which is not a number");
                 tracklet.first_scan = Some(text.parse().map_err(not_one)?);
             }
             _ => {}
@@ -169,10 +169,9 @@ fn set(tracklet: &mut Tracklet, names: &[&str], text: &str) -> Result<(), String
 fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(number) if number.abs() <= MAX_MAGNITUDE => Ok(number),
-        _ => Err(format!(
-            "has {:?} where a number up to 1e6 belongs",
-            text.chars().take(40).collect::<String>()
-        )),
+        _ => {
+            Err(format!("has {:?} instead of a number up to 1e6", text.chars().take(40).collect::<String>()))
+        }
     }
 }
 
@@ -193,7 +192,7 @@ fn annotations_of(
         let n_poses = tracklet.poses.len();
         if tracklet.n_poses_announced != Some(n_poses) {
             return Err(format!(
-                "has an object, number {track}, whose {n_poses} poses are not those announced"
+                "has an object, number {track}, with {n_poses} poses, which is not the number announced"
             ));
         }
         let place = || format!("{path:?}, object {track}");
@@ -298,8 +297,8 @@ mod tests {
 
     #[test]
     fn what_is_damaged_is_named() {
-        check_refused("", "holds no tracklets");
-        check_refused(&file("", ""), "announces 1 objects and holds 0");
+        check_refused("", "has no tracklets");
+        check_refused(&file("", ""), "announces 1 objects but has 0");
         check_refused(&file("", &object().replace("<count>2", "<count>3")), "whose 2 poses");
         check_refused(&file("", &object().replace("<h>2</h>", "")), "without h, w or l");
         check_refused(&file("", &object().replace("<h>2", "<h>-2")), "side of 0 m or less");

@@ -32,12 +32,12 @@ pub fn decompressed(header: &ChunkHeader, compressed: &[u8]) -> Result<Vec<u8>, 
             .and_then(|decoder| decoder.take(size as u64 + 1).read_to_end(&mut records)),
         "lz4" => lz4::Decoder::new(compressed)
             .and_then(|decoder| decoder.take(size as u64 + 1).read_to_end(&mut records)),
-        other => return Err(format!("has a chunk compressed by {other:?}, which is not known")),
+        other => return Err(format!("has a chunk with the unknown compression {other:?}")),
     };
     read.map_err(|error| format!("has a chunk that does not decompress: {error}"))?;
     if records.len() != size {
         let found = records.len();
-        return Err(format!("has a chunk of {found} bytes or more that should have {size}"));
+        return Err(format!("has a chunk of at least {found} bytes that should have {size}"));
     }
     let crc = crc32fast::hash(&records);
     if header.uncompressed_crc != 0 && crc != header.uncompressed_crc {
@@ -97,8 +97,8 @@ mod tests {
     #[test]
     fn sizes_that_are_not_kept_are_refused() {
         let compressed = zstd::encode_all(&[7; 1000][..], 0).unwrap();
-        check_refused(&header("zstd", 999), &compressed, "of 1000 bytes or more that should have 999");
-        check_refused(&header("zstd", 1001), &compressed, "of 1000 bytes or more that should have 1001");
+        check_refused(&header("zstd", 999), &compressed, "of at least 1000 bytes that should have 999");
+        check_refused(&header("zstd", 1001), &compressed, "of at least 1000 bytes that should have 1001");
         check_refused(&header("", 4), &[0; 5], "of 5 bytes");
         check_refused(&header("zstd", u64::MAX), &compressed, "claims to be 18446744073709551615");
         check_refused(&header("lz4", 1000), &compressed, "does not decompress");

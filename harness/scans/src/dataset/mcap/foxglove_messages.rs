@@ -392,7 +392,7 @@ pub fn decode<M: prost::Message + Default + serde::de::DeserializeOwned>(
         "protobuf" => M::decode(bytes).map_err(|error| format!("has a message that cannot be read: {error}")),
         "json" => serde_json::from_slice(bytes)
             .map_err(|error| format!("has a message that cannot be read: {error}")),
-        other => Err(format!("has messages encoded as {other:?}, which is not known")),
+        other => Err(format!("has messages in the unknown encoding {other:?}")),
     }
 }
 

@@ -148,7 +148,7 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
     let n_scans = clouds.places.len();
     let names_not_taken = own_ids.as_ref().filter(|own| own.len() != n_scans).map(|own| {
         format!(
-            "names for {} scans in its metadata where there are {n_scans}: they are numbered instead",
+            "has names of {} scans in its metadata, but {n_scans} scans: they are numbered instead",
             own.len()
         )
     });
@@ -333,7 +333,7 @@ impl Recording {
                 let frame = if object.frame.is_empty() { &recorded.frame } else { &object.frame };
                 let cloud_from_frame = tree.to_from(&recorded.frame, frame).ok_or_else(|| {
                     self.damaged(format!(
-                        "has annotations in the frame {frame:?}, which nothing connects with {:?}",
+                        "has annotations in the frame {frame:?}, but no transform from it to {:?}",
                         recorded.frame
                     ))
                 })?;
@@ -513,7 +513,7 @@ fn assign_points(objects: &[f64], annotations: &mut [Annotation]) {
 fn check_size(message: &[u8]) -> Result<(), String> {
     let n_bytes = message.len();
     if n_bytes > MAX_SMALL_MESSAGE_BYTES {
-        return Err(format!("has a message of {n_bytes} bytes where only few objects are expected"));
+        return Err(format!("has a message of {n_bytes} bytes, too large for its objects"));
     }
     Ok(())
 }

@@ -94,7 +94,7 @@ pub fn index_recording(
     let mut magic = [0; 8];
     let is_mcap = file.read_exact(&mut magic).is_ok() && magic == mcap::MAGIC;
     if !is_mcap {
-        let problem = "is no MCAP file, it begins otherwise".to_owned();
+        let problem = "is not an MCAP file".to_owned();
         return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
     }
     let mut walk = Walk {
@@ -262,14 +262,14 @@ impl Walk<'_> {
         let (header, _) = RecordBody::new(&start).chunk_header()?;
         self.index.chunks.push(ChunkPlace { offset, n_bytes, crc: header.uncompressed_crc });
         u32::try_from(self.index.chunks.len() - 1)
-            .map_err(|_| WalkError::Damaged("has more chunks than can be counted".to_owned()))
+            .map_err(|_| WalkError::Damaged("has too many chunks".to_owned()))
     }
 
     fn look_into(&mut self, file: &mut File, chunk_idx: u32) -> Result<(), WalkError> {
         let place = self.index.chunks[chunk_idx as usize];
         let records = read_chunk(file, place)?;
         let n_left = self.n_plain_bytes_left.checked_sub(records.len() as u64);
-        self.n_plain_bytes_left = n_left.ok_or("has chunks that grow beyond all measure".to_owned())?;
+        self.n_plain_bytes_left = n_left.ok_or("has chunks that become too large".to_owned())?;
         let mut offset = 0;
         while offset < records.len() {
             let (opcode, body, next) =

@@ -143,7 +143,7 @@ fn pose(reader: &mut CdrReader<'_>) -> Result<Isometry3<f64>, String> {
 /// If a number is not finite.
 pub fn isometry(position_m: [f64; 3], quaternion: [f64; 4]) -> Result<Isometry3<f64>, String> {
     if !position_m.iter().chain(&quaternion).all(|it| it.is_finite()) {
-        return Err("has a pose that is not made of numbers".to_owned());
+        return Err("has a pose with values that are not numbers".to_owned());
     }
     let [i, j, k, w] = quaternion;
     let rotation = UnitQuaternion::try_new(Quaternion::new(w, i, j, k), 1e-9).unwrap_or_default();

@@ -116,7 +116,7 @@ pub fn choose_channels(
         match same.len() {
             0 | 1 => Ok(()),
             _ => Err(error(
-                format!("has messages of several kinds on the topic {:?}", chosen.info.topic),
+                format!("has several types of messages on the topic {:?}", chosen.info.topic),
                 &same,
             )),
         }
@@ -126,11 +126,13 @@ pub fn choose_channels(
         Some(topic) => clouds
             .iter()
             .find(|it| it.info.topic == *topic)
-            .ok_or_else(|| error(format!("has no clouds on the topic {topic:?}"), &clouds)),
+            .ok_or_else(|| error(format!("has no point clouds on the topic {topic:?}"), &clouds)),
         None => match &clouds[..] {
-            [] => Err(error("has no clouds".to_owned(), &[])),
+            [] => Err(error("has no point clouds".to_owned(), &[])),
             [only, others @ ..] if others.iter().all(|it| it.info.topic == only.info.topic) => Ok(only),
-            _ => Err(error("has clouds on several topics, name one by --topic".to_owned(), &clouds)),
+            _ => {
+                Err(error("has point clouds on several topics; choose one with --topic".to_owned(), &clouds))
+            }
         },
     }?;
     unmixed(cloud, &clouds)?;
@@ -144,7 +146,8 @@ pub fn choose_channels(
         (None, []) => None,
         (None, [only, others @ ..]) if others.iter().all(|it| it.info.topic == only.info.topic) => Some(only),
         (None, _) => Some(named(ANNOTATION_TOPIC).ok_or_else(|| {
-            let problem = "has objects on several topics, name that of the annotations by --annotation-topic";
+            let problem =
+                "has objects on several topics; choose that of the annotations with --annotation-topic";
             error(problem.to_owned(), &objects)
         })?),
     };
@@ -291,7 +294,7 @@ mod tests {
         check(
             &[("/imu", "sensor_msgs/msg/Imu", "cdr")],
             [None, None],
-            Err("has no clouds: /imu (sensor_msgs"),
+            Err("has no point clouds: /imu (sensor_msgs"),
         );
         check(
             &[("/top", POINT_CLOUD_2, "ros1")],

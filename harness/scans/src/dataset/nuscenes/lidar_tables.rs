@@ -279,7 +279,7 @@ fn read_objects(
     let mut n_instances = 0;
     read_table(&table("instance"), |it: InstanceRecord| {
         let category = categories.get(&it.category_token).cloned();
-        let category = category.ok_or_else(|| format!("names {:?}, no category", it.category_token))?;
+        let category = category.ok_or_else(|| format!("has the unknown category {:?}", it.category_token))?;
         instances.insert(it.token, (n_instances, category));
         n_instances += 1;
         Ok(())
@@ -305,7 +305,8 @@ fn read_objects(
             return Ok(());
         }
         let named = instances.get(&it.instance_token);
-        let (track, category) = named.ok_or_else(|| format!("names {:?}, no instance", it.instance_token))?;
+        let (track, category) =
+            named.ok_or_else(|| format!("has the unknown instance {:?}", it.instance_token))?;
         let [width_m, length_m, height_m] = it.size;
         if !it.size.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4) {
             return Err(format!("has a box with the size {:?}", it.size));

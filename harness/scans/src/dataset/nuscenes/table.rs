@@ -28,7 +28,7 @@ pub fn read_table<Record: DeserializeOwned>(
     let read = deserializer.deserialize_seq(RecordVisitor { take, record: PhantomData });
     read.and_then(|()| deserializer.end()).map_err(|error| DatasetError::Damaged {
         path: path.to_path_buf(),
-        problem: format!("is no table: {error}"),
+        problem: format!("is not a table: {error}"),
     })
 }
 

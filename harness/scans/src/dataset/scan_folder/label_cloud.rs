@@ -79,7 +79,8 @@ impl LabelCloudObject {
     pub fn listed(&self) -> Result<ListedBox, String> {
         let Self { name, centroid, dimensions, rotations, .. } = self;
         if rotations.z.abs() > f64::from(PI) + 1e-3 {
-            let problem = format!("has a rotation of {}: let labelCloud write centroid_rel", rotations.z);
+            let problem =
+                format!("has a rotation of {}: export as centroid_rel from labelCloud", rotations.z);
             return Err(problem);
         }
         Ok(ListedBox {

@@ -141,7 +141,7 @@ impl LabelFile {
 }
 
 fn parse_json(text: &str) -> Result<Vec<ListedBox>, String> {
-    let not_boxes = |error: serde_json::Error| format!("is no list of boxes: {error}");
+    let not_boxes = |error: serde_json::Error| format!("is not a list of boxes: {error}");
     let value: Value = serde_json::from_str(text).map_err(not_boxes)?;
     let is_sustech = value.as_array().and_then(|it| it.first()).is_some_and(|it| it.get("psr").is_some());
     if value.get("objects").is_some() {
@@ -157,7 +157,7 @@ fn parse_json(text: &str) -> Result<Vec<ListedBox>, String> {
 }
 
 fn typed<T: DeserializeOwned>(value: Value) -> Result<T, String> {
-    serde_json::from_value(value).map_err(|error| format!("is no list of boxes: {error}"))
+    serde_json::from_value(value).map_err(|error| format!("is not a list of boxes: {error}"))
 }
 
 #[cfg(test)]
@@ -190,7 +190,7 @@ mod tests {
             ["", "3", "{}", "[3]", "{\"objects\": 3}", "[{\"psr\": 3}]", &OURS.replace("class", "clas")]
         {
             let problem = parse_json(text).expect_err("no boxes");
-            assert!(problem.starts_with("is no list of boxes: "), "{problem}");
+            assert!(problem.starts_with("is not a list of boxes: "), "{problem}");
         }
     }
 

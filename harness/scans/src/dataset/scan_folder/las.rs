@@ -75,7 +75,7 @@ pub fn parse_las(bytes: &[u8]) -> Result<ScanPoints, String> {
             let data = &bytes[header.data_offset..];
             let n_held = (data.len() / header.record_length) as u64;
             if n_held < header.n_points {
-                return Err(format!("announces {} points and holds {n_held}", header.n_points));
+                return Err(format!("announces {} points but has {n_held}", header.n_points));
             }
             data.chunks_exact(header.record_length).take(header.n_points as usize).try_for_each(&mut push)?;
         }
@@ -124,7 +124,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, String> {
     const LEAST: usize = 227;
     const WITH_LONG_COUNT: usize = 255;
     if !bytes.starts_with(b"LASF") || bytes.len() < LEAST {
-        return Err("is no LAS file, or is cut off within its header".to_owned());
+        return Err("is not a LAS file, or is cut off within its header".to_owned());
     }
     let fields = Fields(bytes);
     let (minor, header_length) = (bytes[25], usize::from(fields.u16(94)));
@@ -159,7 +159,7 @@ fn parse_header(bytes: &[u8]) -> Result<Header, String> {
     };
     let numbers = [header.scale, header.offset_m, header.max_m, header.min_m];
     if numbers.as_flattened().iter().any(|it| it.is_nan() || it.abs() > 1e9) {
-        return Err("has a header with a coordinate beyond all measure".to_owned());
+        return Err("has a header with a coordinate that is too large".to_owned());
     }
     Ok(header)
 }
@@ -172,7 +172,7 @@ fn compression_of(mut records: &[u8], n_records: u32) -> Result<LazCompression, 
         let fields = Fields(head);
         let Some((content, rest)) = rest.split_at_checked(usize::from(fields.u16(20))) else { break };
         if head[2..18].starts_with(LAZ_RECORD.0) && fields.u16(18) == LAZ_RECORD.1 {
-            let not_known = |error| format!("has a compression that is not known: {error}");
+            let not_known = |error| format!("has an unknown compression: {error}");
             let parameters = LazVlr::from_buffer(content).map_err(not_known)?;
             let kind = Fields(content).u16(0);
             return if [POINTWISE, CHUNKED, LAYERED].contains(&kind) {
@@ -183,13 +183,13 @@ fn compression_of(mut records: &[u8], n_records: u32) -> Result<LazCompression, 
         }
         records = rest;
     }
-    Err("has compressed points and does not say how".to_owned())
+    Err("has compressed points, but no record of the compression".to_owned())
 }
 
 fn origin_of(header: &Header) -> Result<[f64; 3], String> {
     let Header { min_m, max_m, .. } = header;
     if (0..3).any(|axis| min_m[axis] > max_m[axis]) && header.n_points > 0 {
-        return Err("has a header whose extent is less than nothing".to_owned());
+        return Err("has a header with a negative extent".to_owned());
     }
     if min_m.iter().chain(max_m).all(|it| it.abs() <= MAX_COORDINATE_M) {
         return Ok([0.0; 3]);
@@ -207,7 +207,7 @@ fn decompress(
     let n_bytes = bytes.len() as u64;
     let items_size = compression.parameters.items_size();
     if items_size != header.record_length as u64 {
-        return Err(format!("has points of {} bytes and compresses {items_size}", header.record_length));
+        return Err(format!("has points of {} bytes, but compresses {items_size}", header.record_length));
     }
     if header.n_points.saturating_mul(items_size) > n_bytes.saturating_mul(MAX_GROWTH) {
         return Err(format!("announces {} points in {n_bytes} bytes", header.n_points));
@@ -233,7 +233,7 @@ fn decompress(
         } else {
             Box::new(SequentialPointRecordDecompressor::new(cursor))
         };
-        let unknown = |error: laz::LasZipError| format!("has points whose kind is not known: {error}");
+        let unknown = |error: laz::LasZipError| format!("has points of an unknown kind: {error}");
         decompressor.set_fields_from(compression.parameters.items()).map_err(unknown)?;
         // Nothing else is looked at.
         let wanted = DecompressionSelection::XY_RETURNS_CHANNEL
@@ -241,13 +241,13 @@ fn decompress(
             | DecompressionSelection::INTENSITY;
         decompressor.set_selection(DecompressionSelection(wanted));
         for _ in 0..n_points_at_most.min(n_left) {
-            let cut_off = |error| format!("has {n_left} points fewer than it says: {error}");
+            let cut_off = |error| format!("has {n_left} points fewer than announced: {error}");
             decompressor.decompress_next(&mut record).map_err(cut_off)?;
             push(&record)?;
             n_left -= 1;
         }
     }
-    if n_left == 0 { Ok(()) } else { Err(format!("has {n_left} points fewer than it says")) }
+    if n_left == 0 { Ok(()) } else { Err(format!("has {n_left} points fewer than announced")) }
 }
 
 /// Where each chunk lies, one behind the other, and how many points it holds at most.
@@ -273,7 +273,7 @@ fn chunks_of(
     match n_chunks {
         // A chunk takes a point and more, but for an empty one at the end; this bounds the table.
         Some(n_chunks) if n_chunks as usize <= bytes.len() / header.record_length + 1 => {}
-        _ => return Err("has no table of its chunks, or one that is larger than itself".to_owned()),
+        _ => return Err("has no table of chunks, or one larger than the file".to_owned()),
     }
     let mut cursor = Cursor::new(bytes);
     cursor.set_position(begin as u64);
@@ -373,7 +373,7 @@ mod tests {
             assert!(problem.contains(part), "{problem}");
         };
         refused(&|it| it.truncate(100), "cut off within its header");
-        refused(&|it| it.truncate(280), "announces 3 points and holds 2");
+        refused(&|it| it.truncate(280), "announces 3 points but has 2");
         refused(&|it| it[107..111].fill(0xff), "announces 4294967295 points");
         refused(&|it| it[96..100].fill(0xff), "from byte 4294967295 on");
         refused(&|it| it[105] = 4, "points of 4");

@@ -12,7 +12,7 @@ const MAX_COLUMNS: usize = 1024;
 ///
 /// If it is not an array of at least three columns of `f4` or `f8`, or is cut off.
 pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
-    let not_npy = "is no .npy file, or is cut off within its header";
+    let not_npy = "is not an .npy file, or is cut off within its header";
     let (&[major, _], rest) =
         bytes.strip_prefix(b"\x93NUMPY").and_then(|it| it.split_first_chunk::<2>()).ok_or(not_npy)?;
     let (n_header_bytes, rest) = if major == 1 {
@@ -29,12 +29,12 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
         ">f4" => (ByteOrder::Big, NumberType::F32),
         "<f8" => (ByteOrder::Little, NumberType::F64),
         ">f8" => (ByteOrder::Big, NumberType::F64),
-        other => return Err(format!("has values of the type {other:?}, known are f4 and f8")),
+        other => return Err(format!("has values of the type {other:?}; allowed are f4 and f8")),
     };
     let is_column_by_column = match value_of(header, "fortran_order") {
         "False" => false,
         "True" => true,
-        other => return Err(format!("says that fortran_order is {other:?}")),
+        other => return Err(format!("has the fortran_order {other:?}, not True or False")),
     };
     let shape = value_of(header, "shape");
     let mut sides = shape.trim_matches(['(', ')']).split(',').map(|it| it.trim().parse::<usize>().ok());
@@ -49,7 +49,7 @@ pub fn parse_npy(bytes: &[u8]) -> Result<PositionedPoints, String> {
     let plain;
     let data = if is_column_by_column {
         plain = by_rows(data, n_points, n_columns, n_bytes).ok_or_else(|| {
-            format!("announces {n_points} points of {n_columns} values and holds {} bytes", data.len())
+            format!("announces {n_points} points of {n_columns} values but has {} bytes", data.len())
         })?;
         &plain
     } else {
@@ -129,7 +129,7 @@ mod tests {
             let problem = parse_npy(&file(header, &[0; 48])).expect_err("no points");
             assert!(problem.contains(part), "{problem}");
         };
-        check("{'descr': '<i4', 'fortran_order': False, 'shape': (4, 3)}", "\"<i4\", known are f4 and f8");
+        check("{'descr': '<i4', 'fortran_order': False, 'shape': (4, 3)}", "\"<i4\"; allowed are f4 and f8");
         check("{'descr': '<f4', 'fortran_order': False, 'shape': (12,)}", "not points by columns");
         check("{'descr': '<f4', 'fortran_order': False, 'shape': (6, 2)}", "too few");
         check("{'descr': '<f4', 'fortran_order': False, 'shape': (5, 3)}", "holds 48 bytes");

@@ -34,7 +34,7 @@ pub fn parse_pcd(bytes: &[u8]) -> Result<PositionedPoints, String> {
             let rows = decompressed_rows(&header, data)?;
             packed(&header, &rows).positioned()
         }
-        other => Err(format!("has points encoded as {other:?}, which is not known")),
+        other => Err(format!("has points in the unknown encoding {other:?}")),
     }
 }
 
@@ -100,7 +100,7 @@ fn fields_of(
         || !(counts.is_empty() || counts.len() == n)
     {
         return Err(format!(
-            "names {n} fields, {} sizes, {} types, {} counts",
+            "has {n} fields, but {} sizes, {} types, {} counts",
             sizes.len(),
             types.len(),
             counts.len()
@@ -123,11 +123,12 @@ fn fields_of(
         };
         let count = counts.get(field_idx).copied().unwrap_or(1);
         if count == 0 {
-            return Err(format!("has a field {name:?} of no numbers"));
+            return Err(format!("has an empty field {name:?}"));
         }
         fields.push((PackedField { name: (*name).to_owned(), offset, number }, count));
         let n_bytes = number.n_bytes().checked_mul(count);
-        offset = n_bytes.and_then(|n_bytes| offset.checked_add(n_bytes)).ok_or("has a point without end")?;
+        offset =
+            n_bytes.and_then(|n_bytes| offset.checked_add(n_bytes)).ok_or("has a point that is too large")?;
     }
     Ok((fields, offset))
 }
@@ -167,7 +168,7 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, Stri
         points.push([number(x)?, number(y)?, number(z)?], intensity)?;
     }
     if points.n_in_file() < header.n_points {
-        return Err(format!("announces {} points and holds {}", header.n_points, points.n_in_file()));
+        return Err(format!("announces {} points but has {}", header.n_points, points.n_in_file()));
     }
     Ok(points)
 }
@@ -298,7 +299,7 @@ mod tests {
     fn what_is_announced_must_be_there() {
         check_refused(
             format!("{HEADER}DATA ascii\n2 1.5 9 9 9 -3 7\n").as_bytes(),
-            "announces 2 points and holds 1",
+            "announces 2 points but has 1",
         );
         check_refused(format!("{HEADER}DATA ascii\n2 1.5 9 9 9\n").as_bytes(), "point 0 with 5 numbers");
         check_refused(
@@ -313,7 +314,7 @@ mod tests {
         for data in ["ascii", "binary", "binary_compressed"] {
             let endless = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 0 0 0\nPOINTS 18446744073709551615\n";
             let bytes = [format!("{endless}DATA {data}\n").as_bytes(), &[0; 8]].concat();
-            check_refused(&bytes, "has a field \"x\" of no numbers");
+            check_refused(&bytes, "has an empty field \"x\"");
         }
         check_refused(HEADER.as_bytes(), "no line DATA");
         check_refused(b"", "no line DATA");
@@ -323,7 +324,7 @@ mod tests {
             &[format!("{claim}DATA binary_compressed\n").as_bytes(), &[255; 40]].concat(),
             "cut off",
         );
-        check_refused(format!("{claim}DATA ascii\n").as_bytes(), "announces 4294967295 points and holds 0");
+        check_refused(format!("{claim}DATA ascii\n").as_bytes(), "announces 4294967295 points but has 0");
         check_refused(
             format!("{}DATA binary\n", HEADER.replace("SIZE 4 8", "SIZE 4")).as_bytes(),
             "5 fields, 4 sizes",

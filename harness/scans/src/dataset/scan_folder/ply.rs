@@ -12,7 +12,7 @@ const MAX_PROPERTIES: usize = 256;
 ///
 /// If the header is not one, vertices do not come first, have lists, or are fewer than it says.
 pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
-    let mut rest = bytes.strip_prefix(b"ply").ok_or("is no PLY file, it begins otherwise")?;
+    let mut rest = bytes.strip_prefix(b"ply").ok_or("is not a PLY file")?;
     let (mut format, mut n_points) = (None, None);
     let (mut fields, mut point_step, mut is_vertex) = (Vec::new(), 0, false);
     loop {
@@ -22,7 +22,10 @@ pub fn parse_ply(bytes: &[u8]) -> Result<PositionedPoints, String> {
         match line.split_whitespace().collect::<Vec<_>>()[..] {
             ["format", kind, _] => format = Some(kind),
             ["element", "vertex", n] if n_points.is_none() => {
-                n_points = Some(n.parse::<usize>().map_err(|_| format!("says that it has {n:?} vertices"))?);
+                n_points = Some(
+                    n.parse::<usize>()
+                        .map_err(|_| format!("announces {n:?} vertices, which is not a number"))?,
+                );
                 is_vertex = true;
             }
             ["element", name, _] if n_points.is_none() => {
@@ -91,7 +94,7 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
         n_rows += 1;
     }
     if n_rows < n_points {
-        return Err(format!("announces {n_points} vertices and holds {n_rows}"));
+        return Err(format!("announces {n_points} vertices but has {n_rows}"));
     }
     let field = |(place, field): (usize, &PackedField)| PackedField {
         name: field.name.clone(),
@@ -159,7 +162,7 @@ mod tests {
             assert!(problem.contains(part), "{problem}");
         };
         check(&[header("binary_little_endian").as_bytes(), &rows(|it| it)[1..]].concat(), "holds 33 bytes");
-        check(&[header("ascii").as_bytes(), b"1 2 9 -3\n"].concat(), "announces 2 vertices and holds 1");
+        check(&[header("ascii").as_bytes(), b"1 2 9 -3\n"].concat(), "announces 2 vertices but has 1");
         check(&[header("ascii").as_bytes(), b"1 2 9\n1 2 3 4"].concat(), "vertex 0 without its z");
         check(b"plz", "begins otherwise");
         check(b"ply\n", "header without end");

@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn a_file_of_another_scan_is_refused_with_both_numbers() {
-        check(&[0; 8], 3, Err(r#""a.label" has 2 labels, its scan has 3 points"#));
+        check(&[0; 8], 3, Err(r#""a.label" has 2 labels, but its scan has 3 points"#));
         check(
             &[0; 7],
             2,

@@ -36,7 +36,7 @@ pub fn parse_times(path: &Path, text: &str) -> Result<Vec<u64>, DatasetError> {
             let seconds = line.number("time")?;
             line.clone().end()?;
             if seconds < 0.0 {
-                return Err(line.error(format!("time {seconds} is before the start")));
+                return Err(line.error(format!("time {seconds} is negative")));
             }
             Ok((seconds * 1e9).round() as u64)
         })
@@ -90,10 +90,7 @@ mod tests {
     #[test]
     fn times_are_nanoseconds() {
         assert_eq!(parse_times(Path::new("t.txt"), "0\n1.037359e-01\n").unwrap(), [0, 103_735_900]);
-        check_refused(
-            parse_times(Path::new("t.txt"), "0\n-1"),
-            r#""t.txt", line 2: time -1 is before the start"#,
-        );
+        check_refused(parse_times(Path::new("t.txt"), "0\n-1"), r#""t.txt", line 2: time -1 is negative"#);
     }
 
     #[test]

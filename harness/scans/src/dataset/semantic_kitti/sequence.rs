@@ -211,7 +211,7 @@ fn open_sequence(
     let n_needed = numbers.last().map_or(0, |number| *number as usize + 1);
     for (kind, n_lines) in [("times", times_ns.len()), ("poses", world_from_sensor.len())] {
         if n_lines > 0 && n_lines < n_needed {
-            let problem = format!("has {n_lines} lines, the last scan is {}", n_needed - 1);
+            let problem = format!("has {n_lines} lines, but the last scan is {}", n_needed - 1);
             return Err(DatasetError::Damaged { path: folder.path_of(&file(kind)), problem });
         }
     }

@@ -31,7 +31,7 @@ pub fn parse_calibration_file(text: &str) -> Result<Vec<Laser>, String> {
         let id = values.get("laser_id").copied().filter(|it| *it >= 0.0 && it.fract() == 0.0);
         let id = id.ok_or("has a laser without a number")? as usize;
         if lasers.insert(id, laser_of(values)).is_some() {
-            return Err(format!("has two lasers {id}"));
+            return Err(format!("has the laser {id} twice"));
         }
     }
     match lasers.keys().copied().enumerate().find(|(place, id)| place != id) {
@@ -80,7 +80,7 @@ fn check_step(step_m: f32) -> Result<(), String> {
     if (step_m - DISTANCE_STEP_M).abs() < 1e-6 {
         return Ok(());
     }
-    Err(format!("has distances in steps of {step_m} m, known are {DISTANCE_STEP_M}"))
+    Err(format!("has distances in steps of {step_m} m; only {DISTANCE_STEP_M} is supported"))
 }
 
 /// A list of items, each with names and numbers, whether in lines or between braces. Not all of YAML: what such files have.
@@ -127,7 +127,7 @@ fn parse_xml(text: &str) -> Result<Vec<Values>, String> {
                 }
             }
             Event::Text(text) => {
-                content.push_str(&text.decode().map_err(|error| format!("has text that is none: {error}"))?);
+                content.push_str(&text.decode().map_err(|error| format!("has damaged text: {error}"))?);
             }
             Event::End(element) => {
                 let name = element.name();

@@ -122,7 +122,7 @@ pub fn walk_payloads(
             walker.walk_classic(ns_per_fraction, is_big_endian, &mut on_packet)
         }
         Some(CaptureKind::NextGeneration) => walker.walk_next_generation(&mut on_packet),
-        None => Err(Stop::Damage("is no capture of packets".to_owned())),
+        None => Err(Stop::Damage("is not a capture of packets".to_owned())),
     };
     match walked {
         Ok(()) => Ok(None),

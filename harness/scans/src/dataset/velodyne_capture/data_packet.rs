@@ -63,7 +63,7 @@ impl<'a> DataPacket<'a> {
             VelodyneModel::Hdl64e
         } else {
             let known = PRODUCTS.iter().find(|(known, _)| *known == product);
-            let unknown = || format!("has packets of a sensor that is not known, {product:#04x}");
+            let unknown = || format!("has packets of an unknown sensor, {product:#04x}");
             known.map(|(_, model)| *model).ok_or_else(unknown)?
         };
         let mut packet = Self { bytes, model, is_dual: returns == DUAL_RETURN };

@@ -90,7 +90,7 @@ pub fn open_velodyne_capture(source: DatasetSource) -> Result<VelodyneCapture, D
         return Err(DatasetError::Damaged { path, problem: problem.clone() });
     }
     let Some(model) = finder.model else {
-        let problem = format!("holds no data packets of a Velodyne sensor to port {DATA_PORT}");
+        let problem = format!("has no data packets of a Velodyne sensor to port {DATA_PORT}");
         return Err(DatasetError::Damaged { path, problem: first_bad.unwrap_or(problem) });
     };
     let (revolutions, payloads) = finder.finish();
@@ -171,7 +171,7 @@ impl RevolutionFinder {
         let model = *self.model.get_or_insert(packet.model());
         if model != packet.model() {
             let (one, other) = (model.sensor(), packet.model().sensor());
-            return Err(format!("has packets of different sensors, {one} and {other}"));
+            return Err(format!("has packets of two sensors, {one} and {other}"));
         }
         let gap_ns = self.payloads.last().map_or(0, |it| payload.time_ns.saturating_sub(it.time_ns));
         let packet_idx = self.payloads.len();
@@ -246,5 +246,5 @@ fn lasers_beside(
     if lasers.len() == n_needed {
         return Ok(lasers);
     }
-    Err(damaged(format!("has {} lasers, and the packets are of a sensor with {n_needed}", lasers.len())))
+    Err(damaged(format!("has {} lasers, but the sensor of the packets has {n_needed}", lasers.len())))
 }

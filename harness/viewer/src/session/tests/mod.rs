@@ -178,17 +178,17 @@ fn check_refused(name: &str, products: &[StageProduct], assignments: &[Assignmen
 
 #[test]
 fn what_is_not_of_this_scan_is_refused() {
-    check_refused("pca", &[], &[], r#"detector "pca" was not announced; there are ["grid"]"#);
+    check_refused("pca", &[], &[], r#"detector "pca" was not announced; announced are ["grid"]"#);
     let short =
         StageProduct { stage: "grid", name: "clusters", shape: Shape::Clusters(vec![None; N_POINTS - 1]) };
-    check_refused("grid", &[short], &[], "clusters of grid labels 5 points of a scan of 6");
+    check_refused("grid", &[short], &[], "clusters of grid has 5 labels, but the scan has 6 points");
     let mut assignment = one_of_each(Task::Objects);
     assignment.annotations.pop();
     check_refused(
         "grid",
         &[],
         &[assignment],
-        "an assignment of grid has 1 annotations and 2 detections, the scan has 2 and 2",
+        "an assignment of grid has 1 annotations and 2 detections, but the scan has 2 and 2",
     );
 }
 
