@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn senseless_parameters_are_refused() {
         check_refused("tolerance_m = 0.5", "tolerance_m = nan", "kd_tree.tolerance_m = NaN");
-        check_refused("tolerance_m = 0.5", "tolerance_m = -0.5", "outside of 0.01 to 100 m");
+        check_refused("tolerance_m = 0.5", "tolerance_m = -0.5", "not within 0.01 to 100 m");
         check_refused(
             "max_points = 25000",
             "max_points = 9",
@@ -175,10 +175,10 @@ mod tests {
         check_refused(
             "min_height_difference_m = 0.2",
             "min_height_difference_m = 10.1",
-            "_m = 10.1 is outside",
+            "_m = 10.1 is not within",
         );
         check_refused("min_points = 2", "min_points = 0", "pca.occupancy.min_points = 0 is less than 1");
-        check_refused("cell_size_m = 0.4", "cell_size_m = 0.0", "pca.grid.cell_size_m = 0 is outside");
+        check_refused("cell_size_m = 0.4", "cell_size_m = 0.0", "pca.grid.cell_size_m = 0 is not within");
         check_refused("max_extent_m = 20.0", "max_extent_m = inf", "pca.cluster.max_extent_m = inf");
     }
 }

@@ -319,8 +319,8 @@ mod tests {
         check_refused("-0.5, ", "nan, ", "coefficient 1 = NaN");
         check_refused("[-1.0, 2.0]", "[-1.0, inf]", "width_m of support vector 1 = inf");
         check_refused("deviations = [1e-7,", "deviations = [0.0,", "deviation of length_m = 0");
-        check_refused("gamma = 0.1078", "gamma = -1.0", "gamma = -1 is outside");
-        check_refused("nu = 0.0377", "nu = 0.0", "nu = 0 is outside");
+        check_refused("gamma = 0.1078", "gamma = -1.0", "gamma = -1 is not within");
+        check_refused("nu = 0.0377", "nu = 0.0", "nu = 0 is not within");
         check_refused("2.0],", "two],", "\"two\" in support_vectors[1] is not a number");
         check_refused("[1.5, ", "[1.5 ", "\"1.5 -0.5\" in coefficients is not a number");
         check_refused(

@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn what_is_no_library_says_where_and_why() {
-        check_refused("side profiles", "recipe", "line 1: format is \"scanbench recipe\"");
+        check_refused("side profiles", "recipe", "line 1: the format is \"scanbench recipe\"");
         check_refused(
             "version = 1",
             "version = 3",

@@ -395,15 +395,15 @@ mod tests {
         check_refused(
             "coefficients",
             "[-1.0, 2.0, 2.0, 3.0, 4.0, 5.0, 6.0]",
-            "curve.coefficients = -1 is outside",
+            "curve.coefficients = -1 is not within",
         );
         check_refused(
             "coefficients",
             "[0.0, nan, 2.0, 3.0, 4.0, 5.0, 6.0]",
-            "curve.coefficients = NaN is outside",
+            "curve.coefficients = NaN is not within",
         );
         check_refused("coefficients", "[0.0, 1.0]", "invalid length 2");
-        check_refused("peak_points_per_m2", "0.0", "curve.peak_points_per_m2 = 0 is outside");
+        check_refused("peak_points_per_m2", "0.0", "curve.peak_points_per_m2 = 0 is not within");
         check_refused("ring_points_per_m2", "[1.0]", "curve.ring_points_per_m2 = 1 is not within 79 values");
         check_refused("sensor", "7", "invalid type");
     }

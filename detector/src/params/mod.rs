@@ -231,7 +231,7 @@ mod tests {
         check_refused(
             "ground_band_m = 0.25",
             "ground_band_m = -1.0",
-            "foreground.ground_band_m = -1 is outside",
+            "foreground.ground_band_m = -1 is not within",
         );
         check_refused("growth_m = 0.1", "growth_m = nan", "completion.growth_m = NaN");
         check_refused(
@@ -239,7 +239,7 @@ mod tests {
             "max_gap_m = -0.1",
             "regrouping.max_gap_m = -0.1 is not within 0 to 100",
         );
-        check_refused("low_quantile = 0.25", "low_quantile = 1.1", "terrain.low_quantile = 1.1 is outside");
+        check_refused("low_quantile = 0.25", "low_quantile = 1.1", "terrain.low_quantile = 1.1 is not within");
         check_refused("cell_size_m = 0.6", "cell_size_m = nan", "grid.cell_size_m = NaN");
     }
 }

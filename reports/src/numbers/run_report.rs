@@ -392,7 +392,7 @@ mod tests {
         let json = report.to_json();
         let sureness = r#""interval_95":[0.30000000000000004,0.5],"n_blocks":7,"degrees_of_freedom":6,"blocks":"seconds""#;
         assert!(json.contains(sureness), "{json}");
-        assert!(json.contains(r#""caveat":"interval of only 7 blocks of scans""#), "{json}");
+        assert!(json.contains(r#""caveat":"interval from only 7 blocks of scans""#), "{json}");
         let of_other_blocks = json.replace("\"seconds\"", "\"minutes\"");
         let error = read_back(&of_other_blocks).unwrap_err();
         assert!(

@@ -219,12 +219,12 @@ mod tests {
         assert!(!few.html.contains("leads with"));
         for name in ["standing.svg", "range_objects.svg", "range_vehicles.svg"] {
             let figure = few.figures.iter().find(|it| it.file_name == name).unwrap();
-            assert!(figure.svg.contains("of only 9 blocks of scans"), "{name}: {}", figure.svg);
+            assert!(figure.svg.contains("from only 9 blocks of scans"), "{name}: {}", figure.svg);
         }
         let enough = page(&SampleRun { n_blocks: 10, ..USUAL });
         let text: String =
             enough.figures.iter().map(|it| it.svg.clone()).chain([enough.html.clone()]).collect();
-        assert!(!text.contains('§') && !text.contains("of only") && text.contains("leads with"));
+        assert!(!text.contains('§') && !text.contains("from only") && text.contains("leads with"));
     }
 
     #[test]

@@ -179,7 +179,7 @@ mod tests {
         assert!(SweepPage::is_sweep(folder.path()));
         let page = SweepPage::of(folder.path()).unwrap();
         for part in [
-            "A sweep of hierarchical.grid.cell_size_m",
+            "Sweep of hierarchical.grid.cell_size_m",
             "viewBox=\"0 0 90 40\"",
             "F &amp; x",
             "a&lt;b",

@@ -527,10 +527,10 @@ mod tests {
     #[test]
     fn a_row_whose_columns_contradict_each_other_is_refused_with_its_line() {
         check_refused("annotation,missed", "detection,missed", "line: 3");
-        check_refused("annotation,missed", "detection,missed", "contradict each other");
+        check_refused("annotation,missed", "detection,missed", "do not agree");
         check_refused("pair,matched,,0.125000", "pair,matched,,", "a matched pair has no cost");
-        check_refused("pair,ignored,tall,0.250000", "pair,ignored,tall,", "found at no cost");
-        check_refused("pair,ignored,tall,", "pair,ignored,high,", "contradict each other");
+        check_refused("pair,ignored,tall,0.250000", "pair,ignored,tall,", "found but has no cost");
+        check_refused("pair,ignored,tall,", "pair,ignored,high,", "do not agree");
     }
 
     #[test]

@@ -358,7 +358,7 @@ mod tests {
 
     #[test]
     fn an_evaluated_scan_without_numbers_is_refused() {
-        check_refused("skipped", "evaluated", "misses a number");
+        check_refused("skipped", "evaluated", "an evaluated scan has an empty number");
     }
 
     #[test]

@@ -187,14 +187,14 @@ mod tests {
         let sentence =
             |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
         let tables = task_tables(&report(), &manifest).unwrap();
-        let expected = "Rules beside the clustering: walls removed: hierarchical alone; regrouping: hierarchical alone; \
+        let expected = "Rules besides clustering: walls removed: only hierarchical; regrouping: only hierarchical; \
                         completion: hierarchical, kd-tree; none: pca.";
         assert_eq!(sentence(&tables[0]).as_deref(), Some(expected));
         manifest.detectors[2].rules = vec!["completion".to_owned()];
         manifest.detectors[0].rules.truncate(0);
         manifest.detectors[0].rules.push("completion".to_owned());
         let tables = task_tables(&report(), &manifest).unwrap();
-        assert_eq!(sentence(&tables[0]).as_deref(), Some("Rules beside the clustering: completion: all."));
+        assert_eq!(sentence(&tables[0]).as_deref(), Some("Rules besides clustering: completion: all."));
         manifest.detectors.iter_mut().for_each(|it| it.rules.clear());
         assert_eq!(sentence(&task_tables(&report(), &manifest).unwrap()[0]), None);
     }

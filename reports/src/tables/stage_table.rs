@@ -131,7 +131,7 @@ mod tests {
             ("regrouping", 0.375),
         ];
         insta::assert_snapshot!(table(&stages), @r"
-        **Medians of the stages of hierarchical in ms, on Example CPU @ 2 GHz.**
+        **Median times of the stages of hierarchical in ms, on Example CPU @ 2 GHz.**
 
         | step | stages | paper | main_road (simulated): p50 |
         | :-- | :-- | --: | --: |
@@ -143,7 +143,7 @@ mod tests {
         | not in the paper | regrouping |  | 0.38 |
         | **whole** |  | 43 | 9.50 |
 
-        - Steps that several stages do: the sum of their medians. paper: VM section 6, on another machine, other scans and with eight features where ours has more: for orientation.
+        - A step with several stages has the sum of their medians. paper: VM section 6, with another machine, other scans and fewer features (eight); for orientation.
         - ¹ undefined: no scan was timed.
         ");
     }

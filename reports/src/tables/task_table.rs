@@ -486,7 +486,7 @@ mod tests {
         let mut manifest = sample::manifest();
         manifest.datasets.remove(1);
         let expected =
-            "the report is about the data set \"kitti_tracking\", which the manifest does not list";
+            "the report has the data set \"kitti_tracking\", but the manifest does not";
         check_refused(&sample::report(), &manifest, expected);
     }
 
@@ -494,7 +494,7 @@ mod tests {
     fn a_detector_without_entry_is_an_error() {
         let mut manifest = sample::manifest();
         manifest.detectors.remove(1);
-        let expected = "the report is about the detector \"kd-tree\", which the manifest does not list";
+        let expected = "the report has the detector \"kd-tree\", but the manifest does not";
         check_refused(&sample::report(), &manifest, expected);
     }
 
@@ -510,21 +510,21 @@ mod tests {
     #[test]
     fn different_annotations_are_an_error() {
         let report = sample::report_with("kitti_object", "pca", &Metric::No, Some(99.0));
-        let expected = "on kitti_object, hierarchical was asked for 61 annotations but pca for 99";
+        let expected = "on kitti_object, hierarchical has 61 annotations that count, but pca has 99";
         check_refused(&report, &sample::manifest(), expected);
     }
 
     #[test]
     fn a_count_that_is_none_is_an_error() {
         let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(2.5));
-        let expected = "tp of pca on main_road in the task objects is Some(2.5), which cannot be";
+        let expected = "tp of pca on main_road in the task objects is Some(2.5), which is not a count";
         check_refused(&report, &sample::manifest(), expected);
     }
 
     #[test]
     fn more_matches_than_annotations_are_an_error() {
         let report = sample::report_with("main_road", "pca", &Metric::Tp, Some(1e6));
-        let expected = "tp of pca on main_road in the task objects is Some(1000000.0), which cannot be";
+        let expected = "tp of pca on main_road in the task objects is Some(1000000.0), which is not a count";
         check_refused(&report, &sample::manifest(), expected);
     }
 }

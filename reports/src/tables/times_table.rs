@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn percentiles_of_few_scans_are_marked() {
         insta::assert_snapshot!(table(58), @r"
-        Times of detection alone, on Example CPU @ 2 GHz.
+        Times of detection only, on Example CPU @ 2 GHz.
 
                                                              time of a scan [ms]            scans per second
                                                      ────────────────────────────────────   ─────────────
@@ -123,10 +123,9 @@ mod tests {
         main_road (simulated)  hierarchical     58   1.50  3.00  4.50  6.00‡  7.50‡  9.00     10.5   12.0
                                kd-tree          58   –¹    –¹    –¹    –¹     –¹     –¹        –¹     –¹
 
-        Percentiles by nearest rank. Only ratios between detectors of one run mean something on another
-          machine.
-        simulated: made by a simulator, not recorded.
-        ‡ of too few scans to be relied on: p95 takes 59, p99 takes 299.
+        Percentiles by nearest rank. On another machine, only ratios between detectors can be compared.
+        simulated: from a simulator, not recorded.
+        ‡ from too few scans to be reliable: p95 needs 59, p99 needs 299.
         ¹ undefined: no scan was timed.
         ");
         let marked = |n: u64| table(n).matches('‡').count();

@@ -278,8 +278,8 @@ mod tests {
         few.lead.as_mut().unwrap().interval.as_mut().unwrap().blocks = drives(9);
         assert_eq!(
             few.sentence(),
-            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0), tree of 60.0 % (58.0 to 61.0); 9 blocks \
-             of scans are too few to show which one leads."
+            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0), tree has 60.0 % (58.0 to 61.0); 9 \
+             blocks of scans are too few to show which one leads."
         );
         few.lead.as_mut().unwrap().interval = None;
         assert!(

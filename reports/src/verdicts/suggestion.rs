@@ -32,6 +32,6 @@ mod tests {
         check("al", "; did you mean \"all\"?");
         check("range/0-20", "; did you mean \"range/0-15\"?");
         check("clas/car", "; did you mean \"class/car\"?");
-        check("occlusion/none", "; there are all, range/0-15, range/15-30, class/car");
+        check("occlusion/none", "; choose from all, range/0-15, range/15-30, class/car");
     }
 }

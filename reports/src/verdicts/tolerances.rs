@@ -366,8 +366,8 @@ mod tests {
             "\"f_rat\"",
             "[[quality]] 2: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
         );
-        check_refused("\"f_rate\"", "\"latency_p50_ms\"", "times are gated by [speed]");
-        check_refused("\"f_rate\"", "\"time_over_reference\"", "times are gated by [speed]");
+        check_refused("\"f_rate\"", "\"latency_p50_ms\"", "changes with every run; check times with [speed]");
+        check_refused("\"f_rate\"", "\"time_over_reference\"", "changes with every run; check times with [speed]");
         check_refused("\"f_rate\"", "\"no\"", "has no direction that is better");
         check_refused("\"f_rate\"", "\"ap_r40\"", "has no interval");
         check_refused(
@@ -395,10 +395,10 @@ mod tests {
         check_refused(
             "relative = 0.1",
             "relative = 5.0",
-            "relative = 5 tolerates 500 %; it has to be less than 1",
+            "relative = 5 tolerates 500 %; it must be less than 1",
         );
         check_refused("relative = 0.5", "relative = 1.0", "[speed]: relative = 1 tolerates 100 %");
-        check_refused("absolute = 0.05", "absolute = 0.51", "at most 0.5 of a rate, where 1 is 100 %");
+        check_refused("absolute = 0.05", "absolute = 0.51", "the most is 0.5 of a rate, where 1 is 100 %");
         let of_boxes = |absolute: f64| {
             let text = TOML.replacen("[\"recall\"]", "[\"box_center_error_m\", \"box_yaw_error_deg\"]", 1);
             read(&text.replacen("absolute = 0.05", &format!("absolute = {absolute}"), 1))

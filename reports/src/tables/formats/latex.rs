@@ -191,14 +191,14 @@ mod tests {
           \end{tabular}
           \par\smallskip
           \begin{minipage}{\linewidth}\footnotesize
-            NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second of detection alone, on Example CPU @ 2 GHz.\par
+            NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second, detection only, on Example CPU @ 2 GHz.\par
             95 \% interval: cluster bootstrap, 10000 resamples of whole drives.\par
-            overall: counts and times are summed over the data sets before a ratio is taken.\par
-            paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine than ours: for orientation.\par
-            simulated: made by a simulator, not recorded.\par
+            overall: ratios of counts and times summed over the data sets.\par
+            paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine; for orientation.\par
+            simulated: from a simulator, not recorded.\par
             partly simulated: summed over recorded and simulated data sets.\par
             $^\dagger$ Budapest recordings, not public.\par
-            $^1$ undefined: not every class of object is annotated, so false objects cannot be known.\par
+            $^1$ undefined: not every class of object is annotated, so false objects cannot be counted.\par
           \end{minipage}
         \end{table}
         ");

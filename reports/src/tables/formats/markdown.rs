@@ -160,15 +160,15 @@ mod tests {
         |  | kd-tree | 60 | 791 | 672 | 119 | –¹ | –¹ | 85.0 | 51 | 690 |
         |  | pca | 60 | 791 | 562 | 229 | –¹ | –¹ | 71.0 | 51 | 690 |
 
-        - NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second of detection alone, on Example CPU @ 2 GHz.
-        - P: precision, TP / ND. R: recall, TP / NO. IA, ID: annotations and detections that are ignored, neither right nor wrong.
+        - NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second, detection only, on Example CPU @ 2 GHz.
+        - P: precision, TP / ND. R: recall, TP / NO. IA, ID: ignored annotations and detections, neither right nor wrong.
         - 95 % interval: cluster bootstrap, 10000 resamples of whole drives.
-        - overall: counts and times are summed over the data sets before a ratio is taken.
-        - paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine than ours: for orientation.
-        - simulated: made by a simulator, not recorded.
+        - overall: ratios of counts and times summed over the data sets.
+        - paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine; for orientation.
+        - simulated: from a simulator, not recorded.
         - partly simulated: summed over recorded and simulated data sets.
         - † Budapest recordings, not public.
-        - ¹ undefined: not every class of object is annotated, so false objects cannot be known.
+        - ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         ");
     }
 

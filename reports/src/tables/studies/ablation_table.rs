@@ -192,19 +192,18 @@ mod tests {
 
         NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). P:
           precision, TP / ND. R: recall, TP / NO.
-        over: share of NO torn apart, at least two detections each holding a tenth of the points. under:
-          share of held, the detections with more than half of the points of an annotation, that hold
-          several.
-        p50: median time of detection of a scan, all variants in turns on each, on Example CPU @ 2 GHz.
-          overall: counts are summed and times put together before a ratio or a median is taken.
-        95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds of the drives,
-          which are fewer than 10: how much scans of the same drives could vary, not other drives. All
+        over: oversegmentation, the share of NO that is split: at least two detections each have a tenth of
+          its points. under: undersegmentation, the share of held that joins several; held: detections that
+          have more than half of the points of an annotation.
+        p50: median time of detection per scan, with all variants in turns, on Example CPU @ 2 GHz. overall:
+          ratios of summed counts, and medians over all scans.
+        95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds, because there are
+          fewer than 10 drives: they cover other scans of the same drives, but not other drives. All
           variants look at the same scans: scanbench compare shows the intervals of their differences.
-        simulated: made by a simulator, not recorded.
+        simulated: from a simulator, not recorded.
         partly simulated: summed over recorded and simulated data sets.
-        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
-          concluded from it.
-        ¹ undefined: not every class of object is annotated, so false objects cannot be known.
+        § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
+        ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         ² undefined: the denominator is zero.
         ");
     }
@@ -227,13 +226,13 @@ mod tests {
         | without terrain |  |  | –¹ | –¹ |  | –¹ | 25.0 | 5.0 | 25 | 40.0 | 4.25 |
 
         - NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). P: precision, TP / ND. R: recall, TP / NO.
-        - over: share of NO torn apart, at least two detections each holding a tenth of the points. under: share of held, the detections with more than half of the points of an annotation, that hold several.
-        - p50: median time of detection of a scan, all variants in turns on each, on Example CPU @ 2 GHz. overall: counts are summed and times put together before a ratio or a median is taken.
-        - 95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds of the drives, which are fewer than 10: how much scans of the same drives could vary, not other drives. All variants look at the same scans: scanbench compare shows the intervals of their differences.
-        - simulated: made by a simulator, not recorded.
+        - over: oversegmentation, the share of NO that is split: at least two detections each have a tenth of its points. under: undersegmentation, the share of held that joins several; held: detections that have more than half of the points of an annotation.
+        - p50: median time of detection per scan, with all variants in turns, on Example CPU @ 2 GHz. overall: ratios of summed counts, and medians over all scans.
+        - 95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10 drives: they cover other scans of the same drives, but not other drives. All variants look at the same scans: scanbench compare shows the intervals of their differences.
+        - simulated: from a simulator, not recorded.
         - partly simulated: summed over recorded and simulated data sets.
-        - § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be concluded from it.
-        - ¹ undefined: not every class of object is annotated, so false objects cannot be known.
+        - § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
+        - ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         - ² undefined: the denominator is zero.
         ");
     }

@@ -152,11 +152,11 @@ mod tests {
           1 to 2 m      points/m²  1/1   100.0    1.20   1-2  120     100      1.20
         points_per_car  points/m²  none    –      –      –      –       –      –
 
-        ratio: left over right. bins: those that have a ratio, of all. alike: share of those that have one,
-          in %, whose ratio is within a factor of 1.5 of 1, either way. median: of the ratios. worst bin:
-          the one whose ratio is farthest from 1.
-        A bin has a ratio if it is made of at least 5 points on the right (ring_density); 5 cars on the
-          right, and 5 on the left (points_per_car).
+        ratio: left divided by right. bins: bins with a ratio/all bins. alike: share of the bins with a
+          ratio, in %, whose ratio is between 1/1.5 and 1.5. median: of the ratios. worst bin: the bin whose
+          ratio is farthest from 1.
+        A bin has a ratio if it has at least 5 points on the right (ring_density); 5 cars on the right, and
+          5 on the left (points_per_car).
         ");
     }
 }

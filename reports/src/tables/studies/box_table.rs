@@ -110,11 +110,10 @@ mod tests {
                                    width, m      0.50  0.45§  0.60§     1.00  0.90§  1.20§
                                    yaw, deg      0.5   0.5§   0.6§      1.0   0.9§   1.2§
 
-        low, high: 95 % interval, cluster bootstrap, 10000 resamples of objects, each with all scans that
-          show it: how much scans of the same drives could vary, not other drives.
+        low, high: 95 % interval, cluster bootstrap, 10000 resamples of objects, each with all its scans:
+          they cover other scans of the same drives, but not other drives.
         A note.
-        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
-          concluded from it.
+        § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
         insta::assert_snapshot!(Markdown.text(&BoxTable { lines: &lines[4..8], notes: &["A note."] }), @r"
         **Box errors of matched vehicles: street (simulated)**

@@ -164,17 +164,17 @@ mod tests {
         objects, F-rate  dense-share            1           1          0       20.0       20.0       0.80
         objects, F-rate  as configured          1           1          0        0.0        0.0       –
 
-        best: the cell size of the highest rate, in m, and that rate in %. A reading recommends the cell
-          size at which it is greatest, within its range if it has one; * is an end of what was tried,
-          beyond which it may recommend any other.
-        defined: cell sizes at which the reading has a value, within its range if it has one, of all. lost:
-          what is lost there against the best, in percentage points. rank: Spearman's rank correlation of
-          reading and rate over the cell sizes.
-        Over all data sets: of how many curves the reading recommends a cell size, how often an end of what
-          was tried, the mean and the greatest of what is lost, and the mean rank correlation. as
-          configured: the cell size of the configuration.
-        Where false objects cannot be known the rate is the recall, which large cells that join everything
-          may raise.
+        best: the cell size with the highest rate, in m, and that rate in %. A reading recommends the cell
+          size with its greatest value, within its range if it has one. *: the least or greatest cell size
+          of the sweep, so the reading may recommend one beyond it.
+        defined: cell sizes at which the reading has a value, within its range if it has one/all cell sizes.
+          lost: best rate minus rate at the recommended size, in percentage points. rank: Spearman's rank
+          correlation of reading and rate.
+        Over all data sets: on how many curves the reading recommends a cell size, on how many of them the
+          least or greatest of the sweep, the mean and the greatest loss, and the mean rank correlation. as
+          configured: the configured cell size.
+        Where false objects cannot be counted, the rate is the recall; very large cells may raise it by
+          joining everything.
         ");
         let markdown = Markdown.text(&FitnessTable { verdicts: &verdicts });
         assert!(

@@ -109,8 +109,8 @@ mod tests {
         ────────────────────────────────────
           0.2    10    10    2    40      90
 
-        seen: pairs that are judged. sep: share of these that are separated. low, high: its 95 % interval
-          (Wilson). joined: share of these that one detection joins.
+        seen: judged pairs. sep: share of them that is separated. low, high: its 95 % interval (Wilson).
+          joined: share of them that one detection joins.
         Separated: apart.
         ");
     }

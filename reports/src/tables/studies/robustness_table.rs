@@ -175,10 +175,9 @@ mod tests {
                   95 % interval        25.0–62.5§  25.0–62.5§
 
         A note.
-        95 % interval: cluster bootstrap, 10000 resamples of seconds of the drives, which are fewer than 10:
-          how much scans of the same drives could vary, not other drives.
-        § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be
-          concluded from it.
+        95 % interval: cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10
+          drives: they cover other scans of the same drives, but not other drives.
+        § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
         insta::assert_snapshot!(Markdown.text(&table), @r"
         **F-rate in % under each condition (all simulated).**
@@ -192,8 +191,8 @@ mod tests {
         |  | 95 % interval |  |  | 25.0–62.5§ |  | 25.0–62.5§ |  |
 
         - A note.
-        - 95 % interval: cluster bootstrap, 10000 resamples of seconds of the drives, which are fewer than 10: how much scans of the same drives could vary, not other drives.
-        - § of fewer than 10 blocks: too few for the interval to be relied on, and for anything to be concluded from it.
+        - 95 % interval: cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10 drives: they cover other scans of the same drives, but not other drives.
+        - § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ");
     }
 
