@@ -69,7 +69,7 @@ def origin_in_words(row: dict[str, str]) -> str:
 
 
 FEW_BLOCKS = "§"
-ABOUT_FEW_BLOCKS = f"{FEW_BLOCKS} of fewer than ten blocks of scans: too few for the interval to be relied on."
+ABOUT_FEW_BLOCKS = f"{FEW_BLOCKS} from fewer than ten blocks of scans: too few for a reliable interval."
 
 
 def flagged(interval: str, row: dict[str, str]) -> str:

@@ -308,7 +308,7 @@ class Shown(unittest.TestCase):
         few = {f"table_{it}.csv": head + row.format("grid", "true") for it in ("objects", "vehicles")}
         text = shows.overall_rates([self.result(few)]).text
         self.assertIn("| objects | grid | 9 | 50.0 | 40.0 to 60.0§ | 50.0 | 50.0 | 12 |", text)
-        self.assertIn("§ of fewer than ten blocks", text)
+        self.assertIn("§ from fewer than ten blocks", text)
         many = {name: it.replace("true", "false") for name, it in few.items()}
         self.assertNotIn("§", shows.overall_rates([self.result(many)]).text)
 

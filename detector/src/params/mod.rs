@@ -239,7 +239,11 @@ mod tests {
             "max_gap_m = -0.1",
             "regrouping.max_gap_m = -0.1 is not within 0 to 100",
         );
-        check_refused("low_quantile = 0.25", "low_quantile = 1.1", "terrain.low_quantile = 1.1 is not within");
+        check_refused(
+            "low_quantile = 0.25",
+            "low_quantile = 1.1",
+            "terrain.low_quantile = 1.1 is not within",
+        );
         check_refused("cell_size_m = 0.6", "cell_size_m = nan", "grid.cell_size_m = NaN");
     }
 }

@@ -485,8 +485,7 @@ mod tests {
     fn a_data_set_without_entry_is_an_error() {
         let mut manifest = sample::manifest();
         manifest.datasets.remove(1);
-        let expected =
-            "the report has the data set \"kitti_tracking\", but the manifest does not";
+        let expected = "the report has the data set \"kitti_tracking\", but the manifest does not";
         check_refused(&sample::report(), &manifest, expected);
     }
 

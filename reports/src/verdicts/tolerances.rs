@@ -367,7 +367,11 @@ mod tests {
             "[[quality]] 2: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
         );
         check_refused("\"f_rate\"", "\"latency_p50_ms\"", "changes with every run; check times with [speed]");
-        check_refused("\"f_rate\"", "\"time_over_reference\"", "changes with every run; check times with [speed]");
+        check_refused(
+            "\"f_rate\"",
+            "\"time_over_reference\"",
+            "changes with every run; check times with [speed]",
+        );
         check_refused("\"f_rate\"", "\"no\"", "has no direction that is better");
         check_refused("\"f_rate\"", "\"ap_r40\"", "has no interval");
         check_refused(
