@@ -283,6 +283,17 @@ pub(crate) mod tests {
     /// TP, FO, and two readings.
     type Found = (u64, Option<u64>, Option<f64>, f64);
 
+    #[track_caller]
+    pub(crate) fn check_holds(svg: &str, parts: &[&str]) {
+        for part in parts {
+            assert!(svg.contains(part), "no {part} in {svg}");
+        }
+    }
+
+    pub(crate) fn street() -> Extent {
+        Extent::Dataset("street".to_owned())
+    }
+
     /// A sweep of the cell size over 0.2, 0.4 and so on, with the numbers that were found of ten annotations and false, and
     /// with a printed fitness and a share at each.
     pub(crate) fn cell_sizes(found: &[Found]) -> SweepScores {

@@ -109,18 +109,7 @@ fn reading_unit(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::cell_sizes;
-
-    #[track_caller]
-    fn check_holds(svg: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
-    }
-
-    fn street() -> Extent {
-        Extent::Dataset("street".to_owned())
-    }
+    use crate::numbers::sweep_score::tests::{cell_sizes, check_holds, street};
 
     #[test]
     fn fitness_says_what_is_undefined_and_where_the_best_rate_is() {

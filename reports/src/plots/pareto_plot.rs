@@ -95,18 +95,7 @@ pub(crate) fn pareto_front(points: &[(f64, f64)]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::cell_sizes;
-
-    #[track_caller]
-    fn check_holds(svg: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
-    }
-
-    fn street() -> Extent {
-        Extent::Dataset("street".to_owned())
-    }
+    use crate::numbers::sweep_score::tests::{cell_sizes, check_holds, street};
 
     #[test]
     fn the_front_is_what_nothing_beats() {

@@ -82,18 +82,7 @@ impl PanelPlaces {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::cell_sizes;
-
-    #[track_caller]
-    fn check_holds(svg: &str, parts: &[&str]) {
-        for part in parts {
-            assert!(svg.contains(part), "no {part} in {svg}");
-        }
-    }
-
-    fn street() -> Extent {
-        Extent::Dataset("street".to_owned())
-    }
+    use crate::numbers::sweep_score::tests::{cell_sizes, check_holds, street};
 
     #[test]
     fn rates_have_units_and_the_best_is_named() {
