@@ -397,7 +397,7 @@ mod tests {
         check(&[(Car, 0..50)], &[], &lost, &[expected]);
         let partly = "car 0: detection 0 has 20 of its points; IoU 0.40 < 0.50; \
             30 classified as ground (50 points, 2 m)";
-        let fragment = "detection 0: a part of car 0, 20 of 50 points; IoU 0.40 < 0.50 \
+        let fragment = "detection 0: only a part of car 0, 20 of 50 points; IoU 0.40 < 0.50 \
             (vehicle -0.25, 20 points, 1 m)";
         check(&[(Car, 0..50)], &[(Vehicle, 0..20)], &[(Ground, 20..50)], &[partly, fragment]);
     }

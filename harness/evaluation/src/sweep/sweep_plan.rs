@@ -282,7 +282,7 @@ mod tests {
         );
         check_refused(&["cell_size_m=0.2:0.4:0.1", "cell_size_m=0.6"], &[], "is set twice");
         check_refused(&["cell_size_m=0.2:0.4:0.1"], &["grid.cell_size_m=1,2"], "is set twice");
-        check_refused(&["xi=1.0:2.0:0.5"], &[], "hierarchical.grid.xi is of type float, expected integer");
+        check_refused(&["xi=1.0:2.0:0.5"], &[], "hierarchical.grid.xi is of type float, but must be integer");
         check_refused(
             &["block_cells=3.0/cell_size_m"],
             &["xi=2,3"],

@@ -197,10 +197,10 @@ mod tests {
         check_range("a=0.2:2.0", "not START:STOP:STEP");
         check_range("a=1:2:3:4", "not START:STOP:STEP");
         check_range("a=1:2:0", "the step of 1:2:0 is 0");
-        check_range("a=2:1:0.1", "no step of 2:1:0.1");
-        check_range("a=1:2:-0.1", "no step of 1:2:-0.1");
+        check_range("a=2:1:0.1", "the step of 2:1:0.1 has the wrong sign");
+        check_range("a=1:2:-0.1", "the step of 1:2:-0.1 has the wrong sign");
         check_range("a=0:1:0.00001", "more than 10000 values");
-        check_range("a=0:1:1e-3", "neither TOML nor a word");
+        check_range("a=0:1:1e-3", "1e-3 is not a valid value");
         check_range("a=.5:1:0.1", "\".5\" in .5:1:0.1 is not a decimal number");
         check_range("a=--1:1:0.1", "\"--1\"");
         check_range("a", "expected NAME=START:STOP:STEP");
@@ -219,8 +219,11 @@ mod tests {
     fn a_length_over_a_swept_size_is_tied_to_it() {
         let tied = TiedValue { name: "cells".to_owned(), dividend: 7.2, divisor: "size_m".to_owned() };
         assert_eq!("cells=7.2/size_m".parse(), Ok(SweepOption::Tied(tied)));
-        check_refused::<SweepOption>("cells=-7.2/size_m", "no positive number");
-        check_refused::<SweepOption>("cells=7.2/", "no positive number");
+        check_refused::<SweepOption>(
+            "cells=-7.2/size_m",
+            "-7.2/size_m is not NUMBER/SWEPT, a positive number",
+        );
+        check_refused::<SweepOption>("cells=7.2/", "7.2/ is not NUMBER/SWEPT, a positive number");
     }
 
     #[test]

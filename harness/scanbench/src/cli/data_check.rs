@@ -33,12 +33,12 @@ pub struct HashArgs {
     /// Data sets: ids of the catalogue, or paths
     #[arg(value_name = "DATASET", required = true)]
     pub datasets: Vec<String>,
-    /// Write the checksums into the file of --catalogue
-    #[arg(long, help_heading = OUTPUT, requires = "catalogue")]
-    pub write: bool,
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,
+    /// Write the checksums into the file of --catalogue
+    #[arg(long, help_heading = OUTPUT, requires = "catalogue")]
+    pub write: bool,
 }
 
 const HASH_EXAMPLES: &str = "\

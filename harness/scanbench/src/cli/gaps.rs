@@ -11,15 +11,15 @@ use super::scans::sensor_help;
 #[derive(Debug, Args)]
 #[command(after_help = GAPS_EXAMPLES)]
 pub struct GapsArgs {
-    /// The detectors, in the order of tables and plots.
-    #[command(flatten)]
-    pub detectors: ExperimentArgs,
     /// Pairs of each kind, layout and range; each is simulated with every gap
     #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub pairs: u32,
     /// Sensor.
     #[arg(long, help_heading = DATA, value_name = "SENSOR", default_value = "hdl-64e-s2", help = sensor_help())]
     pub sensor: String,
+    /// The detectors, in the order of tables and plots.
+    #[command(flatten)]
+    pub detectors: ExperimentArgs,
     /// Where curves and plots are written.
     #[command(flatten)]
     pub output: OutputArgs,

@@ -10,12 +10,12 @@ use super::output::OutputArgs;
 #[derive(Debug, Args)]
 #[command(after_help = ROBUSTNESS_EXAMPLES)]
 pub struct RobustnessArgs {
-    /// The detectors, in the order of the table.
-    #[command(flatten)]
-    pub detectors: ExperimentArgs,
     /// Scans of each of the three kinds of street, under each condition
     #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub scans: u32,
+    /// The detectors, in the order of the table.
+    #[command(flatten)]
+    pub detectors: ExperimentArgs,
     /// Where the tables are written.
     #[command(flatten)]
     pub output: OutputArgs,

@@ -151,7 +151,8 @@ mod tests {
         );
         check(Some("0"), Err("\"drive\" has several scans \"0\", such as 0000/000000 and 0001/000000"));
         for id in ["8", "0001/7", "first", "", "/", "-1", "0000/"] {
-            let expected = format!("\"drive\" has no scan {id:?}: it has 3 from 0000/000000 to 0001/000000");
+            let expected =
+                format!("\"drive\" has no scan {id:?}: it has 3 scans from 0000/000000 to 0001/000000");
             check(Some(id), Err(&expected));
         }
     }

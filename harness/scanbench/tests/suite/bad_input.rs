@@ -147,11 +147,11 @@ fn a_detection_on_what_is_no_scan() {
             "detect street",
             "choose a scan of \"street\" with --scan: it has 3 scans from 0000/000000 to 0000/000002",
         ),
-        ("detect street --scan 3", "\"street\" has no scan \"3\": it has 3"),
+        ("detect street --scan 3", "\"street\" has no scan \"3\": it has 3 scans"),
         ("detect streets --scan 3", "\"streets\" is a group of data sets; choose one of street-main-road, "),
-        ("detect street --scan 1 --seed 3", "--seed is for simulated data sets"),
-        (&format!("detect {file} --scan 1"), "--scan is for data sets"),
-        (&format!("detect {file} --sensor vlp-16"), "--sensor is for simulated data sets"),
+        ("detect street --scan 1 --seed 3", "--seed is only for simulated data sets"),
+        (&format!("detect {file} --scan 1"), "--scan is only for data sets"),
+        (&format!("detect {file} --sensor vlp-16"), "--sensor is only for simulated data sets"),
     ] {
         it.check(arguments, 2, &[part]);
     }
@@ -262,7 +262,7 @@ fn an_unknown_data_set() {
     );
     it.check("run no/where -o out", 3, &["cannot read \"no/where\": No such file"]);
     // The last of several costs nothing either.
-    it.check("run street nowhere -o out", 2, &["\"nowhere\" is neither"]);
+    it.check("run street nowhere -o out", 2, &["there is no data set \"nowhere\""]);
 }
 
 #[test]
@@ -282,7 +282,7 @@ fn two_data_sets_of_the_same_name() {
 #[test]
 fn a_seed_for_what_is_not_simulated() {
     let it = Spoilt::drive();
-    it.check("run street --seed 7 -o out", 2, &["--seed is for simulated data sets"]);
+    it.check("run street --seed 7 -o out", 2, &["--seed is only for simulated data sets"]);
 }
 
 #[test]
@@ -305,7 +305,7 @@ fn a_selection_that_is_none() {
     it.check(
         "run street --scans 1..x -o out",
         2,
-        &["scan selection \"1..x\": \"x\" is not a number of a scan"],
+        &["scan selection \"1..x\": \"x\" is not the number of a scan"],
     );
     it.check("run street --scans 2..1 -o out", 2, &["scan selection \"2..1\": the range 2..1 is empty"]);
 }
@@ -332,7 +332,9 @@ fn check_config(lines: &str, parts: &[&str]) {
 fn a_configuration_with_an_unknown_key() {
     check_config(
         "# mine\n[hierarchical.grid]\ncel_size_m = 0.5\n",
-        &["\"mine.toml\", line 3: unknown parameter hierarchical.grid.cel_size_m; there are cell_size_m, "],
+        &[
+            "\"mine.toml\", line 3: unknown parameter hierarchical.grid.cel_size_m; parameters are cell_size_m, ",
+        ],
     );
 }
 
@@ -340,7 +342,7 @@ fn a_configuration_with_an_unknown_key() {
 fn a_configuration_with_a_value_of_the_wrong_type() {
     check_config(
         "kd_tree.tolerance_m = \"far\"\n",
-        &["\"mine.toml\", line 1: kd_tree.tolerance_m is of type string, expected float"],
+        &["\"mine.toml\", line 1: kd_tree.tolerance_m is of type string, but must be float"],
     );
     check_config(
         "[hierarchical.grid]\nxi = -3\n",
@@ -367,20 +369,20 @@ fn a_parameter_of_another_name_type_or_range() {
     for (arguments, parts) in [
         (
             "run street -P tolerence_m=1 -o out",
-            ["-P tolerence_m=1: unknown", "near it are kd_tree.tolerance_m"],
+            ["-P tolerence_m=1: unknown", "did you mean kd_tree.tolerance_m?"],
         ),
         (
             "run street -P cell_size_m=1 -o out",
-            ["may be hierarchical.grid.cell_size_m, ", "pca.grid.cell_size_m"],
+            ["is ambiguous; write one of hierarchical.grid.cell_size_m, ", "pca.grid.cell_size_m"],
         ),
         (
             "run street -P tolerance_m=far -o out",
-            ["-P tolerance_m=far: kd_tree.tolerance_m is", "expected float"],
+            ["-P tolerance_m=far: kd_tree.tolerance_m is", "but must be float"],
         ),
         ("run street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is not within 1 to 8"]),
         (
             "run street -P low_quantile=1.1 -o out",
-            ["hierarchical.terrain.low_quantile = 1.1 is", "of 0 to 1"],
+            ["hierarchical.terrain.low_quantile = 1.1 is", "not within 0 to 1"],
         ),
         ("ablation street -P xi=9 -o out", ["-P xi=9: hierarchical.grid.xi = 9", "is not within 1 to 8"]),
     ] {
@@ -408,7 +410,7 @@ fn a_run_directory_that_exists() {
     let it = Spoilt::drive();
     it.workplace.succeed(&["run", "street", "-d", "pca", "-o", "out"]);
     let report = it.workplace.read("out/report.json");
-    it.check("run street -d pca -o out", 2, &["\"out\" exists; ", "replaced with --overwrite"]);
+    it.check("run street -d pca -o out", 2, &["\"out\" exists; ", "or replace it with --overwrite"]);
     assert_eq!(it.workplace.read("out/report.json"), report);
 }
 
@@ -418,7 +420,7 @@ fn what_is_no_run_is_not_overwritten() {
     it.check(
         "run street -d pca --overwrite -o street",
         2,
-        &["\"street\" exists and is not the directory of a run"],
+        &["\"street\" exists, but is not the directory of a run"],
     );
 }
 

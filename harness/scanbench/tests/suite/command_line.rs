@@ -182,7 +182,7 @@ fn wrong_usage_is_named_on_stderr() {
         ("run --no-such-flag", "unexpected argument '--no-such-flag'"),
         ("run -P tolerance_m", "invalid value 'tolerance_m' for '--param <NAME=VALUE>': expected NAME=VALUE"),
         ("run -P tolerance_m=1.2.3", "1.2.3 is not a valid value"),
-        ("detect a.bin --sensor-height=-1", "outside of 0 to 100 m"),
+        ("detect a.bin --sensor-height=-1", "not within 0 to 100 m"),
         ("detect a.bin --repeat 0", "0 is not in 1..=100000"),
         ("completions ksh", "possible values: bash"),
     ] {

@@ -118,7 +118,12 @@ fn check_refused(workplace: &Workplace, arguments: &[&str], exit_code: i32, part
 fn what_cannot_be_fitted_leaves_nothing() {
     let (workplace, drawn) = drive();
     check_refused(&workplace, &["nowhere"], 2, "nowhere");
-    check_refused(&workplace, &["street", "street-narrow", "--sensor", "vlp-16"], 2, "of hdl-64e-s2, vlp-16");
+    check_refused(
+        &workplace,
+        &["street", "street-narrow", "--sensor", "vlp-16"],
+        2,
+        "of several sensors (hdl-64e-s2, vlp-16)",
+    );
     check_refused(&workplace, &["street", "-o", "missing/density.toml"], 2, "missing/density.toml");
     drawn.change("training/velodyne/0000/000001.bin", |bytes| bytes.truncate(100));
     check_refused(&workplace, &["street", "--figures", "out"], 3, "000001.bin");
@@ -126,7 +131,7 @@ fn what_cannot_be_fitted_leaves_nothing() {
         let five_metres_ahead = [5.0_f32, 0.0, 0.0, 0.5].map(f32::to_le_bytes).concat();
         drawn.write(&format!("training/velodyne/0000/{scan:06}.bin"), five_metres_ahead.repeat(30));
     }
-    check_refused(&workplace, &["street", "--figures", "out"], 4, "only 1 of 79 rings hold 20 points");
+    check_refused(&workplace, &["street", "--figures", "out"], 4, "only 1 of 79 rings have 20 points");
 }
 
 #[test]

@@ -111,7 +111,10 @@ fn a_sweep_ends_soon_and_keeps_what_is_done() {
         &["-INT"],
     );
     assert!(time < SOON && ended.exit_code == Some(130), "{time:?}, {ended:#?}");
-    assert!(ended.stderr.contains("the same command, with -o out, goes on"), "{ended:#?}");
+    assert!(
+        ended.stderr.contains("Results are kept: to continue, give the same command with -o out"),
+        "{ended:#?}"
+    );
     assert_eq!(workplace.top_names(), ["dense", "out.unfinished"]);
 }
 

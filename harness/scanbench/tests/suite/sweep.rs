@@ -176,7 +176,11 @@ fn ctrl_c_keeps_what_is_done_and_says_so() {
     assert!(sent.is_ok_and(|it| it.success()));
     let ended = Ended::from(child.wait_with_output().expect("it ends"));
     assert_eq!(ended.exit_code, Some(130), "{ended:?}");
-    assert!(ended.stderr.contains("the same command, with -o out, goes on"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("Results are kept: to continue, give the same command with -o out"),
+        "{}",
+        ended.stderr
+    );
     assert!(ended.stderr.contains("error: interrupted after ") && ended.stderr.contains(" of 24 results"));
     assert_eq!(broken.top_names(), ["out.unfinished"]);
     whole.succeed(&arguments);

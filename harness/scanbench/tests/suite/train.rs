@@ -211,7 +211,7 @@ fn other_data_may_be_judged_by_and_other_clusters_described() {
         &workplace,
         &["streets", "--scans", "0..2", "--held-out", "street-narrow", "-o", "m"],
         2,
-        "to be trained on and to judge by",
+        "is both in the training data and in --held-out",
     );
     check_refused(&workplace, &["streets", "--held-out", "nowhere", "-o", "m"], 2, "nowhere");
     check_refused(

@@ -73,8 +73,8 @@ fn scans_that_would_not_be_the_same_are_not_recorded() {
     let workplace = small_run();
     let manifest = workplace.read("run/manifest.json");
     for (from, to, message) in [
-        ("\"simulator_version\": ", "\"simulator_version\": 9", "are not those of the run"),
-        ("\"cell_size_m\": 0.6", "\"cell_size_m\": 0.7", "the parameters are not those of the run"),
+        ("\"simulator_version\": ", "\"simulator_version\": 9", "differ from those of the run"),
+        ("\"cell_size_m\": 0.6", "\"cell_size_m\": 0.7", "the parameters differ from those of the run"),
     ] {
         assert!(manifest.contains(from), "{manifest}");
         workplace.write("run/manifest.json", &manifest.replace(from, to));

@@ -311,7 +311,7 @@ mod tests {
         let report = CheckReport::of(&description(), &scans()).to_string();
         for line in [
             "scans               4 of 1 drive",
-            "points              400, 100 to 100 a scan",
+            "points              400, 100 to 100 per scan",
             "no position         20 of 400 (5.0 %)",
             "annotations         12: 12 car",
             "points in boxes     30 in the median box nearer than 40 m; 4 of 12 (33.3 %) are empty",
@@ -327,13 +327,18 @@ mod tests {
         let empty = |it: &mut CheckedScan| facts(it).annotations[1].n_points = 0;
         check(
             empty,
-            Some("8 of 12 boxes nearer than 40 m hold no point: labels and scans are not in the same frame"),
+            Some(
+                "8 of 12 boxes nearer than 40 m contain no point: the labels and scans may differ in frame or time",
+            ),
         );
     }
 
     #[test]
     fn ground_at_another_height_tells_of_a_wrong_origin() {
-        check(|it| facts(it).ground_z_m = Some(-0.3), Some("z = -0.30 m, a sensor 1.7 m above the road"));
+        check(
+            |it| facts(it).ground_z_m = Some(-0.3),
+            Some("z = -0.30 m, but expected at -1.70 m, because the sensor is 1.7 m above the road"),
+        );
     }
 
     #[test]

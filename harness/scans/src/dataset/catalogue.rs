@@ -436,7 +436,7 @@ url = "https://example.org"
         check_refused("\"0003\"", "\"../0003\"", 5, "\"../0003\" is not the name of a folder");
         check_refused("\"0003\"", "\"/etc\"", 5, "\"/etc\" is not the name of a folder");
         check_refused("\"0003\"", "\"\"", 5, "\"\" is not the name of a folder");
-        check_refused("my-drive", "\"../drive\"", 2, "\"../drive\" is no id");
+        check_refused("my-drive", "\"../drive\"", 2, "\"../drive\" is not an id");
         check_refused("licence = \"mine\"", "licence = \"mine", 8, "");
     }
 
@@ -466,8 +466,8 @@ url = "https://example.org"
             assert!(message.starts_with("my.toml, line 12: ") && message.contains(problem), "{message}");
         };
         refused("mine = [\"your-drive\"]", "no data set \"your-drive\"");
-        refused("mine = []", "\"mine\" is empty");
-        refused("my-drive = [\"my-drive\"]", "a data set already");
+        refused("mine = []", "the group \"mine\" is empty");
+        refused("my-drive = [\"my-drive\"]", "or a data set has this id");
     }
 
     #[test]

@@ -126,7 +126,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(DataSheet::in_folder(folder.path()).unwrap(), None);
         for (from, to, problem) in [
-            ("1.8", "-1.8", "a sensor is above the road"),
+            ("1.8", "-1.8", "sensor_height_m is -1.8, but must be greater than 0"),
             ("1.8", "\"high\"", "invalid type"),
             ("\"sensor\"", "\"sensors\"", "unknown field `sensors`"),
             ("vlp-16", "vlp\\u001b[31m", "\"vlp\\u{1b}[31m\" has a control character"),

@@ -130,7 +130,7 @@ mod tests {
         let files = ["s/sequences/00/velodyne/000000.bin", "s/sequences/00/labels/000000.label"];
         check(&files, "s", Ok((DatasetFormat::SemanticKitti, "s")));
         check(&files, "", Ok((DatasetFormat::SemanticKitti, "s")));
-        check(&files, "s/sequences", Err("holds no data set"));
+        check(&files, "s/sequences", Err("has no data set"));
     }
 
     #[test]
@@ -143,7 +143,7 @@ mod tests {
         let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
         check(&tables, "n", Ok((DatasetFormat::NuScenes, "n")));
         check(&tables, "n/v1.0-mini", Ok((DatasetFormat::NuScenes, "n/v1.0-mini")));
-        check(&tables[1..], "n/v1.0-mini", Err("holds no data set"));
+        check(&tables[1..], "n/v1.0-mini", Err("has no data set"));
         let tool = ["s/lidar/000000.pcd", "s/label/000000.json"];
         check(&tool, "s", Ok((DatasetFormat::ScanFolder, "s")));
     }
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_folder_that_fits_two_formats_is_not_guessed() {
-        check(&["label_2/000000.txt", "label_02/0000.txt"], "", Err("holds several data sets"));
+        check(&["label_2/000000.txt", "label_02/0000.txt"], "", Err("has several data sets"));
     }
 
     #[test]

@@ -274,12 +274,12 @@ mod tests {
             &xyz(2, 1, 24, &[0; 23]),
             "announces 1 x 2 points of 12 bytes, 24 per row, but has 23 bytes",
         );
-        check_refused(&xyz(2, 2, 12, &[0; 48]), "12 a row");
+        check_refused(&xyz(2, 2, 12, &[0; 48]), "12 per row");
         check_refused(&xyz(usize::MAX, 2, 24, &[0; 24]), "announces");
         check_refused(&xyz(4_294_967_295, 1, 0, &[0; 24]), "announces 1 x 4294967295");
         let mut without_y = xyz(2, 1, 24, &[0; 24]);
         without_y.fields.remove(1);
-        check_refused(&without_y, "without y, only x, z");
+        check_refused(&without_y, "without y; they have x, z");
         let mut beyond = xyz(2, 1, 24, &[0; 24]);
         beyond.fields[2].offset = usize::MAX;
         check_refused(&beyond, "field \"z\" that ends beyond the 12 bytes of a point");

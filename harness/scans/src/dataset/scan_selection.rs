@@ -123,15 +123,15 @@ mod tests {
 
     #[test]
     fn what_is_not_understood_is_named() {
-        check("", Err(r#""" is not a number of a scan"#));
-        check("1,", Err(r#""" is not a number of a scan"#));
-        check("5..", Err(r#""" is not a number of a scan"#));
-        check("-1", Err(r#""-1" is not a number of a scan"#));
-        check("1..2..3", Err(r#""2..3" is not a number of a scan"#));
-        check("1:2", Err(r#""1:2" is not a number of a scan"#));
+        check("", Err(r#""" is not the number of a scan"#));
+        check("1,", Err(r#""" is not the number of a scan"#));
+        check("5..", Err(r#""" is not the number of a scan"#));
+        check("-1", Err(r#""-1" is not the number of a scan"#));
+        check("1..2..3", Err(r#""2..3" is not the number of a scan"#));
+        check("1:2", Err(r#""1:2" is not the number of a scan"#));
         check("5..5", Err("the range 5..5 is empty"));
         check("9..5", Err("the range 9..5 is empty"));
-        check("1..5:0", Err("a step of 0"));
+        check("1..5:0", Err("the step must not be 0"));
     }
 
     proptest! {

@@ -202,7 +202,7 @@ mod tests {
         check_refused(
             &["cluster.min_points=7"],
             &ALL,
-            "-P cluster.min_points=7: cluster.min_points may be hierarchical.cluster.min_points, \
+            "-P cluster.min_points=7: cluster.min_points is ambiguous; write one of hierarchical.cluster.min_points, \
              pca.cluster.min_points",
         );
     }
@@ -212,7 +212,7 @@ mod tests {
         check_refused(
             &["tolerence_m=1"],
             &["kd_tree"],
-            "-P tolerence_m=1: unknown parameter tolerence_m; near it are kd_tree.tolerance_m",
+            "-P tolerence_m=1: unknown parameter tolerence_m; did you mean kd_tree.tolerance_m?",
         );
         check_refused(
             &["tolerance_m=1"],
@@ -222,7 +222,7 @@ mod tests {
         check_refused(
             &["colour=red"],
             &["kd_tree"],
-            "-P colour=red: unknown parameter colour; there are kd_tree.foreground, kd_tree.max_points, \
+            "-P colour=red: unknown parameter colour; parameters are kd_tree.foreground, kd_tree.max_points, \
              kd_tree.min_points, kd_tree.tolerance_m",
         );
         check_refused(
@@ -237,7 +237,7 @@ mod tests {
         check_refused(
             &["hierarchical.grid.xi=3", "tolerance_m=far"],
             &ALL,
-            "-P tolerance_m=far: kd_tree.tolerance_m is of type string, expected float",
+            "-P tolerance_m=far: kd_tree.tolerance_m is of type string, but must be float",
         );
         check_refused(
             &["hierarchical.grid.xi=3", "tolerance_m=0.001"],

@@ -285,11 +285,11 @@ mod tests {
         );
         check_refused(
             "[hirarchical]",
-            "line 1: unknown parameter hirarchical; there are hierarchical, kd_tree, matching, pca, vehicle_model",
+            "line 1: unknown parameter hirarchical; parameters are hierarchical, kd_tree, matching, pca, vehicle_model",
         );
         check_refused(
             "[kd_tree]\ntolerance_m = \"far\"",
-            "line 2: kd_tree.tolerance_m is of type string, expected float",
+            "line 2: kd_tree.tolerance_m is of type string, but must be float",
         );
     }
 
@@ -336,9 +336,9 @@ mod tests {
         );
         check_refused(
             "[classes]\nforklift = 3",
-            "line 2: classes.forklift is of type integer, expected string",
+            "line 2: classes.forklift is of type integer, but must be string",
         );
-        check_refused("classes = 3", "line 1: classes is of type integer, expected table");
+        check_refused("classes = 3", "line 1: classes is of type integer, but must be table");
     }
 
     #[test]

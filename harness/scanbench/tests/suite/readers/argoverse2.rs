@@ -88,13 +88,17 @@ fn write_unless_empty(path: &Path, bytes: &[u8]) {
 fn what_is_missing_or_damaged_is_named() {
     let sweep = "sensors/lidar/1000.feather";
     check(sweep, |bytes| bytes.truncate(500), &["1000.feather", "is cut off"]);
-    check(sweep, |bytes| bytes.truncate(1), &["1000.feather", "is no Feather file"]);
+    check(sweep, |bytes| bytes.truncate(1), &["1000.feather", "is not a Feather file"]);
     let length = |bytes: &mut Vec<u8>| {
         let at = bytes.len() - 10;
         bytes[at..at + 4].copy_from_slice(&i32::MAX.to_le_bytes());
     };
     check(sweep, length, &["1000.feather", "footer that is longer than the file"]);
     check("annotations.feather", Vec::clear, &["annotations.feather", "does not exist"]);
-    check("annotations.feather", |bytes| bytes.truncate(9), &["annotations.feather", "is no Feather file"]);
+    check(
+        "annotations.feather",
+        |bytes| bytes.truncate(9),
+        &["annotations.feather", "is not a Feather file"],
+    );
     check("calibration/egovehicle_SE3_sensor.feather", |bytes| bytes.truncate(9), &["SE3_sensor.feather"]);
 }

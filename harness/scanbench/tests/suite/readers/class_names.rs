@@ -93,7 +93,10 @@ fn unknown_names_are_listed_at_once_and_mapped_in_every_format() {
         // One of the two is not enough, and both are still said where both are missing.
         let ended = workplace.run(&["data", "check", data, "--class", "fork lift=truck"]);
         assert_eq!(ended.exit_code, Some(2), "{data}: {ended:#?}");
-        assert!(ended.stderr.contains("1 classes") && !ended.stderr.contains("fork"), "{data}: {ended:#?}");
+        assert!(
+            ended.stderr.contains("have 1 unknown classes:") && !ended.stderr.contains("fork"),
+            "{data}: {ended:#?}"
+        );
     }
 }
 
@@ -183,11 +186,11 @@ fn mistakes_in_the_mapping_are_usage() {
     DrawnDataset::tracking(workplace.folder(), 1);
     workplace.write("mine.toml", "[classes]\nforklift = \"mics\"\n");
     for (arguments, parts) in [
-        (&["data", "check", "street", "--class", "forklift=mics"][..], ["\"mics\" is no class", "misc"]),
+        (&["data", "check", "street", "--class", "forklift=mics"][..], ["\"mics\" is not a class", "misc"]),
         (&["data", "check", "street", "--class", "forklift"], ["NAME=CLASS", "forklift"]),
         (
             &["run", "street", "-c", "mine.toml", "--no-rrd"],
-            ["line 2: classes.forklift", "\"mics\" is no class"],
+            ["line 2: classes.forklift", "\"mics\" is not a class"],
         ),
     ] {
         let ended = workplace.run(arguments);

@@ -81,8 +81,8 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
         assert!(ended.stderr.contains(part), "{ended:#?}");
         assert_eq!(workplace.top_names(), ["there.mcap"]);
     };
-    refused(&["-o", "there.mcap"], 2, "exists already");
-    refused(&["-o", "out"], 2, "say by --to in which format");
+    refused(&["-o", "there.mcap"], 2, "\"there.mcap\" exists; choose another name or remove it");
+    refused(&["-o", "out"], 2, "choose the format with --to");
     refused(&["-o", "nowhere/out.mcap"], 1, "nowhere");
     refused(&["-o", "nowhere/out", "--to", "kitti-object"], 1, "nowhere");
     assert_eq!(workplace.read("there.mcap"), "already");
@@ -100,7 +100,7 @@ fn sound_data_are_checked_without_a_warning() {
         assert!(ended.stdout.contains(expected), "{}", ended.stdout);
         // A part of a drive has labels of the other scans.
         let mut warnings = ended.stdout.lines().filter(|it| it.starts_with("WARNING"));
-        assert!(warnings.all(|it| it.contains("of 114 scans that are not there")), "{}", ended.stdout);
+        assert!(warnings.all(|it| it.contains("labels of 114 missing scans")), "{}", ended.stdout);
     }
 }
 
@@ -120,7 +120,10 @@ fn what_is_wrong_with_data_is_said() {
     let original = workplace.read(&format!("street/{calibration}"));
     drawn.write(calibration, &turned);
     let ended = check();
-    assert!(ended.stdout.contains("hold no point: labels and scans are not in the same frame"), "{ended:#?}");
+    assert!(
+        ended.stdout.contains("contain no point: the labels and scans may differ in frame or time"),
+        "{ended:#?}"
+    );
     drawn.write(calibration, &original);
 
     drawn.remove("training/velodyne/0000/000001.bin");

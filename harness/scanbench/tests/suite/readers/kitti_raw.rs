@@ -68,12 +68,16 @@ fn damage_is_named() {
         "2011-09-26 13:02:25.9\n",
         &["timestamps.txt", "has 1 lines"],
     );
-    check(&drive("velodyne_points/timestamps.txt"), "soon\n", &["line 1", "\"soon\" is no time"]);
+    check(&drive("velodyne_points/timestamps.txt"), "soon\n", &["line 1", "\"soon\" is not a time"]);
     check(&drive("velodyne_points/data/0000000001.bin"), "12345", &["0000000001.bin", "5 bytes"]);
     check(&drive("velodyne_points/data/1.bin"), "", &["1.bin", "ten digits"]);
     check(&drive("tracklet_labels.xml"), "<boost_serialization>", &["tracklet_labels.xml", "cut off"]);
     check("2011_09_26/calib_velo_to_cam.txt", "R: 1 0 0\n", &["calib_velo_to_cam.txt", "no line R"]);
-    check(&drive("oxts/data/0000000000.txt"), "91 0 0 0 0 0", &["0000000000.txt", "on no map"]);
+    check(
+        &drive("oxts/data/0000000000.txt"),
+        "91 0 0 0 0 0",
+        &["0000000000.txt", "latitude 91 and longitude 0 do not exist"],
+    );
     let workplace = Workplace::new();
     kitti_raw(workplace.folder(), &*street(1));
     std::fs::remove_file(workplace.path("2011_09_26/calib_cam_to_cam.txt")).unwrap();

@@ -202,7 +202,10 @@ fn labels_of_scans_that_are_not_there_are_said() {
     drawn.remove("training/velodyne/0000/000003.bin");
     check_labels_without_scan(&*open(&drawn.root), 2, "0000/000001");
     let ended = workplace.succeed(&["data", "check", "street"]);
-    assert!(ended.stdout.contains("WARNING") && ended.stdout.contains("labels of 2 scans"), "{ended:#?}");
+    assert!(
+        ended.stdout.contains("WARNING") && ended.stdout.contains("labels of 2 missing scans"),
+        "{ended:#?}"
+    );
     // Of a part of the scans, the others' labels are none that are missing.
     let ended = workplace.succeed(&["data", "check", "street", "--scans", "0"]);
     assert!(!ended.stdout.contains("labels of"), "{ended:#?}");

@@ -74,9 +74,9 @@ fn damage_and_files_elsewhere_are_named() {
     check("sample_data", "samples/LIDAR_TOP", "../LIDAR_TOP", &["sample_data.json", "not below its folder"]);
     check("sample_data", "samples/LIDAR_TOP", "/etc", &["\"/etc/0.pcd.bin\"", "not below its folder"]);
     check("ego_pose", "\"00000008", "\"00000009", &["sample_data.json", "not in ego_pose.json"]);
-    check("instance", "\"0000000a", "\"0000000b", &["sample_annotation.json", "no instance"]);
+    check("instance", "\"0000000a", "\"0000000b", &["sample_annotation.json", "has the unknown instance"]);
     check("category", "\"token\"", "\"tokens\"", &["category.json", "missing field `token`"]);
-    check("scene", "[", "{", &["scene.json", "is no table"]);
+    check("scene", "[", "{", &["scene.json", "is not a table"]);
     let workplace = Workplace::new();
     nuscenes(workplace.folder(), &*street(1));
     std::fs::remove_file(workplace.path("v1.0-mini/visibility.json")).unwrap();

@@ -106,5 +106,5 @@ fn sure_ones_alone_are_fewer() {
     assert!(n_boxes("labelcloud") < n_boxes("kitti"));
     let again = workplace.run(&["data", "prelabel", STREET[0], "-o", "kitti", "--to", "kitti"]);
     assert_eq!(again.exit_code, Some(2), "{again:#?}");
-    assert!(again.stderr.contains("exists already"), "{again:#?}");
+    assert!(again.stderr.contains("\"kitti\" exists; choose another name or remove it"), "{again:#?}");
 }

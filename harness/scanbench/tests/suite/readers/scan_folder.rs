@@ -71,7 +71,7 @@ fn what_is_missing_or_damaged_is_named() {
     check("labels/b.json", None, &["b.npy", "b.json", "do not exist"]);
     check("labels/b.json", Some("[{}]"), &["b.json", "is not a list of boxes"]);
     check("labels/b.json", Some(&BOXES.replace("1.5", "0")), &["b.json", "has the box"]);
-    check("b.npy", Some(""), &["b.npy", "is no .npy file"]);
+    check("b.npy", Some(""), &["b.npy", "is not an .npy file"]);
     check("c.pcd", Some(&PCD.replace("POINTS 2", "POINTS 3")), &["c.pcd", "announces 3 points but has 2"]);
     check("d.ply", Some(&PLY[..40]), &["d.ply", "header without end"]);
     check("d.ply", Some(&PLY.replace("vertex 2", "vertex 0")), &["d.ply", "has no points"]);

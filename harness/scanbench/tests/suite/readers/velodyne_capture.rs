@@ -102,11 +102,11 @@ fn damage_is_named_or_skipped() {
     check_damaged(&path, &["azimuth of 40000"]);
     assert!(skipping().left_out().unwrap().contains("azimuth of 40000"));
     write(&path, pcap(&turns(1, [0x37, 0x28])));
-    check_damaged(&path, &["not known, 0x28"]);
+    check_damaged(&path, &["packets of an unknown sensor, 0x28"]);
     let mut huge = bytes;
     huge[24 + 8..24 + 12].fill(0xff);
     write(&path, huge);
     check_damaged(&path, &["packet of 4294967295 bytes at byte 24"]);
     write(&path, pcap(&[vec![0; 500]]));
-    check_damaged(&path, &["holds no data packets"]);
+    check_damaged(&path, &["has no data packets"]);
 }

@@ -299,16 +299,19 @@ mod tests {
     fn what_is_damaged_is_named() {
         check_refused("", "has no tracklets");
         check_refused(&file("", ""), "announces 1 objects but has 0");
-        check_refused(&file("", &object().replace("<count>2", "<count>3")), "whose 2 poses");
+        check_refused(
+            &file("", &object().replace("<count>2", "<count>3")),
+            "with 2 poses, which is not the number announced",
+        );
         check_refused(&file("", &object().replace("<h>2</h>", "")), "without h, w or l");
         check_refused(&file("", &object().replace("<h>2", "<h>-2")), "side of 0 m or less");
-        check_refused(&file("", &object().replace("<l>4.5", "<l>4,5")), "\"4,5\" where a number");
+        check_refused(&file("", &object().replace("<l>4.5", "<l>4,5")), "\"4,5\" instead of a number");
         check_refused(&file("", &object().replace("<tz>-1.7</tz>", "")), "without tx, ty or tz");
         check_refused(
             &file("", &object().replace("<first_frame>7", "<first_frame>4294967295")),
             "without an end",
         );
         check_refused(&file("", &object())[..400], "");
-        check_refused(&file("", &"<item>".repeat(40)), "beyond 16");
+        check_refused(&file("", &"<item>".repeat(40)), "nested deeper than 16");
     }
 }

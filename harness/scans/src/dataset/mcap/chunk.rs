@@ -99,7 +99,7 @@ mod tests {
         let compressed = zstd::encode_all(&[7; 1000][..], 0).unwrap();
         check_refused(&header("zstd", 999), &compressed, "of at least 1000 bytes that should have 999");
         check_refused(&header("zstd", 1001), &compressed, "of at least 1000 bytes that should have 1001");
-        check_refused(&header("", 4), &[0; 5], "of 5 bytes");
+        check_refused(&header("", 4), &[0; 5], "of at least 5 bytes that should have 4");
         check_refused(&header("zstd", u64::MAX), &compressed, "claims to be 18446744073709551615");
         check_refused(&header("lz4", 1000), &compressed, "does not decompress");
         check_refused(&header("rar", 1000), &compressed, "\"rar\"");

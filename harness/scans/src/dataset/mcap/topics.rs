@@ -249,7 +249,10 @@ mod tests {
         for choice in [choice, TopicChoice::default()] {
             let error = choose_channels(Path::new("a.mcap"), &index, &choice).expect_err("two kinds");
             let message = error.to_string();
-            assert!(message.contains("several kinds on the topic \"/top\": /top (sensor_msgs"), "{message}");
+            assert!(
+                message.contains("several types of messages on the topic \"/top\": /top (sensor_msgs"),
+                "{message}"
+            );
         }
     }
 
@@ -278,18 +281,22 @@ mod tests {
         check(
             &[TOP, REAR],
             [None, None],
-            Err("name one by --topic: /rear (foxglove.PointCloud, 0 messages), /top"),
+            Err("choose one with --topic: /rear (foxglove.PointCloud, 0 messages), /top"),
         );
         check(&[TOP, REAR], [Some("/rear"), None], Ok(("/rear", None)));
         check(&[TOP, LABELS, TRACKS], [None, None], Ok(("/top", Some(ANNOTATION_TOPIC))));
         check(&[TOP, LABELS, TRACKS], [None, Some("/tracks")], Ok(("/top", Some("/tracks"))));
         let other = ("/other", SCENE_UPDATE, "json");
-        check(&[TOP, other, TRACKS], [None, None], Err("--annotation-topic: /other"));
+        check(
+            &[TOP, other, TRACKS],
+            [None, None],
+            Err("choose that of the annotations with --annotation-topic: /other"),
+        );
     }
 
     #[test]
     fn what_is_not_there_is_refused_with_what_is() {
-        check(&[TOP], [Some("/topp"), None], Err("no clouds on the topic \"/topp\": /top ("));
+        check(&[TOP], [Some("/topp"), None], Err("no point clouds on the topic \"/topp\": /top ("));
         check(&[TOP, LABELS], [None, Some("/x")], Err("no annotations on the topic \"/x\": /annotations ("));
         check(
             &[("/imu", "sensor_msgs/msg/Imu", "cdr")],

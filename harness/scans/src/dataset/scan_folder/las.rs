@@ -377,8 +377,11 @@ mod tests {
         refused(&|it| it[107..111].fill(0xff), "announces 4294967295 points");
         refused(&|it| it[96..100].fill(0xff), "from byte 4294967295 on");
         refused(&|it| it[105] = 4, "points of 4");
-        refused(&|it| it[131..139].copy_from_slice(&f64::NAN.to_le_bytes()), "beyond all measure");
-        refused(&|it| it[104] = COMPRESSED, "does not say how");
+        refused(
+            &|it| it[131..139].copy_from_slice(&f64::NAN.to_le_bytes()),
+            "a coordinate that is too large",
+        );
+        refused(&|it| it[104] = COMPRESSED, "no record of the compression");
         // The extent in the header is less than that of the points.
         let far = |it: &mut Vec<u8>| it[227 + 24..227 + 28].copy_from_slice(&1_200_000_i32.to_le_bytes());
         refused(&far, "has point 1 at y = 12000.000 m, beyond 10000 m from the origin");

@@ -132,9 +132,9 @@ mod tests {
         check("{'descr': '<i4', 'fortran_order': False, 'shape': (4, 3)}", "\"<i4\"; allowed are f4 and f8");
         check("{'descr': '<f4', 'fortran_order': False, 'shape': (12,)}", "not points by columns");
         check("{'descr': '<f4', 'fortran_order': False, 'shape': (6, 2)}", "too few");
-        check("{'descr': '<f4', 'fortran_order': False, 'shape': (5, 3)}", "holds 48 bytes");
-        check("{'descr': '<f4', 'fortran_order': True, 'shape': (4294967295, 3)}", "holds 48 bytes");
-        check("{'descr': '<f4', 'shape': (4, 3)}", "fortran_order is \"\"");
+        check("{'descr': '<f4', 'fortran_order': False, 'shape': (5, 3)}", "but has 48 bytes");
+        check("{'descr': '<f4', 'fortran_order': True, 'shape': (4294967295, 3)}", "but has 48 bytes");
+        check("{'descr': '<f4', 'shape': (4, 3)}", "has the fortran_order \"\"");
         check("", "type \"\"");
         assert!(parse_npy(b"\x93NUMPY\x01\x00\xff").is_err() && parse_npy(b"").is_err());
     }

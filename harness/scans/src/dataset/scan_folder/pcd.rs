@@ -308,7 +308,7 @@ mod tests {
         );
         check_refused(
             &[format!("{HEADER}DATA binary\n").as_bytes(), &rows()[1..]].concat(),
-            "holds 41 bytes",
+            "but has 41 bytes",
         );
         check_refused(format!("{HEADER}DATA zip\n").as_bytes(), "\"zip\"");
         for data in ["ascii", "binary", "binary_compressed"] {
@@ -327,7 +327,7 @@ mod tests {
         check_refused(format!("{claim}DATA ascii\n").as_bytes(), "announces 4294967295 points but has 0");
         check_refused(
             format!("{}DATA binary\n", HEADER.replace("SIZE 4 8", "SIZE 4")).as_bytes(),
-            "5 fields, 4 sizes",
+            "5 fields, but 4 sizes",
         );
         let without_x = format!("{}DATA binary\n", HEADER.replace("y x", "y w"));
         check_refused(&[without_x.as_bytes(), &rows()].concat(), "without x");

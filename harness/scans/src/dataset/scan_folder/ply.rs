@@ -161,10 +161,10 @@ mod tests {
             let problem = parse_ply(bytes).expect_err("damaged");
             assert!(problem.contains(part), "{problem}");
         };
-        check(&[header("binary_little_endian").as_bytes(), &rows(|it| it)[1..]].concat(), "holds 33 bytes");
+        check(&[header("binary_little_endian").as_bytes(), &rows(|it| it)[1..]].concat(), "but has 33 bytes");
         check(&[header("ascii").as_bytes(), b"1 2 9 -3\n"].concat(), "announces 2 vertices but has 1");
         check(&[header("ascii").as_bytes(), b"1 2 9\n1 2 3 4"].concat(), "vertex 0 without its z");
-        check(b"plz", "begins otherwise");
+        check(b"plz", "is not a PLY file");
         check(b"ply\n", "header without end");
         let claim = header("binary_little_endian").replace("vertex 2", "vertex 4294967295");
         check(claim.as_bytes(), "announces 1 x 4294967295");

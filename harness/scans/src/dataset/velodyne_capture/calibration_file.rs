@@ -194,7 +194,7 @@ mod tests {
             assert!(problem.contains(part), "{problem}");
         };
         refused("", "has no lasers");
-        refused(&BLOCKS.replace("laser_id: 0", "laser_id: 1"), "two lasers 1");
+        refused(&BLOCKS.replace("laser_id: 0", "laser_id: 1"), "has the laser 1 twice");
         refused(&BLOCKS.replace("laser_id: 0", "laser_id: 2"), "has no laser 0");
         refused(&BLOCKS.replace("laser_id: 0", "laser_id: x"), "\"x\" as laser_id");
         refused(&BLOCKS.replace("0.002", "0.004"), "steps of 0.004 m");
