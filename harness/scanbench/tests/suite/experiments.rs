@@ -86,7 +86,7 @@ fn robustness_leaves_its_table_in_three_forms() {
     let lows = column(&workplace, "out/robustness.csv", "f_rate_low");
     assert!(lows.iter().any(|it| !it.is_empty()), "{lows:?}");
     let compared = workplace.succeed(&["compare", "out", "out"]);
-    assert!(compared.stdout.contains("Every scan is judged as before."), "{compared:#?}");
+    assert!(compared.stdout.contains("No result of a scan changed."), "{compared:#?}");
     let page = workplace.read("out/report.html");
     workplace.succeed(&["report", "out"]);
     assert_eq!(workplace.read("out/report.html"), page);
@@ -112,5 +112,5 @@ fn what_cannot_be_put_up_leaves_nothing() {
     check_refused("gaps --sensor hdl-65e", "hdl-64e-s2");
     check_refused("gaps -c nowhere.toml", "nowhere.toml");
     check_refused("robustness --scans 0", "0 is not in 1..=10000");
-    check_refused("robustness -d pca,pca", "asked for twice");
+    check_refused("robustness -d pca,pca", "given twice");
 }
