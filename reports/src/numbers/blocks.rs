@@ -97,7 +97,7 @@ impl BlockCount {
         self.are_too_few().then(|| format!("from only {} {what}", self.n_blocks))
     }
 
-    /// Whether these are too few for anything to rest on: fewer than [`FEWEST_BLOCKS`] of one data set, or as few degrees of
+    /// Whether these are too few for conclusions: fewer than [`FEWEST_BLOCKS`] of one data set, or as few degrees of
     /// freedom of several.
     pub fn are_too_few(self) -> bool {
         self.degrees_of_freedom + 1 < FEWEST_BLOCKS
@@ -111,13 +111,13 @@ impl BlockCount {
 ///
 /// let blocks = BlockCount::of_dataset(7, BlockKind::Drives);
 /// let interval = Interval { ends: [0.61, 0.74], blocks };
-/// assert_eq!(interval.caveat().as_deref(), Some("interval of only 7 blocks of scans"));
+/// assert_eq!(interval.caveat().as_deref(), Some("interval from only 7 blocks of scans"));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     /// Lower and upper end of the 95 % interval.
     pub ends: [f64; 2],
-    /// The blocks that it was estimated from. Nothing may rest on it where these are too few.
+    /// The blocks that it was estimated from. Where these are too few, nothing follows from it.
     pub blocks: BlockCount,
 }
 

@@ -98,7 +98,7 @@ impl Verdict {
 /// let tolerances = Tolerances::read(Path::new("golden/tolerances.toml"))?;
 /// let verdict = judge(&accepted, &accepted, &tolerances)?;
 /// assert_eq!(verdict.conclusion(), Conclusion::Same);
-/// assert!(Markdown.text(&verdict).starts_with("**Gate: "));
+/// assert!(Markdown.text(&verdict).starts_with("**PASSED"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
