@@ -10,5 +10,5 @@ pub mod realism;
 pub mod density_survey;
 pub mod training;
 pub mod run;
-pub mod results_recording;
+pub mod results_mcap;
 pub mod sweep;

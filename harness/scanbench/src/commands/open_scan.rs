@@ -7,7 +7,7 @@ use scans::annotation::ScanId;
 use scans::dataset::catalogue::KITTI_SENSOR;
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
-use scans::dataset::mcap::recording::is_mcap;
+use scans::dataset::mcap::mcap_dataset::is_mcap;
 use scans::dataset::scan_folder::any_scan_file::read_scan_file;
 use scans::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, scan_extension};
 use scans::dataset::velodyne_capture::revolutions::is_velodyne_capture;

@@ -24,7 +24,7 @@ use crate::commands::recorder::{self, Recorder, RecordingPlan, serve_until_inter
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::run_numbers::{RunNumbers, write_numbers};
-use crate::commands::sinks::mcap_recordings::McapRecordings;
+use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::sinks::rerun_recording::RerunRecording;
 use crate::commands::standard_streams::{print_diagnostic, print_result, result_width};
@@ -48,7 +48,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let (mut tally, mut served) = (Tally::default(), None);
     let recorder = begin_recording(arguments, &entrants, &datasets, &directory)?;
     let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
-    sinks.push(Box::new(arguments.mcap.then(|| McapRecordings::new(&directory, datasets.len()))));
+    sinks.push(Box::new(arguments.mcap.then(|| McapResults::new(&directory, datasets.len()))));
     sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
     let watched = WatchedRun {
         entrants: &entrants,

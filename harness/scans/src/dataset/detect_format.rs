@@ -8,7 +8,7 @@ use super::dataset_format::DatasetFormat;
 use super::kitti::object::is_kitti_object;
 use super::kitti::tracking::is_kitti_tracking;
 use super::kitti_raw::drives::is_kitti_raw;
-use super::mcap::recording::is_mcap;
+use super::mcap::mcap_dataset::is_mcap;
 use super::numbered_files::is_hidden;
 use super::nuscenes::keyframes::is_nuscenes;
 use super::scan_folder::folder::is_scan_folder;

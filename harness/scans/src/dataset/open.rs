@@ -19,7 +19,7 @@ use super::kitti::object::open_kitti_object;
 use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use super::kitti::tracking::open_kitti_tracking;
 use super::kitti_raw::drives::open_kitti_raw;
-use super::mcap::recording::open_recording;
+use super::mcap::mcap_dataset::open_mcap;
 use super::mcap::topics::TopicChoice;
 use super::nuscenes::keyframes::{
     NUSCENES_CLASSES, NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M, open_nuscenes,
@@ -235,7 +235,7 @@ fn open_parts(
                 cloud: topics.cloud.clone().or_else(|| catalogued.cloud.clone()),
                 annotations: topics.annotations.clone().or_else(|| catalogued.annotations.clone()),
             };
-            Box::new(open_recording(source, &choice)?)
+            Box::new(open_mcap(source, &choice)?)
         }
     })
 }

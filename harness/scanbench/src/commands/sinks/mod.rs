@@ -5,5 +5,5 @@ mod plan_cells;
 mod worst_mistakes;
 mod terminal;
 pub mod of_every_run;
-pub mod mcap_recordings;
+pub mod mcap_results;
 pub mod rerun_recording;

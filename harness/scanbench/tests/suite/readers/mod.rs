@@ -22,7 +22,7 @@ mod names;
 mod nuscenes;
 mod positions;
 mod prelabel;
-mod results_recording;
+mod results_mcap;
 mod scan_folder;
 mod semantic_kitti;
 mod velodyne_capture;

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use scans::dataset::catalogue::parse_catalogue;
-use scans::dataset::mcap::recording::is_mcap;
+use scans::dataset::mcap::mcap_dataset::is_mcap;
 use scans::dataset::source::DamagePolicy;
 use simulator::catalogue::Catalogue;
 use simulator::open::{OpenOptions, open_dataset};

@@ -1,13 +1,13 @@
-//! MCAP recordings: clouds of ROS 2 or Foxglove, transforms between frames, and boxes around objects.
+//! MCAP files: clouds of ROS 2 or Foxglove, transforms between frames, and boxes around objects.
 
 pub mod chunk;
 pub mod record_body;
-pub mod recording_index;
-pub mod recording_file;
+pub mod mcap_index;
+pub mod mcap_file;
 pub mod cdr;
 pub mod ros_messages;
 pub mod foxglove_messages;
 pub mod topics;
 pub mod scene_objects;
 pub mod frame_tree;
-pub mod recording;
+pub mod mcap_dataset;

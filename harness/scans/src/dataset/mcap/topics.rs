@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::foxglove_messages::{FRAME_TRANSFORM, FRAME_TRANSFORMS, POINT_CLOUD, SCENE_UPDATE};
-use super::recording_index::{ChannelInfo, RecordingIndex};
+use super::mcap_index::{ChannelInfo, McapIndex};
 use super::ros_messages::{DETECTION_3D_ARRAY, POINT_CLOUD_2, TF_MESSAGE};
 use crate::dataset::DatasetError;
 use crate::dataset::shown_name::shown;
@@ -101,7 +101,7 @@ pub struct ChosenChannels {
 /// [`DatasetError::Topic`] if there is no such topic, or there are several and none was asked for. It lists what there is.
 pub fn choose_channels(
     path: &Path,
-    index: &RecordingIndex,
+    index: &McapIndex,
     choice: &TopicChoice,
 ) -> Result<ChosenChannels, DatasetError> {
     let known = |is_wanted: fn(MessageKind) -> bool| known_channels(index, is_wanted);
@@ -163,7 +163,7 @@ pub fn choose_channels(
 ///
 /// A topic may have been announced several times: what carries the same is one, and what carries nothing does not count
 /// beside another.
-fn known_channels(index: &RecordingIndex, is_wanted: fn(MessageKind) -> bool) -> Vec<ChosenChannel> {
+fn known_channels(index: &McapIndex, is_wanted: fn(MessageKind) -> bool) -> Vec<ChosenChannel> {
     let channels = index.channels.iter().filter_map(|(&id, info)| {
         let kind = MessageKind::of(info).filter(|kind| is_wanted(*kind))?;
         Some(ChosenChannel { ids: vec![id], kind, info: info.clone() })
@@ -184,18 +184,18 @@ fn known_channels(index: &RecordingIndex, is_wanted: fn(MessageKind) -> bool) ->
     by_topic.into_values().flatten().collect()
 }
 
-fn n_messages(index: &RecordingIndex, channel: &ChosenChannel) -> usize {
+fn n_messages(index: &McapIndex, channel: &ChosenChannel) -> usize {
     channel.ids.iter().filter_map(|id| index.messages.get(id)).map(Vec::len).sum()
 }
 
-fn listed(index: &RecordingIndex, channels: &[ChosenChannel]) -> Vec<String> {
+fn listed(index: &McapIndex, channels: &[ChosenChannel]) -> Vec<String> {
     let describe = |it: &ChosenChannel| {
         format!("{} ({}, {} messages)", shown(&it.info.topic), shown(&it.info.schema), n_messages(index, it))
     };
     channels.iter().map(describe).collect()
 }
 
-fn all_topics(index: &RecordingIndex) -> Vec<String> {
+fn all_topics(index: &McapIndex) -> Vec<String> {
     let describe =
         |it: &ChannelInfo| format!("{} ({} as {})", shown(&it.topic), shown(&it.schema), shown(&it.encoding));
     index.channels.values().map(describe).collect()
@@ -204,14 +204,14 @@ fn all_topics(index: &RecordingIndex) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::mcap::recording_index::MessagePlace;
+    use crate::dataset::mcap::mcap_index::MessagePlace;
 
-    fn index(topics: &[(&str, &str, &str)]) -> RecordingIndex {
+    fn index(topics: &[(&str, &str, &str)]) -> McapIndex {
         let channels = (0_u16..).zip(topics).map(|(id, &(topic, schema, encoding))| {
             let [topic, schema, encoding] = [topic, schema, encoding].map(str::to_owned);
             (id, ChannelInfo { topic, schema, encoding })
         });
-        RecordingIndex { channels: channels.collect(), ..RecordingIndex::default() }
+        McapIndex { channels: channels.collect(), ..McapIndex::default() }
     }
 
     /// Topics of clouds and annotations, or a part of the error.

@@ -23,14 +23,14 @@ use crate::run::sink::JudgedScan;
 
 /// A recording that grows scan by scan.
 #[must_use = "a recording that is not finished is thrown away"]
-pub struct ResultsRecording {
+pub struct ResultsMcap {
     // Of each scan that is run.
     times_ns: Vec<u64>,
     writer: Box<McapWriter>,
     tally: Tally,
 }
 
-impl ResultsRecording {
+impl ResultsMcap {
     /// Begins the recording `path` of a run on the scans of `dataset` at `scan_indices`.
     ///
     /// # Errors

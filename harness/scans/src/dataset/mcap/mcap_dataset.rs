@@ -12,8 +12,8 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::foxglove_messages::{FrameTransform, FrameTransforms, SceneUpdate, decode, decode_cloud};
 use super::frame_tree::FrameTree;
-use super::recording_file::RecordingFile;
-use super::recording_index::{MessagePlace, RecordingIndex, index_recording};
+use super::mcap_file::McapFile;
+use super::mcap_index::{McapIndex, MessagePlace, index_mcap};
 use super::ros_messages::{StampedTransform, detection_3d_array, point_cloud_2, tf_message};
 use super::scene_objects::{SceneObject, objects_of_detections, objects_of_scene};
 use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
@@ -62,11 +62,11 @@ const MAX_SMALL_MESSAGE_BYTES: usize = 4 << 20;
 
 /// An open recording.
 #[derive(Debug)]
-pub struct Recording {
+pub struct McapDataset {
     // Invariant: `scan_ids` and `clouds.places` have the same length and order.
     description: DatasetDescription,
     scan_ids: Vec<ScanId>,
-    file: RecordingFile,
+    file: McapFile,
     clouds: Channel,
     annotations: Option<Channel>,
     transforms: Vec<Channel>,
@@ -119,10 +119,9 @@ pub fn is_mcap(path: &Path) -> bool {
 ///
 /// [`DatasetError`] if it has no clouds, several topics of them and none is chosen, or if it is cut off or damaged and damage is
 /// not to be skipped. Clouds are not looked into.
-pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result<Recording, DatasetError> {
+pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<McapDataset, DatasetError> {
     let path = source.path.clone();
-    let mut index =
-        index_recording(&path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
+    let mut index = index_mcap(&path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
     let damaged = |problem: String| DatasetError::Damaged { path: path.clone(), problem };
     if let (Some(problem), DamagePolicy::Refuse) = (&index.cut_off, source.damage) {
         return Err(damaged(problem.clone()));
@@ -152,7 +151,7 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
             own.len()
         )
     });
-    let mut recording = Recording {
+    let mut recording = McapDataset {
         scan_ids: scan_ids(&path, n_scans, own_ids),
         classes: source.classes.clone(),
         names_not_taken,
@@ -160,7 +159,7 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
         annotations: chosen.annotations.map(&mut channel),
         transforms: chosen.transforms.into_iter().map(&mut channel).collect(),
         clouds,
-        file: RecordingFile::new(&path, chunks),
+        file: McapFile::new(&path, chunks),
         first_transforms: Vec::new(),
         cut_off: index.cut_off.take(),
     };
@@ -175,7 +174,7 @@ pub fn open_recording(mut source: DatasetSource, choice: &TopicChoice) -> Result
     Ok(recording)
 }
 
-fn checksum_of(path: &Path, index: &RecordingIndex) -> Result<String, DatasetError> {
+fn checksum_of(path: &Path, index: &McapIndex) -> Result<String, DatasetError> {
     let metadata =
         std::fs::metadata(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
     let mut checksum = DatasetChecksum::default();
@@ -198,7 +197,7 @@ fn scan_ids(path: &Path, n_scans: usize, own: Option<Vec<(String, u32)>>) -> Vec
     }
 }
 
-impl Dataset for Recording {
+impl Dataset for McapDataset {
     fn description(&self) -> &DatasetDescription {
         &self.description
     }
@@ -254,7 +253,7 @@ impl Dataset for Recording {
     }
 }
 
-impl Recording {
+impl McapDataset {
     fn damaged(&self, problem: String) -> DatasetError {
         self.file.damaged(problem)
     }

@@ -1,6 +1,6 @@
 //! `run.mcap` for Foxglove.
 
-use evaluation::results_recording::recording::ResultsRecording;
+use evaluation::results_mcap::writer::ResultsMcap;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use reports::run_folder::run_directory::RunDirectory;
 use scans::conversion::whole_folder::folder_name;
@@ -8,28 +8,28 @@ use scans::conversion::whole_folder::folder_name;
 use crate::commands::failure::Failure;
 
 /// Records each data set by itself, as each has times and a sensor of its own.
-pub struct McapRecordings<'a> {
+pub struct McapResults<'a> {
     directory: &'a RunDirectory,
     n_datasets: usize,
     // Of the data set at hand.
-    recording: Option<ResultsRecording>,
+    recording: Option<ResultsMcap>,
 }
 
-impl<'a> McapRecordings<'a> {
+impl<'a> McapResults<'a> {
     /// None yet; those of `n_datasets` will be in `directory`.
     pub fn new(directory: &'a RunDirectory, n_datasets: usize) -> Self {
         Self { directory, n_datasets, recording: None }
     }
 }
 
-impl RunSink<Failure> for McapRecordings<'_> {
+impl RunSink<Failure> for McapResults<'_> {
     fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
         let name = match self.n_datasets {
             1 => "run.mcap".to_owned(),
             _ => format!("run-{}.mcap", folder_name(&watched.dataset.description().id)),
         };
         let path = self.directory.path_of(&name);
-        self.recording = Some(ResultsRecording::create(&path, watched.dataset, watched.scan_indices)?);
+        self.recording = Some(ResultsMcap::create(&path, watched.dataset, watched.scan_indices)?);
         Ok(())
     }
 
@@ -38,6 +38,6 @@ impl RunSink<Failure> for McapRecordings<'_> {
     }
 
     fn end_dataset(&mut self) -> Result<(), Failure> {
-        Ok(self.recording.take().map_or(Ok(()), ResultsRecording::finish)?)
+        Ok(self.recording.take().map_or(Ok(()), ResultsMcap::finish)?)
     }
 }

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mcap::records::op;
 
 use super::chunk::{N_RECORD_HEADER_BYTES, record_at, split_header};
-use super::recording_index::{ChunkError, ChunkPlace, MessagePlace, read_chunk};
+use super::mcap_index::{ChunkError, ChunkPlace, MessagePlace, read_chunk};
 use crate::dataset::DatasetError;
 
 /// Chunks kept in memory: neighbouring messages are often in one.
@@ -21,7 +21,7 @@ const N_MESSAGE_HEADER_BYTES: usize = 2 + 4 + 8 + 8;
 
 /// A file whose messages are read one at a time, from any thread.
 #[derive(Debug)]
-pub struct RecordingFile {
+pub struct McapFile {
     path: PathBuf,
     chunks: Vec<ChunkPlace>,
     kept: Mutex<VecDeque<(u32, Arc<Vec<u8>>)>>,
@@ -41,7 +41,7 @@ impl MessageBytes {
     }
 }
 
-impl RecordingFile {
+impl McapFile {
     /// The file at `path`, which has these chunks.
     pub fn new(path: &Path, chunks: Vec<ChunkPlace>) -> Self {
         Self { path: path.to_path_buf(), chunks, kept: Mutex::new(VecDeque::new()) }

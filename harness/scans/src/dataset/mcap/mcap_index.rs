@@ -30,7 +30,7 @@ const N_FOOTER_BYTES: i64 = 9 + 8 + 8 + 4;
 
 /// What is in a recording, and where.
 #[derive(Debug, Clone, Default)]
-pub struct RecordingIndex {
+pub struct McapIndex {
     /// The channels by their numbers.
     pub channels: BTreeMap<u16, ChannelInfo>,
     /// The places of the messages of the channels that were asked for, by time.
@@ -83,11 +83,11 @@ pub struct ChunkPlace {
 /// # Errors
 ///
 /// [`DatasetError::Io`]; [`DatasetError::Damaged`] for a file that does not begin as MCAP does.
-pub fn index_recording(
+pub fn index_mcap(
     path: &Path,
     name: &str,
     matters: impl Fn(&ChannelInfo) -> bool,
-) -> Result<RecordingIndex, DatasetError> {
+) -> Result<McapIndex, DatasetError> {
     let io_error = |source| DatasetError::Io { path: path.to_path_buf(), source };
     let mut file = File::open(path).map_err(io_error)?;
     let n_file_bytes = file.metadata().map_err(io_error)?.len();
@@ -99,7 +99,7 @@ pub fn index_recording(
     }
     let mut walk = Walk {
         schemas: BTreeMap::new(),
-        index: RecordingIndex::default(),
+        index: McapIndex::default(),
         name,
         matters: &matters,
         n_plain_bytes_left: MAX_PLAIN_BYTES.max(n_file_bytes.saturating_mul(MAX_GROWTH)),
@@ -150,7 +150,7 @@ impl From<String> for WalkError {
 
 struct Walk<'a> {
     schemas: BTreeMap<u16, String>,
-    index: RecordingIndex,
+    index: McapIndex,
     name: &'a str,
     matters: &'a dyn Fn(&ChannelInfo) -> bool,
     n_plain_bytes_left: u64,
