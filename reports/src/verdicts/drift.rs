@@ -1,4 +1,4 @@
-//! Which scans are judged otherwise than before, object by object.
+//! Scans whose results changed, object by object.
 //!
 //! Detection and matching are deterministic: any change has a cause in the program, its parameters or its data.
 
@@ -11,7 +11,7 @@ use crate::run_folder::run_archive::RunArchive;
 use crate::vocabulary::reason::MissReason;
 use crate::vocabulary::task::Task;
 
-/// A scan that a detector is judged otherwise on than before.
+/// A scan on which results of a detector changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanDrift {
     /// Which scan, which detector, which task.
@@ -35,7 +35,7 @@ pub struct Place {
     pub detector: String,
 }
 
-/// All scans on which a detector of `baseline` is judged otherwise in `run`, which is of the same scans.
+/// All scans on which results of a detector differ between `baseline` and `run`, which is of the same scans.
 ///
 /// What is ignored is compared by its number alone.
 pub fn drift(baseline: &RunArchive, run: &RunArchive) -> Vec<ScanDrift> {

@@ -46,7 +46,7 @@ pub enum Failure {
     NotComparable(Reason),
     /// 100: surely worse than the baseline.
     Regression(Reason),
-    /// 101: not surely worse, but judged otherwise than the baseline.
+    /// 101: not surely worse than the baseline, but results changed.
     Drift(Reason),
     /// 130, what shells report for Ctrl-C; 143 after a request to terminate.
     Interrupted(Reason),

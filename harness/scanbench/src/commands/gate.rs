@@ -27,7 +27,7 @@ const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 ///
 /// # Errors
 ///
-/// [`GateClosed`] if the run is worse or judged otherwise; and if it cannot be compared, or something cannot be read or written.
+/// [`GateClosed`] if the run is worse or results changed; and if it cannot be compared, or something cannot be read or written.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
     let tolerances = tolerances(arguments, directory)?;

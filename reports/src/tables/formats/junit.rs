@@ -1,5 +1,4 @@
-//! A verdict as `JUnit` XML, which every CI server shows: one test case a gated number, and one a scan that is judged
-//! otherwise.
+//! A verdict as `JUnit` XML, which every CI server shows: one test case a gated number, and one a scan whose results changed.
 
 use std::io;
 

@@ -22,7 +22,7 @@ pub struct Comparison {
     pub title: String,
     /// Task by task, detector by detector, slice by slice.
     pub differences: Vec<NamedDifference>,
-    /// Number of scans that a detector is judged otherwise on; `None` where two detectors are compared, of which that is
+    /// Number of scans on which results of a detector changed; `None` where two detectors are compared, of which that is
     /// expected.
     pub n_changed_scans: Option<usize>,
 }

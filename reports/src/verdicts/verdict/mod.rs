@@ -22,7 +22,7 @@ pub struct Verdict {
     pub metrics: Vec<GatedMetric>,
     /// How fast detectors are beside the reference.
     pub speed: SpeedComparison,
-    /// Scans on which a detector is judged otherwise than before.
+    /// Scans on which results of a detector changed.
     pub drift: Vec<ScanDrift>,
 }
 
@@ -33,7 +33,7 @@ pub enum Conclusion {
     Regression,
     /// Something that is gated has no number.
     Incomparable,
-    /// Nothing is surely worse, but something is judged otherwise.
+    /// Nothing is surely worse, but results changed.
     Drift,
     /// Everything is as it was.
     Same,
