@@ -27,7 +27,7 @@ use crate::segment::wall_refinement::WallRefinementParams;
 ///
 /// document["grid"]["cell_size_m"] = 40.0.into();
 /// let refused = HierarchicalParams::from_toml(&document.to_string());
-/// assert!(refused.is_err_and(|it| it.to_string() == "grid.cell_size_m = 40 is outside of 0.05 to 10 m"));
+/// assert!(refused.is_err_and(|it| it.to_string() == "grid.cell_size_m = 40 is not within 0.05 to 10 m"));
 /// # Ok::<(), detector::params::ParamsError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize)]
