@@ -30,7 +30,7 @@ use crate::commands::view::view;
 ///
 /// # Errors
 ///
-/// Whatever the verb returns; [`Failure::of`](crate::commands::failure::Failure::of) tells the exit code.
+/// Whatever the verb returns; [`Failure`] tells the exit code.
 pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
     set_verbosity(match (cli.quiet, cli.verbose) {
         (true, _) => Verbosity::Quiet,

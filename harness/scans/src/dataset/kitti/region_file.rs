@@ -27,7 +27,7 @@ pub fn region_bytes(regions: &[PointRegion]) -> Vec<u8> {
 ///
 /// # Errors
 ///
-/// As [`read_point_regions`].
+/// [`DatasetError::Io`]; [`DatasetError::LabelCount`] for a file of another scan; [`DatasetError::Damaged`] for other bytes.
 pub fn with_regions_of_file(
     mut scan: LabeledScan,
     dataset: &DatasetDescription,
