@@ -88,7 +88,7 @@ def noted(text: str) -> Shown:
 def detector_rules(results: list[Result]) -> Shown:
     """Which detector has which rule, by the manifest of a run."""
     manifest = json.loads((results[0].directory / "manifest.json").read_text())
-    rules_of = {it["name"]: it["rules"] for it in manifest["detectors"]}
+    rules_of = {it["name"]: it.get("rules", []) for it in manifest["detectors"]}
     rules = dict.fromkeys(rule for of_detector in rules_of.values() for rule in of_detector)
     lines = [[rule, *["yes" if rule in it else "no" for it in rules_of.values()]] for rule in rules]
     return Shown(table(["rule", *rules_of], lines))

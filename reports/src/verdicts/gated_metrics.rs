@@ -143,6 +143,11 @@ impl Sides<'_> {
                 complain("slice", pattern, did_you_mean(pattern, slice_names.iter()));
             }
         }
+        let of_speed = tolerances.speed.iter().filter_map(|it| it.detectors.as_ref()).flatten();
+        problems.extend(of_speed.filter(|name| !detectors.contains(*name)).map(|name| {
+            let suggestion = did_you_mean(name, detectors.iter());
+            format!("[speed]: there is no detector {name:?} in either run{suggestion}")
+        }));
         problems
     }
 }

@@ -70,7 +70,7 @@ impl SpeedComparison {
 }
 
 impl Sides<'_> {
-    /// Every detector of the baseline held to `rule`. Ratios of times are those of a processor: `machines` are those of the
+    /// Every detector of the baseline that `rule` is about, held to it. Ratios of times are those of a processor: `machines` are those of the
     /// baseline and of the run.
     pub(super) fn gated_speeds(&self, rule: Option<&SpeedRule>, machines: [&Machine; 2]) -> SpeedComparison {
         let Some(rule) = rule else { return SpeedComparison::NotAsked };
@@ -81,7 +81,7 @@ impl Sides<'_> {
         }
         // Every task has the same times.
         let task = self.before.tasks().first();
-        let detectors = self.before.detectors().iter();
+        let detectors = self.before.detectors().iter().filter(|it| rule.is_about(it));
         let speeds = detectors.filter_map(|it| Some(self.gated_speed(*task?, it, rule)));
         SpeedComparison::Compared(speeds.collect())
     }

@@ -41,6 +41,8 @@ pub struct QualityRule {
 pub struct SpeedRule {
     /// What times are divided by: [`SPEED_REFERENCE`].
     pub reference: String,
+    /// Of which detectors; of all if left out.
+    pub detectors: Option<Vec<String>>,
     /// As a share of the baseline's ratio.
     pub relative: f64,
 }
@@ -238,7 +240,14 @@ impl SpeedRule {
         let reference = &self.reference;
         let unknown = (reference != SPEED_REFERENCE)
             .then(|| format!("the reference for times is {SPEED_REFERENCE:?}, not {reference:?}"));
-        unknown.into_iter().chain(share_problem("relative", self.relative)).collect()
+        let nobody = self.detectors.as_ref().is_some_and(Vec::is_empty);
+        let empty = nobody.then(|| "detectors is empty".to_owned());
+        unknown.into_iter().chain(empty).chain(share_problem("relative", self.relative)).collect()
+    }
+
+    /// Whether the times of `detector` are held to this.
+    pub fn is_about(&self, detector: &str) -> bool {
+        self.detectors.as_ref().is_none_or(|it| it.iter().any(|name| name == detector))
     }
 }
 
@@ -402,6 +411,7 @@ mod tests {
             "relative = 5 tolerates 500 %; it must be less than 1",
         );
         check_refused("relative = 0.5", "relative = 1.0", "[speed]: relative = 1 tolerates 100 %");
+        check_refused("relative = 0.5", "relative = 0.5\ndetectors = []", "[speed]: detectors is empty");
         check_refused("absolute = 0.05", "absolute = 0.51", "the most is 0.5 of a rate, where 1 is 100 %");
         let of_boxes = |absolute: f64| {
             let text = TOML.replacen("[\"recall\"]", "[\"box_center_error_m\", \"box_yaw_error_deg\"]", 1);

@@ -111,7 +111,7 @@ fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.
 fn tolerances() -> Tolerances {
-    let speed = SpeedRule { reference: SPEED_REFERENCE.to_owned(), relative: 0.25 };
+    let speed = SpeedRule { reference: SPEED_REFERENCE.to_owned(), detectors: None, relative: 0.25 };
     Tolerances { quality: vec![rule(&["recall"], &["all"])], speed: Some(speed) }
 }
 
@@ -232,6 +232,26 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
 }
 
 /// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.
+#[test]
+fn speed_is_held_of_the_detectors_that_its_rule_names() {
+    let slow = SampleScans { ms_of: Some(&|_| 100.0), ..USUAL }.archive();
+    let speeds_of = |names: Option<&[&str]>| {
+        let mut tolerances = tolerances();
+        tolerances.speed.as_mut().unwrap().detectors = names.map(texts);
+        judge(&USUAL.archive(), &slow, &tolerances)
+    };
+    let held = |names| -> Vec<String> {
+        let verdict = speeds_of(names).unwrap();
+        verdict.speed.speeds().iter().map(|it| it.detector.clone()).collect()
+    };
+    let all = held(None);
+    assert!(all.len() > 1 && all.iter().any(|it| it == "pca"), "{all:?}");
+    assert_eq!(held(Some(&["pca"])), ["pca"]);
+    let Err(JudgeError::Rules(problems)) = speeds_of(Some(&["pcaa"])) else { panic!("no such detector") };
+    let said = "[speed]: there is no detector \"pcaa\" in either run; did you mean \"pca\"?";
+    assert_eq!(problems.to_string(), said);
+}
+
 #[test]
 fn rules_about_nothing_are_refused_all_at_once() {
     let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 2, ..USUAL }.archive();
