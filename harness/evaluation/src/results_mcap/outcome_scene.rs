@@ -6,7 +6,7 @@ use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, Fo
 use reports::rows::match_row::MatchRow;
 use scans::annotation::LabeledScan;
 use scans::conversion::scene::{entity_of, line_between, pair};
-use scans::dataset::mcap::foxglove_messages::{Color, KeyValuePair, SceneEntity};
+use scans::dataset::mcap::foxglove_scene::{Color, KeyValuePair, SceneEntity};
 use scans::dataset::mcap::scene_objects::keys;
 
 use crate::object_box::ObjectBox;

@@ -22,9 +22,11 @@ use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::mcap::foxglove_messages::{
     FRAME_TRANSFORM, FrameTransform, POINT_CLOUD, PackedElementField, PointCloud, Pose, Quaternion,
-    SCENE_UPDATE, SceneUpdate, Timestamp, Vector3, number_of,
+    SCENE_UPDATE, Timestamp, Vector3, number_of,
 };
-use crate::dataset::mcap::mcap_dataset::{number_of_region, own_fields, own_metadata};
+use crate::dataset::mcap::foxglove_scene::SceneUpdate;
+use crate::dataset::mcap::mcap_dataset::own_metadata;
+use crate::dataset::mcap::recorded_cloud::{number_of_region, own_fields};
 use crate::dataset::mcap::topics::ANNOTATION_TOPIC;
 use crate::dataset::packed_points::NumberType;
 use crate::dataset::points_of_boxes::points_of_boxes;

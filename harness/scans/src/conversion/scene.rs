@@ -3,9 +3,9 @@
 use detector::OrientedBox;
 
 use crate::annotation::Annotation;
-use crate::dataset::mcap::foxglove_messages::{
-    Color, CubePrimitive, KeyValuePair, LinePrimitive, Pose, Quaternion, SceneEntity, SceneEntityDeletion,
-    SceneUpdate, Timestamp, Vector3,
+use crate::dataset::mcap::foxglove_messages::{Pose, Quaternion, Timestamp, Vector3};
+use crate::dataset::mcap::foxglove_scene::{
+    Color, CubePrimitive, KeyValuePair, LinePrimitive, SceneEntity, SceneEntityDeletion, SceneUpdate,
 };
 use crate::dataset::mcap::scene_objects::keys;
 

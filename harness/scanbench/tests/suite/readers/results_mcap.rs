@@ -41,7 +41,8 @@ fn a_recording_of_results_says_what_the_rows_say() {
             *n_numbers.entry(of.to_owned()).or_default() += 1;
         }
         if let Some(of) = topic.strip_suffix("/outcomes") {
-            use scans::dataset::mcap::foxglove_messages::{SceneUpdate, decode};
+            use scans::dataset::mcap::foxglove_messages::decode;
+            use scans::dataset::mcap::foxglove_scene::SceneUpdate;
             let scene: SceneUpdate = decode("protobuf", &message.data).unwrap();
             assert!(scene.entities.iter().all(|it| it.metadata[0].key == "outcome"));
             *n_outcomes.entry(of.to_owned()).or_default() += scene.entities.len();

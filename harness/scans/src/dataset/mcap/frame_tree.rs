@@ -4,10 +4,32 @@ use std::collections::BTreeMap;
 
 use nalgebra::Isometry3;
 
-use super::ros_messages::StampedTransform;
+use super::foxglove_messages::{FrameTransform, FrameTransforms, decode};
+use super::ros_messages::{StampedTransform, tf_message};
+use super::topics::MessageKind;
 
 /// A chain of frames longer than this goes in a circle.
 const MAX_DEPTH: usize = 64;
+
+/// The transforms in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// If it is no such message, or a transform in it is none.
+pub fn transforms_of_message(
+    kind: MessageKind,
+    encoding: &str,
+    bytes: &[u8],
+) -> Result<Vec<StampedTransform>, String> {
+    match kind {
+        MessageKind::RosTransforms => tf_message(bytes),
+        MessageKind::FoxgloveTransform => Ok(vec![decode::<FrameTransform>(encoding, bytes)?.stamped()?]),
+        _ => {
+            let all: FrameTransforms = decode(encoding, bytes)?;
+            all.transforms.iter().map(FrameTransform::stamped).collect()
+        }
+    }
+}
 
 /// For every frame, where it lies in its parent.
 #[derive(Debug, Clone, Default)]

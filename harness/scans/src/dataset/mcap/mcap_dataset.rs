@@ -6,23 +6,21 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use detector::PointCloud;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 
-use super::foxglove_messages::{FrameTransform, FrameTransforms, SceneUpdate, decode, decode_cloud};
-use super::frame_tree::FrameTree;
+use super::frame_tree::{FrameTree, transforms_of_message};
 use super::mcap_file::McapFile;
-use super::mcap_index::{McapIndex, MessagePlace, index_mcap};
-use super::ros_messages::{StampedTransform, detection_3d_array, point_cloud_2, tf_message};
-use super::scene_objects::{SceneObject, objects_of_detections, objects_of_scene};
+use super::mcap_index::{McapIndex, MessagePlace, index_mcap, window};
+use super::recorded_cloud::{RecordedCloud, region_of};
+use super::ros_messages::StampedTransform;
+use super::scene_objects::{SceneObject, objects_of_message};
 use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
 use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
-use crate::dataset::packed_points::PackedPoints;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
@@ -35,14 +33,6 @@ pub mod own_metadata {
     pub const DATA_SHEET: &str = "data_sheet";
     /// The ids of the scans, in order: a JSON list of pairs of a sequence and a number.
     pub const SCAN_IDS: &str = "scan_ids";
-}
-
-/// The fields of points in which scanbench says what boxes cannot.
-pub mod own_fields {
-    /// [`PointRegion`](crate::annotation::PointRegion): 0 labelled, 1 unscorable, 2 outside.
-    pub const REGION: &str = "region";
-    /// The place of the point's annotation in its message, from 1; 0 for none.
-    pub const OBJECT: &str = "object";
 }
 
 /// Annotations of another time than the cloud's are taken if they are nearer than this, in nanoseconds.
@@ -89,19 +79,6 @@ struct Channel {
     kind: MessageKind,
     encoding: String,
     places: Vec<MessagePlace>,
-}
-
-/// A cloud as it was recorded.
-struct RecordedCloud {
-    cloud: PointCloud,
-    /// See [`LabeledScan::points_left_out`].
-    points_left_out: Vec<u32>,
-    frame: String,
-    stamp_ns: u64,
-    /// From the frame to the sensor's.
-    sensor_from_frame: Isometry3<f64>,
-    regions: Option<Vec<f64>>,
-    objects: Option<Vec<f64>>,
 }
 
 /// Whether the file at `path` is MCAP, by its first bytes.
@@ -213,7 +190,7 @@ impl Dataset for McapDataset {
         let is_annotated = annotations.is_some();
         let mut annotations = annotations.unwrap_or_default();
         match &recorded.objects {
-            Some(objects) => assign_points(objects, &mut annotations),
+            Some(_) => recorded.assign_points(&mut annotations),
             None => assign_points_in_boxes(&recorded.cloud, &mut annotations),
         }
         let n_points = recorded.cloud.len();
@@ -233,7 +210,7 @@ impl Dataset for McapDataset {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let without_scan = self.places_without_scan()?;
-        let first = without_scan.first().map(|place| place_in_words(*place));
+        let first = without_scan.first().map(|place| place.to_string());
         let mut oddities = labels_without_scan(without_scan.len(), first);
         oddities.extend(self.names_not_taken.clone());
         Ok(oddities)
@@ -258,21 +235,14 @@ impl McapDataset {
         self.file.damaged(problem)
     }
 
+    fn damaged_at(&self, place: MessagePlace, problem: &str) -> DatasetError {
+        self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns))
+    }
+
     fn read_cloud(&self, place: MessagePlace) -> Result<RecordedCloud, DatasetError> {
         let message = self.file.message(place)?;
-        let named = |problem: String| self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns));
-        let recorded = if self.clouds.kind == MessageKind::RosCloud {
-            let (header, packed) = point_cloud_2(message.as_slice()).map_err(named)?;
-            recorded_cloud(&packed, header.frame, header.stamp_ns, &Isometry3::identity())
-        } else {
-            let message = decode_cloud(&self.clouds.encoding, message.as_slice()).map_err(named)?;
-            let pose = message.pose.unwrap_or_default().isometry().map_err(named)?;
-            let stamp_ns = message.timestamp.unwrap_or_default().nanoseconds();
-            message
-                .packed()
-                .and_then(|packed| recorded_cloud(&packed, message.frame_id.clone(), stamp_ns, &pose))
-        };
-        let mut recorded = recorded.map_err(named)?;
+        let recorded = RecordedCloud::read(self.clouds.kind, &self.clouds.encoding, message.as_slice());
+        let mut recorded = recorded.map_err(|problem| self.damaged_at(place, &problem))?;
         if recorded.stamp_ns == 0 {
             recorded.stamp_ns = place.log_time_ns;
         }
@@ -316,7 +286,7 @@ impl McapDataset {
         let mut reader = ClassReader::new(&self.classes, &[]);
         let mut classes = Vec::with_capacity(objects.len());
         for object in &objects {
-            classes.push(reader.class_of(&object.class_name, || place_in_words(logged)));
+            classes.push(reader.class_of(&object.class_name, || logged.to_string()));
         }
         if !reader.unknown().is_empty() {
             self.all_unknown_classes().refuse(&self.description.id)?;
@@ -352,7 +322,7 @@ impl McapDataset {
                 // What cannot be read is said when its scan is read.
                 let (_, objects) = self.read_objects(channel, place).unwrap_or_default();
                 for object in objects {
-                    classes.class_of(&object.class_name, || place_in_words(place));
+                    classes.class_of(&object.class_name, || place.to_string());
                 }
             }
         }
@@ -388,23 +358,9 @@ impl McapDataset {
     ) -> Result<(Option<u64>, Vec<SceneObject>), DatasetError> {
         let message = self.file.message(place)?;
         let bytes = message.as_slice();
-        let read = || -> Result<(u64, Vec<SceneObject>), String> {
-            check_size(bytes)?;
-            if channel.kind == MessageKind::RosDetections {
-                let (header, detections) = detection_3d_array(bytes)?;
-                let mut objects = objects_of_detections(&detections);
-                for object in objects.iter_mut().filter(|it| it.frame.is_empty()) {
-                    object.frame.clone_from(&header.frame);
-                }
-                return Ok((header.stamp_ns, objects));
-            }
-            let scene: SceneUpdate = decode(&channel.encoding, bytes)?;
-            let stamp = scene.entities.iter().find_map(|it| it.timestamp);
-            let stamp = stamp.or_else(|| scene.deletions.iter().find_map(|it| it.timestamp));
-            Ok((stamp.unwrap_or_default().nanoseconds(), objects_of_scene(&scene)?))
-        };
-        let named = |problem: String| self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns));
-        let (stamp_ns, objects) = read().map_err(named)?;
+        let read =
+            check_size(bytes).and_then(|()| objects_of_message(channel.kind, &channel.encoding, bytes));
+        let (stamp_ns, objects) = read.map_err(|problem| self.damaged_at(place, &problem))?;
         Ok(((stamp_ns > 0).then_some(stamp_ns), objects))
     }
 
@@ -427,85 +383,9 @@ impl McapDataset {
     ) -> Result<Vec<StampedTransform>, DatasetError> {
         let message = self.file.message(place)?;
         let bytes = message.as_slice();
-        let read = || -> Result<Vec<StampedTransform>, String> {
-            check_size(bytes)?;
-            match channel.kind {
-                MessageKind::RosTransforms => tf_message(bytes),
-                MessageKind::FoxgloveTransform => {
-                    Ok(vec![decode::<FrameTransform>(&channel.encoding, bytes)?.stamped()?])
-                }
-                _ => {
-                    let all: FrameTransforms = decode(&channel.encoding, bytes)?;
-                    all.transforms.iter().map(FrameTransform::stamped).collect()
-                }
-            }
-        };
-        read().map_err(|problem| self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns)))
-    }
-}
-
-fn place_in_words(place: MessagePlace) -> String {
-    format!("the message logged at {} ns", place.log_time_ns)
-}
-
-fn recorded_cloud(
-    packed: &PackedPoints<'_>,
-    frame: String,
-    stamp_ns: u64,
-    frame_from_points: &Isometry3<f64>,
-) -> Result<RecordedCloud, String> {
-    let points = packed.positioned()?;
-    let of_points = |name: &str| -> Result<Option<Vec<f64>>, String> {
-        Ok(packed.column(name)?.map(|of_all| points.values_of_kept(&of_all)))
-    };
-    let (regions, objects) = (of_points(own_fields::REGION)?, of_points(own_fields::OBJECT)?);
-    let (mut cloud, points_left_out) = points.into_parts();
-    // The axes become those of the frame, the origin stays with the sensor.
-    if frame_from_points.rotation.angle() > 0.0 {
-        let turned = |[x, y, z]: [f32; 3]| {
-            let turned = frame_from_points.rotation * Point3::from([x, y, z].map(f64::from));
-            [turned.x as f32, turned.y as f32, turned.z as f32]
-        };
-        let mut all = PointCloud::with_capacity(cloud.len());
-        for (position_m, intensity) in cloud.positions_m().zip(cloud.intensity()) {
-            all.push(turned(position_m), *intensity);
-        }
-        cloud = all;
-    }
-    Ok(RecordedCloud {
-        cloud,
-        points_left_out,
-        frame,
-        stamp_ns,
-        sensor_from_frame: frame_from_points.translation.inverse() * Isometry3::identity(),
-        regions,
-        objects,
-    })
-}
-
-fn region_of(number: f64) -> PointRegion {
-    match number as u8 {
-        0 => PointRegion::Labeled,
-        1 => PointRegion::Unscorable,
-        _ => PointRegion::Outside,
-    }
-}
-
-/// The number that stands for a region in recordings.
-pub fn number_of_region(region: PointRegion) -> u8 {
-    match region {
-        PointRegion::Labeled => 0,
-        PointRegion::Unscorable => 1,
-        PointRegion::Outside => 2,
-    }
-}
-
-fn assign_points(objects: &[f64], annotations: &mut [Annotation]) {
-    for (point_idx, number) in (0_u32..).zip(objects) {
-        let annotation = (*number as usize).checked_sub(1).and_then(|idx| annotations.get_mut(idx));
-        if let Some(annotation) = annotation {
-            annotation.point_indices.push(point_idx);
-        }
+        let read =
+            check_size(bytes).and_then(|()| transforms_of_message(channel.kind, &channel.encoding, bytes));
+        read.map_err(|problem| self.damaged_at(place, &problem))
     }
 }
 
@@ -515,11 +395,4 @@ fn check_size(message: &[u8]) -> Result<(), String> {
         return Err(format!("has a message of {n_bytes} bytes, too large for its objects"));
     }
     Ok(())
-}
-
-/// The places from `begin_ns` to `end_ns`; `places` ascend by time.
-fn window(places: &[MessagePlace], begin_ns: u64, end_ns: u64) -> &[MessagePlace] {
-    let begin = places.partition_point(|it| it.log_time_ns < begin_ns);
-    let end = places.partition_point(|it| it.log_time_ns <= end_ns);
-    &places[begin..end.max(begin)]
 }

@@ -65,6 +65,19 @@ pub struct MessagePlace {
     pub offset: u64,
 }
 
+impl std::fmt::Display for MessagePlace {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "the message logged at {} ns", self.log_time_ns)
+    }
+}
+
+/// The places from `begin_ns` to `end_ns`; `places` ascend by time.
+pub fn window(places: &[MessagePlace], begin_ns: u64, end_ns: u64) -> &[MessagePlace] {
+    let begin = places.partition_point(|it| it.log_time_ns < begin_ns);
+    let end = places.partition_point(|it| it.log_time_ns <= end_ns);
+    &places[begin..end.max(begin)]
+}
+
 /// Where a chunk is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChunkPlace {

@@ -4,8 +4,10 @@ use detector::OrientedBox;
 use nalgebra::{Isometry3, Vector3};
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
-use super::foxglove_messages::{SceneEntity, SceneUpdate};
-use super::ros_messages::Detection3D;
+use super::foxglove_messages::decode;
+use super::foxglove_scene::{SceneEntity, SceneUpdate};
+use super::ros_messages::{Detection3D, detection_3d_array};
+use super::topics::MessageKind;
 use crate::annotation::Annotation;
 
 /// The names of what is known about an object, in the metadata of Foxglove's scene entities.
@@ -85,12 +87,37 @@ fn upright_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<Ori
     })
 }
 
+/// The objects in `bytes`, a message of this kind in the encoding of its channel, and the moment that it names, in nanoseconds; 0 if it
+/// names none. Errors are the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// If it is no such message, or an object in it has no box that can be.
+pub fn objects_of_message(
+    kind: MessageKind,
+    encoding: &str,
+    bytes: &[u8],
+) -> Result<(u64, Vec<SceneObject>), String> {
+    if kind == MessageKind::RosDetections {
+        let (header, detections) = detection_3d_array(bytes)?;
+        let mut objects = objects_of_detections(&detections);
+        for object in objects.iter_mut().filter(|it| it.frame.is_empty()) {
+            object.frame.clone_from(&header.frame);
+        }
+        return Ok((header.stamp_ns, objects));
+    }
+    let scene: SceneUpdate = decode(encoding, bytes)?;
+    let stamp = scene.entities.iter().find_map(|it| it.timestamp);
+    let stamp = stamp.or_else(|| scene.deletions.iter().find_map(|it| it.timestamp));
+    Ok((stamp.unwrap_or_default().nanoseconds(), objects_of_scene(&scene)?))
+}
+
 /// The objects of a scene, in order. Errors are the rest of a sentence about the file.
 ///
 /// # Errors
 ///
 /// If a number is not finite.
-pub fn objects_of_scene(scene: &SceneUpdate) -> Result<Vec<SceneObject>, String> {
+fn objects_of_scene(scene: &SceneUpdate) -> Result<Vec<SceneObject>, String> {
     scene.entities.iter().map(object_of_entity).collect()
 }
 
@@ -115,7 +142,7 @@ fn object_of_entity(entity: &SceneEntity) -> Result<SceneObject, String> {
 }
 
 /// The objects of `vision_msgs`, in order.
-pub fn objects_of_detections(detections: &[Detection3D]) -> Vec<SceneObject> {
+fn objects_of_detections(detections: &[Detection3D]) -> Vec<SceneObject> {
     let object = |it: &Detection3D| SceneObject {
         frame: it.header.frame.clone(),
         class_name: it.class.clone(),

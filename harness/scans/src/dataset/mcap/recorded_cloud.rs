@@ -1,0 +1,117 @@
+//! One cloud of a recording, from whichever message.
+
+use detector::PointCloud;
+use nalgebra::{Isometry3, Point3};
+
+use super::foxglove_messages::decode_cloud;
+use super::ros_messages::point_cloud_2;
+use super::topics::MessageKind;
+use crate::annotation::{Annotation, PointRegion};
+use crate::dataset::packed_points::PackedPoints;
+
+/// The fields of points in which scanbench says what boxes cannot.
+pub mod own_fields {
+    /// [`PointRegion`](crate::annotation::PointRegion): 0 labelled, 1 unscorable, 2 outside.
+    pub const REGION: &str = "region";
+    /// The place of the point's annotation in its message, from 1; 0 for none.
+    pub const OBJECT: &str = "object";
+}
+
+/// A cloud as it was recorded.
+pub struct RecordedCloud {
+    /// The points, along the axes of the frame, from the sensor.
+    pub cloud: PointCloud,
+    /// See [`LabeledScan::points_left_out`].
+    pub points_left_out: Vec<u32>,
+    /// The frame that the message names.
+    pub frame: String,
+    /// The moment that the message names, in nanoseconds; 0 if it names none.
+    pub stamp_ns: u64,
+    /// From the frame to the sensor's.
+    pub sensor_from_frame: Isometry3<f64>,
+    /// [`own_fields::REGION`] of every point.
+    pub regions: Option<Vec<f64>>,
+    /// [`own_fields::OBJECT`] of every point.
+    pub objects: Option<Vec<f64>>,
+}
+
+impl RecordedCloud {
+    /// The cloud in `bytes`, a message of this kind in the encoding of its channel. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If it is no such message, or its points are packed in a way that cannot be read.
+    pub fn read(kind: MessageKind, encoding: &str, bytes: &[u8]) -> Result<Self, String> {
+        if kind == MessageKind::RosCloud {
+            let (header, packed) = point_cloud_2(bytes)?;
+            return Self::of_packed(&packed, header.frame, header.stamp_ns, &Isometry3::identity());
+        }
+        let message = decode_cloud(encoding, bytes)?;
+        let pose = message.pose.unwrap_or_default().isometry()?;
+        let stamp_ns = message.timestamp.unwrap_or_default().nanoseconds();
+        Self::of_packed(&message.packed()?, message.frame_id.clone(), stamp_ns, &pose)
+    }
+
+    fn of_packed(
+        packed: &PackedPoints<'_>,
+        frame: String,
+        stamp_ns: u64,
+        frame_from_points: &Isometry3<f64>,
+    ) -> Result<Self, String> {
+        let points = packed.positioned()?;
+        let of_points = |name: &str| -> Result<Option<Vec<f64>>, String> {
+            Ok(packed.column(name)?.map(|of_all| points.values_of_kept(&of_all)))
+        };
+        let (regions, objects) = (of_points(own_fields::REGION)?, of_points(own_fields::OBJECT)?);
+        let (mut cloud, points_left_out) = points.into_parts();
+        // The axes become those of the frame, the origin stays with the sensor.
+        if frame_from_points.rotation.angle() > 0.0 {
+            let turned = |[x, y, z]: [f32; 3]| {
+                let turned = frame_from_points.rotation * Point3::from([x, y, z].map(f64::from));
+                [turned.x as f32, turned.y as f32, turned.z as f32]
+            };
+            let mut all = PointCloud::with_capacity(cloud.len());
+            for (position_m, intensity) in cloud.positions_m().zip(cloud.intensity()) {
+                all.push(turned(position_m), *intensity);
+            }
+            cloud = all;
+        }
+        Ok(Self {
+            cloud,
+            points_left_out,
+            frame,
+            stamp_ns,
+            sensor_from_frame: frame_from_points.translation.inverse() * Isometry3::identity(),
+            regions,
+            objects,
+        })
+    }
+
+    /// Gives every annotation the points whose [`own_fields::OBJECT`] names its place in the message.
+    pub fn assign_points(&self, annotations: &mut [Annotation]) {
+        for (point_idx, number) in (0_u32..).zip(self.objects.iter().flatten()) {
+            let annotation = (*number as usize).checked_sub(1).and_then(|idx| annotations.get_mut(idx));
+            if let Some(annotation) = annotation {
+                annotation.point_indices.push(point_idx);
+            }
+        }
+    }
+}
+
+/// The region that a number stands for in recordings.
+pub fn region_of(number: f64) -> PointRegion {
+    match number as u8 {
+        0 => PointRegion::Labeled,
+        1 => PointRegion::Unscorable,
+        _ => PointRegion::Outside,
+    }
+}
+
+/// The number that stands for a region in recordings.
+pub fn number_of_region(region: PointRegion) -> u8 {
+    match region {
+        PointRegion::Labeled => 0,
+        PointRegion::Unscorable => 1,
+        PointRegion::Outside => 2,
+    }
+}
