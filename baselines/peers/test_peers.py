@@ -1,0 +1,67 @@
+"""Each detector of scanbench.toml against the reference host, on a drawn street; those whose libraries are not there are skipped.
+
+    PYTHONPATH=../../harness/python/src:../../harness/python/tests pytest
+"""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference_host import Host, Limits, ToldFailure, columns_of
+
+HERE = Path(__file__).parent
+DETECTORS = tomllib.loads((HERE / "scanbench.toml").read_text())["detector"]
+CAR_PLACES_M = [(8.0, 3.0), (12.0, -4.0), (20.0, 2.0)]
+
+
+def street() -> np.ndarray:
+    """A level road with three boxes on it, as points x, y, z, intensity."""
+    random = np.random.default_rng(1)
+    # About as many points at each range, as a sensor that turns sees them.
+    range_m, turn = 3 + 37 * random.random(30_000), 2 * np.pi * random.random(30_000)
+    road = np.column_stack([range_m * np.cos(turn), range_m * np.sin(turn), np.full(30_000, -1.73)])
+    cars = [random.random((800, 3)) * [1.0, 1.8, 1.0] + [x, y, -1.2] for x, y in CAR_PLACES_M]
+    positions = np.concatenate([road, *cars])
+    return np.column_stack([positions, np.full(len(positions), 0.3)]).astype(np.float32)
+
+
+@pytest.mark.parametrize("name", [name for name in DETECTORS if not name.endswith("as-documented")])
+def test_three_cars_are_three_clusters(name: str) -> None:
+    section = DETECTORS[name]
+    limits = Limits(start_s=120, first_scan_s=120, scan_s=120)
+    command = [sys.executable, *section["command"][1:]]
+    points = street()
+    with Host(command, section["parameters"], limits, directory=HERE) as host:
+        try:
+            assert host.hello()["name"] == name
+        except ToldFailure as failure:
+            if "No module named" in str(failure) or "is not built" in str(failure):
+                pytest.skip(str(failure))
+            raise
+        host.configure()
+        first, again = host.scan(columns_of(points), 0), host.scan(columns_of(points), 1)
+        ids = first.ids
+        assert ids is not None and again.ids is not None and np.array_equal(ids, again.ids)
+        cars = [ids[30_000 + 800 * car : 30_800 + 800 * car] for car in range(3)]
+        largest = [np.bincount(car).argmax() for car in cars]
+        # HDBSCAN takes a box apart, where it is denser by chance.
+        if name != "sklearn-hdbscan":
+            assert len(set(largest)) == 3 and 0 not in largest
+            assert all((car == id_).mean() > 0.7 for car, id_ in zip(cars, largest, strict=True))
+        assert (ids[:30_000] > 0).mean() < 0.1
+        assert host.scan(columns_of(points[:0]), 2).n_detections == 0
+
+
+def test_a_ground_that_does_not_exist_is_refused() -> None:
+    with Host([sys.executable, "-m", "scanbench.serve", "scipy_components.py:ScipyComponents"], directory=HERE) as host:
+        try:
+            host.hello()
+        except ToldFailure as failure:
+            pytest.skip(str(failure))
+        host.parameters = {"ground": "plane"}
+        with pytest.raises(ToldFailure, match="ground is patchworkpp or none, not 'plane'"):
+            host.configure()

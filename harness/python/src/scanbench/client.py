@@ -1,0 +1,160 @@
+"""The detector's side of the protocol."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scanbench.cloud import Cloud
+from scanbench.detections import Detections
+from scanbench.detector import Configuration, Detector
+from scanbench.pipe import Pipe, ProtocolError
+from scanbench.result import encode_result
+from scanbench.stage import take_times_ms
+
+PROTOCOL = 1
+COLUMN_TYPES = {"x_m": "<f4", "y_m": "<f4", "z_m": "<f4", "intensity": "<f4", "ring": "<u2", "time_offset_s": "<f4"}
+
+WRONGLY_STARTED = """This is a detector: scanbench starts it. Name it in scanbench.toml,
+
+    [detector.{name}]
+    command = ["python3", …]
+
+and run: scanbench run -d {name}"""
+
+
+def pipe_of_environment() -> Pipe | None:
+    """The pipe to the program, or None if it did not start this process."""
+    try:
+        return Pipe(int(os.environ["SCANBENCH_READ_FD"]), int(os.environ["SCANBENCH_WRITE_FD"]))
+    except (KeyError, ValueError, OSError):
+        return None
+
+
+def serve(detector: Detector) -> int:
+    """Answers until the program says *quit* or is gone; returns the exit code."""
+    pipe = pipe_of_environment()
+    if pipe is None:
+        print(WRONGLY_STARTED.format(name=detector.name), file=sys.stderr)
+        return 2
+    return serve_pipe(detector, pipe)
+
+
+def serve_pipe(detector: Detector, pipe: Pipe) -> int:
+    """As `serve`, over this pipe."""
+    session = Session(detector)
+    try:
+        while (message := pipe.read()) is not None and message["message"] != "quit":
+            fields, payload = session.answer(message)
+            _send(pipe, fields, payload)
+            if session.ended:
+                return 1
+    except BrokenPipeError:
+        return 0
+    except KeyboardInterrupt:
+        return 130
+    except ProtocolError as error:
+        _send(pipe, {"message": "error", "text": str(error)}, [])
+        return 1
+    return 0
+
+
+def refuse(pipe: Pipe, text: str) -> int:
+    """Answers the first message by an error; returns the exit code."""
+    if pipe.read() is not None:
+        _send(pipe, {"message": "error", "text": text}, [])
+    return 1
+
+
+def last_line(error: BaseException) -> str:
+    """What a traceback ends with."""
+    return traceback.format_exception_only(error)[-1].strip()
+
+
+def _send(pipe: Pipe, fields: dict[str, Any], payload: list[bytes]) -> None:
+    try:
+        pipe.write(fields, payload)
+    except (ProtocolError, ValueError) as error:
+        pipe.write({"message": "error", "text": last_line(error)})
+
+
+class Session:
+    """What outlives a message."""
+
+    def __init__(self, detector: Detector) -> None:
+        self.detector = detector
+        self.detect: Callable[[Cloud], Detections] | None = None
+        self.configuration: Configuration | None = None
+        self.memory: mmap.mmap | None = None
+        self.ended = False
+
+    def answer(self, message: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:
+        """The answer to a message, which is an error if anything failed."""
+        try:
+            match message["message"]:
+                case "hello":
+                    return self._hello(message), []
+                case "configure":
+                    return self._configure(message), []
+                case "scan":
+                    return self._scan(message)
+                case unknown:
+                    raise ProtocolError(f"unknown message {unknown!r}")
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # Whatever the detector raises, SystemExit too, is told and not fatal.
+            traceback.print_exc()
+            return {"message": "error", "text": last_line(error)}, []
+
+    def _hello(self, message: dict[str, Any]) -> dict[str, Any]:
+        if message.get("protocol") != PROTOCOL:
+            self.ended = True
+            raise ProtocolError(f"protocol {message.get('protocol')} is not known, only {PROTOCOL}")
+        answer = {"message": "hello", "protocol": PROTOCOL, "name": self.detector.name}
+        return {**answer, "version": self.detector.version} if self.detector.version else answer
+
+    def _configure(self, message: dict[str, Any]) -> dict[str, Any]:
+        with open(message["shared_memory"], "rb") as file:
+            size = os.fstat(file.fileno()).st_size
+            memory = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if size else None
+        configuration = Configuration(
+            dataset=message["dataset"],
+            sensor=message.get("sensor"),
+            sensor_height_m=message.get("sensor_height_m"),
+            threads=message.get("threads", 1),
+            parameters=message.get("parameters", {}),
+        )
+        # A second time for larger memory alone: the detector keeps its state.
+        if self.detect is None or configuration != self.configuration:
+            self.detect = self.detector.configured(configuration)
+            self.configuration = configuration
+        # The old map goes when the last array of it does.
+        self.memory = memory
+        return {"message": "configured"}
+
+    def _scan(self, message: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:
+        if self.detect is None:
+            raise ProtocolError("a scan before `configure`")
+        cloud = self._cloud(message)
+        take_times_ms()
+        fields, payload = encode_result(self.detect(cloud), len(cloud), self.detector.noise)
+        fields["stages"] = [{"name": name, "ms": round(ms, 4)} for name, ms in take_times_ms().items()]
+        return {"message": "result", "number": cloud.number, **fields}, payload
+
+    def _cloud(self, message: dict[str, Any]) -> Cloud:
+        n_points = message["n_points"]
+        columns: dict[str, NDArray[Any]] = {}
+        for column in message["columns"]:
+            if (dtype := COLUMN_TYPES.get(column["name"])) is not None:
+                if n_points == 0 or self.memory is None:
+                    columns[column["name"]] = np.empty(n_points, dtype)
+                else:
+                    columns[column["name"]] = np.frombuffer(self.memory, dtype, n_points, column["offset"])
+        return Cloud(message["number"], message.get("name", ""), message.get("time_s", 0.0), **columns)

@@ -1,0 +1,166 @@
+"""Running the program on Python's detectors, and what a run leaves behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from scanbench.configuration_file import section
+from scanbench.detector import Detector
+from scanbench.frame import Backend, columns_of_csv, columns_of_rows, frame, installed
+from scanbench.notebook import page_of
+from scanbench.program import ScanbenchError, call
+
+DetectorLike = Detector | Callable[..., Any] | str
+
+
+class Run:
+    """A run directory. Each of its tables is read once it is asked for, and kept."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.backend: Backend = installed()
+        self._frames: dict[tuple[str, Backend], Any] = {}
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str]) -> Run:
+        """An earlier run; raises ScanbenchError if there is none at `path`."""
+        directory = Path(path)
+        if not (directory / "manifest.json").is_file():
+            raise ScanbenchError(f"{directory} is no run: it has no manifest.json")
+        return cls(directory)
+
+    @property
+    def scans(self) -> Any:
+        """Counts and latency, a row for each scan, detector and task."""
+        return self.frame("scans")
+
+    @property
+    def matches(self) -> Any:
+        """A row for each pair, and for each missed, false, ignored or unknowable object, with boxes and the reason."""
+        return self.frame("matches")
+
+    @property
+    def report(self) -> Any:
+        """Every number, a row for each data set, task, detector, slice and metric; those of all data sets are of `overall`."""
+        return self.frame("report")
+
+    @property
+    def manifest(self) -> dict[str, Any]:
+        """Command line, parameters, seeds, checksums, versions, processor."""
+        manifest: dict[str, Any] = json.loads((self.path / "manifest.json").read_text())
+        return manifest
+
+    def frame(self, name: str, backend: Backend | None = None) -> Any:
+        """A table as a data frame: `scans`, `matches`, `report`, or another CSV file of the run, such as `precision_recall`.
+
+        `backend` is pandas or polars, whichever is installed first, or NumPy: a dictionary of columns.
+        """
+        key = (name, backend or self.backend)
+        if key not in self._frames:
+            self._frames[key] = frame(self._columns(name), key[1])
+        return self._frames[key]
+
+    def _columns(self, name: str) -> dict[str, Any]:
+        if name == "report":
+            report = json.loads((self.path / "report.json").read_text())
+            return columns_of_rows([*report["rows"], *report.get("overall", [])])
+        return columns_of_csv((self.path / f"{name}.csv").read_text())
+
+    def __repr__(self) -> str:
+        return f"Run.open({str(self.path)!r})"
+
+    def _repr_html_(self) -> str:
+        return page_of(self.path)
+
+
+def run(
+    dataset: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    detectors: Sequence[DetectorLike],
+    *,
+    output: str | os.PathLike[str] | None = None,
+    config: str | os.PathLike[str] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    time_limit_s: float | None = None,
+    threads: int | None = None,
+    quiet: bool = False,
+    **options: Any,
+) -> Run:
+    """Judges `detectors` on data sets (ids or paths), and returns the run.
+
+    A detector is a function, or the name of one that scanbench has or `config` (a scanbench.toml) names. `parameters` are those of
+    detectors and matching (`-P`); `time_limit_s` and `threads` are for each function. Any other option of `scanbench run` is given by its name:
+    `scans="0..100:5"`, `simulated_scans=20`, `criterion="centre"`, `skip_damaged=True`, `on_detector_failure="skip"`. Raises
+    ScanbenchError, with `exit_code`, if the program fails.
+    """
+    datasets = [dataset] if isinstance(dataset, str | os.PathLike) else list(dataset)
+    named = [_named(detector) for detector in detectors]
+    names = [detector if isinstance(detector, str) else detector.name for detector in named]
+    if not names or len(set(names)) != len(names):
+        raise ValueError(f"detectors need a name each, and these have {', '.join(names) or 'none'}: see `using`")
+    directory = Path(output) if output is not None else _new_directory(names)
+    arguments = ["run", *(os.fspath(path) for path in datasets), "-d", ",".join(names), "-o", str(directory)]
+    for name, value in (parameters or {}).items():
+        arguments += ["-P", f"{name}={_word(value)}"]
+    for name, value in options.items():
+        arguments += _option(name, value)
+    made = [detector for detector in named if isinstance(detector, Detector)]
+    with _configuration(made, Path(config) if config is not None else None, time_limit_s, threads) as written:
+        call([*arguments, *(["-c", str(written)] if written else [])], quiet=quiet)
+    return Run.open(directory)
+
+
+def _named(detector: DetectorLike) -> Detector | str:
+    if isinstance(detector, str | Detector):
+        return detector
+    return Detector(detector, None, None, -1)
+
+
+def _new_directory(names: Sequence[str]) -> Path:
+    return Path("runs") / f"{time.strftime('%Y-%m-%d-%H%M%S')}-{time.time_ns() // 1_000_000 % 1000:03}-{names[0]}"
+
+
+@contextmanager
+def _configuration(
+    detectors: Sequence[Detector], config: Path | None, time_limit_s: float | None, threads: int | None
+) -> Iterator[Path | None]:
+    """A scanbench.toml for the run, removed afterwards; beside `config`, so that commands there start in their own folder."""
+    if not detectors:
+        yield config
+        return
+    with tempfile.TemporaryDirectory(prefix="scanbench-") as scratch:
+        sections = [section(detector, Path(scratch), time_limit_s, threads) for detector in detectors]
+        if config is None:
+            written = Path(scratch) / "scanbench.toml"
+            written.write_text("\n".join(sections))
+            yield written
+            return
+        written = config.parent / f".{config.stem}-{os.getpid()}-{time.time_ns()}.toml"
+        try:
+            written.write_text("\n".join([config.read_text(), *sections]))
+            yield written
+        finally:
+            written.unlink(missing_ok=True)
+
+
+def _option(name: str, value: Any) -> list[str]:
+    option = "--" + name.replace("_", "-")
+    if value is None or value is False:
+        return []
+    if value is True:
+        return [option]
+    if isinstance(value, list | tuple):
+        return [word for item in value for word in _option(name, item)]
+    return [f"{option}={_word(value)}"]
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
