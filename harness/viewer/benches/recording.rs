@@ -14,8 +14,9 @@ use evaluation::matching::criterion::Criterion;
 use evaluation::matching::eligibility::EligibilityParams;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detectors_named};
+use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _};
-use evaluation::run::side_by_side::SideBySide;
+use evaluation::run::side_by_side::{OnDetectorFailure, SideBySide};
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::vocabulary::task::Task;
 use scans::dataset::Dataset;
@@ -72,7 +73,7 @@ fn record(
     let config = config.for_sensor(&description.sensor).unwrap_or(config);
     let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
     let mut detectors: Vec<_> =
-        listed.iter().map(|it| it.build(&config, description.sensor_height_m)).collect();
+        listed.iter().map(|it| Entrant::of(*it, &config).begin(description)).collect();
     let options = RunRecordingOptions {
         stream: StreamOptions {
             name: "benchmark".to_owned(),
@@ -98,6 +99,7 @@ fn record(
         n_warmup: 1,
         n_repeats: NonZeroUsize::MIN,
         n_jobs: 1,
+        on_failure: OnDetectorFailure::Stop,
         interrupted: &AtomicBool::new(false),
     };
     let times_s = scan_times_s(dataset);
