@@ -14,8 +14,6 @@ use super::problem::{DetectorProblem, Ending};
 use super::program::{Program, StartedProgram};
 use super::shared_cloud::SharedCloud;
 
-/// From the start of the process to the answer to `configure`.
-pub const START_LIMIT: Duration = Duration::from_secs(30);
 /// For the first scan, unless more is allowed for each.
 pub const FIRST_SCAN_LIMIT: Duration = Duration::from_secs(60);
 /// Room for this many points at least, so that few scans need more.
@@ -26,6 +24,7 @@ pub struct Conversation {
     program: Program,
     shared: SharedCloud,
     configuration: Configuration,
+    start_limit: Duration,
     introduction: Introduction,
     number: u64,
     // Whose points are in the shared memory, and where.
@@ -58,16 +57,17 @@ impl Conversation {
         configuration: &Configuration,
         n_points: usize,
     ) -> Result<Self, Goodbye> {
-        let deadline = Instant::now() + START_LIMIT;
+        let deadline = Instant::now() + start.start_limit;
         let machine = |error: std::io::Error| (DetectorProblem::Machine(error.to_string()), Vec::new());
         let shared = SharedCloud::with_room(n_points.max(LEAST_ROOM)).map_err(machine)?;
         let mut program = start.start().map_err(machine)?;
-        match hello(&mut program, deadline) {
+        match hello(&mut program, start.start_limit, deadline) {
             Ok(introduction) => {
                 let mut begun = Self {
                     program,
                     shared,
                     configuration: configuration.clone(),
+                    start_limit: start.start_limit,
                     introduction,
                     number: 0,
                     written: None,
@@ -102,7 +102,7 @@ impl Conversation {
         let room = self.shared.max_points();
         self.shared = SharedCloud::with_room(room).map_err(|it| DetectorProblem::Machine(it.to_string()))?;
         self.configuration = configuration.clone();
-        self.configure(Instant::now() + START_LIMIT)
+        self.configure(Instant::now() + self.start_limit)
     }
 
     /// Asks for the objects in `scan`, taken `time_s` seconds after the first of its drive.
@@ -120,7 +120,7 @@ impl Conversation {
         if n_points > self.shared.max_points() {
             let room = SharedCloud::with_room(n_points + n_points / 2);
             self.shared = room.map_err(|it| DetectorProblem::Machine(it.to_string()))?;
-            self.configure(Instant::now() + START_LIMIT)?;
+            self.configure(Instant::now() + self.start_limit)?;
         }
         self.check_silence()?;
         let line = self.question(scan, time_s)?;
@@ -189,7 +189,7 @@ impl Conversation {
         self.configuration.shared_memory = path.unwrap_or_default();
         let line = json(&Question::Configure(self.configuration.clone()))?;
         self.say(&line, deadline)?;
-        let answer = read_answer(&mut self.program, "configure", START_LIMIT, deadline);
+        let answer = read_answer(&mut self.program, "configure", self.start_limit, deadline);
         self.shared.hide();
         match answer? {
             (Answer::Configured, 0) => Ok(()),
@@ -215,13 +215,13 @@ impl Conversation {
     }
 }
 
-fn hello(program: &mut Program, deadline: Instant) -> Result<Introduction, DetectorProblem> {
+fn hello(program: &mut Program, limit: Duration, deadline: Instant) -> Result<Introduction, DetectorProblem> {
     let question = Question::Hello {
         protocol: PROTOCOL,
         program: concat!("scanbench ", env!("CARGO_PKG_VERSION")).to_owned(),
     };
     say(program, &json(&question)?, deadline)?;
-    match read_answer(program, "hello", START_LIMIT, deadline)? {
+    match read_answer(program, "hello", limit, deadline)? {
         (Answer::Hello(introduction), 0) if introduction.protocol == PROTOCOL => Ok(introduction),
         (Answer::Hello(introduction), 0) => {
             let problem = format!("it speaks protocol {}, not {PROTOCOL}", introduction.protocol);

@@ -34,6 +34,8 @@ pub struct StartedProgram {
     pub folder: PathBuf,
     /// How many threads it should use at most.
     pub threads: u32,
+    /// How long it may take until it can be asked.
+    pub start_limit: Duration,
 }
 
 /// A detector that is running.

@@ -31,6 +31,8 @@ pub enum ForeignWork {
 pub struct ForeignProcess {
     /// The program and its arguments.
     pub command: Vec<String>,
+    /// How long it may take from its start until it can be asked.
+    pub start_limit: Duration,
     /// How long it may take for a scan.
     pub time_limit: Duration,
     /// How many threads it should use at most.

@@ -60,7 +60,9 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         interrupted,
         progress: &progress,
     };
-    watched.run(sinks)?;
+    if let Err(failure) = watched.run(sinks) {
+        return Err(unfinished(directory, failure));
+    }
     let manifest = run_manifest(RunSettings {
         selection: arguments.data.scans.as_deref(),
         n_warmup: arguments.timing.warmup,
@@ -78,6 +80,20 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
+}
+
+/// Leaves the files of a run that a detector has ended.
+fn unfinished(directory: RunDirectory, failure: Failure) -> Failure {
+    if !matches!(failure, Failure::Detector(_)) {
+        return failure;
+    }
+    match directory.leave_unfinished() {
+        Ok(place) => {
+            print_diagnostic(format_args!("Rows of the scans before the failure: {}", place.display()));
+            failure
+        }
+        Err(error) => error.into(),
+    }
 }
 
 fn begin_recording(

@@ -45,7 +45,13 @@ impl WatchedRun<'_> {
     /// If data are damaged, a data set has nothing to be found, the run is interrupted, or a sink cannot go on.
     pub fn run(&self, mut sinks: Sinks<'_, Failure>) -> Result<(), Failure> {
         for opened in self.datasets {
-            self.run_dataset(opened, &mut sinks)?;
+            if let Err(failure) = self.run_dataset(opened, &mut sinks) {
+                if matches!(failure, Failure::Detector(_)) {
+                    // What others and earlier scans made is not lost.
+                    sinks.into_iter().try_for_each(RunSink::finish)?;
+                }
+                return Err(failure);
+            }
         }
         sinks.into_iter().try_for_each(RunSink::finish)
     }

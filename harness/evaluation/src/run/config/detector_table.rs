@@ -15,11 +15,13 @@ use crate::run::kept_names::kept;
 pub const DETECTOR_TABLE: &str = "detector";
 
 /// What a table of a detector may hold.
-const KEYS: [&str; 5] = ["command", "parameters", "time_limit_s", "threads", "vehicles"];
+const KEYS: [&str; 6] = ["command", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
 /// Names that mean something else.
 const TAKEN: [&str; 6] = ["hierarchical", "kd-tree", "kd-tree-same-walls", "pca", "simple-grid", "nothing"];
-/// How long a detector may take for a scan unless the file says otherwise.
-const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(10);
+/// How long a detector may take until it can be asked, unless the file says otherwise.
+const START_LIMIT: Duration = Duration::from_secs(30);
+/// How long it may take for a scan.
+const TIME_LIMIT: Duration = Duration::from_secs(10);
 /// Longest time limit, in seconds.
 const LONGEST_LIMIT_S: f64 = 3600.0;
 /// Most threads.
@@ -63,7 +65,8 @@ impl DetectorTable<'_> {
         let work = match command {
             Some(command) => ForeignWork::Process(ForeignProcess {
                 command: self.below("command").command(command)?,
-                time_limit: self.time_limit(table.remove("time_limit_s"))?,
+                start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
+                time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
                 threads: self.threads(table.remove("threads"))?,
                 introduction: Arc::default(),
             }),
@@ -95,10 +98,10 @@ impl DetectorTable<'_> {
         Ok(words)
     }
 
-    fn time_limit(&self, written: Option<Value>) -> Result<Duration, ConfigError> {
-        let place = self.below("time_limit_s");
+    fn limit(&self, key: &str, written: Option<Value>, default: Duration) -> Result<Duration, ConfigError> {
+        let place = self.below(key);
         let limit_s = match written {
-            None => return Ok(DEFAULT_TIME_LIMIT),
+            None => return Ok(default),
             Some(Value::Float(limit_s)) => limit_s,
             Some(Value::Integer(limit_s)) => limit_s as f64,
             Some(other) => return Err(place.wrong_type(&other, "float")),
