@@ -159,7 +159,7 @@ impl RunDirectory {
             }
             std::fs::rename(self.partial.path(), &place).map_err(refused(&place))?;
             self.partial.disable_cleanup(true);
-            Ok(())
+            Ok::<(), RunDirectoryError>(())
         })?;
         Ok(place)
     }

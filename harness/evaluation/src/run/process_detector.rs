@@ -58,7 +58,12 @@ impl ProcessDetector {
         configuration: Configuration,
         vehicles: ForeignVehicles,
     ) -> Self {
-        let start = StartedProgram { command: process.command.clone(), folder, threads: process.threads };
+        let start = StartedProgram {
+            command: process.command.clone(),
+            folder,
+            threads: process.threads,
+            start_limit: process.start_limit,
+        };
         Self {
             name,
             process: process.clone(),

@@ -60,11 +60,16 @@ fn check_misbehaviour(behaviour: &str, expected: &str, n_failed: usize) {
     let place = place_with(behaviour, "time_limit_s = 0.5");
     let stopped = run_odd(&place, &[]);
     assert_eq!(stopped.exit_code, Some(6), "{behaviour}: {stopped:#?}");
-    assert!(stopped.stderr.contains("the detector \"odd\" failed at scan"), "{behaviour}: {}", stopped.stderr);
+    assert!(
+        stopped.stderr.contains("the detector \"odd\" failed at scan"),
+        "{behaviour}: {}",
+        stopped.stderr
+    );
     assert!(stopped.stderr.contains(expected), "{behaviour}: {}", stopped.stderr);
     assert!(place.read("out.unfinished/scans.csv").lines().count() > 1, "{behaviour}");
     assert!(!place.path("out").exists());
 
+    std::fs::remove_file(place.path("misbehaved")).unwrap();
     let skipped = run_odd(&place, &["--on-detector-failure", "skip"]);
     assert_eq!(skipped.exit_code, Some(0), "{behaviour}: {skipped:#?}");
     let rows = place.read("out/scans.csv");
@@ -84,7 +89,7 @@ fn crashes_and_errors_are_told_and_counted() {
     check_misbehaviour("exit", "it ended with exit code 3", 1);
     check_misbehaviour("abort", "it was ended by signal 6", 1);
     check_misbehaviour("error", "it reports an error: out of ideas", 1);
-    check_misbehaviour("close", "it closed its pipe", 1);
+    check_misbehaviour("end", "it ended with exit code 0", 1);
 }
 
 #[test]
@@ -125,14 +130,20 @@ fn what_cannot_begin_ends_the_run_whatever_the_rule() {
     place.write("scanbench.toml", "[detector.odd]\ncommand = [\"./nowhere\"]");
     let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
     assert_eq!(ended.exit_code, Some(6));
-    assert!(ended.stderr.contains("cannot be started") && ended.stderr.contains("No such file"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("cannot be started") && ended.stderr.contains("No such file"),
+        "{}",
+        ended.stderr
+    );
 }
 
 #[test]
 fn the_last_words_are_told() {
     let place = place_with("exit", "");
     let ended = run_odd(&place, &[]);
-    assert!(ended.stderr.contains("last lines that it printed:\n") && ended.stderr.contains("  my last words"));
+    assert!(
+        ended.stderr.contains("last lines that it printed:\n") && ended.stderr.contains("  my last words")
+    );
 }
 
 #[test]
@@ -197,11 +208,19 @@ fn what_is_served_finds_the_same() {
 #[test]
 fn a_served_detector_is_asked_by_every_verb_that_takes_detectors() {
     let place = place_with("fine", "parameters = { most = 3 }");
-    place.succeed(&[&["sweep", "-d", "odd", "-P", "odd.most=1:3:1", "--timed-scans", "1"][..], &STREET, &["-q", "-o", "sweep"]].concat());
+    place.succeed(
+        &[
+            &["sweep", "-d", "odd", "-P", "odd.most=1:3:1", "--timed-scans", "1"][..],
+            &STREET,
+            &["-q", "-o", "sweep"],
+        ]
+        .concat(),
+    );
     let sweep = place.read("sweep/sweep.csv");
     assert!(sweep.contains("detector.odd.most") && sweep.lines().count() > 6, "{sweep}");
     let file = place.path("scan.bin");
-    let points = (0..200_u16).flat_map(|it| [4.0 + f32::from(it) * 0.01, 2.0, -1.0, 0.5]).flat_map(f32::to_le_bytes);
+    let points =
+        (0..200_u16).flat_map(|it| [4.0 + f32::from(it) * 0.01, 2.0, -1.0, 0.5]).flat_map(f32::to_le_bytes);
     std::fs::write(&file, points.collect::<Vec<u8>>()).unwrap();
     let detected = place.succeed(&["detect", "scan.bin", "-d", "odd", "-P", "most=2"]);
     assert!(detected.stdout.contains("odd: 2 clusters of"), "{}", detected.stdout);
@@ -209,13 +228,16 @@ fn a_served_detector_is_asked_by_every_verb_that_takes_detectors() {
     let refused = place.run(&["boxes", "-d", "odd"]);
     assert_eq!(refused.exit_code, Some(2));
     let refused = place.run(&["run", "-d", "odder"]);
-    assert!(refused.stderr.contains("there is no detector \"odder\"") && refused.stderr.contains("odd, served"));
+    assert!(
+        refused.stderr.contains("there is no detector \"odder\"") && refused.stderr.contains("odd, served")
+    );
 }
 
 /// Not a test unless somebody started it as a detector.
 #[test]
 fn as_a_detector() {
-    let Some(behaviour) = std::env::args().next_back().filter(|_| std::env::var_os("SCANBENCH_READ_FD").is_some())
+    let Some(behaviour) =
+        std::env::args().next_back().filter(|_| std::env::var_os("SCANBENCH_READ_FD").is_some())
     else {
         return;
     };
@@ -228,7 +250,7 @@ fn as_a_detector() {
 struct Odd {
     behaviour: String,
     reading: BufReader<File>,
-    writing: Option<File>,
+    writing: File,
     most: usize,
     n_asked: u64,
 }
@@ -241,14 +263,14 @@ impl Odd {
         Self {
             behaviour: behaviour.to_owned(),
             reading: BufReader::new(end("SCANBENCH_READ_FD", OpenOptions::new().read(true))),
-            writing: Some(end("SCANBENCH_WRITE_FD", OpenOptions::new().write(true))),
+            writing: end("SCANBENCH_WRITE_FD", OpenOptions::new().write(true)),
             most: 1,
             n_asked: 0,
         }
     }
 
     fn say(&mut self, bytes: &[u8]) {
-        self.writing.as_mut().unwrap().write_all(bytes).unwrap();
+        self.writing.write_all(bytes).unwrap();
     }
 
     /// Answers one question; false at the end.
@@ -316,14 +338,7 @@ impl Odd {
             }
             "abort" => std::process::abort(),
             "error" => self.say(&line_of(&Answer::Error { text: "out of ideas".to_owned() }, 0).unwrap()),
-            "close" => {
-                // Also what it has inherited.
-                self.writing = None;
-                let number = std::env::var("SCANBENCH_WRITE_FD").unwrap();
-                Command::new("sleep").arg("0").status().unwrap();
-                assert!(number.parse::<u32>().is_ok());
-                std::process::exit(0);
-            }
+            "end" => std::process::exit(0),
             "silent" => std::thread::sleep(Duration::from_secs(100)),
             "half" => {
                 let whole = message(line, ids);
@@ -345,7 +360,7 @@ impl Odd {
             "another-number" => self.say(&message(ResultLine { number: 4711, ..line }, ids)),
             "no-json" => self.say(b"here you are\n"),
             "endless-line" => {
-                let _ = self.writing.as_mut().unwrap().write_all(&vec![b'x'; 3 << 20]);
+                let _ = self.writing.write_all(&vec![b'x'; 3 << 20]);
             }
             "too-much" => self.say(&[message(line, ids), b"more".to_vec()].concat()),
             _ => {
