@@ -17,9 +17,11 @@ import pytest
 from numpy.typing import NDArray
 from reference_host import DetectorFailure, Host, Limits, Silence, ToldFailure, columns_of
 
+import scanbench
+
 HERE = Path(__file__).parent
 PROTOCOL = HERE.parents[2] / "docs/protocol.md"
-SOURCES = {"PYTHONPATH": str(HERE.parent / "src")}
+SOURCES = {"PYTHONPATH": str(Path(scanbench.__file__).parents[1])}
 SHORT = Limits(start_s=20, first_scan_s=1, scan_s=1, quit_s=2)
 
 

@@ -76,7 +76,7 @@ def program(tmp_path: Path, run_directory: Path, monkeypatch: pytest.MonkeyPatch
     script.chmod(0o755)
     monkeypatch.setenv("SCANBENCH", str(script))
     monkeypatch.setenv("FAKE_RUN", str(run_directory))
-    monkeypatch.setenv("PYTHONPATH", str(HERE.parent / "src"))
+    monkeypatch.setenv("PYTHONPATH", str(Path(scanbench.__file__).parents[1]))
     monkeypatch.chdir(tmp_path)
     return script
 

@@ -11,6 +11,7 @@ use super::fit_density::FitDensityArgs;
 use super::gaps::GapsArgs;
 use super::gate::{BaselineCommand, GateArgs};
 use super::help_text::{GENERAL, with_details};
+use super::init::InitArgs;
 use super::report::ReportArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
@@ -107,6 +108,8 @@ pub enum Command {
     Gaps(GapsArgs),
     /// Measure the errors of two ways to fit boxes
     Boxes(BoxesArgs),
+    /// Write a folder to begin with: a detector in Python, scans with labels, a gate
+    Init(InitArgs),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"
