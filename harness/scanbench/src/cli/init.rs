@@ -18,6 +18,6 @@ Examples:
   scanbench init my-detector
   cd my-detector && scanbench run data/street -d cells,hierarchical
 
-Writes a detector of some twenty lines of Python, a scanbench.toml that names it, a
-simulated street with labels in KITTI's format, and a workflow for GitHub that runs
-`scanbench gate`. Detectors in Python need the package scanbench: pip install scanbench.";
+Writes a small detector in Python, a scanbench.toml that names it, a simulated street
+with labels in KITTI's format, and a workflow for GitHub that runs `scanbench gate`.
+Detectors in Python need the package: pip install scanbench.";

@@ -38,7 +38,7 @@ fn a_folder_has_a_detector_scans_with_labels_and_a_gate() {
         ]
     );
     let checked = workplace.succeed(&["data", "check", "mine/data/street"]);
-    assert!(checked.stdout.contains("20 scans"), "{checked:#?}");
+    assert!(checked.stdout.contains("20 of 10 drives"), "{checked:#?}");
     let parameters: toml::Table = toml::from_str(&workplace.read("mine/scanbench.toml")).unwrap();
     assert!(parameters["detector"]["cells"]["command"].is_array(), "{parameters:?}");
     assert!(workplace.read("mine/detector.py").contains("\ndef cells("));
@@ -49,9 +49,12 @@ fn its_workflow_makes_the_same_scans_again() {
     let workplace = Workplace::new();
     workplace.succeed(&["init", "mine"]);
     let workflow = workplace.read("mine/.github/workflows/gate.yml");
-    let simulate =
-        workflow.lines().find_map(|it| it.trim().strip_prefix("- run: scanbench data simulate ")).unwrap();
+    let simulate = workflow
+        .lines()
+        .find_map(|it| it.trim().strip_prefix("- run: mkdir -p data && scanbench data simulate "))
+        .unwrap();
     let arguments: Vec<&str> = ["data", "simulate"].into_iter().chain(simulate.split(' ')).collect();
+    std::fs::create_dir(workplace.path("data")).unwrap();
     workplace.succeed(&arguments);
     let of_workflow = files(&workplace, "data");
     assert!(of_workflow.len() > 20 && of_workflow == files(&workplace, "mine/data"));
