@@ -33,6 +33,12 @@ needs_program = pytest.mark.skipif(not knows("run"), reason="there is no program
 needs_processes = pytest.mark.skipif(not knows("serve"), reason="there is no program that starts detectors")
 
 
+@pytest.fixture(autouse=True)
+def package(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The detectors' processes find the package where this one does, installed or not."""
+    monkeypatch.setenv("PYTHONPATH", PACKAGE)
+
+
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     output = tmp_path_factory.mktemp("real") / "run"
@@ -104,8 +110,7 @@ def test_a_function_that_fails_ends_the_run_or_is_skipped(tmp_path: Path) -> Non
     with pytest.raises(ScanbenchError, match=r"labels are of shape") as failure:
         scanbench.run("street-narrow", [wrong], output=tmp_path / "stopped", **TINY)
     assert failure.value.exit_code == 6 and not (tmp_path / "stopped").exists()
-    crash = detectors.wrong.using(how="crashes")
-    run = scanbench.run("street-narrow", [crash, "pca"], output=tmp_path / "run", on_detector_failure="skip", **TINY)
+    run = scanbench.run("street-narrow", [wrong, "pca"], output=tmp_path / "run", on_detector_failure="skip", **TINY)
     scans = run.frame("scans", "numpy")
     of_wrong = scans["detector"] == "wrong"
     assert scans["tp"][of_wrong].sum() == 0 and scans["tp"][~of_wrong].sum() > 0
@@ -117,7 +122,6 @@ def test_a_folder_of_init_runs_and_is_gated(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path)
     # The commands of the folder call the Python that has the package.
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
-    monkeypatch.setenv("PYTHONPATH", PACKAGE)
     call(["init", "mine"], quiet=True)
     monkeypatch.chdir(tmp_path / "mine")
     if not knows("serve"):
