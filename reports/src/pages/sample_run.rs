@@ -87,6 +87,7 @@ impl SampleRun<'_> {
             name: (*name).to_owned(),
             parameters: serde_json::Value::Null,
             rules: Vec::new(),
+            foreign: None,
         };
         manifest.detectors = self.detectors.iter().map(detector).collect();
         manifest.argv = ["scanbench", "run", "it's <here>"].map(str::to_owned).to_vec();
@@ -121,6 +122,9 @@ impl SampleRun<'_> {
                 latency_ms: Some(10_f64.powi(detector_idx as i32) * (1.0 + f64::from(scan) / 100.0)),
                 least_latency_ms: Some(10_f64.powi(detector_idx as i32)),
                 reference_ms: Some(0.25),
+                cpu_ms: None,
+                door_ms: None,
+                failure: None,
                 counts: Counts::new(N_OBJECTS, tp, fo).unwrap(),
                 n_ignored_annotations: 0,
                 n_ignored_detections: 0,

@@ -202,7 +202,7 @@ mod tests {
     use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
     use crate::run::entrant::Entrant;
-    use crate::run::side_by_side::{RunError, SideBySide};
+    use crate::run::side_by_side::{OnDetectorFailure, RunError, SideBySide};
     use crate::run::sink::{Sinks, run_watched};
     use reports::numbers::gap_curve::gap_curves;
 
@@ -239,9 +239,10 @@ mod tests {
     fn wide_gaps_are_seen_by_all_and_narrow_ones_by_the_dense_level() {
         let config = RunConfig::load(None).unwrap();
         let names = ["simple-grid", "hierarchical"].map(str::to_owned);
-        let entrants = detectors_named(&names).unwrap().into_iter().map(|it| Entrant::of(it, &config));
+        let entrants =
+            detectors_named(&names, &config).unwrap().into_iter().map(|it| Entrant::of(it, &config));
         let pairs = StagedPairs::new("hdl-64e-s2", SensorModel::hdl_64e_s2(), 1, 1);
-        let mut detectors: Vec<_> = entrants.map(|it| it.build(pairs.description())).collect();
+        let mut detectors: Vec<_> = entrants.map(|it| it.begin(pairs.description())).collect();
         let mut tally = PairTally::new(pairs.stagings(), config.matching);
         let side_by_side = SideBySide {
             dataset: &pairs,
@@ -250,6 +251,7 @@ mod tests {
             n_warmup: 0,
             n_repeats: NonZeroUsize::MIN,
             n_jobs: 2,
+            on_failure: OnDetectorFailure::Stop,
             interrupted: &AtomicBool::new(false),
         };
         let mut sinks: Sinks<'_, RunError> = vec![Box::new(&mut tally)];

@@ -22,6 +22,7 @@ use crate::commands::report::report;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
+use crate::commands::serve::serve;
 use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
 use crate::commands::sweep::sweep;
 use crate::commands::train::train;
@@ -62,6 +63,8 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Selftest(arguments) => selftest(arguments),
         Command::Sweep(arguments) => sweep(arguments),
         Command::Init(arguments) => init(arguments),
+        Command::Serve(arguments) => serve(arguments),
+        Command::Supervise { .. } => unreachable!("it was begun before"),
         Command::Completions { shell } => completions(*shell),
     }
 }

@@ -21,6 +21,9 @@ pub mod ablation;
 pub mod result_file;
 pub mod detect;
 pub mod selftest;
+#[cfg(target_os = "linux")]
+pub mod serve;
+
 pub mod experiment;
 pub mod gaps;
 pub mod boxes;

@@ -13,6 +13,8 @@ mod layers;
 mod run_directory;
 #[cfg(target_os = "linux")]
 mod signals;
+#[cfg(target_os = "linux")]
+mod foreign_detectors;
 mod start_up;
 mod realism;
 mod readers;
