@@ -27,6 +27,7 @@ mod report;
 mod data;
 mod fit_density;
 mod train;
+mod init;
 mod program;
 
 pub use self::scans::{CatalogueArgs, DatasetArgs, SourceArgs};
@@ -42,6 +43,7 @@ pub use experiment::ExperimentArgs;
 pub use fit_density::FitDensityArgs;
 pub use gaps::GapsArgs;
 pub use gate::{AcceptArgs, BaselineCommand, GateArgs};
+pub use init::InitArgs;
 pub use output::OutputArgs;
 pub use parameters::{ConfigArgs, CriterionName, MatchingArgs};
 pub use program::{Cli, Command};

@@ -11,6 +11,7 @@ use super::fit_density::FitDensityArgs;
 use super::gaps::GapsArgs;
 use super::gate::{BaselineCommand, GateArgs};
 use super::help_text::{GENERAL, with_details};
+use super::init::InitArgs;
 use super::report::ReportArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
@@ -118,6 +119,8 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
         command: Vec<String>,
     },
+    /// Write a folder to begin with: a detector in Python, scans with labels, a gate
+    Init(InitArgs),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"

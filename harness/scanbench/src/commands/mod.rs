@@ -48,4 +48,5 @@ pub mod report;
 pub mod worst_scans;
 pub mod view;
 pub mod gate;
+pub mod init;
 pub mod dispatch;

@@ -20,6 +20,7 @@ mod realism;
 mod readers;
 mod fit_density;
 mod gate;
+mod init;
 mod sweep;
 mod train;
 mod boxes;
