@@ -65,20 +65,17 @@ impl DetectorTable<'_> {
     }
 
     fn detector(&self, name: &str, mut table: Table) -> Result<ForeignDetector, ConfigError> {
-        let command = table.remove("command");
-        let work = match command {
-            Some(command) => ForeignWork::Process(ForeignProcess {
-                command: self.below("command").command(command)?,
-                start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
-                time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
-                threads: self.threads(table.remove("threads"))?,
-                introduction: Arc::default(),
-            }),
-            None => {
-                let remedy = "write command = [\"python3\", \"detector.py\"]";
-                return Err(self.problem(format!(" says no command; {remedy}")));
-            }
+        let Some(command) = table.remove("command") else {
+            let remedy = "write command = [\"python3\", \"detector.py\"]";
+            return Err(self.problem(format!(" says no command; {remedy}")));
         };
+        let work = ForeignWork::Process(ForeignProcess {
+            command: self.below("command").command(command)?,
+            start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
+            time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
+            threads: self.threads(table.remove("threads"))?,
+            introduction: Arc::default(),
+        });
         let vehicles = self.vehicles(table.remove("vehicles"))?;
         if let Some(key) = table.keys().next() {
             let remedy = format!("a detector has {}", KEYS.join(", "));
