@@ -14,7 +14,8 @@ pub fn number_in_files(cluster: Option<u32>) -> u32 {
 pub fn to_csv(cluster_of_point: &[Option<u32>]) -> String {
     let mut text = "point,cluster\n".to_owned();
     for (point_idx, cluster) in cluster_of_point.iter().enumerate() {
-        writeln!(text, "{point_idx},{}", number_in_files(*cluster)).expect("a string takes all that is written");
+        writeln!(text, "{point_idx},{}", number_in_files(*cluster))
+            .expect("a string takes all that is written");
     }
     text
 }

@@ -163,10 +163,7 @@ fn the_kd_tree_gives_the_components_of_pcl() {
                 first_point.entry(*cluster).or_insert(point_idx);
             }
             let relabelled: Vec<u32> = ours.iter().map(|cluster| first_point[cluster]).collect();
-            assert!(
-                !ours.contains(&0) && relabelled == theirs,
-                "{scan} at {tolerance} m differs from PCL"
-            );
+            assert!(!ours.contains(&0) && relabelled == theirs, "{scan} at {tolerance} m differs from PCL");
         }
     }
 }

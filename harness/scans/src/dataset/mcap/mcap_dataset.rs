@@ -21,6 +21,7 @@ use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
@@ -227,6 +228,12 @@ impl Dataset for McapDataset {
         let recorded = self.read_cloud(self.clouds.places[scan_idx])?;
         let tree = self.frames_at(recorded.stamp_ns, self.clouds.places[scan_idx].log_time_ns)?;
         Ok(Some(tree.root_from(&recorded.frame) * recorded.sensor_from_frame.inverse()))
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        let place = self.clouds.places[scan_idx];
+        let RecordedCloud { stamp_ns, frame, sensor_from_frame, .. } = self.read_cloud(place)?;
+        Ok(ForeignFrame::Recording { stamp_ns, log_time_ns: place.log_time_ns, frame, sensor_from_frame })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Objects with boxes, from whichever message, in the sensor frame.
 
 use detector::OrientedBox;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::foxglove_messages::decode;
@@ -9,6 +9,7 @@ use super::foxglove_scene::{SceneEntity, SceneUpdate};
 use super::ros_messages::{Detection3D, detection_3d_array};
 use super::topics::MessageKind;
 use crate::annotation::Annotation;
+use crate::dataset::upright_box::upright_box;
 
 /// The names of what is known about an object, in the metadata of Foxglove's scene entities.
 pub mod keys {
@@ -58,7 +59,7 @@ impl SceneObject {
         let bounding_box = self
             .frame_from_box
             .as_ref()
-            .map(|(frame_from_box, size_m)| upright_box(&(sensor_from_frame * frame_from_box), *size_m))
+            .map(|(frame_from_box, size_m)| sensible_box(&(sensor_from_frame * frame_from_box), *size_m))
             .transpose()?;
         Ok(Annotation {
             class,
@@ -71,7 +72,7 @@ impl SceneObject {
     }
 }
 
-fn upright_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<OrientedBox, String> {
+fn sensible_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<OrientedBox, String> {
     let center_m: [f64; 3] = sensor_from_box.translation.vector.into();
     // Beyond this a mistake, and sums of squares would overflow in single precision.
     let is_sensible =
@@ -79,12 +80,7 @@ fn upright_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<Ori
     if !is_sensible {
         return Err(format!("has a box at {center_m:?} m with sides of {size_m:?} m"));
     }
-    let heading = sensor_from_box.rotation * Vector3::x();
-    Ok(OrientedBox {
-        center_m: center_m.map(|it| it as f32),
-        length_width_height_m: size_m.map(|it| it as f32),
-        yaw_rad: heading.y.atan2(heading.x) as f32,
-    })
+    Ok(upright_box(sensor_from_box, size_m))
 }
 
 /// The objects in `bytes`, a message of this kind in the encoding of its channel, and the moment that it names, in nanoseconds; 0 if it
