@@ -21,10 +21,15 @@ pub mod keys {
     pub const OCCLUSION: &str = "occlusion";
     /// Share of it outside the labelled region.
     pub const TRUNCATION: &str = "truncation";
+    /// How sure a detector is of it.
+    pub const SCORE: &str = "score";
 }
 
 /// The names that the class goes by in the recordings of others.
 const CLASS_KEYS: [&str; 5] = [keys::CLASS, "label", "category", "type", "name"];
+
+/// The names that the score goes by.
+const SCORE_KEYS: [&str; 3] = [keys::SCORE, "confidence", "probability"];
 
 /// An object in the frame that its message names.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +46,8 @@ pub struct SceneObject {
     pub occlusion: Option<Occlusion>,
     /// Share of it outside the labelled region.
     pub truncation: Option<f32>,
+    /// How sure a detector is of it.
+    pub score: Option<f32>,
 }
 
 impl SceneObject {
@@ -134,6 +141,7 @@ fn object_of_entity(entity: &SceneEntity) -> Result<SceneObject, String> {
         track: value(keys::TRACK).and_then(|it| it.parse().ok()),
         occlusion: value(keys::OCCLUSION).and_then(|name| occlusion.into_iter().find(|it| it.name() == name)),
         truncation: value(keys::TRUNCATION).and_then(|it| it.parse().ok()),
+        score: SCORE_KEYS.iter().find_map(|key| value(key)).and_then(|it| it.parse().ok()),
     })
 }
 
@@ -146,6 +154,7 @@ fn objects_of_detections(detections: &[Detection3D]) -> Vec<SceneObject> {
         track: it.id.parse().ok(),
         occlusion: None,
         truncation: None,
+        score: it.score.map(|it| it as f32),
     };
     detections.iter().map(object).collect()
 }
