@@ -11,13 +11,13 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::detections::{ForeignBox, ForeignDetections};
 use super::result_reader::{ResultReader, ResultsOf};
-use crate::annotation::LabeledScan;
+use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::DatasetError;
 use crate::dataset::argoverse2::log_truth::{POSE, take_poses};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::upright_box::upright_box;
-use crate::dataset::{Dataset, DatasetError};
 
 /// The ending of the files.
 pub const ENDING: &str = ".feather";
@@ -27,8 +27,9 @@ pub const COLUMNS: [&str; 7] =
     ["log_id", "timestamp_ns", "category", "score", "length_m", "width_m", "height_m"];
 
 /// The results of tables.
-pub struct Argoverse2Tables<'a> {
-    dataset: &'a dyn Dataset,
+pub struct Argoverse2Tables {
+    scan_ids: Vec<ScanId>,
+    asked: BTreeMap<usize, ForeignFrame>,
     logs: BTreeSet<String>,
     found: BTreeMap<usize, Vec<CarBox>>,
     left_over: Vec<String>,
@@ -43,22 +44,15 @@ struct CarBox {
     score: f32,
 }
 
-impl<'a> Argoverse2Tables<'a> {
+impl Argoverse2Tables {
     /// Reads the tables at `paths`; `root` is what was named.
     ///
     /// # Errors
     ///
     /// [`DatasetError`] if the data set is not Argoverse 2, a table is damaged, or classes in it are unknown.
-    pub fn open(root: &Path, paths: &[&Path], of: ResultsOf<'_, 'a>) -> Result<Self, DatasetError> {
-        if let Some(&scan_idx) = of.scan_indices.first()
-            && !matches!(of.dataset.foreign_frame(scan_idx)?, ForeignFrame::Car { .. })
-        {
-            let problem = format!(
-                "names scans by the logs and times of Argoverse 2, and {} has none",
-                of.dataset_name()
-            );
-            return Err(DatasetError::UnusableResults { path: root.to_path_buf(), problem });
-        }
+    pub fn open(root: &Path, paths: &[&Path], of: ResultsOf<'_>) -> Result<Self, DatasetError> {
+        let words = ("names scans by the logs and times of Argoverse 2", "has none");
+        of.require(root, |it| matches!(it, ForeignFrame::Car { .. }), words)?;
         let ids = of.dataset.scan_ids().iter().enumerate();
         let scans: BTreeMap<(&str, u64), usize> = ids
             .filter_map(|(scan_idx, id)| {
@@ -66,7 +60,8 @@ impl<'a> Argoverse2Tables<'a> {
             })
             .collect();
         let mut tables = Self {
-            dataset: of.dataset,
+            scan_ids: of.dataset.scan_ids().to_vec(),
+            asked: of.asked,
             logs: BTreeSet::new(),
             found: BTreeMap::new(),
             left_over: Vec::new(),
@@ -122,9 +117,9 @@ impl<'a> Argoverse2Tables<'a> {
     }
 }
 
-impl ResultReader for Argoverse2Tables<'_> {
+impl ResultReader for Argoverse2Tables {
     fn has(&self, scan_idx: usize) -> bool {
-        self.logs.contains(&self.dataset.scan_ids()[scan_idx].sequence)
+        self.logs.contains(&self.scan_ids[scan_idx].sequence)
     }
 
     fn read(
@@ -132,7 +127,7 @@ impl ResultReader for Argoverse2Tables<'_> {
         scan_idx: usize,
         _scan: &LabeledScan,
     ) -> Result<Option<ForeignDetections>, DatasetError> {
-        let ForeignFrame::Car { car_from_sensor, .. } = self.dataset.foreign_frame(scan_idx)? else {
+        let Some(ForeignFrame::Car { car_from_sensor, .. }) = self.asked.get(&scan_idx) else {
             return Ok(None);
         };
         if !self.has(scan_idx) {

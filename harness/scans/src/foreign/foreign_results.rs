@@ -48,12 +48,12 @@ pub struct ResultRequest<'a> {
 }
 
 /// What another program found in the scans of a data set.
-pub struct ForeignResults<'a> {
+pub struct ForeignResults {
     path: PathBuf,
     format: ResultFormat,
-    dataset: &'a dyn Dataset,
-    reader: Box<dyn ResultReader + 'a>,
-    scan_idx_by_id: BTreeMap<&'a ScanId, usize>,
+    dataset: String,
+    reader: Box<dyn ResultReader>,
+    asked: BTreeMap<ScanId, usize>,
     missing: MissingResults,
     n_missing: usize,
     n_near_boxes: usize,
@@ -66,43 +66,43 @@ pub struct ForeignResults<'a> {
 ///
 /// [`DatasetError::UnusableResults`] if they are of no known format or cannot belong to the data set; [`DatasetError::MissingResults`] if they
 /// lack scans that are asked for; any other if a file that is read now is damaged, or has classes that nobody knows.
-pub fn open_results<'a>(
+pub fn open_results(
     path: &Path,
-    dataset: &'a dyn Dataset,
+    dataset: &dyn Dataset,
     request: &ResultRequest<'_>,
-) -> Result<ForeignResults<'a>, DatasetError> {
+) -> Result<ForeignResults, DatasetError> {
     let (path, topic) = split_topic(path);
     let files = ResultFiles::below(&path)?;
     let rules = ClassRules { table: request.classes.clone(), ..ClassRules::default() };
-    let of = ResultsOf { dataset, scan_indices: request.scan_indices, classes: &rules };
+    let of = ResultsOf::new(dataset, request.scan_indices, &rules)?;
     let (format, file) = format_of(&files, dataset)?;
-    let reader: Box<dyn ResultReader + 'a> = match format {
+    let reader: Box<dyn ResultReader> = match format {
         ResultFormat::KittiText => Box::new(KittiText::open(&files, of)?),
         ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, of)?),
         ResultFormat::Argoverse2Tables => {
             Box::new(Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?)
         }
-        ResultFormat::SemanticLabels => Box::new(SemanticLabels::open(&files, of)),
-        ResultFormat::OwnFiles => Box::new(OwnFiles::open(&files, of)),
-        ResultFormat::Recording => Box::new(RecordedDetections::open(&file, topic.as_deref(), of)?),
+        ResultFormat::SemanticLabels => Box::new(SemanticLabels::open(&files, &of)),
+        ResultFormat::OwnFiles => Box::new(OwnFiles::open(&files, &of)),
+        ResultFormat::Recording => Box::new(RecordedDetections::open(&file, topic.as_deref(), &of)?),
     };
-    let scan_ids = dataset.scan_ids().iter();
+    let id_of = |&scan_idx: &usize| (dataset.scan_ids()[scan_idx].clone(), scan_idx);
     let mut results = ForeignResults {
         path,
         format,
-        dataset,
+        dataset: dataset.description().id.clone(),
         reader,
-        scan_idx_by_id: scan_ids.enumerate().map(|(scan_idx, id)| (id, scan_idx)).collect(),
+        asked: request.scan_indices.iter().map(id_of).collect(),
         missing: request.missing,
         n_missing: 0,
         n_near_boxes: 0,
         n_empty_boxes: 0,
     };
-    results.check_presence(request.scan_indices)?;
+    results.check_presence()?;
     Ok(results)
 }
 
-impl ForeignResults<'_> {
+impl ForeignResults {
     /// What the format is called on screens.
     pub fn format(&self) -> ResultFormat {
         self.format
@@ -115,7 +115,7 @@ impl ForeignResults<'_> {
     /// [`DatasetError`] if a file is damaged or belongs to another scan, has classes that nobody knows, boxes beyond all measure
     /// (see [`ForeignDetections::check`]), or nothing for the scan where there has to be something.
     pub fn read(&mut self, scan: &LabeledScan) -> Result<Option<ForeignDetections>, DatasetError> {
-        let Some(&scan_idx) = self.scan_idx_by_id.get(&scan.id) else {
+        let Some(&scan_idx) = self.asked.get(&scan.id) else {
             return Err(self.lacks(&[&scan.id], 1));
         };
         let Some(found) = self.reader.read(scan_idx, scan)? else {
@@ -159,15 +159,12 @@ impl ForeignResults<'_> {
         warnings
     }
 
-    fn check_presence(&mut self, scan_indices: &[usize]) -> Result<(), DatasetError> {
-        let missing: Vec<&ScanId> = scan_indices
-            .iter()
-            .filter(|&&scan_idx| !self.reader.has(scan_idx))
-            .map(|&scan_idx| &self.dataset.scan_ids()[scan_idx])
-            .collect();
+    fn check_presence(&mut self) -> Result<(), DatasetError> {
+        let missing = self.asked.iter().filter(|(_, scan_idx)| !self.reader.has(**scan_idx));
+        let missing: Vec<&ScanId> = missing.map(|(id, _)| id).collect();
         self.n_missing = missing.len();
         match self.missing {
-            MissingResults::Refuse if !missing.is_empty() => Err(self.lacks(&missing, scan_indices.len())),
+            MissingResults::Refuse if !missing.is_empty() => Err(self.lacks(&missing, self.asked.len())),
             _ => Ok(()),
         }
     }
@@ -182,7 +179,7 @@ impl ForeignResults<'_> {
         first += "; with --missing-detections empty nothing was found there";
         DatasetError::MissingResults {
             path: self.path.clone(),
-            dataset: self.dataset.description().id.clone(),
+            dataset: self.dataset.clone(),
             n_missing: missing.len(),
             n_asked,
             first,

@@ -11,7 +11,8 @@ use nalgebra::Matrix4;
 use super::detections::{ForeignBox, ForeignDetections};
 use super::result_files::ResultFiles;
 use super::result_reader::{ResultReader, ResultsOf};
-use crate::annotation::LabeledScan;
+use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules};
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
@@ -19,15 +20,14 @@ use crate::dataset::kitti::label::{
     KITTI_VOCABULARY, KittiLabel, parse_object_labels, parse_tracking_labels,
 };
 use crate::dataset::text_file::read_text_file;
-use crate::dataset::{Dataset, DatasetError};
 
 /// The ending of the files.
 pub const ENDING: &str = ".txt";
 
 /// Results in KITTI's layouts.
-pub struct KittiText<'a> {
-    dataset: &'a dyn Dataset,
-    scan_indices: Vec<usize>,
+pub struct KittiText {
+    scan_ids: Vec<ScanId>,
+    asked: BTreeMap<usize, ForeignFrame>,
     classes: ClassRules,
     // By drive and number of the scan.
     drives: BTreeMap<String, BTreeMap<u32, Vec<KittiLabel>>>,
@@ -35,22 +35,15 @@ pub struct KittiText<'a> {
     files_left_over: Vec<String>,
 }
 
-impl<'a> KittiText<'a> {
+impl KittiText {
     /// Reads the files of drives, and finds those of scans.
     ///
     /// # Errors
     ///
     /// [`DatasetError`] if the data set has no camera, or a file of a drive is damaged.
-    pub fn open(files: &ResultFiles, of: ResultsOf<'_, 'a>) -> Result<Self, DatasetError> {
-        if let Some(&scan_idx) = of.scan_indices.first()
-            && !matches!(of.dataset.foreign_frame(scan_idx)?, ForeignFrame::Camera { .. })
-        {
-            let problem = format!(
-                "has boxes in the frame of KITTI's camera, and {} has no calibration of such a camera",
-                of.dataset_name()
-            );
-            return Err(DatasetError::UnusableResults { path: files.root().to_path_buf(), problem });
-        }
+    pub fn open(files: &ResultFiles, of: ResultsOf<'_>) -> Result<Self, DatasetError> {
+        let words = ("has boxes in the frame of KITTI's camera", "has no calibration of such a camera");
+        of.require(files.root(), |it| matches!(it, ForeignFrame::Camera { .. }), words)?;
         let mut reader = ClassReader::new(of.classes, KITTI_VOCABULARY);
         let (mut drives, mut taken) = (BTreeMap::new(), BTreeSet::new());
         for id in of.dataset.scan_ids() {
@@ -68,8 +61,8 @@ impl<'a> KittiText<'a> {
         taken.extend(of_scans.values().map(PathBuf::as_path));
         let files_left_over = files.left_over(ENDING, &taken);
         Ok(Self {
-            dataset: of.dataset,
-            scan_indices: of.scan_indices.to_vec(),
+            scan_ids: of.dataset.scan_ids().to_vec(),
+            asked: of.asked,
             classes: of.classes.clone(),
             drives,
             files_left_over,
@@ -85,10 +78,9 @@ impl<'a> KittiText<'a> {
     }
 }
 
-impl ResultReader for KittiText<'_> {
+impl ResultReader for KittiText {
     fn has(&self, scan_idx: usize) -> bool {
-        self.drives.contains_key(&self.dataset.scan_ids()[scan_idx].sequence)
-            || self.files.contains_key(&scan_idx)
+        self.drives.contains_key(&self.scan_ids[scan_idx].sequence) || self.files.contains_key(&scan_idx)
     }
 
     fn read(
@@ -96,7 +88,7 @@ impl ResultReader for KittiText<'_> {
         scan_idx: usize,
         _scan: &LabeledScan,
     ) -> Result<Option<ForeignDetections>, DatasetError> {
-        let id = &self.dataset.scan_ids()[scan_idx];
+        let id = &self.scan_ids[scan_idx];
         let of_file;
         let labels = match (self.drives.get(&id.sequence), self.files.get(&scan_idx)) {
             (Some(drive), _) => drive.get(&id.index).map_or(&[][..], Vec::as_slice),
@@ -106,15 +98,15 @@ impl ResultReader for KittiText<'_> {
             }
             (None, None) => return Ok(None),
         };
-        let ForeignFrame::Camera { velodyne_from_camera, .. } = self.dataset.foreign_frame(scan_idx)? else {
+        let Some(ForeignFrame::Camera { velodyne_from_camera, .. }) = self.asked.get(&scan_idx) else {
             return Ok(None);
         };
-        Ok(Some(ForeignDetections::of_boxes(boxes_of(labels, &velodyne_from_camera))))
+        Ok(Some(ForeignDetections::of_boxes(boxes_of(labels, velodyne_from_camera))))
     }
 
     fn left_over(&self) -> Vec<String> {
         let known: BTreeSet<(&str, u32)> =
-            self.dataset.scan_ids().iter().map(|it| (it.sequence.as_str(), it.index)).collect();
+            self.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
         let numbers =
             self.drives.iter().flat_map(|(drive, scans)| scans.keys().map(move |it| (drive.as_str(), *it)));
         let of_drives =
@@ -128,7 +120,7 @@ impl ResultReader for KittiText<'_> {
         for (drive, scans) in &self.drives {
             let ends = scans.first_key_value().zip(scans.last_key_value());
             let Some(((first, _), (last, _))) = ends else { continue };
-            let ids = self.scan_indices.iter().map(|it| &self.dataset.scan_ids()[*it]);
+            let ids = self.asked.keys().map(|it| &self.scan_ids[*it]);
             let n_beyond =
                 ids.filter(|it| it.sequence == *drive && !(first..=last).contains(&&it.index)).count();
             if n_beyond > 0 {

@@ -49,17 +49,16 @@ impl NuScenesJson {
     /// # Errors
     ///
     /// [`DatasetError`] if the data set is not nuScenes, the file is damaged, or classes in it are unknown.
-    pub fn open(path: &Path, of: ResultsOf<'_, '_>) -> Result<Self, DatasetError> {
+    pub fn open(path: &Path, of: ResultsOf<'_>) -> Result<Self, DatasetError> {
+        let words = ("names scans by the tokens of nuScenes", "has none");
+        of.require(path, |it| matches!(it, ForeignFrame::World { .. }), words)?;
         let mut scans = BTreeMap::new();
         for scan_idx in 0..of.dataset.scan_ids().len() {
-            let ForeignFrame::World { sample_token, world_from_sensor } =
+            if let ForeignFrame::World { sample_token, world_from_sensor } =
                 of.dataset.foreign_frame(scan_idx)?
-            else {
-                let problem =
-                    format!("names scans by the tokens of nuScenes, and {} has none", of.dataset_name());
-                return Err(DatasetError::UnusableResults { path: path.to_path_buf(), problem });
-            };
-            scans.insert(sample_token, (scan_idx, world_from_sensor.inverse()));
+            {
+                scans.insert(sample_token, (scan_idx, world_from_sensor.inverse()));
+            }
         }
         let mut classes = ClassReader::new(of.classes, NUSCENES_VOCABULARY);
         let mut submission = Submission {

@@ -44,7 +44,7 @@ pub struct OwnFiles {
 
 impl OwnFiles {
     /// Finds the files of the scans.
-    pub fn open(files: &ResultFiles, of: ResultsOf<'_, '_>) -> Self {
+    pub fn open(files: &ResultFiles, of: &ResultsOf<'_>) -> Self {
         let mut by_scan: BTreeMap<usize, Vec<PathBuf>> = BTreeMap::new();
         for ending in ENDINGS {
             for (scan_idx, path) in files.of_scans(of.dataset, ending) {

@@ -13,6 +13,7 @@ use reports::vocabulary::class::AnnotationClass;
 use super::detections::{ForeignBox, ForeignDetections};
 use super::result_reader::{ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
+use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules};
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::mcap::frame_tree::FrameTree;
@@ -23,7 +24,6 @@ use crate::dataset::mcap::recorded_cloud::RecordedCloud;
 use crate::dataset::mcap::recorded_messages::{Channel, RecordedMessages};
 use crate::dataset::mcap::scene_objects::SceneObject;
 use crate::dataset::mcap::topics::{DetectionChannels, MessageKind, choose_detections};
-use crate::dataset::{Dataset, DatasetError};
 
 /// Results of another time than the cloud's are taken if they are no farther off than this, in nanoseconds.
 const MAX_OFFSET_NS: u64 = 50_000_000;
@@ -42,15 +42,14 @@ pub fn split_topic(path: &Path) -> (PathBuf, Option<String>) {
 }
 
 /// The detections of a topic.
-pub struct RecordedDetections<'a> {
-    dataset: &'a dyn Dataset,
+pub struct RecordedDetections {
+    name: String,
+    n_scans: usize,
     classes: ClassRules,
     messages: RecordedMessages,
     channel: Channel,
     by_stamp: BTreeMap<u64, MessagePlace>,
-    scan_stamps: BTreeMap<usize, Option<u64>>,
-    // That of the clouds in the recording of the results.
-    own_frame: Option<String>,
+    asked: BTreeMap<usize, ScanFrame>,
 }
 
 /// When a scan was taken, and the frame of its cloud.
@@ -60,13 +59,31 @@ struct ScanFrame {
     sensor_from_frame: Isometry3<f64>,
 }
 
-impl<'a> RecordedDetections<'a> {
+impl ScanFrame {
+    /// Of a scan that was taken at `time_ns`; `own_frame` is the frame of what is not recorded. `None` without a time.
+    fn of(frame: &ForeignFrame, time_ns: Option<u64>, own_frame: &str) -> Option<Self> {
+        match frame {
+            ForeignFrame::Recording { stamp_ns, frame, sensor_from_frame, .. } => Some(Self {
+                stamp_ns: *stamp_ns,
+                frame: frame.clone(),
+                sensor_from_frame: *sensor_from_frame,
+            }),
+            _ => Some(Self {
+                stamp_ns: time_ns?,
+                frame: own_frame.to_owned(),
+                sensor_from_frame: Isometry3::identity(),
+            }),
+        }
+    }
+}
+
+impl RecordedDetections {
     /// Opens the recording at `path`, and notes the times of all its results.
     ///
     /// # Errors
     ///
     /// [`DatasetError`] if it is damaged or cut off, has no such topic, or the data set has no times.
-    pub fn open(path: &Path, topic: Option<&str>, of: ResultsOf<'_, 'a>) -> Result<Self, DatasetError> {
+    pub fn open(path: &Path, topic: Option<&str>, of: &ResultsOf<'_>) -> Result<Self, DatasetError> {
         let mut index = index_mcap(path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
         if let Some(problem) = index.cut_off.take() {
             return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
@@ -82,36 +99,25 @@ impl<'a> RecordedDetections<'a> {
             let (stamp_ns, _) = messages.read_objects(&channel, place)?;
             by_stamp.insert(stamp_ns.unwrap_or(place.log_time_ns), place);
         }
-        let mut recorded = Self {
-            dataset: of.dataset,
+        // That of the clouds in the recording of the results.
+        let own_frame = cloud.as_ref().map(|it| frame_of_clouds(&messages, it)).transpose()?.flatten();
+        let own_frame = own_frame.unwrap_or_else(|| SENSOR_FRAME.to_owned());
+        let frame_of = |(&scan_idx, frame): (&usize, &ForeignFrame)| {
+            let time_ns = of.dataset.scan_time_ns(scan_idx);
+            Some((scan_idx, ScanFrame::of(frame, time_ns, &own_frame)?))
+        };
+        let asked: Option<BTreeMap<usize, ScanFrame>> = of.asked.iter().map(frame_of).collect();
+        let has_times = asked.is_some();
+        of.require(path, |_| has_times, ("names scans by their times", "has none"))?;
+        Ok(Self {
+            name: path.display().to_string(),
+            n_scans: of.dataset.scan_ids().len(),
             classes: of.classes.clone(),
-            own_frame: cloud.as_ref().map(|it| frame_of_clouds(&messages, it)).transpose()?.flatten(),
             messages,
             channel,
             by_stamp,
-            scan_stamps: BTreeMap::new(),
-        };
-        for &scan_idx in of.scan_indices {
-            let stamp_ns = recorded.frame_of(scan_idx)?.map(|it| it.stamp_ns);
-            recorded.scan_stamps.insert(scan_idx, stamp_ns);
-        }
-        if recorded.scan_stamps.values().any(Option::is_none) {
-            let problem = format!("names scans by their times, and {} has none", of.dataset_name());
-            return Err(DatasetError::UnusableResults { path: path.to_path_buf(), problem });
-        }
-        Ok(recorded)
-    }
-
-    fn frame_of(&self, scan_idx: usize) -> Result<Option<ScanFrame>, DatasetError> {
-        if let ForeignFrame::Recording { stamp_ns, frame, sensor_from_frame, .. } =
-            self.dataset.foreign_frame(scan_idx)?
-        {
-            return Ok(Some(ScanFrame { stamp_ns, frame, sensor_from_frame }));
-        }
-        let frame = self.own_frame.clone().unwrap_or_else(|| SENSOR_FRAME.to_owned());
-        let sensor_from_frame = Isometry3::identity();
-        let stamp_ns = self.dataset.scan_time_ns(scan_idx);
-        Ok(stamp_ns.map(|stamp_ns| ScanFrame { stamp_ns, frame, sensor_from_frame }))
+            asked: asked.unwrap_or_default(),
+        })
     }
 
     /// The results nearest to this time, with theirs.
@@ -158,15 +164,14 @@ impl<'a> RecordedDetections<'a> {
                 score: object.score,
             }));
         }
-        classes.unknown().refuse(&self.dataset.description().id)?;
+        classes.unknown().refuse(&self.name)?;
         Ok(boxes)
     }
 }
 
-impl ResultReader for RecordedDetections<'_> {
+impl ResultReader for RecordedDetections {
     fn has(&self, scan_idx: usize) -> bool {
-        let stamp_ns = self.scan_stamps.get(&scan_idx).copied().flatten();
-        stamp_ns.is_some_and(|it| self.nearest(it).is_some())
+        self.asked.get(&scan_idx).is_some_and(|it| self.nearest(it.stamp_ns).is_some())
     }
 
     fn read(
@@ -174,19 +179,19 @@ impl ResultReader for RecordedDetections<'_> {
         scan_idx: usize,
         _scan: &LabeledScan,
     ) -> Result<Option<ForeignDetections>, DatasetError> {
-        let Some(scan) = self.frame_of(scan_idx)? else { return Ok(None) };
+        let Some(scan) = self.asked.get(&scan_idx) else { return Ok(None) };
         let Some((_, place)) = self.nearest(scan.stamp_ns) else { return Ok(None) };
         let (_, objects) = self.messages.read_objects(&self.channel, place)?;
-        Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, place, &scan)?)))
+        Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, place, scan)?)))
     }
 
     /// Only known where all scans are asked for.
     fn left_over(&self) -> Vec<String> {
-        if self.scan_stamps.len() < self.dataset.scan_ids().len() {
+        if self.asked.len() < self.n_scans {
             return Vec::new();
         }
-        let stamps = self.scan_stamps.values().flatten();
-        let taken: BTreeSet<u64> = stamps.filter_map(|it| self.nearest(*it)).map(|(it, _)| it).collect();
+        let nearest = self.asked.values().filter_map(|it| self.nearest(it.stamp_ns));
+        let taken: BTreeSet<u64> = nearest.map(|(stamp_ns, _)| stamp_ns).collect();
         self.by_stamp.keys().filter(|it| !taken.contains(it)).map(|it| format!("{it} ns")).collect()
     }
 }

@@ -1,11 +1,13 @@
 //! What the results of every format can do.
 
-use crate::annotation::LabeledScan;
-use crate::dataset::Dataset;
-use crate::dataset::DatasetError;
-use crate::dataset::class_table::ClassRules;
+use std::collections::BTreeMap;
+use std::path::Path;
 
 use super::detections::ForeignDetections;
+use crate::annotation::LabeledScan;
+use crate::dataset::class_table::ClassRules;
+use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::{Dataset, DatasetError};
 
 /// Results of another program, in some format. Scans are named by their places in [`Dataset::scan_ids`].
 pub trait ResultReader: Send {
@@ -33,20 +35,47 @@ pub trait ResultReader: Send {
 }
 
 /// Whose results are read.
-#[derive(Clone, Copy)]
-pub struct ResultsOf<'a, 'd> {
+pub struct ResultsOf<'a> {
     /// The data set.
-    pub dataset: &'d dyn Dataset,
-    /// Which of its scans are asked for, as places in [`Dataset::scan_ids`].
-    pub scan_indices: &'a [usize],
+    pub dataset: &'a dyn Dataset,
+    /// Which of its scans are asked for, as places in [`Dataset::scan_ids`], each with what results need to know about it.
+    pub asked: BTreeMap<usize, ForeignFrame>,
     /// What names of classes stand for.
     pub classes: &'a ClassRules,
 }
 
-impl ResultsOf<'_, '_> {
-    /// The data set, as errors call it.
-    pub fn dataset_name(&self) -> String {
+impl<'a> ResultsOf<'a> {
+    /// Asks for the scans at `scan_indices` of `dataset`.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file that says something about their frames is damaged.
+    pub fn new(
+        dataset: &'a dyn Dataset,
+        scan_indices: &[usize],
+        classes: &'a ClassRules,
+    ) -> Result<Self, DatasetError> {
+        let frame_of = |&scan_idx: &usize| Ok((scan_idx, dataset.foreign_frame(scan_idx)?));
+        let asked = scan_indices.iter().map(frame_of).collect::<Result<_, DatasetError>>()?;
+        Ok(Self { dataset, asked, classes })
+    }
+
+    /// Makes sure that results which `say` something can be about this data set, one scan of which `fits`.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::UnusableResults`], with `path` and what the data set `lacks`.
+    pub fn require(
+        &self,
+        path: &Path,
+        fits: impl Fn(&ForeignFrame) -> bool,
+        (say, lacks): (&str, &str),
+    ) -> Result<(), DatasetError> {
+        if self.asked.values().all(fits) {
+            return Ok(());
+        }
         let description = self.dataset.description();
-        format!("{:?} ({})", description.id, description.format)
+        let problem = format!("{say}, and {:?} ({}) {lacks}", description.id, description.format);
+        Err(DatasetError::UnusableResults { path: path.to_path_buf(), problem })
     }
 }

@@ -31,7 +31,7 @@ pub struct SemanticLabels {
 
 impl SemanticLabels {
     /// Finds the files of the scans.
-    pub fn open(files: &ResultFiles, of: ResultsOf<'_, '_>) -> Self {
+    pub fn open(files: &ResultFiles, of: &ResultsOf<'_>) -> Self {
         let of_scans = files.of_scans(of.dataset, ENDING);
         let taken: BTreeSet<&Path> = of_scans.values().map(PathBuf::as_path).collect();
         let left_over = files.left_over(ENDING, &taken);

@@ -19,13 +19,13 @@ fn open(folder: &std::path::Path) -> Box<dyn Dataset> {
     open_dataset(folder.to_str().unwrap(), &OpenOptions::default(), &built_in_catalogue().unwrap()).unwrap()
 }
 
-fn results<'a>(path: &std::path::Path, dataset: &'a dyn Dataset) -> ForeignResults<'a> {
+fn results(path: &std::path::Path, dataset: &dyn Dataset) -> ForeignResults {
     let scan_indices: Vec<usize> = (0..dataset.scan_ids().len()).collect();
     let (classes, missing) = (&ClassTable::default(), MissingResults::Refuse);
     open_results(path, dataset, &ResultRequest { scan_indices: &scan_indices, classes, missing }).unwrap()
 }
 
-fn read(results: &mut ForeignResults<'_>, scan: &LabeledScan) -> ForeignDetections {
+fn read(results: &mut ForeignResults, scan: &LabeledScan) -> ForeignDetections {
     results.read(scan).unwrap().expect("it has all scans")
 }
 
