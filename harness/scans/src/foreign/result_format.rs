@@ -91,11 +91,15 @@ pub fn format_of(
     if is_mcap(root) {
         return Ok((ResultFormat::Recording, root.to_path_buf()));
     }
-    let found: Vec<(ResultFormat, Vec<&Path>)> = ResultFormat::ALL
+    let mut found: Vec<(ResultFormat, Vec<&Path>)> = ResultFormat::ALL
         .into_iter()
         .map(|format| (format, format.files(files, dataset)))
         .filter(|(_, paths)| !paths.is_empty())
         .collect();
+    if found.len() > 1 {
+        // What evaluators say of results is often beside them.
+        found.retain(|(format, _)| *format != ResultFormat::NuScenesJson);
+    }
     match &found[..] {
         [] => {
             let known = ResultFormat::ALL.map(ResultFormat::name).join(", ");
