@@ -12,7 +12,8 @@
 //         });
 //     }
 //
-// Exceptions are told to scanbench as errors, with their text; the next scan is asked for all the same.
+// Exceptions are told to scanbench as errors, with their text; the next scan is asked for all the same. The function is called again where
+// parameters or the data set change within a process.
 #pragma once
 
 #include <fcntl.h>
@@ -20,6 +21,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -94,6 +96,13 @@ public:
         const Json* value = field(name);
         if (value == nullptr || value->kind != Kind::string) return std::nullopt;
         return value->string;
+    }
+
+    // Fields of objects may come in another order.
+    bool operator==(const Json& other) const {
+        return kind == other.kind && boolean == other.boolean && !(number < other.number) && !(number > other.number) &&
+               string == other.string && array == other.array &&
+               std::is_permutation(object.begin(), object.end(), other.object.begin(), other.object.end());
     }
 
     // `text` between quotation marks.
@@ -592,23 +601,40 @@ private:
         return line + "}";
     }
     std::string configure(const Json& message) {
-        auto memory = std::make_unique<SharedMemory>(message.need("shared_memory", Json::Kind::string).string);
-        // A second time it is for larger memory alone: the detector keeps its state.
-        if (!detect_) {
-            Configuration configuration;
-            configuration.dataset = message.text("dataset").value_or("");
-            configuration.sensor = message.text("sensor");
-            const Json* height_m = message.field("sensor_height_m");
-            if (height_m != nullptr && height_m->kind == Json::Kind::number) configuration.sensor_height_m = height_m->number;
-            if (message.field("threads") != nullptr) configuration.threads = static_cast<std::size_t>(message.count("threads"));
-            const Json* parameters = message.field("parameters");
-            if (parameters != nullptr) configuration.parameters = Parameters(*parameters);
-            Detect detect = configure_(configuration);
+        // Nothing that was configured before counts: if anything fails now, nothing is configured.
+        Detect detect = std::exchange(detect_, nullptr);
+        const Json last = std::exchange(configuration_, Json());
+        memory_.reset();
+        memory_ = std::make_unique<SharedMemory>(message.need("shared_memory", Json::Kind::string).string);
+        if (!detect || !is_same(message, last)) {
+            // What the last one holds is free before the next one is made.
+            detect = nullptr;
+            const Configuration configuration = configuration_of(message);
+            detect = configure_(configuration);
             configuration.parameters.refuse_unknown();
-            detect_ = std::move(detect);
         }
-        memory_ = std::move(memory);
+        // Else it is for larger memory alone: the detector keeps its state.
+        detect_ = std::move(detect);
+        configuration_ = message;
         return "{\"message\":\"configured\"}";
+    }
+    static bool is_same(const Json& message, const Json& last) {
+        for (const char* name : {"dataset", "sensor", "sensor_height_m", "parameters", "threads"}) {
+            const Json *now = message.field(name), *before = last.field(name);
+            if (now == nullptr || before == nullptr ? now != before : !(*now == *before)) return false;
+        }
+        return true;
+    }
+    static Configuration configuration_of(const Json& message) {
+        Configuration configuration;
+        configuration.dataset = message.text("dataset").value_or("");
+        configuration.sensor = message.text("sensor");
+        const Json* height_m = message.field("sensor_height_m");
+        if (height_m != nullptr && height_m->kind == Json::Kind::number) configuration.sensor_height_m = height_m->number;
+        if (message.field("threads") != nullptr) configuration.threads = static_cast<std::size_t>(message.count("threads"));
+        const Json* parameters = message.field("parameters");
+        if (parameters != nullptr) configuration.parameters = Parameters(*parameters);
+        return configuration;
     }
     bool scan(const Pipe& pipe, const Json& message) {
         if (!detect_) throw Error("a scan before `configure`");
@@ -647,6 +673,7 @@ private:
     std::string name_, version_;
     Configure configure_;
     Detect detect_;
+    Json configuration_;  // the message
     std::unique_ptr<SharedMemory> memory_;
 };
 

@@ -83,6 +83,7 @@ class Host:
     threads: int = 1
     directory: Path | None = None
     environment: dict[str, str] = field(default_factory=dict)
+    fields: dict[str, Any] = field(default_factory=dict)
 
     def __enter__(self) -> Host:
         self._start()
@@ -147,6 +148,8 @@ class Host:
         return answer
 
     def configure(self, **others: Any) -> None:
+        """Sends `configure`, the first or another one. `others` are fields that differ from now on; memory is new each time."""
+        self.fields.update(others)
         self._map()
         fields: dict[str, Any] = {
             "message": "configure",
@@ -158,7 +161,7 @@ class Host:
             "max_points": self.max_points,
             "shared_memory": str(self.memory_path),
         }
-        self.send({**fields, **others})
+        self.send({**fields, **self.fields})
         self._no_payload(self._line("configured", time.monotonic() + self.limits.start_s))
 
     def scan(self, columns: Columns, number: int = 0, name: str = "0000/000000") -> Answer:

@@ -72,6 +72,45 @@ def test_boxes_and_state(drawn: str) -> None:
             )
 
 
+def test_what_changes_the_state_and_what_does_not(drawn: str) -> None:
+    def n_scans(n: int = 10) -> tuple[float, ...]:
+        return tuple(round(value, 2) for value in it.scan(columns_of(points(n))).boxes[0, :2].tolist())
+
+    others: list[dict[str, Any]] = [{"dataset": "another"}, {"sensor": None}, {"threads": 2}]
+
+    with begun(drawn, how="boxes", n_scans=40) as it:
+        assert [n_scans(), n_scans(2000)] == [(41, 1.73), (42, 1.73)]
+        it.configure()
+        it.configure(parameters={"n_scans": 40, "how": "boxes"})
+        assert n_scans() == (43, 1.73)
+        it.configure(parameters={"how": "boxes", "shift_m": 1})
+        assert [n_scans(), n_scans(5000)] == [(1, 2.73), (2, 2.73)]
+        for other in others:
+            it.configure(**other)
+            assert [n_scans(), n_scans()] == [(1, 2.73), (2, 2.73)]
+        it.configure(sensor_height_m=None)
+        assert [n_scans(), n_scans()] == [(1, 1), (2, 1)]
+
+
+def test_after_an_error_to_a_later_configure_another_is_waited_for(drawn: str) -> None:
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({"shared_memory": "/nowhere"}, "cannot open /nowhere"),
+        ({"parameters": {"shift": 1}}, "unknown parameter `shift`"),
+    ]
+    with begun(drawn) as it:
+        for other, text in wrong:
+            with pytest.raises(ToldFailure, match=text):
+                it.configure(**other)
+            with pytest.raises(ToldFailure, match="a scan before `configure`"):
+                it.scan(columns_of(points(5)))
+            it.fields.clear()
+            it.configure()
+            assert it.scan(columns_of(points(5))).n_detections >= 1
+        with pytest.raises(ToldFailure):
+            it.configure(parameters={"shift": 1})
+        assert it.quit() == 0
+
+
 def test_both_and_everything(drawn: str) -> None:
     with begun(drawn, how="both") as it:
         assert it.scan(columns_of(points())).n_detections == 9
@@ -162,9 +201,6 @@ def test_another_protocol_an_unknown_message_and_a_column_beyond_the_memory(draw
             it.send({"message": "scan", "number": 1, "n_points": 1, "columns": [column]})
             with pytest.raises(ToldFailure, match="a column lies beyond the shared memory"):
                 it._line("result", time.monotonic() + 10)
-        with pytest.raises(ToldFailure, match="cannot open /nowhere"):
-            it.configure(shared_memory="/nowhere")
-        assert it.scan(columns_of(points(5))).n_detections >= 1
 
 
 def test_the_end_of_the_pipe_and_a_host_that_is_gone(drawn: str) -> None:

@@ -17,9 +17,11 @@ import pytest
 from numpy.typing import NDArray
 from reference_host import DetectorFailure, Host, Limits, Silence, ToldFailure, columns_of
 
+import scanbench
+
 HERE = Path(__file__).parent
 PROTOCOL = HERE.parents[2] / "docs/protocol.md"
-SOURCES = {"PYTHONPATH": str(HERE.parent / "src")}
+SOURCES = {"PYTHONPATH": str(Path(scanbench.__file__).parents[1])}
 SHORT = Limits(start_s=20, first_scan_s=1, scan_s=1, quit_s=2)
 
 
@@ -131,6 +133,63 @@ def test_state_stays_when_more_memory_is_given() -> None:
             assert answer.ids is not None
             found.append(int(answer.ids[0]))
         assert found == [195, 196, 197, 198]
+
+
+def first_label(it: Host, n: int = 100) -> int:
+    answer = it.scan(columns_of(points(n)))
+    assert answer.ids is not None
+    return int(answer.ids[0])
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"parameters": {"offset": 20}, "threads": 2},
+        {"parameters": {"offset": 20}, "dataset": "another"},
+        {"parameters": {"offset": 20}, "sensor": None},
+    ],
+)
+def test_state_is_dropped_when_anything_else_changes(other: dict[str, Any]) -> None:
+    with begun(host("Counting", parameters={"offset": 20})) as it:
+        assert [first_label(it), first_label(it)] == [195, 196]
+        it.configure(**other)
+        assert [first_label(it), first_label(it)] == [195, 196]
+        it.configure()
+        assert first_label(it) == 197
+        # Larger memory after other parameters: these stay.
+        it.configure(parameters={}, sensor_height_m=2.0)
+        assert [first_label(it), first_label(it, 300_000)] == [202, 203]
+        assert it.quit() == 0
+
+
+def test_parameters_that_are_absent_have_their_defaults_again() -> None:
+    with begun(host("squares", parameters={"side_m": 20.0, "min_z_m": -5.0})) as it:
+        coarse = it.scan(columns_of(points())).n_detections
+        it.configure(parameters={"min_z_m": -5.0})
+        assert coarse == 4 and it.scan(columns_of(points())).n_detections > 200
+
+
+@pytest.mark.parametrize(
+    ("other", "text"),
+    [
+        ({"parameters": {"side": 3}}, "unknown parameter 'side'"),
+        ({"parameters": {"side_m": "3"}}, "parameter 'side_m' is float"),
+        ({"shared_memory": "/nowhere"}, "FileNotFoundError"),
+    ],
+)
+def test_after_an_error_to_a_later_configure_another_is_waited_for(other: dict[str, Any], text: str) -> None:
+    with begun(host("squares")) as it:
+        n_detections = it.scan(columns_of(points())).n_detections
+        with pytest.raises(ToldFailure, match=re.escape(text)):
+            it.configure(**other)
+        with pytest.raises(ToldFailure, match="a scan before `configure`"):
+            it.scan(columns_of(points()))
+        it.fields.clear()
+        it.configure()
+        assert it.scan(columns_of(points())).n_detections == n_detections
+        with pytest.raises(ToldFailure):
+            it.configure(**other)
+        assert it.quit() == 0
 
 
 def test_a_function_without_a_decorator_is_a_detector() -> None:
@@ -332,6 +391,8 @@ def test_the_client_of_the_documentation_works(tmp_path: Path) -> None:
         for number in range(2):
             answer = it.scan(columns_of(points()), number)
             assert answer.ids is not None and 50 < answer.n_detections <= 100 and (answer.ids == 0).any()
+        it.configure(parameters={"side_m": 8.0})
+        assert 16 < it.scan(columns_of(points())).n_detections <= 36
         assert it.quit() == 0
 
 

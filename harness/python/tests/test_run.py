@@ -76,7 +76,7 @@ def program(tmp_path: Path, run_directory: Path, monkeypatch: pytest.MonkeyPatch
     script.chmod(0o755)
     monkeypatch.setenv("SCANBENCH", str(script))
     monkeypatch.setenv("FAKE_RUN", str(run_directory))
-    monkeypatch.setenv("PYTHONPATH", str(HERE.parent / "src"))
+    monkeypatch.setenv("PYTHONPATH", str(Path(scanbench.__file__).parents[1]))
     monkeypatch.chdir(tmp_path)
     return script
 
@@ -107,7 +107,11 @@ def test_a_function_is_judged(program: Path) -> None:
     assert call["others"] == ["--scans=0..4", "--simulated-scans=4", "--skip-damaged"]
     assert "kd_tree.tolerance_m=0.7" in call["argv"] and "terrain.enabled=false" in call["argv"]
     section = call["config"]["detector"]["squares-4"]
-    assert section["parameters"] == {"side_m": 4} and section["time_limit_s"] == 20 and section["threads"] == 2
+    assert (
+        section["parameters"] == {"side_m": 4.0, "min_z_m": -1.4}
+        and section["time_limit_s"] == 20
+        and section["threads"] == 2
+    )
     assert run.path.parent == Path("runs") and run.frame("scans", "numpy")["scan"].tolist() == [0, 1]
 
 
@@ -120,6 +124,17 @@ def test_output_several_data_sets_and_a_configuration_of_ones_own(program: Path,
     assert run.path == tmp_path / "out" and call["argv"][1:3] == ["a", "b"]
     assert set(call["config"]["detector"]) == {"mine", "squares"}
     assert [path.name for path in own.parent.iterdir()] == ["scanbench.toml"]
+
+
+def test_the_configuration_of_the_folder_is_found(
+    program: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "scanbench.toml").write_text('[detector.mine]\ncommand = ["true"]\n')
+    (tmp_path / "below").mkdir()
+    monkeypatch.chdir(tmp_path / "below")
+    call = call_of(scanbench.run("a", [detectors.squares]))
+    assert set(call["config"]["detector"]) == {"mine", "squares"}
+    assert [path.name for path in tmp_path.glob("*.toml")] == ["scanbench.toml"]
 
 
 def test_without_functions_the_configuration_is_passed_on(program: Path) -> None:
@@ -136,6 +151,17 @@ def test_a_plain_function_and_one_that_cannot_be_imported(program: Path) -> None
 
     call = call_of(scanbench.run("a", [detectors.plain, inner.using(n=5)]))
     assert call["found"] == {"plain": 1, "inner": 5}
+
+
+def test_every_parameter_is_written_that_toml_can_say(program: Path) -> None:
+    def odd(points: Any, limit: float | None = None, side_m: float = 2, names: tuple[str, ...] = ("a",)) -> Any:
+        return np.zeros(len(points), int)
+
+    pytest.importorskip("cloudpickle")
+    call = call_of(scanbench.run("a", [odd]))
+    assert call["config"]["detector"]["odd"]["parameters"] == {"side_m": 2.0, "names": ["a"]}
+    with pytest.raises(TypeError, match="cannot be a parameter"):
+        scanbench.run("a", [scanbench.detector(odd).using(limit=float("nan"))])
 
 
 def test_how_another_process_gets_at_it(tmp_path: Path) -> None:

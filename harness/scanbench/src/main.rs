@@ -10,13 +10,18 @@ use reports::files::unfinished;
 mod cli;
 mod commands;
 
-use cli::Cli;
+use cli::{Cli, Command};
 use commands::dispatch::dispatch;
 use commands::exit_code::exit_code_of;
 use commands::interruption::watch_for_signals;
+use commands::serve::supervise;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if let Command::Supervise { command } = &cli.command {
+        // It has its own way with signals.
+        return ExitCode::from(supervise(command));
+    }
     // Returning instead of exiting lets recordings and half-written files end properly.
     ExitCode::from(exit_code_of(|| {
         let done = watch_for_signals().and_then(|()| dispatch(&cli));

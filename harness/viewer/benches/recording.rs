@@ -13,9 +13,10 @@ use evaluation::matching::assign::MatchingParams;
 use evaluation::matching::criterion::Criterion;
 use evaluation::matching::eligibility::EligibilityParams;
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::{DEFAULT_DETECTORS, ListedDetector, detectors_named};
+use evaluation::run::detector_list::{ChosenDetector, DEFAULT_DETECTORS, detectors_named};
+use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::{RecordedScan, ScanRecorder as _};
-use evaluation::run::side_by_side::SideBySide;
+use evaluation::run::side_by_side::{OnDetectorFailure, SideBySide};
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::vocabulary::task::Task;
 use scans::dataset::Dataset;
@@ -35,11 +36,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let selection: ScanSelection = arguments.get(1).map_or("0..20", String::as_str).parse()?;
     let dataset = open_dataset(name, &OpenOptions::default(), &built_in_catalogue()?)?;
     let scan_indices = selection.positions(dataset.scan_ids().len())?;
-    let listed = detectors_named(&DEFAULT_DETECTORS.map(str::to_owned))?;
+    let config = RunConfig::load(None)?;
+    let chosen = detectors_named(&DEFAULT_DETECTORS.map(str::to_owned), &config)?;
 
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("run.rrd");
-    let (mut times, n_points) = record(&*dataset, &scan_indices, &listed, &file)?;
+    let (mut times, n_points) = record(&*dataset, &scan_indices, &chosen, &file)?;
 
     let n_scans = scan_indices.len();
     let simulated = if dataset.description().is_simulated() { ", simulated" } else { "" };
@@ -64,15 +66,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn record(
     dataset: &dyn Dataset,
     scan_indices: &[usize],
-    listed: &[ListedDetector],
+    chosen: &[ChosenDetector],
     file: &Path,
 ) -> Result<(Vec<Duration>, usize), Box<dyn std::error::Error>> {
     let description = dataset.description();
     let config = RunConfig::load(None)?;
-    let config = config.for_sensor(&description.sensor).unwrap_or(config);
-    let names: Vec<&'static str> = listed.iter().map(|it| it.name).collect();
+    let names: Vec<&'static str> = chosen.iter().map(ChosenDetector::name).collect();
     let mut detectors: Vec<_> =
-        listed.iter().map(|it| it.build(&config, description.sensor_height_m)).collect();
+        chosen.iter().map(|it| Entrant::of(it.clone(), &config).begin(description)).collect();
     let options = RunRecordingOptions {
         stream: StreamOptions {
             name: "benchmark".to_owned(),
@@ -98,6 +99,7 @@ fn record(
         n_warmup: 1,
         n_repeats: NonZeroUsize::MIN,
         n_jobs: 1,
+        on_failure: OnDetectorFailure::Stop,
         interrupted: &AtomicBool::new(false),
     };
     let times_s = scan_times_s(dataset);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use evaluation::matching::mistake::Evidence;
 use evaluation::matching::outcome::Assignment;
 use evaluation::metrics::counts::FalseDetections;
+use evaluation::process::problem::DetectorFailure;
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder, Served};
 use evaluation::run::side_by_side::DetectorScan;
 use reports::files::unfinished::{Kind, Unfinished};
@@ -51,6 +52,9 @@ pub enum RecordingError {
     /// What is to be recorded cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// A detector that is looked at once more fails.
+    #[error(transparent)]
+    Detector(#[from] DetectorFailure),
 }
 
 impl RunRecording {

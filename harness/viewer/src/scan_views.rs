@@ -37,7 +37,7 @@ pub struct DetectorView<'a> {
     /// How that is judged, for each task.
     pub tasks: &'a [TaskView<'a>],
     /// Time of the whole detection.
-    pub latency: Duration,
+    pub latency: Option<Duration>,
 }
 
 /// How a detector did on one scan in one task.

@@ -1,12 +1,12 @@
 //! The Rerun recording of a sweep: one scan, and the swept parameter in the place of time.
 
-use std::time::Instant;
-
-use detector::{Detector, DetectorOutput};
+use detector::DetectorOutput;
 use evaluation::matching::assign::{MatchingParams, assign};
 use evaluation::matching::mistake::Evidence;
+use evaluation::run::detector_list::ChosenDetector;
+use evaluation::run::entrant::Entrant;
+use evaluation::run::running_detector::RunningDetector;
 use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
-use evaluation::sweep::scan_at_point::of_sensor;
 use evaluation::sweep::summary::SweepResults;
 use evaluation::sweep::swept_values::SweptValues;
 use reports::numbers::sweep_score::{SweepScore, SweepScores};
@@ -17,7 +17,6 @@ use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::DatasetDescription;
 
-use super::error::StreamError;
 use super::recording_axis::RecordingAxis;
 use super::run_recording::{RecordingError, task_views};
 use super::scan_views::{DetectorView, ScanView};
@@ -51,7 +50,7 @@ pub fn record_sweep(
         opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false, at_the_start: true },
         max_points: None,
     };
-    let detectors: Vec<&str> = plan.detectors.iter().map(|it| it.name).collect();
+    let detectors: Vec<&str> = plan.detectors.iter().map(ChosenDetector::name).collect();
     let of_dataset = Extent::Dataset(description.id.clone());
     let at_point = |point_idx: usize| -> Vec<&SweepScore> {
         let is_there =
@@ -74,10 +73,11 @@ pub fn record_sweep(
         let values: Vec<String> =
             plan.parameters().iter().zip(&plan.points[point_idx].values).map(of_name).collect();
         stream.log_step(step, title(&scan, &values), &further(&there))?;
-        let config = of_sensor(&plan.points[point_idx].config, description);
-        for listed in &plan.detectors {
-            let detector = listed.build(&config, description.sensor_height_m);
-            let of_detector = there.iter().filter(|it| it.subject.detector == listed.name);
+        let config = &plan.points[point_idx].config;
+        for chosen in &plan.detectors {
+            let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
+            let detector = entrant.begin(description);
+            let of_detector = there.iter().filter(|it| it.subject.detector == entrant.name);
             let f_rates = of_detector.map(|it| it.counts.f_rate());
             look_again(&mut stream, (&scan, description), detector, &config.matching, f_rates)?;
         }
@@ -90,20 +90,18 @@ pub fn record_sweep(
 fn look_again(
     stream: &mut Stream,
     (scan, dataset): (&LabeledScan, &DatasetDescription),
-    mut detector: Box<dyn Detector>,
+    mut detector: Box<dyn RunningDetector>,
     matching: &MatchingParams,
     f_rates: impl Iterator<Item = Option<f64>>,
-) -> Result<(), StreamError> {
+) -> Result<(), RecordingError> {
     let mut output = DetectorOutput::default();
     // Its buffers find their size.
-    detector.detect(&scan.cloud, &mut output);
-    let started = Instant::now();
-    detector.detect(&scan.cloud, &mut output);
-    let latency = started.elapsed();
+    detector.detect(scan, 0.0, &mut output)?;
+    let latency = detector.detect(scan, 0.0, &mut output)?.wall;
     let judge = |&task| assign(scan, &output.detections, task, &dataset.annotated, matching);
     let assignments = Task::ALL.iter().map(judge).collect();
-    let times = DetectionTimes { first: latency, least: latency, reference: None };
-    let result = DetectorScan { detector: detector.name(), output, times, assignments };
+    let times = DetectionTimes { first: latency, least: latency, ..DetectionTimes::default() };
+    let result = DetectorScan { detector: detector.name(), output, times, failure: None, assignments };
     let products = detector.stage_products(&scan.cloud);
     let evidence = Evidence::gather(scan, &result.output.detections, &products, matching.criterion);
     let view = DetectorView {
@@ -113,7 +111,7 @@ fn look_again(
         tasks: &task_views(&result, dataset, &evidence, f_rates),
         latency,
     };
-    stream.log_detector(scan, &view)
+    Ok(stream.log_detector(scan, &view)?)
 }
 
 fn of_name((name, value): (&String, &String)) -> String {

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::numbers::average_precision::RankedDetection;
 use crate::numbers::blocks::{Blocks, DriveSecond};
 use crate::numbers::sums::{FalseObjects, Sums, Term};
-use crate::numbers::times::Times;
+use crate::numbers::times::{TimeKind, Times};
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome, range_m};
 use crate::rows::match_row::MatchRow;
@@ -30,6 +30,9 @@ use crate::vocabulary::task::Task;
 ///     latency_ms: None,
 ///     least_latency_ms: None,
 ///     reference_ms: None,
+///     cpu_ms: None,
+///     door_ms: None,
+///     failure: None,
 ///     counts: Counts::new(10, 7, Some(3)).expect("no more is found than there is"),
 ///     n_ignored_annotations: 0,
 ///     n_ignored_detections: 0,
@@ -121,9 +124,18 @@ impl Tally {
             sums.add(Term::LogTimeRatio, (least_ms / reference_ms).ln());
             sums.add(Term::LogReference, reference_ms.ln());
         }
-        if let Some(latency_ms) = numbers.latency_ms {
-            self.times[key.dataset].add_scan(key.task, key.detector, latency_ms);
+        let times = &mut self.times[key.dataset];
+        let of_kinds = [
+            (TimeKind::Latency, numbers.latency_ms),
+            (TimeKind::Cpu, numbers.cpu_ms),
+            (TimeKind::Door, numbers.door_ms),
+        ];
+        for (kind, time_ms) in of_kinds {
+            if let Some(time_ms) = time_ms {
+                times.add_scan(kind, key.task, key.detector, time_ms);
+            }
         }
+        times.add_failures(key.task, key.detector, numbers.failure.is_some());
     }
 
     /// Adds how long a stage of a detector took on a scan.

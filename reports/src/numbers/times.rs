@@ -8,14 +8,34 @@ use crate::vocabulary::task::Task;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Times {
     // In milliseconds, as all times here.
-    scans_ms: BTreeMap<(Task, usize), Vec<f64>>,
+    scans_ms: BTreeMap<(TimeKind, Task, usize), Vec<f64>>,
+    // Scans, and those among them that gave no answer.
+    failures: BTreeMap<(Task, usize), [u64; 2]>,
     stages_ms: BTreeMap<usize, Vec<(String, Vec<f64>)>>,
+}
+
+/// A time of a scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum TimeKind {
+    /// Of its detection.
+    Latency,
+    /// On processors meanwhile.
+    Cpu,
+    /// To a detector that is a program of its own, and back.
+    Door,
 }
 
 impl Times {
     /// Adds the time of a scan.
-    pub(crate) fn add_scan(&mut self, task: Task, detector_idx: usize, time_ms: f64) {
-        self.scans_ms.entry((task, detector_idx)).or_default().push(time_ms);
+    pub(crate) fn add_scan(&mut self, kind: TimeKind, task: Task, detector_idx: usize, time_ms: f64) {
+        self.scans_ms.entry((kind, task, detector_idx)).or_default().push(time_ms);
+    }
+
+    /// Adds a scan, and whether its detector gave no answer.
+    pub(crate) fn add_failures(&mut self, task: Task, detector_idx: usize, has_failed: bool) {
+        let [n_scans, n_failed] = self.failures.entry((task, detector_idx)).or_default();
+        *n_scans += 1;
+        *n_failed += u64::from(has_failed);
     }
 
     /// Adds the time of a stage.
@@ -28,6 +48,10 @@ impl Times {
         for (key, times_ms) in &other.scans_ms {
             self.scans_ms.entry(*key).or_default().extend(times_ms);
         }
+        for (key, [n_scans, n_failed]) in &other.failures {
+            let sum = self.failures.entry(*key).or_default();
+            *sum = [sum[0] + n_scans, sum[1] + n_failed];
+        }
         for (detector_idx, stages) in &other.stages_ms {
             for (stage, times_ms) in stages {
                 self.extend_stage(*detector_idx, stage, times_ms);
@@ -36,8 +60,13 @@ impl Times {
     }
 
     /// The times of the scans.
-    pub(crate) fn scans_ms(&self, task: Task, detector_idx: usize) -> &[f64] {
-        self.scans_ms.get(&(task, detector_idx)).map_or(&[], Vec::as_slice)
+    pub(crate) fn scans_ms(&self, kind: TimeKind, task: Task, detector_idx: usize) -> &[f64] {
+        self.scans_ms.get(&(kind, task, detector_idx)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Number of scans, and of those among them whose detector gave no answer.
+    pub(crate) fn failures(&self, task: Task, detector_idx: usize) -> [u64; 2] {
+        self.failures.get(&(task, detector_idx)).copied().unwrap_or_default()
     }
 
     /// The times of each stage, in the order in which the stages were first seen.

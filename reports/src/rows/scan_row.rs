@@ -42,6 +42,8 @@ pub enum ScanOutcome {
 /// The numbers of one scan, detector and task.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanNumbers {
+    /// Why the detector gave no answer, in words, and counts as one that found nothing; `None` if it gave one.
+    pub failure: Option<String>,
     /// Number of points of the scan.
     pub n_points: u64,
     /// Time of detection in milliseconds; `None` where it does not count, as while warming up.
@@ -51,6 +53,12 @@ pub struct ScanNumbers {
     /// Time of the reference that was measured in turns with it, in milliseconds: the shortest of all repetitions. `None`
     /// where it was not measured.
     pub reference_ms: Option<f64>,
+    /// Time on processors in milliseconds, on all threads and in all processes of the detector, of the detection that
+    /// `latency_ms` is of; `None` where it was not measured.
+    pub cpu_ms: Option<f64>,
+    /// The way to a detector that is a program of its own and back, in milliseconds: the shortest of all repetitions. It is
+    /// part of `latency_ms`. `None` of others.
+    pub door_ms: Option<f64>,
     /// Annotations found and missed, and false detections.
     pub counts: Counts,
     /// Annotations that are neither found nor missed.
@@ -65,6 +73,29 @@ pub struct ScanNumbers {
     pub n_dropped_too_small: u64,
     /// Clusters dropped because they have too many points or are too long.
     pub n_dropped_too_large: u64,
+}
+
+#[cfg(test)]
+impl ScanNumbers {
+    /// Of a scan of a thousand points with these counts, where nothing was ignored and nothing timed.
+    pub(crate) fn of_counts(counts: Counts) -> Self {
+        Self {
+            failure: None,
+            n_points: 1000,
+            latency_ms: None,
+            least_latency_ms: None,
+            reference_ms: None,
+            cpu_ms: None,
+            door_ms: None,
+            counts,
+            n_ignored_annotations: 0,
+            n_ignored_detections: 0,
+            n_unknowable_detections: 0,
+            segmentation: SegmentationNumbers::default(),
+            n_dropped_too_small: 0,
+            n_dropped_too_large: 0,
+        }
+    }
 }
 
 /// How far the objects of a scan are torn apart or run together, whether or not the pieces match.
@@ -109,6 +140,8 @@ impl CsvRow for ScanRow {
         "latency_ms",
         "least_latency_ms",
         "reference_ms",
+        "cpu_ms",
+        "door_ms",
         "no",
         "tp",
         "mo",
@@ -141,6 +174,8 @@ struct ScanRecord {
     latency_ms: Option<Fixed<3>>,
     least_latency_ms: Option<Fixed<3>>,
     reference_ms: Option<Fixed<4>>,
+    cpu_ms: Option<Fixed<3>>,
+    door_ms: Option<Fixed<3>>,
     no: Option<u64>,
     tp: Option<u64>,
     mo: Option<u64>,
@@ -162,12 +197,16 @@ struct ScanRecord {
 #[serde(rename_all = "lowercase")]
 enum Status {
     Evaluated,
+    Failed,
     Skipped,
 }
 
 impl From<ScanRow> for ScanRecord {
     fn from(row: ScanRow) -> Self {
         let (status, reason, numbers) = match row.outcome {
+            ScanOutcome::Evaluated(numbers) if numbers.failure.is_some() => {
+                (Status::Failed, numbers.failure.clone(), Some(numbers))
+            }
             ScanOutcome::Evaluated(numbers) => (Status::Evaluated, None, Some(numbers)),
             ScanOutcome::Skipped { reason } => (Status::Skipped, Some(reason), None),
         };
@@ -187,6 +226,8 @@ impl From<ScanRow> for ScanRecord {
             latency_ms: numbers.and_then(|it| it.latency_ms).map(Fixed),
             least_latency_ms: numbers.and_then(|it| it.least_latency_ms).map(Fixed),
             reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed),
+            cpu_ms: numbers.and_then(|it| it.cpu_ms).map(Fixed),
+            door_ms: numbers.and_then(|it| it.door_ms).map(Fixed),
             no: counts.map(Counts::no),
             tp: counts.map(Counts::tp),
             mo: counts.map(Counts::mo),
@@ -212,6 +253,10 @@ impl TryFrom<ScanRecord> for ScanRow {
     fn try_from(record: ScanRecord) -> Result<Self, &'static str> {
         let outcome = match record.status {
             Status::Evaluated => ScanOutcome::Evaluated(numbers_of(&record)?),
+            Status::Failed => {
+                let failure = Some(record.reason.clone().ok_or("a failed scan has no reason")?);
+                ScanOutcome::Evaluated(ScanNumbers { failure, ..numbers_of(&record)? })
+            }
             Status::Skipped => {
                 let reason = record.reason.ok_or("a skipped scan has no reason")?;
                 ScanOutcome::Skipped { reason }
@@ -235,10 +280,13 @@ fn numbers_of(record: &ScanRecord) -> Result<ScanNumbers, &'static str> {
         return Err("mo is not no - tp");
     }
     Ok(ScanNumbers {
+        failure: None,
         n_points: present(record.n_points)?,
         latency_ms: record.latency_ms.map(|Fixed(latency_ms)| latency_ms),
         least_latency_ms: record.least_latency_ms.map(|Fixed(latency_ms)| latency_ms),
         reference_ms: record.reference_ms.map(|Fixed(reference_ms)| reference_ms),
+        cpu_ms: record.cpu_ms.map(|Fixed(cpu_ms)| cpu_ms),
+        door_ms: record.door_ms.map(|Fixed(door_ms)| door_ms),
         counts,
         n_ignored_annotations: present(record.ignored_annotations)?,
         n_ignored_detections: present(record.ignored_detections)?,
@@ -271,10 +319,13 @@ mod tests {
 
     fn numbers(latency_ms: Option<f64>, n_false: Option<u64>) -> ScanOutcome {
         ScanOutcome::Evaluated(ScanNumbers {
+            failure: None,
             n_points: 120_000,
             latency_ms,
             least_latency_ms: latency_ms,
             reference_ms: latency_ms.map(|_| 0.25),
+            cpu_ms: latency_ms.map(|it| 2.0 * it),
+            door_ms: latency_ms.map(|_| 0.125),
             counts: Counts::new(7, 5, n_false).unwrap(),
             n_ignored_annotations: 3,
             n_ignored_detections: 2,
@@ -292,12 +343,18 @@ mod tests {
         })
     }
 
+    fn failed() -> ScanOutcome {
+        let ScanOutcome::Evaluated(numbers) = numbers(None, Some(0)) else { unreachable!("it is made so") };
+        ScanOutcome::Evaluated(ScanNumbers { failure: Some("it closed its pipe".to_owned()), ..numbers })
+    }
+
     fn rows() -> Vec<ScanRow> {
         let reason = "label file is cut at line 7".to_owned();
         vec![
             row(0, numbers(None, Some(4))),
             row(1, numbers(Some(8.25), None)),
             row(2, ScanOutcome::Skipped { reason }),
+            row(3, failed()),
         ]
     }
 
@@ -324,10 +381,11 @@ mod tests {
     fn rows_read_back_as_they_were() {
         let (text, read) = written_and_read(&rows(), "", "");
         insta::assert_snapshot!(text, @r#"
-        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,latency_ms,least_latency_ms,reference_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
-        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,8.250,8.250,0.2500,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
-        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,
+        dataset,sequence,scan,time_s,detector,task,status,reason,n_points,latency_ms,least_latency_ms,reference_ms,cpu_ms,door_ms,no,tp,mo,fo,ignored_annotations,ignored_detections,unknowable_detections,split,holding,joining,touching,ose_nats,use_nats,dropped_too_small,dropped_too_large
+        "kitti, tracking",0000,0,0.000,kd-tree,objects,evaluated,,120000,,,,,,7,5,2,4,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,1,0.100,kd-tree,objects,evaluated,,120000,8.250,8.250,0.2500,16.500,0.125,7,5,2,,3,2,40,1,6,2,8,0.500000,0.250000,900,1
+        "kitti, tracking",0000,2,0.200,kd-tree,objects,skipped,label file is cut at line 7,,,,,,,,,,,,,,,,,,,,,
+        "kitti, tracking",0000,3,0.300,kd-tree,objects,failed,it closed its pipe,120000,,,,,,7,5,2,0,3,2,40,1,6,2,8,0.500000,0.250000,900,1
         "#);
         assert_eq!(read.unwrap(), rows());
     }

@@ -177,6 +177,29 @@ pub struct DetectorEntry {
     /// What it does beside finding clusters, which others may not.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rules: Vec<String>,
+    /// Where it comes from if it is not built in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foreign: Option<ForeignEntry>,
+}
+
+/// A detector that is not built in.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForeignEntry {
+    /// The program and its arguments.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub command: Vec<String>,
+    /// What it calls itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reported_name: Option<String>,
+    /// Its version, as it says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
+    /// How many threads it should use at most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub threads: Option<u32>,
+    /// What tells vehicles among its objects where it does not: their size, or our model.
+    pub vehicles: String,
 }
 
 /// The state of the source that the program was built from.
@@ -271,6 +294,7 @@ mod tests {
                 name: "kd-tree".to_owned(),
                 parameters: serde_json::json!({"tolerance_m": 0.5}),
                 rules: vec!["completion".to_owned()],
+                foreign: None,
             }],
             git: Some(GitState { commit: "c0ffee".to_owned(), dirty: true }),
             rustc_version: "1.95.0".to_owned(),

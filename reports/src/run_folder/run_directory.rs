@@ -141,6 +141,30 @@ impl RunDirectory {
     }
 }
 
+impl RunDirectory {
+    /// Leaves what is there beside the target, in a folder with the ending `.unfinished` that no verb takes for a run, and
+    /// returns where that is.
+    ///
+    /// # Errors
+    ///
+    /// [`RunDirectoryError`] if the disk does not take it.
+    pub fn leave_unfinished(mut self) -> Result<PathBuf, RunDirectoryError> {
+        sync_tree(self.partial.path())?;
+        let mut name = self.claimed.target().file_name().unwrap_or_default().to_owned();
+        name.push(".unfinished");
+        let place = self.claimed.target().with_file_name(name);
+        self.unfinished.undisturbed(|| {
+            if place.is_dir() {
+                std::fs::remove_dir_all(&place).map_err(refused(&place))?;
+            }
+            std::fs::rename(self.partial.path(), &place).map_err(refused(&place))?;
+            self.partial.disable_cleanup(true);
+            Ok::<(), RunDirectoryError>(())
+        })?;
+        Ok(place)
+    }
+}
+
 /// Brings all files below `folder` to the disk.
 fn sync_tree(folder: &Path) -> Result<(), RunDirectoryError> {
     for entry in std::fs::read_dir(folder).map_err(refused(folder))? {

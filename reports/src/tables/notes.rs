@@ -59,6 +59,9 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         }));
     }
     notes.sentences.extend(rules(table));
+    notes.sentences.extend(table.failures.iter().map(|(detector, [n_failed, n_scans])| {
+        format!("{detector} gave no answer to {n_failed} of {n_scans} scans, which count as nothing found.")
+    }));
     notes.explain_marks();
     notes
 }
@@ -177,6 +180,14 @@ mod tests {
     use super::*;
     use crate::tables::sample::{manifest, report};
     use crate::tables::task_table::task_tables;
+
+    #[test]
+    fn scans_without_an_answer_are_counted_beneath_the_table() {
+        let mut table = task_tables(&report(), &manifest()).unwrap().remove(0);
+        table.failures = vec![("pca".to_owned(), [3, 60])];
+        let sentence = "pca gave no answer to 3 of 60 scans, which count as nothing found.";
+        assert!(notes(&table, &[]).sentences.contains(&sentence.to_owned()));
+    }
 
     #[test]
     fn what_is_whose_stands_beneath_the_table() {

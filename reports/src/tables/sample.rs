@@ -36,6 +36,7 @@ pub(crate) fn manifest() -> Manifest {
                 name: name.to_owned(),
                 parameters: serde_json::Value::Null,
                 rules: Vec::new(),
+                foreign: None,
             })
             .to_vec(),
         git: None,

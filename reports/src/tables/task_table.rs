@@ -23,6 +23,8 @@ pub struct TaskTable {
     pub detectors: Vec<String>,
     /// What some of them do beside finding clusters, with the names of those that do.
     pub rules: Vec<(String, Vec<String>)>,
+    /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
+    pub failures: Vec<(String, [u64; 2])>,
     /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
     pub paper: Option<&'static PaperTable>,
     /// The rows, in order: data sets with the paper's rows beneath, then what they add up to.
@@ -230,6 +232,7 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
         matching_criterion: manifest.matching_criterion.clone(),
         cpu_model: manifest.machine.cpu_model.clone(),
         rules: rules(manifest, &detectors),
+        failures: failures(report, task, &detectors),
         detectors,
         paper,
         rows: in_order(datasets, overall, paper),
@@ -248,6 +251,25 @@ fn rules(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)
         }
     }
     rules
+}
+
+/// Those of `detectors` that gave no answer to some scans of all data sets.
+fn failures(report: &RunReport, task: Task, detectors: &[String]) -> Vec<(String, [u64; 2])> {
+    let of_detector = |detector: &String| {
+        let is_its = |it: &&MetricRow| {
+            let Subject { dataset, task: of_task, detector: of_detector, .. } = &it.subject;
+            it.metric == Metric::FailedScans
+                && *of_task == task
+                && of_detector == detector
+                && dataset != OVERALL
+        };
+        let rows = report.rows().iter().filter(is_its);
+        let sum = rows.fold([0, 0], |[n_failed, n_scans], it| {
+            [n_failed + it.value().unwrap_or(0.0) as u64, n_scans + it.n]
+        });
+        (sum[0] > 0).then(|| (detector.clone(), sum))
+    };
+    detectors.iter().filter_map(of_detector).collect()
 }
 
 /// Puts the paper's rows beneath the last data set that they are to be compared with.

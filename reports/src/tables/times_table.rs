@@ -28,6 +28,9 @@ const STATISTICS: [(&str, Metric); 8] = [
     ("1/p50", Metric::FpsP50),
 ];
 
+/// What is not known of every detector; columns without a value are left out.
+const OF_SOME: [(&str, Metric); 2] = [("CPU", Metric::CpuMean), ("door", Metric::DoorP50)];
+
 impl TimesTable {
     /// The times of `report`. They are the same for every task.
     pub fn new(report: &RunReport, manifest: &Manifest) -> Self {
@@ -36,6 +39,9 @@ impl TimesTable {
             let group = if metric.unit() == "ms" { "time of a scan [ms]" } else { "scans per second" };
             Column::number(title).within(group)
         }));
+        let is_known = |metric: &Metric| report.rows().iter().any(|it| it.metric == *metric);
+        let of_some: Vec<_> = OF_SOME.into_iter().filter(|(_, metric)| is_known(metric)).collect();
+        columns.extend(of_some.iter().map(|(title, _)| Column::number(title).within("of it [ms]")));
         let datasets = manifest.datasets.iter();
         let mut extents: Vec<(Extent, Origin)> =
             datasets.map(|it| (Extent::Dataset(it.id.clone()), it.origin())).collect();
@@ -56,7 +62,7 @@ impl TimesTable {
                     Extent::Overall => LineKind::Overall,
                     Extent::Dataset(_) => LineKind::Dataset,
                 };
-                lines.push(Line { kind, cells: cells(row, &detector.name, label) });
+                lines.push(Line { kind, cells: cells(row, &of_some, &detector.name, label) });
             }
         }
         Self { grid: Grid { columns, lines }, cpu_model: manifest.machine.cpu_model.clone() }
@@ -67,12 +73,24 @@ impl Tabular for TimesTable {
     fn sheet(&self) -> Sheet {
         let sentence =
             "Percentiles by nearest rank. On another machine, only ratios between detectors can be compared.";
+        let has = |title: &str| self.grid.columns.iter().any(|it| it.title == title);
+        let of_cpu = "CPU: mean time on processors, on all threads and in all processes; more than the time of a scan \
+                      where several work at once.";
+        let of_door = "door: median of the way to a detector that is a program of its own, and back, measured beside it \
+                       with one that answers nothing.";
+        let of_some = [("CPU", of_cpu), ("door", of_door)].into_iter().filter(|(title, _)| has(title));
+        let sentences = [sentence].into_iter().chain(of_some.map(|it| it.1)).map(str::to_owned);
         let title = format!("Times of detection only, on {}.", self.cpu_model);
-        Sheet::of(title, self.grid.clone(), vec![sentence.to_owned()])
+        Sheet::of(title, self.grid.clone(), sentences.collect())
     }
 }
 
-fn cells<'a>(row: impl Fn(&Metric) -> Option<&'a MetricRow>, detector: &str, label: Cell) -> Vec<Cell> {
+fn cells<'a>(
+    row: impl Fn(&Metric) -> Option<&'a MetricRow>,
+    of_some: &[(&str, Metric)],
+    detector: &str,
+    label: Cell,
+) -> Vec<Cell> {
     let n_scans = row(&Metric::FpsMean).map_or(0, |it| it.n);
     let numbers = STATISTICS.iter().map(|(_, metric)| {
         let Some((row, value)) = row(metric).and_then(|row| Some((row, row.value()?))) else {
@@ -84,7 +102,12 @@ fn cells<'a>(row: impl Fn(&Metric) -> Option<&'a MetricRow>, detector: &str, lab
             None => Cell::new(text),
         }
     });
-    [label, Cell::new(detector), Cell::new(n_scans.to_string())].into_iter().chain(numbers).collect()
+    let of_some = of_some.iter().map(|(_, metric)| {
+        let value = row(metric).and_then(MetricRow::value);
+        Cell::new(value.map_or_else(String::new, |it| fixed_decimals(it, 2)))
+    });
+    let names = [label, Cell::new(detector), Cell::new(n_scans.to_string())];
+    names.into_iter().chain(numbers).chain(of_some).collect()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::numbers::latencies::Latencies;
 use crate::numbers::run_report::{MetricRow, RunReport, RunReportError, Subject};
 use crate::numbers::tally::Tally;
-use crate::numbers::times::Times;
+use crate::numbers::times::{TimeKind, Times};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 
@@ -57,11 +57,23 @@ impl Tally {
                 let mut push = |metric, value, n: usize| {
                     rows.push(MetricRow::new(subject.clone(), metric, value, n as u64));
                 };
-                let of_scans = Latencies::new(times.scans_ms(task, detector_idx).to_vec());
+                let of_kind = |kind| Latencies::new(times.scans_ms(kind, task, detector_idx).to_vec());
+                let of_scans = of_kind(TimeKind::Latency);
                 push(Metric::FpsMean, of_scans.fps_mean(), of_scans.n());
                 push(Metric::FpsP50, of_scans.fps_p50(), of_scans.n());
                 for (statistic, percent) in STATISTICS {
                     push(Metric::Latency(statistic), of_scans.percentile_ms(percent), of_scans.n());
+                }
+                let (cpu, door) = (of_kind(TimeKind::Cpu), of_kind(TimeKind::Door));
+                if cpu.n() > 0 {
+                    push(Metric::CpuMean, cpu.fps_mean().map(|per_s| 1e3 / per_s), cpu.n());
+                }
+                if door.n() > 0 {
+                    push(Metric::DoorP50, door.percentile_ms(50), door.n());
+                }
+                let [n_scans, n_failed] = times.failures(task, detector_idx);
+                if n_failed > 0 {
+                    push(Metric::FailedScans, Some(n_failed as f64), n_scans as usize);
                 }
                 for (stage, times_ms) in times.stages_ms(detector_idx) {
                     let of_stage = Latencies::new(times_ms.clone());
@@ -77,7 +89,7 @@ impl Tally {
 mod tests {
     use super::*;
     use crate::rows::counts::Counts;
-    use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+    use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
     use crate::rows::stage_row::StageRow;
     use crate::vocabulary::task::Task;
 
@@ -85,17 +97,9 @@ mod tests {
         let ([dataset, sequence, detector], task) =
             ([dataset, "0000", "pca"].map(str::to_owned), Task::Vehicles);
         let numbers = ScanNumbers {
-            n_points: 1000,
             latency_ms,
             least_latency_ms: latency_ms,
-            reference_ms: None,
-            counts: Counts::new(4, 3, Some(2)).unwrap(),
-            n_ignored_annotations: 0,
-            n_ignored_detections: 0,
-            n_unknowable_detections: 0,
-            segmentation: SegmentationNumbers::default(),
-            n_dropped_too_small: 0,
-            n_dropped_too_large: 0,
+            ..ScanNumbers::of_counts(Counts::new(4, 3, Some(2)).unwrap())
         };
         let (time_s, outcome) = (f64::from(scan), ScanOutcome::Evaluated(numbers));
         ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }

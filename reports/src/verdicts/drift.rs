@@ -203,6 +203,9 @@ fn number_changes(before: Option<&ScanNumbers>, now: Option<&ScanNumbers>) -> Op
             latency_ms: None,
             least_latency_ms: None,
             reference_ms: None,
+            cpu_ms: None,
+            door_ms: None,
+            failure: None,
             ..it.clone()
         })
     };

@@ -47,6 +47,12 @@ pub enum Metric {
     FpsP50,
     /// Time of detection of a scan.
     Latency(LatencyStatistic),
+    /// Time on processors of a detection, on all threads and in all processes of the detector: mean over scans.
+    CpuMean,
+    /// Median time of the way to a detector that is a program of its own, and back.
+    DoorP50,
+    /// Scans to which the detector gave no answer, and that count as if it had found nothing.
+    FailedScans,
     /// Time of the reference that detectors are timed in turns with: a plain write of a grid. Geometric mean over scans of the
     /// shortest of all repetitions.
     ReferenceTime,
@@ -113,7 +119,7 @@ pub const SPEED_REFERENCE: &str = "grid-write";
 
 impl Metric {
     /// The metrics without a name in their id, in the order of a report.
-    const UNNAMED: [Self; 32] = [
+    const UNNAMED: [Self; 35] = [
         Self::No,
         Self::Tp,
         Self::Mo,
@@ -144,6 +150,9 @@ impl Metric {
         Self::Latency(LatencyStatistic::P95),
         Self::Latency(LatencyStatistic::P99),
         Self::Latency(LatencyStatistic::Max),
+        Self::CpuMean,
+        Self::DoorP50,
+        Self::FailedScans,
         Self::ReferenceTime,
         Self::TimeRatio,
     ];
@@ -181,6 +190,9 @@ impl Metric {
             Self::Latency(LatencyStatistic::P95) => "latency_p95_ms",
             Self::Latency(LatencyStatistic::P99) => "latency_p99_ms",
             Self::Latency(LatencyStatistic::Max) => "latency_max_ms",
+            Self::CpuMean => "cpu_mean_ms",
+            Self::DoorP50 => "door_p50_ms",
+            Self::FailedScans => "failed_scans",
             Self::ReferenceTime => "reference_ms",
             Self::TimeRatio => "time_over_reference",
             Self::StageP50(stage) => return format!("{STAGE_PREFIX}{stage}"),
@@ -206,7 +218,8 @@ impl Metric {
             | Self::Fo
             | Self::IgnoredAnnotations
             | Self::IgnoredDetections
-            | Self::UnknowableDetections => "count",
+            | Self::UnknowableDetections
+            | Self::FailedScans => "count",
             Self::Precision
             | Self::Recall
             | Self::FRate
@@ -220,7 +233,9 @@ impl Metric {
             Self::BoxError(BoxDimension::Center | BoxDimension::Length | BoxDimension::Width) => "m",
             Self::BoxError(BoxDimension::Yaw) => "deg",
             Self::FpsMean | Self::FpsP50 => "scans/s",
-            Self::Latency(_) | Self::StageP50(_) | Self::ReferenceTime => "ms",
+            Self::Latency(_) | Self::CpuMean | Self::DoorP50 | Self::StageP50(_) | Self::ReferenceTime => {
+                "ms"
+            }
             Self::TimeRatio => "times",
         }
     }
@@ -232,6 +247,7 @@ impl Metric {
             | Self::IgnoredAnnotations
             | Self::IgnoredDetections
             | Self::UnknowableDetections
+            | Self::DoorP50
             | Self::ReferenceTime => Direction::Neither,
             Self::Tp
             | Self::Precision
@@ -250,6 +266,8 @@ impl Metric {
             | Self::UnderSegmentationEntropyPerObject
             | Self::BoxError(_)
             | Self::Latency(_)
+            | Self::CpuMean
+            | Self::FailedScans
             | Self::TimeRatio
             | Self::StageP50(_) => Direction::LowerIsBetter,
         }
@@ -262,6 +280,8 @@ impl Metric {
             Self::FpsMean
                 | Self::FpsP50
                 | Self::Latency(_)
+                | Self::CpuMean
+                | Self::DoorP50
                 | Self::ReferenceTime
                 | Self::TimeRatio
                 | Self::StageP50(_)

@@ -29,9 +29,9 @@ pub fn variants(method: ListedDetector, config: &RunConfig) -> Result<Vec<Entran
     let without = |name: &'static str, parts: &[(&str, &str)]| {
         let switches = parts.iter().map(|(_, off)| off.parse().expect("the list of parts is tested"));
         let switches: Vec<OverrideOption> = switches.collect();
-        Ok(Entrant { name, listed: method, config: config.overridden(&switches, &[])? })
+        Ok(Entrant { name, chosen: method.into(), config: config.overridden(&switches, &[])? })
     };
-    let whole = Entrant { name: "whole method", listed: method, config: config.clone() };
+    let whole = Entrant { name: "whole method", chosen: method.into(), config: config.clone() };
     let lacking = PARTS.iter().map(|part| without(part.0, &[*part]));
     let bare = without("without all of these", PARTS);
     [Ok(whole)].into_iter().chain(lacking).chain([bare]).collect()
@@ -40,12 +40,12 @@ pub fn variants(method: ListedDetector, config: &RunConfig) -> Result<Vec<Entran
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::detector_list::detectors_named;
+    use crate::run::detector_list::built_in_named;
 
     #[test]
     fn every_part_is_there_in_the_whole_and_missing_in_its_variant() {
         let config = RunConfig::load(None).unwrap();
-        let method = detectors_named(&["hierarchical".to_owned()]).unwrap()[0];
+        let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
         let variants = variants(method, &config).unwrap();
         assert_eq!(variants.len(), PARTS.len() + 2);
         let is_on = |variant: &Entrant, part: &(&str, &str)| {

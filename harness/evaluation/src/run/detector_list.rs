@@ -6,7 +6,8 @@ use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::Detector;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 
-use crate::run::config::RunConfig;
+use crate::run::config::{DETECTOR_TABLE, RunConfig};
+use crate::run::foreign_detector::ForeignDetector;
 
 /// A detector that can be asked for by name.
 #[derive(Debug, Clone, Copy)]
@@ -94,12 +95,29 @@ pub const DETECTORS: &[ListedDetector] = &[
 /// Ablations, as cheap as they may be, would crowd the papers' tables and make recordings a quarter larger.
 pub const DEFAULT_DETECTORS: [&str; 4] = ["hierarchical", "kd-tree-same-walls", "kd-tree", "pca"];
 
+/// A detector that was asked for, built in or not.
+#[derive(Debug, Clone)]
+pub enum ChosenDetector {
+    /// One of [`DETECTORS`].
+    BuiltIn(ListedDetector),
+    /// One that the configuration tells of.
+    Foreign(ForeignDetector),
+}
+
 /// A name that is no detector's.
 #[derive(Debug, thiserror::Error)]
 pub enum DetectorListError {
     /// No detector is called so.
-    #[error("there is no detector {name:?}; detectors are {}", DETECTORS.iter().map(|it| it.name).collect::<Vec<_>>().join(", "))]
+    #[error("there is no detector {name:?}; detectors are {}", .known.join(", "))]
     Unknown {
+        /// The name.
+        name: String,
+        /// All that there are.
+        known: Vec<&'static str>,
+    },
+    /// What is to be done needs one of ours.
+    #[error("{name:?} is not built in, and this verb works with built-in detectors alone: {}", built_in_names().join(", "))]
+    NotBuiltIn {
         /// The name.
         name: String,
     },
@@ -118,22 +136,79 @@ impl ListedDetector {
     }
 }
 
-/// The detectors with these names, in this order.
+impl ChosenDetector {
+    /// The name on the command line.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::BuiltIn(listed) => listed.name,
+            Self::Foreign(foreign) => foreign.name,
+        }
+    }
+
+    /// Where its parameters stand in the configuration, with dots between.
+    pub fn table(&self) -> String {
+        match self {
+            Self::BuiltIn(listed) => listed.table.to_owned(),
+            Self::Foreign(foreign) => format!("{DETECTOR_TABLE}.{}", foreign.name),
+        }
+    }
+}
+
+impl From<ListedDetector> for ChosenDetector {
+    fn from(listed: ListedDetector) -> Self {
+        Self::BuiltIn(listed)
+    }
+}
+
+/// The detectors with these names, in this order: built-in ones and those that `config` tells of.
 ///
 /// # Errors
 ///
 /// [`DetectorListError`] if a name is unknown or given twice.
-pub fn detectors_named(names: &[String]) -> Result<Vec<ListedDetector>, DetectorListError> {
-    let mut listed: Vec<ListedDetector> = Vec::new();
+pub fn detectors_named(
+    names: &[String],
+    config: &RunConfig,
+) -> Result<Vec<ChosenDetector>, DetectorListError> {
+    let mut chosen: Vec<ChosenDetector> = Vec::new();
     for name in names {
-        let unknown = || DetectorListError::Unknown { name: name.clone() };
-        let found = *DETECTORS.iter().find(|it| it.name == name).ok_or_else(unknown)?;
-        if listed.iter().any(|it| it.name == found.name) {
+        let built_in = DETECTORS.iter().find(|it| it.name == name).map(|it| ChosenDetector::BuiltIn(*it));
+        let foreign =
+            || config.foreign.iter().find(|it| it.name == name).cloned().map(ChosenDetector::Foreign);
+        let unknown = || {
+            let foreign = config.foreign.iter().map(|it| it.name);
+            let known = built_in_names().into_iter().chain(foreign).collect();
+            DetectorListError::Unknown { name: name.clone(), known }
+        };
+        let found = built_in.or_else(foreign).ok_or_else(unknown)?;
+        if chosen.iter().any(|it| it.name() == found.name()) {
             return Err(DetectorListError::Twice { name: name.clone() });
         }
-        listed.push(found);
+        chosen.push(found);
     }
-    Ok(listed)
+    Ok(chosen)
+}
+
+/// The built-in detectors with these names, in this order.
+///
+/// # Errors
+///
+/// [`DetectorListError`] if a name is unknown, of a foreign detector, or given twice.
+pub fn built_in_named(
+    names: &[String],
+    config: &RunConfig,
+) -> Result<Vec<ListedDetector>, DetectorListError> {
+    let built_in = |it: ChosenDetector| match it {
+        ChosenDetector::BuiltIn(listed) => Ok(listed),
+        ChosenDetector::Foreign(foreign) => {
+            Err(DetectorListError::NotBuiltIn { name: foreign.name.to_owned() })
+        }
+    };
+    detectors_named(names, config)?.into_iter().map(built_in).collect()
+}
+
+/// Names of all built-in detectors.
+pub fn built_in_names() -> Vec<&'static str> {
+    DETECTORS.iter().map(|it| it.name).collect()
 }
 
 #[cfg(test)]
@@ -143,6 +218,7 @@ mod tests {
     use detector::{DetectedClass, Rule};
 
     use super::*;
+    use crate::run::config::TAKEN_NAMES;
     use scans::annotation::LabeledScan;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
@@ -218,11 +294,16 @@ mod tests {
     }
 
     #[test]
+    fn nobody_else_has_their_names() {
+        assert!(built_in_names().iter().all(|it| TAKEN_NAMES.contains(it)));
+    }
+
+    #[test]
     fn bounds_that_are_switched_off_are_no_rule() {
         let rules = |options: &[&str]| {
             let options: Vec<_> = options.iter().map(|it| it.parse().unwrap()).collect();
             let config = RunConfig::load(None).unwrap().overridden(&options, &["hierarchical"]).unwrap();
-            let listed = detectors_named(&["hierarchical".to_owned()]).unwrap()[0];
+            let listed = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
             listed.build(&config.for_sensor(SENSOR).unwrap(), 1.73).rules()
         };
         assert!(rules(&[]).contains(&Rule::SizeBounds));
@@ -237,7 +318,7 @@ mod tests {
             RunConfig::load(None).unwrap().overridden(&options, &["kd_tree"]).unwrap()
         };
         let found = |name: &str, config: &RunConfig| {
-            let listed = detectors_named(&[name.to_owned()]).unwrap()[0];
+            let listed = built_in_named(&[name.to_owned()], config).unwrap()[0];
             let mut output = DetectorOutput::default();
             listed.build(config, sensor_height_m).detect(&scans[0].cloud, &mut output);
             output.detections

@@ -1,11 +1,16 @@
 //! Who takes part in a run.
 
-use detector::stage_product::StageProduct;
-use detector::{Detector, DetectorOutput, PointCloud, Rule};
 use scans::dataset::DatasetDescription;
 
-use super::config::RunConfig;
-use super::detector_list::ListedDetector;
+use super::config::{DETECTOR_TABLE, RunConfig};
+use super::detector_list::ChosenDetector;
+use super::foreign_detector::{ForeignDetector, ForeignProcess, ForeignWork, VehicleRule};
+use super::found_objects::ForeignVehicles;
+#[cfg(target_os = "linux")]
+use super::process_detector::ProcessDetector;
+use super::running_detector::{BegunConversation, BuiltIn, RunningDetector};
+use crate::process::message::Configuration;
+use crate::process::problem::DetectorFailure;
 
 /// A detector with its parameters, under the name that it has in tables and files.
 #[derive(Debug, Clone)]
@@ -13,45 +18,126 @@ pub struct Entrant {
     /// The name.
     pub name: &'static str,
     /// The detector.
-    pub listed: ListedDetector,
+    pub chosen: ChosenDetector,
     /// Its parameters.
     pub config: RunConfig,
 }
 
 impl Entrant {
-    /// `listed` under its own name.
-    pub fn of(listed: ListedDetector, config: &RunConfig) -> Self {
-        Self { name: listed.name, listed, config: config.clone() }
+    /// `chosen` under its own name.
+    pub fn of(chosen: impl Into<ChosenDetector>, config: &RunConfig) -> Self {
+        let chosen = chosen.into();
+        Self { name: chosen.name(), chosen, config: config.clone() }
     }
 
     /// The detector for scans of `dataset`. A sensor whose density is not known is taken for the paper's.
-    pub fn build(&self, dataset: &DatasetDescription) -> Box<dyn Detector> {
+    pub fn begin(&self, dataset: &DatasetDescription) -> Box<dyn RunningDetector> {
         let of_sensor = self.config.for_sensor(&dataset.sensor);
         let config = of_sensor.as_ref().unwrap_or(&self.config);
-        let detector = self.listed.build(config, dataset.sensor_height_m);
-        Box::new(Renamed { name: self.name, detector })
+        match &self.chosen {
+            ChosenDetector::BuiltIn(listed) => {
+                Box::new(BuiltIn::new(self.name, listed.build(config, dataset.sensor_height_m)))
+            }
+            ChosenDetector::Foreign(foreign) => foreign.begin(self.name, config, dataset),
+        }
+    }
+
+    /// The same, with the program of `before`, which had other parameters: starting one takes longer than a scan.
+    ///
+    /// # Errors
+    ///
+    /// [`DetectorFailure`] if the program does not take these.
+    #[cfg(target_os = "linux")]
+    pub fn begin_with(
+        &self,
+        dataset: &DatasetDescription,
+        before: Option<BegunConversation>,
+    ) -> Result<Box<dyn RunningDetector>, DetectorFailure> {
+        let of_sensor = self.config.for_sensor(&dataset.sensor);
+        let config = of_sensor.as_ref().unwrap_or(&self.config);
+        match (&self.chosen, before) {
+            (ChosenDetector::Foreign(foreign), Some(before)) => {
+                let ForeignWork::Process(process) = &foreign.work;
+                let detector = foreign.begin_process(self.name, process, config, dataset);
+                Ok(Box::new(detector.with_program(before)?))
+            }
+            _ => Ok(self.begin(dataset)),
+        }
+    }
+
+    /// The same as [`Self::begin`]: there are no programs here.
+    #[cfg(not(target_os = "linux"))]
+    pub fn begin_with(
+        &self,
+        dataset: &DatasetDescription,
+        _before: Option<BegunConversation>,
+    ) -> Result<Box<dyn RunningDetector>, DetectorFailure> {
+        Ok(self.begin(dataset))
     }
 }
 
-struct Renamed {
-    name: &'static str,
-    detector: Box<dyn Detector>,
-}
-
-impl Detector for Renamed {
-    fn name(&self) -> &'static str {
-        self.name
+impl ForeignDetector {
+    /// The detector, called `name`, for scans of `dataset`.
+    fn begin(
+        &self,
+        name: &'static str,
+        config: &RunConfig,
+        dataset: &DatasetDescription,
+    ) -> Box<dyn RunningDetector> {
+        match &self.work {
+            #[cfg(target_os = "linux")]
+            ForeignWork::Process(process) => Box::new(self.begin_process(name, process, config, dataset)),
+            #[cfg(not(target_os = "linux"))]
+            ForeignWork::Process(_) => Box::new(super::running_detector::NotHere(name)),
+        }
     }
 
-    fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
-        self.detector.detect(cloud, output);
+    #[cfg(target_os = "linux")]
+    fn begin_process(
+        &self,
+        name: &'static str,
+        process: &ForeignProcess,
+        config: &RunConfig,
+        dataset: &DatasetDescription,
+    ) -> ProcessDetector {
+        let configuration = self.configuration(process, config, dataset);
+        let vehicles = self.vehicles_of(config, dataset);
+        ProcessDetector::new(name, process, self.folder.clone(), configuration, vehicles)
     }
 
-    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
-        self.detector.stage_products(cloud)
+    fn vehicles_of(&self, config: &RunConfig, dataset: &DatasetDescription) -> ForeignVehicles {
+        match (self.vehicles, &config.vehicle_models) {
+            (VehicleRule::Model, Some(models)) => {
+                ForeignVehicles::by_model(&config.hierarchical, models.by_shape(), dataset.sensor_height_m)
+            }
+            (VehicleRule::Size, _) | (VehicleRule::Model, None) => {
+                ForeignVehicles::by_size(&config.hierarchical)
+            }
+        }
     }
 
-    fn rules(&self) -> Vec<Rule> {
-        self.detector.rules()
+    /// What its program is told.
+    fn configuration(
+        &self,
+        process: &ForeignProcess,
+        config: &RunConfig,
+        dataset: &DatasetDescription,
+    ) -> Configuration {
+        Configuration {
+            dataset: dataset.id.clone(),
+            sensor: Some(dataset.sensor.clone()),
+            sensor_height_m: Some(dataset.sensor_height_m),
+            parameters: self.parameters(config),
+            threads: process.threads,
+            max_points: 0,
+            shared_memory: String::new(),
+        }
+    }
+
+    /// Its parameters, as `config` has them.
+    pub fn parameters(&self, config: &RunConfig) -> serde_json::Map<String, serde_json::Value> {
+        let written = config.resolved.get(DETECTOR_TABLE).and_then(|it| it.get(self.name));
+        let written = written.and_then(|it| serde_json::to_value(it).ok());
+        written.and_then(|it| it.as_object().cloned()).unwrap_or_default()
     }
 }

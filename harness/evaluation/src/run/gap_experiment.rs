@@ -10,7 +10,7 @@ use reports::numbers::gap_curve::{GapBin, PairCounts};
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::checksum::sha256;
 use scans::dataset::simulation::Simulation;
-use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError, Listing};
 use serde::Serialize;
 use simulator::object_pair::{ObjectPair, PairKind, PairLayout, any_bearing_rad};
 use simulator::sensor::SensorModel;
@@ -31,11 +31,10 @@ const PAIRS: [[u32; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 /// its gap in decimetres.
 #[derive(Debug, Clone)]
 pub struct StagedPairs {
-    description: DatasetDescription,
+    listing: Listing,
     sensor: SensorModel,
     seed: u64,
     stagings: Vec<Staging>,
-    scan_ids: Vec<ScanId>,
 }
 
 /// One scan of the experiment: a pair at each range, in three directions.
@@ -86,7 +85,7 @@ impl StagedPairs {
             simulation: Some(Simulation::of(&StagedFrom { sensor: sensor_name, n_pairs, seed })),
         };
         let scan_ids = stagings.iter().map(id).collect();
-        Self { description, sensor, seed, stagings, scan_ids }
+        Self { listing: Listing { description, scan_ids }, sensor, seed, stagings }
     }
 
     /// All scans, in order.
@@ -121,16 +120,12 @@ impl StagedPairs {
 }
 
 impl Dataset for StagedPairs {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let id = self.scan_ids[scan_idx].clone();
+        let id = self.listing.scan_ids[scan_idx].clone();
         Ok(LabeledScan { id, ..self.scan(&self.stagings[scan_idx]) })
     }
 }
@@ -202,7 +197,7 @@ mod tests {
     use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
     use crate::run::entrant::Entrant;
-    use crate::run::side_by_side::{RunError, SideBySide};
+    use crate::run::side_by_side::{OnDetectorFailure, RunError, SideBySide};
     use crate::run::sink::{Sinks, run_watched};
     use reports::numbers::gap_curve::gap_curves;
 
@@ -239,9 +234,10 @@ mod tests {
     fn wide_gaps_are_seen_by_all_and_narrow_ones_by_the_dense_level() {
         let config = RunConfig::load(None).unwrap();
         let names = ["simple-grid", "hierarchical"].map(str::to_owned);
-        let entrants = detectors_named(&names).unwrap().into_iter().map(|it| Entrant::of(it, &config));
+        let entrants =
+            detectors_named(&names, &config).unwrap().into_iter().map(|it| Entrant::of(it, &config));
         let pairs = StagedPairs::new("hdl-64e-s2", SensorModel::hdl_64e_s2(), 1, 1);
-        let mut detectors: Vec<_> = entrants.map(|it| it.build(pairs.description())).collect();
+        let mut detectors: Vec<_> = entrants.map(|it| it.begin(pairs.description())).collect();
         let mut tally = PairTally::new(pairs.stagings(), config.matching);
         let side_by_side = SideBySide {
             dataset: &pairs,
@@ -250,6 +246,7 @@ mod tests {
             n_warmup: 0,
             n_repeats: NonZeroUsize::MIN,
             n_jobs: 2,
+            on_failure: OnDetectorFailure::Stop,
             interrupted: &AtomicBool::new(false),
         };
         let mut sinks: Sinks<'_, RunError> = vec![Box::new(&mut tally)];

@@ -2,16 +2,18 @@
 //!
 //! Paper: HG Fig. 7.
 
+use detector::DetectorOutput;
 use detector::grid::hierarchical_grid::HierarchicalGrid;
-use detector::{Detector, DetectorOutput};
 use reports::plots::plan_plot::Plan;
 use scans::annotation::LabeledScan;
 use scans::dataset::Dataset as _;
 use simulator::object_pair::{PairKind, PairLayout};
 
 use crate::metrics::pair_separation::{PairOutcome, judge_pairs};
+use crate::process::problem::DetectorFailure;
 use crate::run::entrant::Entrant;
 use crate::run::gap_experiment::{StagedPairs, Staging};
+use crate::run::running_detector::RunningDetector;
 
 /// The pair that is shown is one of these, at the nearest range.
 const SHOWN: (PairKind, PairLayout) = (PairKind::CarAndPedestrian, PairLayout::Beside);
@@ -35,8 +37,16 @@ pub struct GapPicture {
 
 /// The first of `n_pairs` pairs that the first of `entrants` makes one object of and the second two; `None` if there is none among
 /// those that are looked through.
-pub fn gap_picture(pairs: &StagedPairs, n_pairs: u32, entrants: [&Entrant; 2]) -> Option<GapPicture> {
-    let mut detectors = entrants.map(|it| it.build(pairs.description()));
+///
+/// # Errors
+///
+/// [`DetectorFailure`] if a detector gives no answer.
+pub fn gap_picture(
+    pairs: &StagedPairs,
+    n_pairs: u32,
+    entrants: [&Entrant; 2],
+) -> Result<Option<GapPicture>, DetectorFailure> {
+    let mut detectors = entrants.map(|it| it.begin(pairs.description()));
     let (kind, layout) = SHOWN;
     let stagings = SHOWN_GAPS_DM
         .iter()
@@ -44,21 +54,22 @@ pub fn gap_picture(pairs: &StagedPairs, n_pairs: u32, entrants: [&Entrant; 2]) -
     for staging in stagings {
         let scan = pairs.scan(&staging);
         let mut look = |detector_idx: usize| {
-            let detector: &mut dyn Detector = detectors[detector_idx].as_mut();
+            let detector: &mut dyn RunningDetector = detectors[detector_idx].as_mut();
             let mut output = DetectorOutput::default();
-            detector.detect(&scan.cloud, &mut output);
+            detector.detect(&scan, 0.0, &mut output)?;
             let outcomes = judge_pairs(&scan, &output.detections, &[[0, 1]], &entrants[0].config.matching);
-            (outcomes[0], plan(entrants[0], &scan, detector.name(), &output))
+            Ok::<_, DetectorFailure>((outcomes[0], plan(entrants[0], &scan, detector.name(), &output)))
         };
-        let ((joined, of_joining), (separated, of_separating)) = (look(0), look(1));
+        let ((joined, of_joining), (separated, of_separating)) = (look(0)?, look(1)?);
         // One object for both and one for each, without fragments: they would hide the point.
         let is_plain = of_joining.groups.len() == 1 && of_separating.groups.len() == 2;
         if (joined, separated) == (PairOutcome::Joined, PairOutcome::Separated) && is_plain {
             let gap_m = f64::from(staging.gap_dm) / 10.0;
-            return Some(GapPicture { pair: kind.name(), gap_m, plans: [of_joining, of_separating] });
+            let plans = [of_joining, of_separating];
+            return Ok(Some(GapPicture { pair: kind.name(), gap_m, plans }));
         }
     }
-    None
+    Ok(None)
 }
 
 /// The detections that hold points of the first pair of `scan`.

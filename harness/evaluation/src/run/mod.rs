@@ -1,7 +1,15 @@
 //! Detectors side by side over the scans of a data set, or one on a single scan.
 
+pub mod kept_names;
+pub mod foreign_detector;
 pub mod config;
 pub mod detector_list;
+pub mod cpu_time;
+pub mod running_detector;
+pub mod points_in_boxes;
+pub mod found_objects;
+#[cfg(target_os = "linux")]
+pub mod process_detector;
 pub mod entrant;
 pub mod single_scan;
 pub mod grid_write;

@@ -96,9 +96,12 @@ fn scan_row(
         task: assignment.task,
         outcome: ScanOutcome::Evaluated(ScanNumbers {
             n_points: scan.cloud.len() as u64,
-            latency_ms: Some(ms(result.times.first)),
-            least_latency_ms: Some(ms(result.times.least)),
+            failure: result.failure.as_ref().map(|it| it.problem.to_string()),
+            latency_ms: result.times.first.map(ms),
+            least_latency_ms: result.times.least.map(ms),
             reference_ms: result.times.reference.map(ms),
+            cpu_ms: result.times.cpu.map(ms),
+            door_ms: result.times.door.map(ms),
             counts: counts.scored(FalseDetections::of(&dataset.annotated, assignment.task)),
             n_ignored_annotations: counts.n_ignored_annotations,
             n_ignored_detections: counts.n_ignored_detections,
@@ -298,11 +301,8 @@ mod tests {
         let result = DetectorScan {
             detector: "drawn",
             output,
-            times: DetectionTimes {
-                first: Duration::from_millis(1),
-                least: Duration::from_millis(1),
-                reference: None,
-            },
+            times: DetectionTimes::default(),
+            failure: None,
             assignments: vec![assignment],
         };
         let mut rows = DetectorRows::new(&dataset(), Criterion::POINTS, (scan, 0.0), &result);

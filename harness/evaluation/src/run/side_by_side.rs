@@ -2,17 +2,20 @@
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use detector::{Detector, DetectorOutput};
+use detector::DetectorOutput;
 use rayon::prelude::*;
 use reports::vocabulary::task::Task;
 use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetError};
 
 use crate::matching::assign::{MatchingParams, assign};
 use crate::matching::outcome::Assignment;
+use crate::process::problem::DetectorFailure;
 use crate::run::grid_write::GridWrite;
+use crate::run::running_detector::{RunningDetector, Taken};
 
 /// What is run, and how.
 pub struct SideBySide<'a> {
@@ -28,8 +31,20 @@ pub struct SideBySide<'a> {
     pub n_repeats: NonZeroUsize,
     /// Scans that are read (or simulated) at once, each on a thread of its own. Nothing is read while a detector runs.
     pub n_jobs: usize,
+    /// What becomes of the run where a detector fails.
+    pub on_failure: OnDetectorFailure,
     /// Ends the run at the next scan once it is set.
     pub interrupted: &'a AtomicBool,
+}
+
+/// What becomes of a run where a detector gives no answer.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum OnDetectorFailure {
+    /// It ends.
+    #[default]
+    Stop,
+    /// The detector has found nothing in the scan, and the run goes on unless it cannot be asked any more.
+    Skip,
 }
 
 /// What one detector made of one scan.
@@ -41,17 +56,24 @@ pub struct DetectorScan {
     pub output: DetectorOutput,
     /// Times of the whole detection on a monotonic clock: no reading, matching or logging.
     pub times: DetectionTimes,
+    /// Why it found nothing, if it gave no answer.
+    pub failure: Option<DetectorFailure>,
     /// What became of annotations and detections, one entry for each of [`Task::ALL`].
     pub assignments: Vec<Assignment>,
 }
 
 /// How long a detector took for a scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DetectionTimes {
-    /// The first repetition: what a detection takes that sees the scan for the first time.
-    pub first: Duration,
+    /// The first repetition: what a detection takes that sees the scan for the first time. `None` of a detector that failed, or
+    /// whose detections were read.
+    pub first: Option<Duration>,
     /// The shortest of all repetitions.
-    pub least: Duration,
+    pub least: Option<Duration>,
+    /// Time on processors in the first repetition; `None` where the system does not tell.
+    pub cpu: Option<Duration>,
+    /// The shortest way to the detector and back; `None` of built-in ones.
+    pub door: Option<Duration>,
     /// The shortest of all repetitions of the [reference](GridWrite), in turns with the detectors; `None` if it was not timed.
     pub reference: Option<Duration>,
 }
@@ -65,7 +87,7 @@ pub struct ScanResults<'a> {
     /// What each detector made of it, in the order of `detectors`.
     pub results: &'a [DetectorScan],
     /// The detectors, which still hold the stage products of this scan.
-    pub detectors: &'a [Box<dyn Detector>],
+    pub detectors: &'a [Box<dyn RunningDetector>],
 }
 
 /// Why a run ended early.
@@ -74,6 +96,9 @@ pub enum RunError {
     /// A scan could not be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// A detector failed.
+    #[error(transparent)]
+    Detector(#[from] DetectorFailure),
     /// The user asked for it.
     #[error("interrupted after {n_done} of {n_scans} scans")]
     Interrupted {
@@ -95,7 +120,7 @@ impl SideBySide<'_> {
     /// [`RunError`] if a scan cannot be read or the run is interrupted, and whatever `on_scan` returns.
     pub fn run<E: From<RunError>>(
         &self,
-        detectors: &mut [Box<dyn Detector>],
+        detectors: &mut [Box<dyn RunningDetector>],
         on_scan: impl FnMut(ScanResults<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.run_past_damage(detectors, |_, error| Err(error), on_scan)
@@ -108,13 +133,14 @@ impl SideBySide<'_> {
     /// [`RunError`] if `on_damage` returns the error or the run is interrupted, and whatever `on_scan` returns.
     pub fn run_past_damage<E: From<RunError>>(
         &self,
-        detectors: &mut [Box<dyn Detector>],
+        detectors: &mut [Box<dyn RunningDetector>],
         mut on_damage: impl FnMut(&ScanId, DatasetError) -> Result<(), DatasetError>,
         mut on_scan: impl FnMut(ScanResults<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut is_warm = false;
         let mut reference = GridWrite::default();
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
+        let times_s = scan_times_s(self.dataset);
         for (batch_idx, batch) in self.scan_indices.chunks(self.n_jobs.max(1)).enumerate() {
             let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
             for (scan, in_batch_idx) in scans.into_iter().zip(0..) {
@@ -127,16 +153,18 @@ impl SideBySide<'_> {
                         continue;
                     }
                 };
+                let time_s = times_s[self.scan_indices[run_idx]];
                 if !is_warm {
-                    self.warm_up(detectors, &scan);
+                    self.warm_up(detectors, &scan, time_s)?;
                     is_warm = true;
                 }
                 if self.is_interrupted() {
                     let n_scans = self.scan_indices.len();
                     return Err(RunError::Interrupted { n_done: run_idx, n_scans }.into());
                 }
-                let times = self.detect_all(run_idx, &scan, (detectors, &mut outputs), &mut reference);
-                let results = self.results(&scan, (detectors, &outputs), &times);
+                let asked = (run_idx, &scan, time_s);
+                let turns = self.detect_all(asked, (detectors, &mut outputs), &mut reference)?;
+                let results = self.results(&scan, (detectors, &outputs), turns);
                 on_scan(ScanResults { run_idx, scan: &scan, results: &results, detectors })?;
             }
         }
@@ -147,25 +175,31 @@ impl SideBySide<'_> {
         self.interrupted.load(Ordering::Relaxed)
     }
 
-    fn warm_up(&self, detectors: &mut [Box<dyn Detector>], scan: &LabeledScan) {
+    fn warm_up(
+        &self,
+        detectors: &mut [Box<dyn RunningDetector>],
+        scan: &LabeledScan,
+        time_s: f64,
+    ) -> Result<(), RunError> {
         let mut thrown_away = DetectorOutput::default();
         for detector in detectors {
             for _ in (0..self.n_warmup).take_while(|_| !self.is_interrupted()) {
-                detector.detect(&scan.cloud, &mut thrown_away);
+                // What is skipped is skipped when it is asked again, for good.
+                let _skipped = self.unless_skipped(detector.detect(scan, time_s, &mut thrown_away))?;
             }
         }
+        Ok(())
     }
 
-    /// Fills the outputs of all detectors, and says how long each took.
+    /// Fills the outputs of all detectors, and says how long each took, or why it gave no answer.
     fn detect_all(
         &self,
-        run_idx: usize,
-        scan: &LabeledScan,
-        (detectors, outputs): (&mut [Box<dyn Detector>], &mut [DetectorOutput]),
+        (run_idx, scan, time_s): (usize, &LabeledScan, f64),
+        (detectors, outputs): (&mut [Box<dyn RunningDetector>], &mut [DetectorOutput]),
         reference: &mut GridWrite,
-    ) -> Vec<DetectionTimes> {
+    ) -> Result<Vec<Turns>, RunError> {
         let mut of_reference = Duration::MAX;
-        let mut times: Vec<Vec<Duration>> = vec![Vec::new(); detectors.len()];
+        let mut turns: Vec<Turns> = vec![Turns::default(); detectors.len()];
         let mut first_stage_times = Vec::new();
         // Once asked to end, what is begun is finished, but not repeated.
         for repeat in (0..self.n_repeats.get()).take_while(|it| *it == 0 || !self.is_interrupted()) {
@@ -178,9 +212,11 @@ impl SideBySide<'_> {
                     of_reference = of_reference.min(reference.time(&scan.cloud));
                     continue;
                 };
-                let started = Instant::now();
-                detectors[idx].detect(&scan.cloud, &mut outputs[idx]);
-                times[idx].push(started.elapsed());
+                // A scan that was skipped once is not asked for again.
+                if turns[idx].failure.is_none() {
+                    let taken = detectors[idx].detect(scan, time_s, &mut outputs[idx]);
+                    turns[idx].add(self.unless_skipped(taken)?);
+                }
             }
             if repeat == 0 {
                 first_stage_times = outputs.iter().map(|it| it.stage_times.clone()).collect();
@@ -189,34 +225,72 @@ impl SideBySide<'_> {
         for (output, stage_times) in outputs.iter_mut().zip(first_stage_times) {
             output.stage_times = stage_times;
         }
-        let of_detector = |of_detector: Vec<Duration>| DetectionTimes {
-            first: of_detector[0],
-            least: of_detector.into_iter().min().unwrap_or_default(),
-            reference: Some(of_reference),
-        };
-        times.into_iter().map(of_detector).collect()
+        for (turns, output) in turns.iter_mut().zip(outputs) {
+            turns.times.reference = Some(of_reference);
+            if turns.failure.is_some() {
+                output.clear();
+            }
+        }
+        Ok(turns)
+    }
+
+    /// The failure itself where the run goes on all the same.
+    fn unless_skipped(
+        &self,
+        taken: Result<Taken, DetectorFailure>,
+    ) -> Result<Result<Taken, DetectorFailure>, RunError> {
+        match taken {
+            Err(failure) if self.on_failure == OnDetectorFailure::Stop || failure.is_final => {
+                Err(failure.into())
+            }
+            taken => Ok(taken),
+        }
     }
 
     /// What became of all that was detected.
     fn results(
         &self,
         scan: &LabeledScan,
-        (detectors, outputs): (&[Box<dyn Detector>], &[DetectorOutput]),
-        times: &[DetectionTimes],
+        (detectors, outputs): (&[Box<dyn RunningDetector>], &[DetectorOutput]),
+        turns: Vec<Turns>,
     ) -> Vec<DetectorScan> {
         let annotated = &self.dataset.description().annotated;
         let judge = |output: &DetectorOutput| {
             let of_task = |&task| assign(scan, &output.detections, task, annotated, &self.matching);
             Task::ALL.iter().map(of_task).collect()
         };
-        let results = detectors.iter().zip(outputs).zip(times);
+        let results = detectors.iter().zip(outputs).zip(turns);
         results
-            .map(|((detector, output), times)| DetectorScan {
+            .map(|((detector, output), turns)| DetectorScan {
                 detector: detector.name(),
                 output: output.clone(),
-                times: *times,
+                times: turns.times,
+                failure: turns.failure,
                 assignments: judge(output),
             })
             .collect()
+    }
+}
+
+/// The repetitions of one detector on one scan.
+#[derive(Debug, Clone, Default)]
+struct Turns {
+    times: DetectionTimes,
+    failure: Option<DetectorFailure>,
+}
+
+impl Turns {
+    fn add(&mut self, taken: Result<Taken, DetectorFailure>) {
+        match taken {
+            Ok(taken) => {
+                let least = |old: Option<Duration>, new: Option<Duration>| old.into_iter().chain(new).min();
+                self.times.first = self.times.first.or(taken.wall);
+                self.times.cpu = self.times.cpu.or(taken.cpu);
+                self.times.least = least(self.times.least, taken.wall);
+                self.times.door = least(self.times.door, taken.door);
+            }
+            // Times of a detection that was repeated in vain are none of an answer.
+            Err(failure) => *self = Self { times: DetectionTimes::default(), failure: Some(failure) },
+        }
     }
 }

@@ -1,10 +1,13 @@
 //! One detector on one scan.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
-use detector::{Detections, Detector, DetectorOutput, PointCloud};
+use detector::{Detections, DetectorOutput};
 use reports::numbers::latencies::Latencies;
+use scans::annotation::LabeledScan;
+
+use super::running_detector::RunningDetector;
+use crate::process::problem::DetectorFailure;
 
 /// What a detector made of a scan.
 #[derive(Debug, Clone)]
@@ -17,37 +20,42 @@ pub struct SingleScan {
     pub stages: Vec<(&'static str, Latencies)>,
 }
 
-/// The run was ended by the user.
+/// Why a scan was not looked at as often as it should be.
 #[derive(Debug, thiserror::Error)]
-#[error("interrupted after {n_done} of {n_repeats} detections")]
-pub struct Interrupted {
-    /// Detections that were done.
-    pub n_done: usize,
-    /// Detections that were asked for.
-    pub n_repeats: usize,
+pub enum SingleScanError {
+    /// The user asked for an end.
+    #[error("interrupted after {n_done} of {n_repeats} detections")]
+    Interrupted {
+        /// Detections that were done.
+        n_done: usize,
+        /// Detections that were asked for.
+        n_repeats: usize,
+    },
+    /// The detector failed.
+    #[error(transparent)]
+    Detector(#[from] DetectorFailure),
 }
 
-/// Lets `detector` look at `cloud` again and again, at least once.
+/// Lets `detector` look at `scan` again and again, at least once.
 ///
 /// # Errors
 ///
-/// [`Interrupted`] if `interrupted` is set before the last of the `n_repeats`.
+/// [`SingleScanError`] if the detector fails, or `interrupted` is set before the last of the `n_repeats`.
 pub fn detect_repeatedly(
-    detector: &mut dyn Detector,
-    cloud: &PointCloud,
+    detector: &mut dyn RunningDetector,
+    scan: &LabeledScan,
     n_repeats: usize,
     interrupted: &AtomicBool,
-) -> Result<SingleScan, Interrupted> {
+) -> Result<SingleScan, SingleScanError> {
     let mut output = DetectorOutput::default();
     let mut whole = Vec::new();
     let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
     for n_done in 0..n_repeats.max(1) {
         if interrupted.load(Ordering::Relaxed) {
-            return Err(Interrupted { n_done, n_repeats });
+            return Err(SingleScanError::Interrupted { n_done, n_repeats });
         }
-        let started = Instant::now();
-        detector.detect(cloud, &mut output);
-        whole.push(1e3 * started.elapsed().as_secs_f64());
+        let taken = detector.detect(scan, 0.0, &mut output)?;
+        whole.extend(taken.wall.map(|it| 1e3 * it.as_secs_f64()));
         for time in &output.stage_times {
             let time_ms = 1e3 * time.duration.as_secs_f64();
             match stages.iter_mut().find(|(stage, _)| *stage == time.stage) {

@@ -1,11 +1,11 @@
 //! What watches a run, scan by scan.
 
-use detector::Detector;
 use scans::annotation::ScanId;
 use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 
 use super::rows::DetectorRows;
+use super::running_detector::RunningDetector;
 use super::side_by_side::{RunError, ScanResults, SideBySide};
 use crate::matching::criterion::Criterion;
 
@@ -116,7 +116,7 @@ impl<'a> JudgedScan<'a> {
 /// As [`SideBySide::run_past_damage`], and whatever a sink returns.
 pub fn run_watched<E: From<RunError>>(
     side_by_side: &SideBySide<'_>,
-    detectors: &mut [Box<dyn Detector>],
+    detectors: &mut [Box<dyn RunningDetector>],
     on_damage: impl FnMut(&ScanId, DatasetError) -> Result<(), DatasetError>,
     sinks: &mut Sinks<'_, E>,
 ) -> Result<Judged, E> {
@@ -169,6 +169,7 @@ mod tests {
     use crate::run::config::RunConfig;
     use crate::run::detector_list::detectors_named;
     use crate::run::entrant::Entrant;
+    use crate::run::side_by_side::OnDetectorFailure;
     use reports::numbers::tally::Tally;
     use reports::vocabulary::task::Task;
     use simulator::catalogue::built_in_catalogue;
@@ -211,9 +212,10 @@ mod tests {
         };
         let street = open_dataset("street-narrow", &options, &built_in_catalogue().unwrap()).unwrap();
         let config = RunConfig::load(None).unwrap();
-        let listed = detectors_named(&["simple-grid".to_owned(), "hierarchical".to_owned()]).unwrap();
-        let entrants = listed.iter().map(|it| Entrant::of(*it, &config));
-        let mut detectors: Vec<_> = entrants.map(|it| it.build(street.description())).collect();
+        let names = ["simple-grid".to_owned(), "hierarchical".to_owned()];
+        let chosen = detectors_named(&names, &config).unwrap();
+        let entrants = chosen.into_iter().map(|it| Entrant::of(it, &config));
+        let mut detectors: Vec<_> = entrants.map(|it| it.begin(street.description())).collect();
         let side_by_side = SideBySide {
             dataset: &*street,
             scan_indices: &[3, 0, 2],
@@ -225,6 +227,7 @@ mod tests {
             n_repeats: NonZeroUsize::MIN,
             // Scans that are read at once are still told of in order.
             n_jobs: 2,
+            on_failure: OnDetectorFailure::Stop,
             interrupted: &AtomicBool::new(false),
         };
         let (mut first, mut second, mut tally) = (Vec::new(), Vec::new(), Tally::default());

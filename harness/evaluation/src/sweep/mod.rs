@@ -2,6 +2,7 @@
 
 pub mod swept_values;
 pub mod sweep_plan;
+pub mod programs;
 pub mod scan_at_point;
 pub mod timed_scan;
 pub mod journal;

@@ -4,9 +4,12 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetError};
 
+use crate::process::problem::DetectorFailure;
 use crate::sweep::journal::{Journal, JournalEntry, JournalError};
+use crate::sweep::programs::Programs;
 use crate::sweep::scan_at_point::{ScanAtPoint, look_at_points};
 use crate::sweep::sweep_plan::SweepPlan;
 
@@ -40,6 +43,9 @@ pub enum SweepError {
     /// A scan could not be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// A detector failed.
+    #[error(transparent)]
+    Detector(#[from] DetectorFailure),
     /// A result could not be kept.
     #[error(transparent)]
     Journal(#[from] JournalError),
@@ -78,7 +84,12 @@ impl SweepPass<'_> {
         let n_left = AtomicUsize::new(missing.iter().map(|it| it.point_idxs.len()).sum());
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_jobs).build();
         let pool = pool.map_err(|source| SweepError::Threads { n_jobs, source })?;
-        let look = |missing: &MissingScan| self.look(missing, &n_left);
+        let programs = Programs::default();
+        let times_s: Vec<Vec<f64>> = self.datasets.iter().map(|it| scan_times_s(it.dataset)).collect();
+        let look = |missing: &MissingScan| {
+            let scan_idx = self.datasets[missing.dataset_idx].scan_indices[missing.scan_idx];
+            self.look(missing, times_s[missing.dataset_idx][scan_idx], &programs, &n_left)
+        };
         let added: Vec<Result<Vec<ScanAtPoint>, SweepError>> =
             pool.install(|| missing.par_iter().with_max_len(1).map(look).collect());
         let mut all = results;
@@ -107,20 +118,34 @@ impl SweepPass<'_> {
         missing.filter(|it| !it.point_idxs.is_empty()).collect()
     }
 
-    fn look(&self, missing: &MissingScan, n_left: &AtomicUsize) -> Result<Vec<ScanAtPoint>, SweepError> {
+    fn look(
+        &self,
+        missing: &MissingScan,
+        time_s: f64,
+        programs: &Programs,
+        n_left: &AtomicUsize,
+    ) -> Result<Vec<ScanAtPoint>, SweepError> {
         let &MissingScan { dataset_idx, scan_idx, ref point_idxs } = missing;
         let SweptDataset { dataset, scan_indices } = self.datasets[dataset_idx];
         self.check_interrupted(n_left)?;
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
         let mut results = Vec::new();
-        look_at_points(self.plan, dataset.description(), &scan, point_idxs, |point_idx, detectors| {
-            let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors };
-            self.journal.add(&JournalEntry::Quality(result.clone()))?;
-            results.push(result);
-            n_left.fetch_sub(1, Ordering::Relaxed);
-            (self.on_done)();
-            self.check_interrupted(n_left)
-        })?;
+        let scan = (&scan, time_s);
+        look_at_points(
+            self.plan,
+            dataset.description(),
+            scan,
+            point_idxs,
+            programs,
+            |point_idx, detectors| {
+                let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors };
+                self.journal.add(&JournalEntry::Quality(result.clone()))?;
+                results.push(result);
+                n_left.fetch_sub(1, Ordering::Relaxed);
+                (self.on_done)();
+                self.check_interrupted(n_left)
+            },
+        )?;
         Ok(results)
     }
 

@@ -10,8 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::matching::assign::assign;
 use crate::metrics::counts::Counts;
+use crate::process::problem::DetectorFailure;
 use crate::run::config::RunConfig;
-use crate::run::detector_list::ListedDetector;
+use crate::run::detector_list::ChosenDetector;
+use crate::run::entrant::Entrant;
+use crate::sweep::programs::Programs;
 use crate::sweep::sweep_plan::SweepPlan;
 
 /// One scan at one point.
@@ -39,16 +42,18 @@ pub struct DetectorAtPoint {
 }
 
 /// Lets all detectors look at `scan` with the parameters of the points `point_idxs`; `on_point` is given what they made of it
-/// at one point after the other, until it returns an error.
+/// at one point after the other, until it returns an error. Detectors that are programs are those of `programs`, started where
+/// there is none.
 ///
 /// # Errors
 ///
-/// What `on_point` returns.
-pub fn look_at_points<E>(
+/// What `on_point` returns, or [`DetectorFailure`] of a detector that gives no answer.
+pub fn look_at_points<E: From<DetectorFailure>>(
     plan: &SweepPlan,
     dataset: &DatasetDescription,
-    scan: &LabeledScan,
+    (scan, time_s): (&LabeledScan, f64),
     point_idxs: &[usize],
+    programs: &Programs,
     mut on_point: impl FnMut(usize, Vec<DetectorAtPoint>) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut output = DetectorOutput::default();
@@ -56,13 +61,16 @@ pub fn look_at_points<E>(
     for &point_idx in point_idxs {
         let config = of_sensor(&plan.points[point_idx].config, dataset);
         let mut looked = Vec::new();
-        for listed in &plan.detectors {
-            listed.build(&config, dataset.sensor_height_m).detect(&scan.cloud, &mut output);
+        for chosen in &plan.detectors {
+            let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
+            let mut detector = entrant.begin_with(dataset, programs.take(dataset, entrant.name))?;
+            detector.detect(scan, time_s, &mut output)?;
+            programs.put_back(dataset, entrant.name, detector);
             let counts = Task::ALL.iter().map(|&task| {
                 Counts::of(&assign(scan, &output.detections, task, &dataset.annotated, &config.matching))
             });
             let counts = counts.collect();
-            let cells = grid_of(listed, &config).map(|grid| cells.tally(scan, &grid, &config));
+            let cells = grid_of(chosen, &config).map(|grid| cells.tally(scan, &grid, &config));
             looked.push(DetectorAtPoint { counts, cells });
         }
         on_point(point_idx, looked)?;
@@ -76,8 +84,8 @@ pub fn of_sensor(config: &RunConfig, dataset: &DatasetDescription) -> RunConfig 
 }
 
 /// The grid that a detector starts from; `None` if the cells of its clusters are no parameter of it.
-fn grid_of(listed: &ListedDetector, config: &RunConfig) -> Option<GridParams> {
-    match listed.table {
+fn grid_of(chosen: &ChosenDetector, config: &RunConfig) -> Option<GridParams> {
+    match chosen.table().as_str() {
         "hierarchical" => Some(GridParams { xi: 1, ..config.hierarchical.grid.clone() }),
         "pca" => {
             let grid = &config.baselines.pca.grid;

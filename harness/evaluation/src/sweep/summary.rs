@@ -127,7 +127,7 @@ impl SweepResults<'_> {
             extent: group.extent.clone(),
             origin: group.origin,
             sensor: group.sensor.clone(),
-            detector: self.plan.detectors[detector_idx].name.to_owned(),
+            detector: self.plan.detectors[detector_idx].name().to_owned(),
             point_idx,
             values: self.plan.points[point_idx].values.clone(),
         }

@@ -6,7 +6,7 @@ use toml::Value;
 
 use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig};
-use crate::run::detector_list::ListedDetector;
+use crate::run::detector_list::ChosenDetector;
 use crate::sweep::swept_values::{SweepOption, SweptValues, TiedValue};
 
 /// Most points of a sweep; more are a slip of the keyboard.
@@ -16,7 +16,7 @@ const MOST_POINTS: usize = 100_000;
 #[derive(Debug, Clone)]
 pub struct SweepPlan {
     /// The detectors, in the order of the tables.
-    pub detectors: Vec<ListedDetector>,
+    pub detectors: Vec<ChosenDetector>,
     /// The swept parameters by their full names, each with its values; the first is the axis of plots.
     pub swept: Vec<SweptValues>,
     /// Full names of the parameters that go with a swept one.
@@ -94,11 +94,12 @@ impl SweepPlan {
     /// run.
     pub fn new(
         config: &RunConfig,
-        detectors: Vec<ListedDetector>,
+        detectors: Vec<ChosenDetector>,
         options: &[SweepOption],
         lists: &[SweptValues],
     ) -> Result<Self, SweepPlanError> {
-        let own: Vec<&str> = detectors.iter().map(|it| it.table).collect();
+        let tables: Vec<String> = detectors.iter().map(ChosenDetector::table).collect();
+        let own: Vec<&str> = tables.iter().map(String::as_str).collect();
         let swept_by_options = options.iter().filter_map(|it| match it {
             SweepOption::Swept(swept) => Some(swept),
             _ => None,
@@ -230,7 +231,7 @@ mod tests {
 
     fn plan(options: &[&str], lists: &[&str]) -> Result<SweepPlan, SweepPlanError> {
         let config = RunConfig::load(None).unwrap();
-        let detectors = detectors_named(&["hierarchical".to_owned()]).unwrap();
+        let detectors = detectors_named(&["hierarchical".to_owned()], &config).unwrap();
         let options: Vec<SweepOption> = options.iter().map(|it| it.parse().unwrap()).collect();
         let lists: Vec<SweptValues> = lists.iter().map(|it| it.parse::<ListOption>().unwrap().0).collect();
         SweepPlan::new(&config, detectors, &options, &lists)

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use detector::DetectorOutput;
 
+use crate::run::entrant::Entrant;
 use crate::sweep::journal::JournalEntry;
+use crate::sweep::programs::Programs;
 use crate::sweep::quality_pass::{SweepError, SweepPass};
-use crate::sweep::scan_at_point::of_sensor;
 use crate::sweep::timed_scan::TimedScan;
 
 /// Detections of a scan at a point that are timed, after one that is not.
@@ -26,9 +27,10 @@ impl SweepPass<'_> {
         let scans = self.timed_scans(n_scans);
         let done: BTreeSet<_> = results.iter().map(|it| (it.dataset_idx, it.scan_idx)).collect();
         let mut all = results;
+        let programs = Programs::default();
         for (place, &(dataset_idx, scan_idx)) in scans.iter().enumerate() {
             if !done.contains(&(dataset_idx, scan_idx)) {
-                let timed = self.time_scan(dataset_idx, scan_idx, place)?;
+                let timed = self.time_scan((dataset_idx, scan_idx), place, &programs)?;
                 self.journal.add(&JournalEntry::Times(timed.clone()))?;
                 all.push(timed);
             }
@@ -47,7 +49,12 @@ impl SweepPass<'_> {
         self.datasets.iter().map(|it| it.scan_indices.len()).enumerate().flat_map(of_dataset).collect()
     }
 
-    fn time_scan(&self, dataset_idx: usize, scan_idx: usize, place: usize) -> Result<TimedScan, SweepError> {
+    fn time_scan(
+        &self,
+        (dataset_idx, scan_idx): (usize, usize),
+        place: usize,
+        programs: &Programs,
+    ) -> Result<TimedScan, SweepError> {
         let swept = &self.datasets[dataset_idx];
         let description = swept.dataset.description();
         let scan = swept.dataset.read_scan(swept.scan_indices[scan_idx])?;
@@ -56,20 +63,23 @@ impl SweepPass<'_> {
         let mut output = DetectorOutput::default();
         for step in 0..n_points {
             let point_idx = if place.is_multiple_of(2) { step } else { n_points - 1 - step };
-            let config = of_sensor(&self.plan.points[point_idx].config, description);
-            for listed in &self.plan.detectors {
+            for chosen in &self.plan.detectors {
                 if self.interrupted.load(Ordering::Relaxed) {
                     // The whole scan is timed again, so that its points are timed side by side.
                     return Err(SweepError::InterruptedWhileTimed);
                 }
-                let mut detector = listed.build(&config, description.sensor_height_m);
-                detector.detect(&scan.cloud, &mut output);
+                let entrant = Entrant::of(chosen.clone(), &self.plan.points[point_idx].config);
+                let program = programs.take(description, entrant.name);
+                let mut detector = entrant.begin_with(description, program)?;
+                detector.detect(&scan, 0.0, &mut output)?;
                 let mut detect = |_| {
-                    let started = Instant::now();
-                    detector.detect(&scan.cloud, &mut output);
-                    nanoseconds(started.elapsed())
+                    let taken = detector.detect(&scan, 0.0, &mut output)?;
+                    Ok(nanoseconds(taken.wall.unwrap_or_default()))
                 };
-                times_ns[point_idx].push((0..DETECTIONS_PER_SCAN).map(&mut detect).collect());
+                let of_point =
+                    (0..DETECTIONS_PER_SCAN).map(&mut detect).collect::<Result<_, SweepError>>()?;
+                times_ns[point_idx].push(of_point);
+                programs.put_back(description, entrant.name, detector);
                 (self.on_done)();
             }
         }

@@ -85,6 +85,12 @@ def _send(pipe: Pipe, fields: dict[str, Any], payload: list[bytes]) -> None:
         pipe.write({"message": "error", "text": last_line(error)})
 
 
+def _mapped(path: str) -> mmap.mmap | None:
+    with open(path, "rb") as file:
+        size = os.fstat(file.fileno()).st_size
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if size else None
+
+
 class Session:
     """What outlives a message."""
 
@@ -121,9 +127,11 @@ class Session:
         return {**answer, "version": self.detector.version} if self.detector.version else answer
 
     def _configure(self, message: dict[str, Any]) -> dict[str, Any]:
-        with open(message["shared_memory"], "rb") as file:
-            size = os.fstat(file.fileno()).st_size
-            memory = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if size else None
+        # Nothing that was configured before counts: if anything fails now, nothing is configured.
+        detect, last = self.detect, self.configuration
+        self.detect = self.configuration = None
+        # The old map goes when the last array of it does.
+        self.memory = _mapped(message["shared_memory"])
         configuration = Configuration(
             dataset=message["dataset"],
             sensor=message.get("sensor"),
@@ -131,12 +139,12 @@ class Session:
             threads=message.get("threads", 1),
             parameters=message.get("parameters", {}),
         )
-        # A second time for larger memory alone: the detector keeps its state.
-        if self.detect is None or configuration != self.configuration:
-            self.detect = self.detector.configured(configuration)
-            self.configuration = configuration
-        # The old map goes when the last array of it does.
-        self.memory = memory
+        if detect is None or configuration != last:
+            # What the last one holds, a model say, is free before the next one is made.
+            detect = None
+            detect = self.detector.configured(configuration)
+        # Else it is for larger memory alone: the detector keeps its state.
+        self.detect, self.configuration = detect, configuration
         return {"message": "configured"}
 
     def _scan(self, message: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:

@@ -15,21 +15,33 @@ from typing import Any
 
 from scanbench.detector import Detector
 
-NAME = re.compile(r"[A-Za-z0-9_-]+")
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,39}")
 
 
 def section(detector: Detector, scratch: Path, time_limit_s: float | None, threads: int | None) -> str:
     """The section of `detector`; what cannot be imported by its name is pickled into `scratch`."""
     if not NAME.fullmatch(detector.name):
-        raise ValueError(f"{detector.name!r} is no name for a detector: letters, digits, - and _ alone")
+        raise ValueError(f"{detector.name!r} is no name for a detector: letters, digits, - and _, at most 40")
     lines = [f"[detector.{detector.name}]", f"command = {toml(command(detector, scratch))}"]
-    if detector.overrides:
-        lines.append(f"parameters = {toml(detector.overrides)}")
+    # All of them: the program knows those that are written.
+    if parameters := {name: value for name, value in detector.parameters.items() if _is_written(detector, name, value)}:
+        lines.append(f"parameters = {toml(parameters)}")
     if time_limit_s is not None:
         lines.append(f"time_limit_s = {toml(time_limit_s)}")
     if threads is not None:
         lines.append(f"threads = {toml(threads)}")
     return "\n".join(lines) + "\n"
+
+
+def _is_written(detector: Detector, name: str, value: Any) -> bool:
+    try:
+        toml(value)
+    except TypeError:
+        # A default that only Python can say stays what it is.
+        if name in detector.overrides:
+            raise
+        return False
+    return True
 
 
 def command(detector: Detector, scratch: Path) -> list[str]:

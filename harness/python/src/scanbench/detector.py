@@ -91,6 +91,11 @@ class Detector:
         return {name: _typed(name, value, self.signature.types.get(name)) for name, value in parameters.items()}
 
     @property
+    def parameters(self) -> dict[str, Any]:
+        """All values: the defaults of the signature, and what `using` has set."""
+        return self.check({**self.signature.defaults, **self.overrides})
+
+    @property
     def signature(self) -> Signature:
         """What the function or class takes."""
         return Signature.of(self.target)
@@ -107,6 +112,8 @@ class Signature:
     """Whether the scan is wanted as a `Cloud`, not as n × 4 numbers."""
     parameters: tuple[str, ...]
     """Names of what can be set."""
+    defaults: Mapping[str, Any]
+    """Values of those that need not be set."""
     types: Mapping[str, Any]
     """Their annotations."""
     configuration: tuple[str, ...]
@@ -125,10 +132,9 @@ class Signature:
             raise TypeError(f"{target.__name__} takes no scan: its first argument has to be the points")
         scan_type = (types.get("", types) if inspect.isclass(target) else types).get(scan_of[0].name)
         wants = [argument.name for argument in named if _is(types.get(argument.name), Configuration)]
-        settable = [
-            a.name for a in named if a.kind in (a.POSITIONAL_OR_KEYWORD, a.KEYWORD_ONLY) and a.name not in wants
-        ]
-        return Signature(_is(scan_type, Cloud), tuple(settable), types, tuple(wants))
+        settable = [a for a in named if a.kind in (a.POSITIONAL_OR_KEYWORD, a.KEYWORD_ONLY) and a.name not in wants]
+        defaults = {a.name: a.default for a in settable if a.default is not a.empty}
+        return Signature(_is(scan_type, Cloud), tuple(a.name for a in settable), defaults, types, tuple(wants))
 
 
 def _arguments(target: Callable[..., Any]) -> list[inspect.Parameter]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 # Text in every run, whatever is in their cells: drives may be called 0000, and reasons may all be empty.
 TEXT = frozenset(
     "dataset sequence detector task status reason source origin blocks criterion kind outcome slice metric unit "
-    "annotation_class annotation_occlusion detection_class".split()
+    "annotation_class annotation_occlusion detection_class stage few_blocks".split()
 )
 
 Backend = Literal["pandas", "polars", "numpy"]

@@ -94,7 +94,8 @@ def run(
 ) -> Run:
     """Judges `detectors` on data sets (ids or paths), and returns the run.
 
-    A detector is a function, or the name of one that scanbench has or `config` (a scanbench.toml) names. `parameters` are those of
+    A detector is a function, or the name of one that scanbench has or `config` names: a scanbench.toml, that of the working directory or
+    the nearest folder above if it is left out. `parameters` are those of
     detectors and matching (`-P`); `time_limit_s` and `threads` are for each function. Any other option of `scanbench run` is given by its name:
     `scans="0..100:5"`, `simulated_scans=20`, `criterion="centre"`, `skip_damaged=True`, `on_detector_failure="skip"`. Raises
     ScanbenchError, with `exit_code`, if the program fails.
@@ -134,6 +135,7 @@ def _configuration(
     if not detectors:
         yield config
         return
+    config = config or _found_configuration()
     with tempfile.TemporaryDirectory(prefix="scanbench-") as scratch:
         sections = [section(detector, Path(scratch), time_limit_s, threads) for detector in detectors]
         if config is None:
@@ -147,6 +149,12 @@ def _configuration(
             yield written
         finally:
             written.unlink(missing_ok=True)
+
+
+def _found_configuration() -> Path | None:
+    """The scanbench.toml that the program finds by itself: in the working directory, or the nearest folder above."""
+    folder = Path.cwd()
+    return next((path for it in [folder, *folder.parents] if (path := it / "scanbench.toml").is_file()), None)
 
 
 def _option(name: str, value: Any) -> list[str]:

@@ -4,7 +4,11 @@ use evaluation::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 
 pub(super) fn detectors_help() -> String {
     let names: Vec<&str> = DETECTORS.iter().map(|it| it.name).collect();
-    format!("Detectors, separated by commas: {} [default: {}]", names.join(", "), DEFAULT_DETECTORS.join(","))
+    format!(
+        "Detectors, separated by commas: {}, or of scanbench.toml [default: {}]",
+        names.join(", "),
+        DEFAULT_DETECTORS.join(",")
+    )
 }
 
 pub(super) fn detector_names() -> Vec<&'static str> {

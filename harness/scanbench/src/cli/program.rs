@@ -11,10 +11,12 @@ use super::fit_density::FitDensityArgs;
 use super::gaps::GapsArgs;
 use super::gate::{BaselineCommand, GateArgs};
 use super::help_text::{GENERAL, with_details};
+use super::init::InitArgs;
 use super::report::ReportArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
 use super::selftest::SelftestArgs;
+use super::serve::ServeArgs;
 use super::sweep::SweepArgs;
 use super::train::TrainArgs;
 use super::view::ViewArgs;
@@ -63,6 +65,7 @@ Exit codes:
   3    data missing or damaged
   4    nothing was evaluated
   5    the runs cannot be compared
+  6    a detector of scanbench.toml failed
   100  regression
   101  no regression, but results changed
   130  interrupted; 143 if by SIGTERM";
@@ -107,6 +110,17 @@ pub enum Command {
     Gaps(GapsArgs),
     /// Measure the errors of two ways to fit boxes
     Boxes(BoxesArgs),
+    /// Let a program that speaks the protocol for detectors ask one of ours
+    Serve(ServeArgs),
+    /// Start a detector and leave nothing of it behind.
+    #[command(hide = true)]
+    Supervise {
+        /// The program and its arguments.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
+        command: Vec<String>,
+    },
+    /// Write a folder to begin with: a detector in Python, scans with labels, a gate
+    Init(InitArgs),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  scanbench completions bash > ~/.local/share/bash-completion/completions/scanbench"

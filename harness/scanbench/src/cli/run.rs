@@ -2,8 +2,9 @@
 
 use std::num::NonZeroUsize;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use evaluation::run::detector_list::DEFAULT_DETECTORS;
+use evaluation::run::side_by_side::OnDetectorFailure;
 
 use super::detectors::detectors_help;
 use super::help_text::{DETECTORS, OUTPUT, with_details};
@@ -33,12 +34,16 @@ pub struct RunArgs {
     /// What runs beside what.
     #[command(flatten)]
     pub timing: TimingArgs,
-    /// Detections of each scan; `gate` needs 5 to compare times
+    /// Detections of each scan; `gate` needs 5
     ///
-    /// Detectors take turns, and so does the reference that `gate` measures times by. `gate` compares the shortest times;
+    /// Detectors take turns, and so does the reference that `gate` measures times by. It compares the shortest times;
     /// everything else uses the first.
     #[arg(long, value_name = "N", default_value = "1", value_parser = repeats, help_heading = DETECTORS)]
     pub repeats: NonZeroUsize,
+    /// If a detector of scanbench.toml gives no answer
+    #[arg(long, value_enum, value_name = "RULE", default_value = "stop", help_heading = DETECTORS)]
+    #[arg(hide_short_help = true)]
+    pub on_detector_failure: FailureRule,
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
@@ -53,6 +58,25 @@ pub struct RunArgs {
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,
+}
+
+/// What becomes of a run where a detector gives no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FailureRule {
+    /// End the run with exit code 6
+    Stop,
+    /// Count the scan as if the detector had found nothing, and go on
+    Skip,
+}
+
+impl FailureRule {
+    /// The rule.
+    pub fn rule(self) -> OnDetectorFailure {
+        match self {
+            Self::Stop => OnDetectorFailure::Stop,
+            Self::Skip => OnDetectorFailure::Skip,
+        }
+    }
 }
 
 /// Number of repetitions.

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use evaluation::run::ablation::{TASK, variants};
-use evaluation::run::detector_list::detectors_named;
+use evaluation::run::side_by_side::OnDetectorFailure;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::tally::Tally;
@@ -17,7 +17,7 @@ use reports::tables::studies::ablation_table::AblationTable;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::AblationArgs;
-use crate::commands::config::judging_config;
+use crate::commands::config::{built_in_detectors, choose_criterion};
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{ids_of, open_datasets};
@@ -44,8 +44,8 @@ const ABLATION_MD: &str = "ablation.md";
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
-    let listed = detectors_named(&[METHOD.to_owned()])?;
-    let config = judging_config(&arguments.config, &arguments.matching, &listed)?;
+    let (listed, mut config) = built_in_detectors(&arguments.config, &[METHOD.to_owned()])?;
+    choose_criterion(&mut config, &arguments.matching);
     let variants = variants(listed[0], &config)?;
     let datasets = open_datasets(&arguments.data, &config.classes)?;
     let unnamed = format!("{}-ablation-{}", compact_utc(started), ids_of(&datasets));
@@ -60,6 +60,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
         n_warmup: arguments.timing.warmup,
         n_repeats: NonZeroUsize::MIN,
         n_jobs: arguments.timing.n_jobs(),
+        on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
     };

@@ -7,7 +7,8 @@ use evaluation::metrics::box_errors::BoxErrors;
 use evaluation::object_box::ObjectBox;
 use evaluation::run::box_study::{BoxPair, box_error_lines, box_pairs};
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::{ListedDetector, detectors_named};
+use evaluation::run::detector_list::ListedDetector;
+use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::box_errors::BoxErrorLine;
@@ -21,14 +22,14 @@ use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, Matched
 use reports::tables::studies::box_table::BoxTable;
 
 use crate::cli::BoxesArgs;
-use crate::commands::config::{judging_config, warn_of_unknown_sensor};
+use crate::commands::config::{built_in_detectors, choose_criterion, warn_of_unknown_sensor};
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
-use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest};
+use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// What has to be said of the numbers.
@@ -48,8 +49,8 @@ const NOTES: [&str; 2] = [
 pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
-    let detectors = detectors_named(&["hierarchical".to_owned()])?;
-    let mut config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+    let (detectors, mut config) = built_in_detectors(&arguments.config, &["hierarchical".to_owned()])?;
+    choose_criterion(&mut config, &arguments.matching);
     // What clusters are taken for does not matter.
     config.vehicle_models = None;
     let opened = open_datasets(&arguments.data, &config.classes)?;
@@ -66,7 +67,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
         n_warmup: 0,
         n_repeats: NonZeroUsize::MIN,
         config: &config,
-        detectors: detector_entries(&detectors, &config),
+        detectors: vec![detector_entry(&Entrant::of(detectors[0], &config))],
         datasets: &opened,
         started,
     });

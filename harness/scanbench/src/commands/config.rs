@@ -1,38 +1,52 @@
-//! From the command line to parameters.
+//! From the command line to detectors and parameters.
+
+use std::path::PathBuf;
 
 use detector::params::PAPER_SENSOR;
 use evaluation::matching::criterion::Criterion;
-use evaluation::run::config::{ConfigError, RunConfig};
-use evaluation::run::detector_list::ListedDetector;
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::{ChosenDetector, ListedDetector, built_in_named, detectors_named};
 
 use crate::cli::{ConfigArgs, CriterionName, MatchingArgs};
-use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::failure::Failure;
+use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
-/// The parameters that ship, overridden by the file and then by the options of `arguments`, whose short names are those of
-/// parameters of `detectors`.
+/// The file that tells of detectors and parameters, in the working directory or one above it.
+pub const CONFIGURATION_FILE: &str = "scanbench.toml";
+
+/// The detectors with these names, and the parameters that ship, overridden by the file and then by the options of `arguments`, whose
+/// short names are those of parameters of these detectors.
 ///
 /// # Errors
 ///
-/// [`ConfigError`] if an override names no parameter, or has a value that cannot be worked with.
-pub fn detector_config(
+/// If there is no such detector, an override names no parameter, or has a value that cannot be worked with.
+pub fn chosen_detectors(
     arguments: &ConfigArgs,
-    detectors: &[ListedDetector],
-) -> Result<RunConfig, ConfigError> {
-    let tables: Vec<&str> = detectors.iter().map(|it| it.table).collect();
-    RunConfig::load(arguments.config.as_deref())?.overridden(&arguments.parameters, &tables)
+    names: &[String],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
+    let config = load(arguments)?;
+    let chosen = detectors_named(names, &config)?;
+    let tables: Vec<String> = chosen.iter().map(ChosenDetector::table).collect();
+    let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
+    Ok((chosen, config.overridden(&arguments.parameters, &tables)?))
 }
 
-/// The same for commands that judge detections, where `matching` has the last word about the criterion.
+/// The same of built-in detectors alone.
 ///
 /// # Errors
 ///
-/// As [`detector_config`].
-pub fn judging_config(
+/// As [`chosen_detectors`]; also if one of them is not built in.
+pub fn built_in_detectors(
     arguments: &ConfigArgs,
-    matching: &MatchingArgs,
-    detectors: &[ListedDetector],
-) -> Result<RunConfig, ConfigError> {
-    let mut config = detector_config(arguments, detectors)?;
+    names: &[String],
+) -> Result<(Vec<ListedDetector>, RunConfig), Failure> {
+    let listed = built_in_named(names, &load(arguments)?)?;
+    let (_, config) = chosen_detectors(arguments, names)?;
+    Ok((listed, config))
+}
+
+/// Judges by the criterion of `matching`, if it names one, whatever the configuration says.
+pub fn choose_criterion(config: &mut RunConfig, matching: &MatchingArgs) {
     match matching.criterion {
         Some(CriterionName::Points) => config.choose_criterion(Criterion::POINTS),
         Some(CriterionName::BevIou) => config.choose_criterion(Criterion::BEV_IOU),
@@ -40,7 +54,20 @@ pub fn judging_config(
         Some(CriterionName::Centre) => config.choose_criterion(Criterion::CENTRE),
         None => {}
     }
-    Ok(config)
+}
+
+fn load(arguments: &ConfigArgs) -> Result<RunConfig, Failure> {
+    let found = if arguments.config.is_some() { None } else { configuration_file() };
+    if let Some(found) = &found {
+        print_detail(format_args!("Configuration: {}", found.display()));
+    }
+    Ok(RunConfig::load(arguments.config.as_deref().or(found.as_deref()))?)
+}
+
+/// The nearest file of that name in the working directory or above it.
+fn configuration_file() -> Option<PathBuf> {
+    let folder = std::env::current_dir().ok()?;
+    folder.ancestors().map(|it| it.join(CONFIGURATION_FILE)).find(|it| it.is_file())
 }
 
 /// Says so if it is not known how densely `sensor` samples the street.

@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::{DetectedClass, DetectorOutput};
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::{ListedDetector, detectors_named};
+use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::side_by_side::RunError;
 use scans::conversion::convert::sheet_of;
 use scans::conversion::proposal_writer::{Proposal, ProposalWriter};
 use scans::dataset::folder_name::folder_name;
 
 use crate::cli::PrelabelArgs;
-use crate::commands::config::{detector_config, warn_of_unknown_sensor};
+use crate::commands::config::{built_in_detectors, warn_of_unknown_sensor};
 use crate::commands::data_convert::folder_of_several;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
@@ -28,8 +28,8 @@ use crate::commands::standard_streams::print_result;
 /// behind then.
 pub fn data_prelabel(arguments: &PrelabelArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
-    let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
-    let config = detector_config(&arguments.config, &detectors)?;
+    let names = std::slice::from_ref(&arguments.detector);
+    let (detectors, config) = built_in_detectors(&arguments.config, names)?;
     let opened = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
     let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
     for it in &opened {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use detector::DetectedClass;
-use evaluation::run::detector_list::detectors_named;
+use evaluation::run::entrant::Entrant;
 use evaluation::run::rows::detection_facts;
 use evaluation::run::single_scan::{SingleScan, clusters_of_points, detect_repeatedly};
 use reports::files::csv_rows::to_csv_bytes;
@@ -14,7 +14,7 @@ use reports::rows::cluster_of_point;
 use scans::dataset::positioned_points::values_of_file;
 
 use crate::cli::DetectArgs;
-use crate::commands::config::{detector_config, warn_of_unknown_sensor};
+use crate::commands::config::{chosen_detectors, warn_of_unknown_sensor};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_scan::{OpenedScan, open_scan};
@@ -29,18 +29,21 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let destinations = Destinations::new(arguments)?;
-    let detectors = detectors_named(std::slice::from_ref(&arguments.detector))?;
-    let config = detector_config(&arguments.config, &detectors)?;
+    let names = std::slice::from_ref(&arguments.detector);
+    let (detectors, config) = chosen_detectors(&arguments.config, names)?;
     destinations.check()?;
     let mut scan =
         open_scan(&arguments.input, arguments.scan.as_deref(), &arguments.source, &config.classes)?;
-    scan.sensor_height_m = arguments.sensor_height.unwrap_or(scan.sensor_height_m);
-    warn_of_unknown_sensor(&config, &scan.sensor);
-    let config = config.for_sensor(&scan.sensor).unwrap_or(config);
-    let mut detector = detectors[0].build(&config, scan.sensor_height_m);
-    let result = detect_repeatedly(&mut *detector, &scan.cloud, arguments.repeat as usize, interrupted)?;
+    let description = &mut scan.description;
+    description.sensor_height_m = arguments.sensor_height.unwrap_or(description.sensor_height_m);
+    warn_of_unknown_sensor(&config, &description.sensor);
+    let mut detector = Entrant::of(detectors[0].clone(), &config).begin(description);
+    let result = detect_repeatedly(&mut *detector, &scan.scan, arguments.repeat as usize, interrupted)?;
+    for warning in detector.finish() {
+        print_diagnostic(format_args!("warning: {warning}"));
+    }
     write_results(&destinations.contents(&scan, &result)?)?;
-    let summary = summary(&scan, detectors[0].name, &result);
+    let summary = summary(&scan, detectors[0].name(), &result);
     if destinations.take_stdout() {
         print_diagnostic(summary.trim_end());
         Ok(())
@@ -81,7 +84,7 @@ impl Destinations {
 
     fn contents(
         &self,
-        scan: &OpenedScan,
+        OpenedScan { scan, .. }: &OpenedScan,
         result: &SingleScan,
     ) -> Result<Vec<(Destination, Vec<u8>)>, Failure> {
         let mut contents = Vec::new();
@@ -108,7 +111,8 @@ impl Destinations {
     }
 }
 
-fn summary(scan: &OpenedScan, detector: &str, result: &SingleScan) -> String {
+fn summary(opened: &OpenedScan, detector: &str, result: &SingleScan) -> String {
+    let OpenedScan { name, scan, description } = opened;
     let detections = &result.output.detections;
     let n_in_clusters: usize = detections.iter().map(|it| it.point_indices.len()).sum();
     let n_vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle).count();
@@ -117,12 +121,11 @@ fn summary(scan: &OpenedScan, detector: &str, result: &SingleScan) -> String {
         n => format!(" and {n} without a position, which are skipped"),
     };
     let mut text = format!(
-        "{}: {} points{left_out}, sensor {} m above the road\n\
+        "{name}: {} points{left_out}, sensor {} m above the road\n\
          {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} of them vehicles; {} more dropped because \
          of their size\n\n",
-        scan.name,
         scan.cloud.len(),
-        scan.sensor_height_m,
+        description.sensor_height_m,
         detections.len(),
         result.output.dropped_clusters.len(),
     );

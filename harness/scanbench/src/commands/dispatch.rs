@@ -17,10 +17,12 @@ use crate::commands::failure::Failure;
 use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::gate::{baseline_accept, gate};
+use crate::commands::init::init;
 use crate::commands::report::report;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
 use crate::commands::selftest::selftest;
+use crate::commands::serve::serve;
 use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
 use crate::commands::sweep::sweep;
 use crate::commands::train::train;
@@ -60,6 +62,9 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline_accept(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Sweep(arguments) => sweep(arguments),
+        Command::Init(arguments) => init(arguments),
+        Command::Serve(arguments) => serve(arguments),
+        Command::Supervise { .. } => unreachable!("it was begun before"),
         Command::Completions { shell } => completions(*shell),
     }
 }

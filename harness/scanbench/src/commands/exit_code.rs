@@ -30,6 +30,7 @@ fn exit_code(failure: &Failure) -> u8 {
         Failure::Data(_) => 3,
         Failure::NothingEvaluated(_) => 4,
         Failure::NotComparable(_) => 5,
+        Failure::Detector(_) => 6,
         Failure::Regression(_) => 100,
         Failure::Drift(_) => 101,
         Failure::Interrupted(_) => interruption_exit_code(),
@@ -42,7 +43,7 @@ mod tests {
 
     use evaluation::realism::survey::SurveyError;
     use evaluation::run::side_by_side::RunError;
-    use evaluation::run::single_scan;
+    use evaluation::run::single_scan::SingleScanError;
     use reports::files::archive::ArchiveError;
     use reports::run_folder::run_target::RunDirectoryError;
     use scans::dataset::DatasetError;
@@ -88,7 +89,7 @@ mod tests {
     fn interrupted_and_empty_runs_have_codes_of_their_own() {
         check(RunError::Interrupted { n_done: 1, n_scans: 2 }, 130);
         check(SurveyError::Interrupted { dataset: "street".to_owned(), n_scans: 2 }, 130);
-        check(single_scan::Interrupted { n_done: 1, n_repeats: 2 }, 130);
+        check(SingleScanError::Interrupted { n_done: 1, n_repeats: 2 }, 130);
         check(NothingEvaluated { reason: "no cars".to_owned() }, 4);
     }
 

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::{ListedDetector, detectors_named};
+use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::run_folder::manifest::Manifest;
@@ -11,7 +11,7 @@ use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
 
 use crate::cli::{ExperimentArgs, OutputArgs};
-use crate::commands::config::detector_config;
+use crate::commands::config::chosen_detectors;
 use crate::commands::failure::Failure;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::provenance::compact_utc;
@@ -24,7 +24,7 @@ pub struct Experiment {
     pub config: RunConfig,
     /// What everything is drawn from.
     pub seed: u64,
-    detectors: Vec<ListedDetector>,
+    detectors: Vec<ChosenDetector>,
     started: Timestamp,
 }
 
@@ -40,13 +40,8 @@ impl Experiment {
     pub fn begin(arguments: &ExperimentArgs, detectors: &[&str]) -> Result<Self, Failure> {
         let unnamed: Vec<String> = detectors.iter().map(|&it| it.to_owned()).collect();
         let names = if arguments.detectors.is_empty() { &unnamed } else { &arguments.detectors };
-        let detectors = detectors_named(names)?;
-        Ok(Self {
-            config: detector_config(&arguments.config, &detectors)?,
-            detectors,
-            seed: arguments.seed,
-            started: Timestamp::now(),
-        })
+        let (detectors, config) = chosen_detectors(&arguments.config, names)?;
+        Ok(Self { config, detectors, seed: arguments.seed, started: Timestamp::now() })
     }
 
     /// Begins the directory, called after the experiment `name` unless `output` says otherwise.
@@ -60,7 +55,7 @@ impl Experiment {
 
     /// Who takes part.
     pub fn entrants(&self) -> Vec<Entrant> {
-        self.detectors.iter().map(|it| Entrant::of(*it, &self.config)).collect()
+        self.detectors.iter().map(|it| Entrant::of(it.clone(), &self.config)).collect()
     }
 
     /// That of a run on `datasets`, which are drawn from the seed of `drawn`; `put_up` is what only this experiment has.

@@ -8,11 +8,12 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use evaluation::process::problem::DetectorFailure;
 use evaluation::realism::survey::SurveyError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
 use evaluation::run::side_by_side::RunError;
-use evaluation::run::single_scan;
+use evaluation::run::single_scan::SingleScanError;
 use evaluation::sweep::journal::JournalError;
 use evaluation::sweep::quality_pass::SweepError;
 use evaluation::sweep::sweep_plan::SweepPlanError;
@@ -44,6 +45,8 @@ pub enum Failure {
     NothingEvaluated(Reason),
     /// 5: two runs that cannot be compared.
     NotComparable(Reason),
+    /// 6: a detector that is not built in failed.
+    Detector(Reason),
     /// 100: surely worse than the baseline.
     Regression(Reason),
     /// 101: not surely worse than the baseline, but results changed.
@@ -117,6 +120,7 @@ impl Failure {
             | Self::Data(reason)
             | Self::NothingEvaluated(reason)
             | Self::NotComparable(reason)
+            | Self::Detector(reason)
             | Self::Regression(reason)
             | Self::Drift(reason)
             | Self::Interrupted(reason) => &**reason,
@@ -179,6 +183,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
             RunError::Dataset(error) => error.into(),
+            RunError::Detector(error) => error.into(),
             RunError::Interrupted { .. } => Self::Interrupted(error.into()),
         }
     }
@@ -193,9 +198,18 @@ impl From<SurveyError> for Failure {
     }
 }
 
-impl From<single_scan::Interrupted> for Failure {
-    fn from(error: single_scan::Interrupted) -> Self {
-        Self::Interrupted(error.into())
+impl From<SingleScanError> for Failure {
+    fn from(error: SingleScanError) -> Self {
+        match error {
+            SingleScanError::Interrupted { .. } => Self::Interrupted(error.into()),
+            SingleScanError::Detector(error) => error.into(),
+        }
+    }
+}
+
+impl From<DetectorFailure> for Failure {
+    fn from(error: DetectorFailure) -> Self {
+        Self::Detector(error.into())
     }
 }
 
@@ -203,6 +217,7 @@ impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
             SweepError::Dataset(error) => error.into(),
+            SweepError::Detector(error) => error.into(),
             SweepError::Journal(error) => error.into(),
             SweepError::Threads { .. } => Self::Internal(error.into()),
             SweepError::Interrupted { .. } | SweepError::InterruptedWhileTimed => {

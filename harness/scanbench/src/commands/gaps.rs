@@ -6,6 +6,7 @@ use evaluation::metrics::pair_separation::SEPARATED;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::gap_experiment::{GAPS_DM, PairTally, RANGES_M, StagedPairs};
 use evaluation::run::gap_picture::gap_picture;
+use evaluation::run::side_by_side::OnDetectorFailure;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::gap_curve::{GapBin, gap_curves};
 use reports::numbers::tally::Tally;
@@ -60,6 +61,7 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
         n_warmup: Experiment::N_WARMUP,
         n_repeats: NonZeroUsize::MIN,
         n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
+        on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
     };
@@ -118,7 +120,7 @@ fn write_picture(
     n_pairs: u32,
     joining_and_separating: [&Entrant; 2],
 ) -> Result<(), Failure> {
-    let Some(picture) = gap_picture(pairs, n_pairs, joining_and_separating) else {
+    let Some(picture) = gap_picture(pairs, n_pairs, joining_and_separating)? else {
         print_diagnostic(
             "No pair.svg: there is no pair that simple-grid joins and hierarchical separates without fragments.",
         );

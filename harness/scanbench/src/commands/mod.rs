@@ -21,6 +21,9 @@ pub mod ablation;
 pub mod result_file;
 pub mod detect;
 pub mod selftest;
+#[cfg(target_os = "linux")]
+pub mod serve;
+
 pub mod experiment;
 pub mod gaps;
 pub mod boxes;
@@ -45,4 +48,5 @@ pub mod report;
 pub mod worst_scans;
 pub mod view;
 pub mod gate;
+pub mod init;
 pub mod dispatch;

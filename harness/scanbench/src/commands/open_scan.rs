@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use detector::PointCloud;
-use scans::annotation::ScanId;
+use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::catalogue::KITTI_SENSOR;
 use scans::dataset::class_table::ClassTable;
 use scans::dataset::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
@@ -11,6 +10,7 @@ use scans::dataset::mcap::mcap_dataset::is_mcap;
 use scans::dataset::scan_folder::any_scan_file::read_scan_file;
 use scans::dataset::scan_folder::scan_file::{SCAN_EXTENSIONS, scan_extension};
 use scans::dataset::velodyne_capture::revolutions::is_velodyne_capture;
+use scans::dataset::{AnnotatedClasses, DatasetDescription};
 use simulator::open::open_dataset;
 
 use crate::cli::SourceArgs;
@@ -21,14 +21,10 @@ use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simula
 pub struct OpenedScan {
     /// What it is called on screens, with a word about whether it is simulated.
     pub name: String,
-    /// Its points.
-    pub cloud: PointCloud,
-    /// Places in the file of the points that are not in `cloud` since they have no position, ascending.
-    pub points_left_out: Vec<u32>,
-    /// Height of the sensor above the road, in metres, as far as the files say.
-    pub sensor_height_m: f32,
-    /// The sensor: its id, or the file that describes it.
-    pub sensor: String,
+    /// It, without annotations.
+    pub scan: LabeledScan,
+    /// The data set that it is of, or that its file would make; with the height of the sensor as far as the files say.
+    pub description: DatasetDescription,
 }
 
 /// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says about names of classes.
@@ -71,13 +67,9 @@ pub fn open_scan(
     let scan_idx = find_scan(id, dataset.scan_ids(), &description.id)?;
     let scan = dataset.read_scan(scan_idx)?;
     let simulated = if description.is_simulated() { " (simulated)" } else { "" };
-    Ok(OpenedScan {
-        name: format!("{}{simulated}, scan {}", description.id, scan.id),
-        cloud: scan.cloud,
-        points_left_out: scan.points_left_out,
-        sensor_height_m: description.sensor_height_m,
-        sensor: description.sensor.clone(),
-    })
+    let name = format!("{}{simulated}, scan {}", description.id, scan.id);
+    let scan = LabeledScan { annotations: Vec::new(), ..scan };
+    Ok(OpenedScan { name, scan, description: description.clone() })
 }
 
 fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<OpenedScan, Failure> {
@@ -87,13 +79,26 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
     }
     refuse_simulation(source)?;
     let (cloud, points_left_out) = read_scan_file(Path::new(input))?.points.into_parts();
-    Ok(OpenedScan {
-        name: input.to_owned(),
-        cloud,
+    let scan = LabeledScan {
+        id: ScanId { sequence: input.to_owned(), index: 0 },
+        annotations: Vec::new(),
+        point_regions: vec![PointRegion::Outside; cloud.len()],
+        labeled_area: LabeledArea::AsPoints,
         points_left_out,
+        cloud,
+    };
+    let description = DatasetDescription {
+        id: input.to_owned(),
+        format: "file".to_owned(),
+        root: None,
+        annotated: AnnotatedClasses::Only(Vec::new()),
         sensor_height_m: KITTI_SENSOR_HEIGHT_M,
         sensor: KITTI_SENSOR.to_owned(),
-    })
+        licence: None,
+        checksum: None,
+        simulation: None,
+    };
+    Ok(OpenedScan { name: input.to_owned(), scan, description })
 }
 
 /// The place among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.

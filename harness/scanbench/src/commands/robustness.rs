@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 
 use evaluation::run::robustness::{CONDITIONS, Condition};
+use evaluation::run::side_by_side::OnDetectorFailure;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::condition_scores::ConditionScores;
 use reports::numbers::tally::Tally;
@@ -53,6 +54,7 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
         n_warmup: Experiment::N_WARMUP,
         n_repeats: NonZeroUsize::MIN,
         n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
+        on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
     };

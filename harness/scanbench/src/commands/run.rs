@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use evaluation::run::detector_list::detectors_named;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::numbers::tally::Tally;
@@ -14,7 +13,7 @@ use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
 use reports::vocabulary::task::Task;
 
 use crate::cli::RunArgs;
-use crate::commands::config::judging_config;
+use crate::commands::config::{choose_criterion, chosen_detectors};
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
@@ -37,13 +36,13 @@ use crate::commands::watched_run::WatchedRun;
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
-    let listed = detectors_named(&arguments.detectors)?;
-    let config = judging_config(&arguments.config, &arguments.matching, &listed)?;
+    let (chosen, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
+    choose_criterion(&mut config, &arguments.matching);
     let named = claim_named(&arguments.output)?;
     let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
     let unnamed = format!("{}-{}", compact_utc(started), ids_of(&datasets));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
-    let entrants: Vec<Entrant> = listed.iter().map(|it| Entrant::of(*it, &config)).collect();
+    let entrants: Vec<Entrant> = chosen.into_iter().map(|it| Entrant::of(it, &config)).collect();
     let progress = RunProgress::new();
     let (mut tally, mut served) = (Tally::default(), None);
     let recorder = begin_recording(arguments, &entrants, &datasets, &directory)?;
@@ -57,10 +56,13 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         n_warmup: arguments.timing.warmup,
         n_repeats: arguments.repeats,
         n_jobs: arguments.timing.n_jobs(),
+        on_failure: arguments.on_detector_failure.rule(),
         interrupted,
         progress: &progress,
     };
-    watched.run(sinks)?;
+    if let Err(failure) = watched.run(sinks) {
+        return Err(unfinished(directory, failure));
+    }
     let manifest = run_manifest(RunSettings {
         selection: arguments.data.scans.as_deref(),
         n_warmup: arguments.timing.warmup,
@@ -78,6 +80,20 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
+}
+
+/// Leaves the files of a run that a detector has ended.
+fn unfinished(directory: RunDirectory, failure: Failure) -> Failure {
+    if !matches!(failure, Failure::Detector(_)) {
+        return failure;
+    }
+    match directory.leave_unfinished() {
+        Ok(place) => {
+            print_diagnostic(format_args!("Rows of the scans before the failure: {}", place.display()));
+            failure
+        }
+        Err(error) => error.into(),
+    }
 }
 
 fn begin_recording(

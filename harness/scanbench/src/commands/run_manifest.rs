@@ -6,12 +6,13 @@ use std::num::NonZeroUsize;
 use evaluation::matching::criterion::Criterion;
 use evaluation::metrics::counts::SCORING_VERSION;
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::ListedDetector;
+use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::entrant::Entrant;
+use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork};
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
 use reports::run_folder::manifest::{
-    AnnotatedClasses, DatasetEntry, DetectorEntry, IgnoreRule, Manifest, Simulation,
+    AnnotatedClasses, DatasetEntry, DetectorEntry, ForeignEntry, IgnoreRule, Manifest, Simulation,
 };
 use scans::dataset;
 use simulator::SIMULATOR_VERSION;
@@ -69,13 +70,17 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
 }
 
 /// What a manifest says of `detectors` with the parameters of `config`.
-pub fn detector_entries(detectors: &[ListedDetector], config: &RunConfig) -> Vec<DetectorEntry> {
-    detectors.iter().map(|it| detector_entry(&Entrant::of(*it, config))).collect()
+pub fn detector_entries(detectors: &[ChosenDetector], config: &RunConfig) -> Vec<DetectorEntry> {
+    detectors.iter().map(|it| detector_entry(&Entrant::of(it.clone(), config))).collect()
 }
 
 /// What a manifest says of one who takes part.
 pub fn detector_entry(entrant: &Entrant) -> DetectorEntry {
-    let Entrant { name, listed, config } = entrant;
+    let Entrant { name, chosen, config } = entrant;
+    let listed = match chosen {
+        ChosenDetector::BuiltIn(listed) => listed,
+        ChosenDetector::Foreign(foreign) => return foreign_entry(name, foreign, config),
+    };
     let mut parameters = json(&config.resolved)[listed.table].take();
     for (parameter, value) in listed.fixed {
         parameters[*parameter] = (*value).into();
@@ -83,7 +88,24 @@ pub fn detector_entry(entrant: &Entrant) -> DetectorEntry {
     // Rules do not depend on the height.
     let rules = listed.build(config, 0.0).rules();
     let rules = rules.iter().map(ToString::to_string).collect();
-    DetectorEntry { name: (*name).to_owned(), parameters, rules }
+    DetectorEntry { name: (*name).to_owned(), parameters, rules, foreign: None }
+}
+
+fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> DetectorEntry {
+    let ForeignWork::Process(process) = &foreign.work;
+    let introduction = process.introduction.get();
+    DetectorEntry {
+        name: name.to_owned(),
+        parameters: foreign.parameters(config).into(),
+        rules: Vec::new(),
+        foreign: Some(ForeignEntry {
+            command: process.command.clone(),
+            reported_name: introduction.map(|it| it.name.clone()),
+            version: introduction.and_then(|it| it.version.clone()),
+            threads: Some(process.threads),
+            vehicles: foreign.vehicles.name().to_owned(),
+        }),
+    }
 }
 
 fn json(resolved: &toml::Table) -> serde_json::Value {

@@ -4,7 +4,6 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use evaluation::run::detector_list::detectors_named;
 use evaluation::sweep::journal::{Journal, JournalEntry, JournalError, OtherJournal};
 use evaluation::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
 use evaluation::sweep::scan_at_point::ScanAtPoint;
@@ -22,7 +21,7 @@ use reports::run_folder::run_target::MANIFEST_JSON;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::{ConfigArgs, SweepArgs};
-use crate::commands::config::{judging_config, warn_of_unknown_sensor};
+use crate::commands::config::{choose_criterion, chosen_detectors, warn_of_unknown_sensor};
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::interruption::{interruption_flag, set_last_words};
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
@@ -191,9 +190,9 @@ impl<'a> Sweep<'a> {
 }
 
 fn sweep_plan(arguments: &SweepArgs) -> Result<SweepPlan, Failure> {
-    let detectors = detectors_named(&arguments.detectors)?;
     let file = ConfigArgs { config: arguments.config.clone(), parameters: Vec::new() };
-    let config = judging_config(&file, &arguments.matching, &detectors)?;
+    let (detectors, mut config) = chosen_detectors(&file, &arguments.detectors)?;
+    choose_criterion(&mut config, &arguments.matching);
     let lists: Vec<SweptValues> = arguments.lists.iter().map(|it| it.0.clone()).collect();
     Ok(SweepPlan::new(&config, detectors, &arguments.parameters, &lists)?)
 }

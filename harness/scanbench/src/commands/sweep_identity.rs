@@ -21,7 +21,7 @@ pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[Opene
     let identity = json!({
         "program": program(),
         "scoring_version": SCORING_VERSION,
-        "detectors": plan.detectors.iter().map(|it| it.name).collect::<Vec<_>>(),
+        "detectors": plan.detectors.iter().map(|it| it.name()).collect::<Vec<_>>(),
         "swept_parameters": plan.parameters(),
         "points": points,
         "other_parameters": plan.base.resolved,

@@ -10,7 +10,7 @@ use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::detectors_named;
+use evaluation::run::detector_list::built_in_named;
 use evaluation::training::candidates::{Candidate, CandidateBoxes, CandidateSource, collect_candidates};
 use evaluation::training::described_object::{CandidateDescriber, DescribedObject, fit_model};
 use evaluation::training::evaluation::evaluate;
@@ -157,7 +157,7 @@ fn collect_all<'a>(
         ModelKind::Pca => config.baselines.pca.cluster.min_points,
     };
     let clusters = arguments.clusters.as_deref().unwrap_or(kind.detector());
-    let listed = detectors_named(&[clusters.to_owned()])?[0];
+    let listed = built_in_named(&[clusters.to_owned()], &config)?[0];
     let boxes = if clusters == kind.detector() {
         CandidateBoxes::OfDetector(kind.object_box())
     } else {

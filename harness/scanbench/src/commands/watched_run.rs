@@ -4,7 +4,8 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
 
 use evaluation::run::entrant::Entrant;
-use evaluation::run::side_by_side::SideBySide;
+use evaluation::run::running_detector::RunningDetector;
+use evaluation::run::side_by_side::{OnDetectorFailure, SideBySide};
 use evaluation::run::sink::{RunSink, Sinks, run_watched};
 use scans::dataset::source::DamagePolicy;
 
@@ -12,6 +13,7 @@ use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::RunProgress;
+use crate::commands::standard_streams::print_diagnostic;
 
 /// Who runs on what, and how.
 pub struct WatchedRun<'a> {
@@ -27,6 +29,8 @@ pub struct WatchedRun<'a> {
     pub n_repeats: NonZeroUsize,
     /// Scans that are read at once.
     pub n_jobs: usize,
+    /// What becomes of the run where a detector fails.
+    pub on_failure: OnDetectorFailure,
     /// Ends the run once it is set.
     pub interrupted: &'a AtomicBool,
     /// How far it is.
@@ -41,7 +45,13 @@ impl WatchedRun<'_> {
     /// If data are damaged, a data set has nothing to be found, the run is interrupted, or a sink cannot go on.
     pub fn run(&self, mut sinks: Sinks<'_, Failure>) -> Result<(), Failure> {
         for opened in self.datasets {
-            self.run_dataset(opened, &mut sinks)?;
+            if let Err(failure) = self.run_dataset(opened, &mut sinks) {
+                if matches!(failure, Failure::Detector(_)) {
+                    // What others and earlier scans made is not lost.
+                    sinks.into_iter().try_for_each(RunSink::finish)?;
+                }
+                return Err(failure);
+            }
         }
         sinks.into_iter().try_for_each(RunSink::finish)
     }
@@ -50,7 +60,7 @@ impl WatchedRun<'_> {
         let description = opened.dataset.description();
         let Some(first) = self.entrants.first() else { return Ok(()) };
         warn_of_unknown_sensor(&first.config, &description.sensor);
-        let mut detectors: Vec<_> = self.entrants.iter().map(|it| it.build(description)).collect();
+        let mut detectors: Vec<_> = self.entrants.iter().map(|it| it.begin(description)).collect();
         let side_by_side = SideBySide {
             dataset: &*opened.dataset,
             scan_indices: &opened.scan_indices,
@@ -58,10 +68,14 @@ impl WatchedRun<'_> {
             n_warmup: self.n_warmup.into(),
             n_repeats: self.n_repeats,
             n_jobs: self.n_jobs,
+            on_failure: self.on_failure,
             interrupted: self.interrupted,
         };
         let on_damage = |id: &_, error| self.progress.suspend(|| opened.on_damage(self.damage, id, error));
         let judged = run_watched(&side_by_side, &mut detectors, on_damage, sinks)?;
+        for warning in detectors.into_iter().flat_map(RunningDetector::finish) {
+            print_diagnostic(format_args!("warning: {warning}"));
+        }
         opened.warn_of_points_left_out();
         if judged.n_annotations == 0 {
             let reason = format!(

@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Parser as _;
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::{ListedDetector, detectors_named};
+use evaluation::run::detector_list::ChosenDetector;
+use evaluation::run::entrant::Entrant;
 use evaluation::run::scan_recorder::{Mark, RecordedScan, ScanRecorder as _};
 use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
@@ -15,7 +16,7 @@ use reports::worst::mistakes::{ListedMistake, Mistake};
 use scans::dataset::scan_times::scan_times_s;
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
-use crate::commands::config::judging_config;
+use crate::commands::config::{choose_criterion, chosen_detectors};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
@@ -49,7 +50,7 @@ pub fn record(
         ..arguments.stream.clone()
     };
     let written = stream.save_rrd.clone().flatten().unwrap_or_default();
-    let names: Vec<&str> = again.detectors.iter().map(|it| it.name).collect();
+    let names: Vec<&str> = again.detectors.iter().map(ChosenDetector::name).collect();
     let name = format!("worst of {}", arguments.run.file_name().unwrap_or_default().to_string_lossy());
     let Some(mut recording) = recorder::begin(&RecordingPlan {
         arguments: &stream,
@@ -94,7 +95,7 @@ fn mark(rank: u32, mistake: &ListedMistake<'_>) -> Option<Mark> {
 struct RunAgain {
     arguments: Box<RunArgs>,
     config: RunConfig,
-    detectors: Vec<ListedDetector>,
+    detectors: Vec<ChosenDetector>,
     datasets: Vec<OpenedDataset>,
 }
 
@@ -107,8 +108,8 @@ impl RunAgain {
                 Usage(format!("this program does not understand the command of the run: `{line}`")).into()
             );
         };
-        let detectors = detectors_named(&arguments.detectors)?;
-        let config = judging_config(&arguments.config, &arguments.matching, &detectors)?;
+        let (detectors, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
+        choose_criterion(&mut config, &arguments.matching);
         let resolved = serde_json::to_value(&config.resolved).expect("a configuration has text keys only");
         if resolved != manifest.config {
             return Err(Usage(
@@ -180,7 +181,8 @@ impl RunAgain {
             let config = self.config.for_sensor(&description.sensor).unwrap_or_else(|| self.config.clone());
             let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
             let (detectors, times_s) = begun.entry(dataset_idx).or_insert_with(|| {
-                let built = self.detectors.iter().map(|it| it.build(&config, description.sensor_height_m));
+                let entrants = self.detectors.iter().map(|it| Entrant::of(it.clone(), &self.config));
+                let built = entrants.map(|it| it.begin(description));
                 (built.collect::<Vec<_>>(), scan_times_s(&*opened.dataset))
             });
             let side_by_side = SideBySide {
@@ -190,6 +192,7 @@ impl RunAgain {
                 n_warmup: n_warmup.into(),
                 n_repeats: NonZeroUsize::MIN,
                 n_jobs: 1,
+                on_failure: self.arguments.on_detector_failure.rule(),
                 interrupted,
             };
             side_by_side.run(detectors, |results| -> Result<(), Failure> {

@@ -17,7 +17,7 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 25] = [
+const VERBS: [&str; 26] = [
     "run",
     "detect",
     "compare",
@@ -42,6 +42,7 @@ const VERBS: [&str; 25] = [
     "robustness",
     "gaps",
     "boxes",
+    "init",
     "completions",
 ];
 
@@ -106,6 +107,7 @@ fn help_lists_every_verb_and_exit_code() {
         "fit-density ",
         "train ",
         "selftest ",
+        "init ",
         "completions ",
     ] {
         assert!(help.contains(&format!("\n  {line}")), "{line} in {help}");

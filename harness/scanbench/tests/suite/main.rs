@@ -13,11 +13,14 @@ mod layers;
 mod run_directory;
 #[cfg(target_os = "linux")]
 mod signals;
+#[cfg(target_os = "linux")]
+mod foreign_detectors;
 mod start_up;
 mod realism;
 mod readers;
 mod fit_density;
 mod gate;
+mod init;
 mod sweep;
 mod train;
 mod boxes;

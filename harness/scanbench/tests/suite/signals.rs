@@ -137,6 +137,7 @@ fn verbs_about_data_end_soon() {
     let several =
         ["data", "simulate", "streets", "--simulated-scans", "1000", "--to", "mcap", "-o", "deep/out"];
     check(&Workplace::new(), &several, &[]);
+    check(&Workplace::new(), &["init", "deep/mine"], &[]);
     check_on_a_street(&["data", "prelabel"], &["--to", "labelcloud", "-o", "out"], &[]);
 }
 

@@ -227,7 +227,9 @@ impl Stream {
             recording::log(stream, path.clone(), &Clear::flat())?;
         }
         state.on_screen = on_screen;
-        log_latency(stream, view.name, view.latency)?;
+        if let Some(latency) = view.latency {
+            log_latency(stream, view.name, latency)?;
+        }
         log_stage_times(stream, view.name, &view.output.stage_times, &mut state.stages)?;
         state.views.get_or_insert_with(|| DetectorViews::of(view.name, view.products));
         if !self.is_laid_out && self.detectors.iter().all(|it| it.views.is_some()) {

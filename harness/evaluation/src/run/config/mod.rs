@@ -5,10 +5,12 @@ mod matching_table;
 mod parameter_tree;
 mod value_problem;
 mod vehicle_model_table;
+mod detector_table;
 mod override_file;
 pub mod override_option;
 pub mod run_config;
 
+pub use detector_table::{DETECTOR_TABLE, TAKEN_NAMES};
 pub use error::ConfigError;
 pub use run_config::RunConfig;
 pub use vehicle_model_table::VehicleModels;

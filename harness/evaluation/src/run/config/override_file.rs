@@ -6,9 +6,11 @@ use scans::dataset::class_table::{ClassTable, class_of_word};
 use toml::de::DeTable;
 use toml::{Table, Value};
 
+use super::detector_table::{DETECTOR_TABLE, foreign_detectors};
 use super::error::{ConfigError, ConfigPlace};
 use super::parameter_tree::set;
 use super::value_problem::ValueProblem;
+use crate::run::foreign_detector::ForeignDetector;
 
 /// The table of names of classes, which are no parameters.
 const CLASSES: &str = "classes";
@@ -19,6 +21,10 @@ pub(super) struct Applied {
     pub(super) gives_density_curve: bool,
     /// What names of classes in labels stand for.
     pub(super) classes: ClassTable,
+    /// Detectors that are not built in.
+    pub(super) foreign: Vec<ForeignDetector>,
+    /// Their parameters, a table for each that has any.
+    pub(super) foreign_parameters: Table,
 }
 
 /// The document that overrides values, for error messages.
@@ -32,10 +38,13 @@ impl OverrideFile<'_> {
     pub(super) fn apply(&self, table: &mut Table) -> Result<Applied, ConfigError> {
         let mut values = self.parse()?;
         let classes = values.remove(CLASSES).map_or(Ok(ClassTable::default()), |it| self.classes_in(it))?;
+        let written = values.remove(DETECTOR_TABLE);
+        let (foreign, foreign_parameters) =
+            written.map_or_else(|| Ok(Default::default()), |it| foreign_detectors(self, it))?;
         let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
         let gives_density_curve = curve.is_some();
         set(table, values, &mut Vec::new(), &|keys| self.place_of(keys))?;
-        Ok(Applied { gives_density_curve, classes })
+        Ok(Applied { gives_density_curve, classes, foreign, foreign_parameters })
     }
 
     fn classes_in(&self, written: Value) -> Result<ClassTable, ConfigError> {
@@ -74,7 +83,7 @@ impl OverrideFile<'_> {
     }
 
     /// Where the key with these parents stands.
-    fn place_of(&self, keys: &[String]) -> ConfigPlace {
+    pub(super) fn place_of(&self, keys: &[String]) -> ConfigPlace {
         let document = DeTable::parse(self.text).expect("the document was parsed before");
         let mut table = document.get_ref();
         let mut offset = 0;

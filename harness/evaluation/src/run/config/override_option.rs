@@ -102,7 +102,7 @@ impl OverrideOption {
         }
         let ends_so =
             |keys: &&Vec<String>| keys.len() > parts.len() && keys[keys.len() - parts.len()..] == parts;
-        let of_own = |keys: &&Vec<String>| own.contains(&keys[0].as_str());
+        let of_own = |keys: &&Vec<String>| is_of(own, &keys.join("."));
         let meant: Vec<&Vec<String>> = known.iter().filter(of_own).filter(ends_so).collect();
         match meant[..] {
             [keys] => Ok(keys.clone()),
@@ -136,14 +136,16 @@ impl OverrideOption {
         }
         let near = nearest(&self.name, &full);
         if near.is_empty() {
-            let listed = full.iter().zip(known).filter(|(_, keys)| own.contains(&keys[0].as_str()));
-            return format!(
-                "parameters are {}",
-                listed.map(|(it, _)| it.as_str()).collect::<Vec<_>>().join(", ")
-            );
+            let listed: Vec<&str> = full.iter().map(String::as_str).filter(|it| is_of(own, it)).collect();
+            return format!("parameters are {}", listed.join(", "));
         }
         format!("did you mean {}?", near.join(", "))
     }
+}
+
+/// Whether a parameter stands in one of `tables`, or in tables within them.
+fn is_of(tables: &[&str], full_name: &str) -> bool {
+    tables.iter().any(|table| full_name.strip_prefix(table).is_some_and(|rest| rest.starts_with('.')))
 }
 
 /// Up to three of `full` whose ends are spelt most like `name`, the most alike first.

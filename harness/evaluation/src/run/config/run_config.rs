@@ -8,6 +8,7 @@ use detector::params::HierarchicalParams;
 use scans::dataset::class_table::ClassTable;
 use toml::{Table, Value};
 
+use super::detector_table::DETECTOR_TABLE;
 use super::error::ConfigError;
 use super::matching_table::{MATCHING_TOML, matching_from};
 use super::override_file::OverrideFile;
@@ -17,6 +18,7 @@ use super::value_problem::ValueProblem;
 use super::vehicle_model_table::{VEHICLE_MODEL_TOML, VehicleModels, vehicle_models_from};
 use crate::matching::assign::MatchingParams;
 use crate::matching::criterion::Criterion;
+use crate::run::foreign_detector::ForeignDetector;
 
 /// Parameters of everything that takes part in a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +33,8 @@ pub struct RunConfig {
     pub vehicle_models: Option<VehicleModels>,
     /// What names of classes in labels stand for, as the file says.
     pub classes: ClassTable,
+    /// Detectors that are not built in, as the file tells of them.
+    pub foreign: Vec<ForeignDetector>,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
@@ -116,7 +120,7 @@ impl RunConfig {
         let mut resolved = self.resolved.clone();
         options.apply(&mut resolved)?;
         let config = self.changed_to(resolved).map_err(|problem| options.value_error(problem))?;
-        Ok(Self { classes: self.classes.clone(), ..config })
+        Ok(Self { classes: self.classes.clone(), foreign: self.foreign.clone(), ..config })
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -144,9 +148,12 @@ impl RunConfig {
             weighting.remove("curve");
         }
         let vehicle_models = vehicle_models_of(&resolved).map_err(|problem| file.value_error(problem))?;
+        if !applied.foreign_parameters.is_empty() {
+            resolved.insert(DETECTOR_TABLE.to_owned(), Value::Table(applied.foreign_parameters));
+        }
         let config =
             Self::from_resolved(resolved, vehicle_models).map_err(|problem| file.value_error(problem))?;
-        Ok(Self { classes: applied.classes, ..config })
+        Ok(Self { classes: applied.classes, foreign: applied.foreign, ..config })
     }
 
     /// The parameters `resolved`, with the models that are here already if they are the same.
@@ -167,7 +174,7 @@ impl RunConfig {
             with_density_curve(table("hierarchical"), &of_paper)
         };
         let (hierarchical, matching) = (hierarchical.to_string(), table("matching").to_string());
-        let of_others = ["matching", "hierarchical", VEHICLE_MODEL];
+        let of_others = ["matching", "hierarchical", VEHICLE_MODEL, DETECTOR_TABLE];
         let of_baselines = resolved.iter().filter(|(name, _)| !of_others.contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
         let baselines = baselines.to_string();
@@ -180,6 +187,7 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
             vehicle_models,
             classes: ClassTable::default(),
+            foreign: Vec::new(),
             resolved,
         })
     }

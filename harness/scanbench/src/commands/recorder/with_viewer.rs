@@ -107,6 +107,7 @@ impl From<RecordingError> for Failure {
         match error {
             RecordingError::Dataset(error) => error.into(),
             RecordingError::Stream(error) => error.into(),
+            RecordingError::Detector(error) => error.into(),
         }
     }
 }

@@ -47,8 +47,15 @@ fn scan_line(judged: &JudgedScan<'_>) -> String {
     for result in results.results {
         let ms = |time: Duration| 1e3 * time.as_secs_f64();
         let n_detections = result.output.detections.len();
-        let _ =
-            write!(line, "; {} {:.2} ms, {n_detections} detections", result.detector, ms(result.times.first));
+        let _ = write!(line, "; {}", result.detector);
+        if let Some(failure) = &result.failure {
+            let _ = write!(line, " failed: {}", failure.problem);
+            continue;
+        }
+        if let Some(first) = result.times.first {
+            let _ = write!(line, " {:.2} ms,", ms(first));
+        }
+        let _ = write!(line, " {n_detections} detections");
         if let Some(longest) = result.output.stage_times.iter().max_by_key(|it| it.duration) {
             let _ = write!(line, " ({} {:.2} ms)", longest.stage, ms(longest.duration));
         }

@@ -145,8 +145,13 @@ pub fn log_detector(
         f_rate_so_far: (assignment.task == Task::Objects).then_some(0.5),
     };
     let tasks: Vec<TaskView<'_>> = assignments.iter().map(view).collect();
-    let view =
-        DetectorView { name, output: &output(), products, tasks: &tasks, latency: Duration::from_millis(3) };
+    let view = DetectorView {
+        name,
+        output: &output(),
+        products,
+        tasks: &tasks,
+        latency: Some(Duration::from_millis(3)),
+    };
     stream.log_detector(scan, &view)
 }
 

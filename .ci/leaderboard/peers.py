@@ -1,0 +1,133 @@
+"""Other people's detectors: sweeps of their parameters, the runs beside ours, and docs/leaderboard.md. Called by `.ci/peers`."""
+
+import argparse
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from collections import defaultdict
+from pathlib import Path
+
+from tables import lines_of
+
+ROOT = Path(__file__).resolve().parents[2]
+CONFIG = ROOT / "baselines/peers/scanbench.toml"
+SWEEPS = tomllib.loads((Path(__file__).parent / "sweeps.toml").read_text())
+PAGE = ROOT / "docs/leaderboard.md"
+# What is written between these lines is not to be written by hand.
+SWEPT = re.compile(r"(# Swept: .*\n)(.*)\Z", re.DOTALL)
+OURS = ["hierarchical", "kd-tree-same-walls", "kd-tree", "pca"]
+RUNS = {"streets": ["streets"], "kitti": ["{data}/data/kitti_tracking"]}
+
+
+def scanbench(arguments, folder):
+    """Runs the program in `folder`, where no path of this machine gets into a manifest by accident."""
+    folder.mkdir(parents=True, exist_ok=True)
+    command = [os.environ["SCANBENCH"], *arguments, "-c", str(CONFIG)]
+    print("+ scanbench", *arguments, flush=True)
+    subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
+
+
+def sweep(folder, names):
+    """A sweep for each detector. One that is there is not made again, one that was interrupted goes on."""
+    for name, values in SWEEPS["detector"].items():
+        if names and name not in names or (folder / "sweeps" / name / "sweep.csv").is_file():
+            continue
+        lists = [word for key, those in values.items() for word in ("-L", f"{name}.{key}={','.join(map(str, those))}")]
+        scanbench(["sweep", *SWEEPS["scans"], "-d", name, *lists, "--timed-scans", "0", "--no-rrd", "-o", name], folder / "sweeps")
+    write_swept(folder)
+
+
+def best_point(path):
+    """The parameters with the best F-rate of objects over all scans of a sweep, the first of several, and that rate."""
+    sums, parameters = defaultdict(lambda: [0, 0]), {}
+    with open(path, newline="") as file:
+        for row in csv.DictReader(file):
+            if row["task"] != "objects":
+                continue
+            names = list(row)
+            swept = names[names.index("point") + 1 : names.index("dataset")]
+            parameters[row["point"]] = {name.rsplit(".", 1)[-1]: json.loads(row[name]) for name in swept}
+            sums[row["point"]][0] += 2 * int(row["tp"])
+            sums[row["point"]][1] += int(row["no"]) + int(row["nd"])
+    point, (twice_tp, n) = max(sums.items(), key=lambda it: it[1][0] / it[1][1])
+    return parameters[point], twice_tp / n
+
+
+def write_swept(folder):
+    """The best parameters of the sweeps that are there, as detectors of scanbench.toml."""
+    text = CONFIG.read_text()
+    known = tomllib.loads(text)["detector"]
+    sections = []
+    for name in SWEEPS["detector"]:
+        path = folder / "sweeps" / name / "sweep.csv"
+        if path.is_file():
+            best, rate = best_point(path)
+            print(f"{name}: {best}, F-rate of objects {100 * rate:.1f} %")
+            parameters = {**known[name]["parameters"], **best}
+        elif f"{name}-swept" in known:
+            parameters = known[f"{name}-swept"]["parameters"]
+        else:
+            continue
+        section = [f"[detector.{name}-swept]", f"command = {json.dumps(known[name]['command'])}", f"parameters = {inline(parameters)}"]
+        if "time_limit_s" in known[name]:
+            section.append(f"time_limit_s = {known[name]['time_limit_s']}")
+        sections.append("\n".join(section) + "\n")
+    CONFIG.write_text(SWEPT.sub(lambda match: match[1] + "\n" + "\n".join(sections), text))
+
+
+def inline(parameters):
+    return "{ " + ", ".join(f"{name} = {json.dumps(value)}" for name, value in parameters.items()) + " }"
+
+
+def run(folder, names, extra):
+    """The runs that are reported: all detectors of ours and of scanbench.toml on the same scans."""
+    theirs = list(tomllib.loads(CONFIG.read_text())["detector"])
+    chosen = OURS + [name for name in theirs if not names or name.removesuffix("-swept").removesuffix("-as-documented") in names]
+    for name, datasets in RUNS.items():
+        if (folder / "runs" / name / "report.json").is_file():
+            continue
+        data = os.environ.get("SCANBENCH_TEST_DATA")
+        if any("{data}" in it for it in datasets) and not data:
+            print(f"left out, because SCANBENCH_TEST_DATA is not set: {name}", file=sys.stderr)
+            continue
+        datasets = [it.format(data=data) for it in datasets]
+        rest = ["-d", ",".join(chosen), "--on-detector-failure", "skip", "--no-rrd", "-o", name]
+        scanbench(["run", *datasets, *extra, *rest], folder / "runs")
+
+
+def write_tables(folder):
+    """The tables of docs/leaderboard.md from the runs that are there; those of others stay as they are."""
+    text = PAGE.read_text()
+    for name in RUNS:
+        directory = folder / "runs" / name
+        if (directory / "report.json").is_file():
+            for table, lines in lines_of(directory).items():
+                if name != "streets" and table == "detectors":
+                    continue
+                block = re.compile(rf"(<!-- made by \.ci/peers: {name} {table} -->\n).*?(\n<!-- end -->)", re.DOTALL)
+                if not block.search(text):
+                    raise SystemExit(f"{PAGE} has no place for the table {name} {table}")
+                text = block.sub(lambda match, lines=lines: match[1] + "\n" + "\n".join(lines) + "\n" + match[2], text)
+    PAGE.write_text(text)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("step", choices=["sweep", "run", "tables"])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("-d", dest="names", type=lambda it: it.split(","), default=[])
+    given, extra = parser.parse_known_args()
+    if given.step == "sweep":
+        sweep(given.folder, given.names)
+    elif given.step == "run":
+        run(given.folder, given.names, extra)
+    else:
+        write_tables(given.folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,305 @@
+//! What a detector found, checked: nothing of it is believed before.
+
+use detector::OrientedBox;
+use reports::vocabulary::class::AnnotationClass;
+use scans::dataset::class_table::class_of_word;
+
+use super::message::{MOST_BOXES, ResultLine};
+
+/// No object is larger, in metres.
+const LONGEST_SIDE_M: f32 = 1000.0;
+/// No object is farther from the sensor, in metres along an axis.
+const FARTHEST_M: f32 = 10_000.0;
+/// Numbers of a box.
+const NUMBERS_OF_BOX: usize = 7;
+/// Most products of an answer.
+const MOST_PRODUCTS: usize = 32;
+/// Longest name of a stage or product.
+const LONGEST_NAME: usize = 60;
+
+/// What a detector found in a scan.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Found {
+    /// For every point its cluster, 0 for none.
+    pub clusters: Option<Vec<u32>>,
+    /// Boxes in the frame of the scan; of clusters 1, 2, … if there are clusters.
+    pub boxes: Vec<OrientedBox>,
+    /// Of every detection.
+    pub scores: Option<Vec<f32>>,
+    /// Of every detection; `None` where the detector does not tell.
+    pub classes: Vec<Option<AnnotationClass>>,
+    /// Stages and their times in milliseconds, as reported.
+    pub stages: Vec<(String, f64)>,
+    /// Names and values of the points, one for each.
+    pub products: Vec<(String, Vec<u8>)>,
+}
+
+/// How long the payload of a result is as far as it can be told from the line.
+struct Parts {
+    ids: usize,
+    boxes: usize,
+    products: usize,
+}
+
+impl Found {
+    /// Checks the line of a result before the `n_payload_bytes` of its payload are read.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with it, as the rest of a sentence.
+    pub fn check_line(line: &ResultLine, n_payload_bytes: usize, n_points: usize) -> Result<(), String> {
+        if line.n_boxes > MOST_BOXES {
+            return Err(format!("n_boxes is {}, more than {MOST_BOXES}", line.n_boxes));
+        }
+        if line.products.len() > MOST_PRODUCTS {
+            return Err(format!("there are {} products, more than {MOST_PRODUCTS}", line.products.len()));
+        }
+        for product in &line.products {
+            if (product.kind.as_str(), product.value.as_str()) != ("point-labels", "u8") {
+                return Err(format!("a product of the kind {:?} and type {:?}", product.kind, product.value));
+            }
+        }
+        let names = line.products.iter().map(|it| &it.name).chain(line.stages.iter().map(|it| &it.name));
+        for name in names {
+            if name.is_empty() || name.len() > LONGEST_NAME || name.chars().any(char::is_control) {
+                return Err(format!("{name:?} is no name of a stage or product"));
+            }
+        }
+        if let Some(stage) = line.stages.iter().find(|it| !(it.ms >= 0.0 && it.ms < 1e9)) {
+            return Err(format!("the stage {:?} takes {} ms", stage.name, stage.ms));
+        }
+        let parts = Parts::of(line, n_points);
+        let least = parts.ids + parts.boxes + parts.products;
+        // With clusters alone, as many scores as there are clusters, which are not more than points.
+        let most_scores = if !line.scores {
+            0
+        } else if line.clusters && line.n_boxes == 0 {
+            4 * n_points
+        } else {
+            4 * line.n_boxes
+        };
+        let is_open = line.scores && line.clusters && line.n_boxes == 0;
+        let fits = if is_open {
+            (least..=least + most_scores).contains(&n_payload_bytes)
+        } else {
+            n_payload_bytes == least + most_scores
+        };
+        if fits {
+            return Ok(());
+        }
+        let expected = if is_open { least } else { least + most_scores };
+        let at_least = if is_open { "at least " } else { "" };
+        Err(format!(
+            "payload_bytes is {n_payload_bytes}, but {n_points} points, {} boxes{}{} make {at_least}{expected}",
+            line.n_boxes,
+            if line.clusters { ", cluster ids" } else { "" },
+            if line.scores { ", scores" } else { "" },
+        ))
+    }
+
+    /// Of a line that has been [checked](Self::check_line), and its payload.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with it, as the rest of a sentence.
+    pub fn read(line: &ResultLine, payload: &[u8], n_points: usize) -> Result<Self, String> {
+        let parts = Parts::of(line, n_points);
+        let (ids, rest) = payload.split_at(parts.ids);
+        let (boxes, rest) = rest.split_at(parts.boxes);
+        let clusters = line.clusters.then(|| words(ids).map(u32::from_le_bytes).collect::<Vec<u32>>());
+        let boxes = boxes.chunks_exact(4 * NUMBERS_OF_BOX).enumerate().map(|(idx, it)| box_of(idx, it));
+        let boxes = boxes.collect::<Result<Vec<_>, _>>()?;
+        let n_detections = n_detections(clusters.as_deref(), boxes.len())?;
+        let n_score_bytes = if line.scores { 4 * n_detections } else { 0 };
+        if rest.len() != n_score_bytes + parts.products {
+            let expected = parts.ids + parts.boxes + n_score_bytes + parts.products;
+            return Err(format!(
+                "payload_bytes is {}, but {n_detections} detections make {expected}",
+                payload.len()
+            ));
+        }
+        let (scores, products) = rest.split_at(n_score_bytes);
+        let scores: Vec<f32> = words(scores).map(f32::from_le_bytes).collect();
+        if let Some((idx, score)) = scores.iter().enumerate().find(|(_, it)| !it.is_finite()) {
+            return Err(format!("the score of detection {idx} is {score}"));
+        }
+        let values = products.chunks_exact(n_points.max(1)).map(<[u8]>::to_vec);
+        // A scan without points has products without values.
+        let values = values.chain(std::iter::repeat_with(Vec::new));
+        Ok(Self {
+            clusters,
+            boxes,
+            scores: line.scores.then_some(scores),
+            classes: classes_of(line, n_detections)?,
+            stages: line.stages.iter().map(|it| (it.name.clone(), it.ms)).collect(),
+            products: line.products.iter().map(|it| it.name.clone()).zip(values).collect(),
+        })
+    }
+}
+
+impl Parts {
+    fn of(line: &ResultLine, n_points: usize) -> Self {
+        Self {
+            ids: if line.clusters { 4 * n_points } else { 0 },
+            boxes: 4 * NUMBERS_OF_BOX * line.n_boxes,
+            products: line.products.len() * n_points,
+        }
+    }
+}
+
+fn words(bytes: &[u8]) -> impl Iterator<Item = [u8; 4]> {
+    bytes.as_chunks::<4>().0.iter().copied()
+}
+
+fn box_of(box_idx: usize, bytes: &[u8]) -> Result<OrientedBox, String> {
+    let mut numbers = [0.0; NUMBERS_OF_BOX];
+    for (number, bytes) in numbers.iter_mut().zip(words(bytes)) {
+        *number = f32::from_le_bytes(bytes);
+    }
+    let [x_m, y_m, z_m, length_m, width_m, height_m, yaw_rad] = numbers;
+    let (center_m, length_width_height_m) = ([x_m, y_m, z_m], [length_m, width_m, height_m]);
+    let problem = if !numbers.iter().all(|it| it.is_finite()) {
+        format!("{numbers:?}, not all of them finite")
+    } else if !length_width_height_m.iter().all(|it| *it > 0.0 && *it <= LONGEST_SIDE_M) {
+        format!("the size {length_width_height_m:?} m, not above 0 and at most {LONGEST_SIDE_M}")
+    } else if !center_m.iter().all(|it| it.abs() <= FARTHEST_M) {
+        format!("the centre {center_m:?} m, more than {FARTHEST_M} from the sensor")
+    } else {
+        // Any turn will do; that of a file lies within one.
+        let yaw_rad = if yaw_rad.abs() <= std::f32::consts::TAU {
+            yaw_rad
+        } else {
+            (f64::from(yaw_rad) % std::f64::consts::TAU) as f32
+        };
+        return Ok(OrientedBox { center_m, length_width_height_m, yaw_rad });
+    };
+    Err(format!("box {box_idx} has {problem}"))
+}
+
+/// Detections that clusters and boxes make.
+fn n_detections(clusters: Option<&[u32]>, n_boxes: usize) -> Result<usize, String> {
+    let Some(clusters) = clusters else { return Ok(n_boxes) };
+    if n_boxes == 0 {
+        let mut ids: Vec<u32> = clusters.iter().copied().filter(|it| *it > 0).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        return Ok(ids.len());
+    }
+    let largest = clusters.iter().copied().max().unwrap_or(0) as usize;
+    if largest != n_boxes {
+        return Err(format!("the largest cluster id is {largest}, but there are {n_boxes} boxes"));
+    }
+    Ok(n_boxes)
+}
+
+fn classes_of(line: &ResultLine, n_detections: usize) -> Result<Vec<Option<AnnotationClass>>, String> {
+    let Some(written) = &line.classes else { return Ok(vec![None; n_detections]) };
+    if written.len() != n_detections {
+        return Err(format!("there are {} classes of {n_detections} detections", written.len()));
+    }
+    written.iter().map(|it| it.as_deref().map(class_of_word).transpose()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use super::super::message::ProductLine;
+
+    fn line(n_boxes: usize, clusters: bool, scores: bool) -> ResultLine {
+        ResultLine { number: 1, clusters, n_boxes, scores, ..ResultLine::default() }
+    }
+
+    fn read(line: &ResultLine, payload: &[u8], n_points: usize) -> Result<Found, String> {
+        Found::check_line(line, payload.len(), n_points)?;
+        Found::read(line, payload, n_points)
+    }
+
+    fn ids(ids: &[u32]) -> Vec<u8> {
+        ids.iter().flat_map(|it| it.to_le_bytes()).collect()
+    }
+
+    fn numbers(numbers: &[f32]) -> Vec<u8> {
+        numbers.iter().flat_map(|it| it.to_le_bytes()).collect()
+    }
+
+    const CAR: [f32; 7] = [8.0, 3.0, -1.0, 4.2, 1.8, 1.5, 0.25];
+
+    #[test]
+    fn parts_are_found_where_the_protocol_has_them() {
+        let mut line = line(2, true, true);
+        line.classes = Some(vec![Some("car".to_owned()), None]);
+        line.products.push(ProductLine {
+            name: "ground".to_owned(),
+            kind: "point-labels".to_owned(),
+            value: "u8".to_owned(),
+        });
+        let payload =
+            [ids(&[1, 0, 2]), numbers(&CAR), numbers(&CAR), numbers(&[0.5, -2.0]), vec![7, 8, 9]].concat();
+        let found = read(&line, &payload, 3).unwrap();
+        assert_eq!(found.clusters, Some(vec![1, 0, 2]));
+        assert_eq!((found.boxes.len(), found.boxes[1].yaw_rad), (2, 0.25));
+        assert_eq!(found.scores, Some(vec![0.5, -2.0]));
+        assert_eq!(found.classes, [Some(AnnotationClass::Car), None]);
+        assert_eq!(found.products, [("ground".to_owned(), vec![7, 8, 9])]);
+    }
+
+    #[test]
+    fn clusters_alone_have_a_score_for_each_id_that_occurs() {
+        let payload = [ids(&[9, 0, 4, 9]), numbers(&[0.1, 0.2])].concat();
+        assert_eq!(read(&line(0, true, true), &payload, 4).unwrap().scores, Some(vec![0.1, 0.2]));
+        let problem = read(&line(0, true, true), &payload[..20], 4).unwrap_err();
+        assert!(problem.contains("payload_bytes is 20, but 2 detections make 24"), "{problem}");
+    }
+
+    #[test]
+    fn nothing_is_a_found_nothing() {
+        let found = read(&line(0, false, false), &[], 100).unwrap();
+        assert_eq!(found, Found::default());
+        assert_eq!(read(&line(0, true, false), &[], 0).unwrap().clusters, Some(vec![]));
+    }
+
+    #[test]
+    fn wrong_lengths_and_numbers_are_refused() {
+        let with = |place: usize, number: f32| {
+            let mut of_box = CAR;
+            of_box[place] = number;
+            read(&line(1, false, false), &numbers(&of_box), 0).unwrap_err()
+        };
+        for (problem, expected) in [
+            (with(0, f32::NAN), "not all of them finite"),
+            (with(6, f32::INFINITY), "not all of them finite"),
+            (with(2, 10_001.0), "more than 10000 from the sensor"),
+            (with(3, 0.0), "not above 0"),
+            (with(5, 1001.0), "at most 1000"),
+            (
+                read(&line(0, true, false), &ids(&[1, 2]), 3).unwrap_err(),
+                "payload_bytes is 8, but 3 points, 0 boxes, cluster ids make 12",
+            ),
+            (read(&line(MOST_BOXES + 1, false, false), &[], 0).unwrap_err(), "more than 100000"),
+            (
+                read(&line(1, true, false), &[ids(&[2]), numbers(&CAR)].concat(), 1).unwrap_err(),
+                "the largest cluster id is 2",
+            ),
+            (
+                read(&line(1, false, true), &numbers(&[&CAR[..], &[f32::NAN]].concat()), 0).unwrap_err(),
+                "score of detection 0 is NaN",
+            ),
+        ] {
+            assert!(problem.contains(expected), "{problem}");
+        }
+        let mut line = line(1, false, false);
+        line.classes = Some(vec![Some("spaceship".to_owned())]);
+        assert!(read(&line, &numbers(&CAR), 0).unwrap_err().contains("\"spaceship\" is not a class"));
+        line.classes = Some(vec![]);
+        assert!(read(&line, &numbers(&CAR), 0).unwrap_err().contains("0 classes of 1 detections"));
+    }
+
+    #[test]
+    fn a_turn_of_many_rounds_is_one_within_a_round() {
+        let mut of_box = CAR;
+        of_box[6] = 0.5 + 20.0 * std::f32::consts::TAU;
+        let found = read(&line(1, false, false), &numbers(&of_box), 0).unwrap();
+        assert!((found.boxes[0].yaw_rad - 0.5).abs() < 1e-4);
+    }
+}

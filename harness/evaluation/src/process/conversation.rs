@@ -1,0 +1,297 @@
+//! What is said to a detector, and what it answers.
+
+use std::time::{Duration, Instant};
+
+use scans::annotation::{LabeledScan, ScanId};
+use serde::Serialize;
+
+use super::answer::Found;
+use super::message::{
+    Answer, AskedScan, Configuration, Introduction, PROTOCOL, Question, line_of, parse_line,
+};
+use super::pipe::PipeError;
+use super::problem::{DetectorProblem, Ending};
+use super::program::{Program, StartedProgram};
+use super::shared_cloud::SharedCloud;
+
+/// For the first scan, unless more is allowed for each.
+pub const FIRST_SCAN_LIMIT: Duration = Duration::from_secs(60);
+/// Room for this many points at least, so that few scans need more.
+const LEAST_ROOM: usize = 1 << 17;
+
+/// A detector that has been told what it is to work with.
+pub struct Conversation {
+    program: Program,
+    shared: SharedCloud,
+    configuration: Configuration,
+    start_limit: Duration,
+    introduction: Introduction,
+    number: u64,
+    // Whose points are in the shared memory, and where.
+    written: Option<(ScanId, AskedScan)>,
+    payload: Vec<u8>,
+}
+
+/// What a detector found, and what it took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answered {
+    /// What it found.
+    pub found: Found,
+    /// From before `scan` was sent until the last byte of the answer was there.
+    pub wall: Duration,
+    /// Time on processors meanwhile, where the system tells.
+    pub cpu: Option<Duration>,
+}
+
+/// A problem with the last words of the detector, which is gone.
+pub type Goodbye = (DetectorProblem, Vec<String>);
+
+impl Conversation {
+    /// Starts a detector and tells it `configuration`, with room for a scan of `n_points`.
+    ///
+    /// # Errors
+    ///
+    /// Why it cannot work; it is gone then.
+    pub fn begin(
+        start: &StartedProgram,
+        configuration: &Configuration,
+        n_points: usize,
+    ) -> Result<Self, Goodbye> {
+        let deadline = Instant::now() + start.start_limit;
+        let machine = |error: std::io::Error| (DetectorProblem::Machine(error.to_string()), Vec::new());
+        let shared = SharedCloud::with_room(n_points.max(LEAST_ROOM)).map_err(machine)?;
+        let mut program = start.start().map_err(machine)?;
+        match hello(&mut program, start.start_limit, deadline) {
+            Ok(introduction) => {
+                let mut begun = Self {
+                    program,
+                    shared,
+                    configuration: configuration.clone(),
+                    start_limit: start.start_limit,
+                    introduction,
+                    number: 0,
+                    written: None,
+                    payload: Vec::new(),
+                };
+                match begun.configure(deadline) {
+                    Ok(()) => Ok(begun),
+                    Err(problem) => Err(begun.end(problem)),
+                }
+            }
+            Err(problem) => Err(goodbye(program, problem)),
+        }
+    }
+
+    /// What the detector says of itself.
+    pub fn introduction(&self) -> &Introduction {
+        &self.introduction
+    }
+
+    /// Whether it was told `configuration`, wherever the scans may be.
+    pub fn has(&self, configuration: &Configuration) -> bool {
+        let Configuration { max_points, shared_memory, .. } = self.configuration.clone();
+        self.configuration == Configuration { max_points, shared_memory, ..configuration.clone() }
+    }
+
+    /// Tells it `configuration` instead of what it was told before.
+    ///
+    /// # Errors
+    ///
+    /// If it does not take it.
+    pub fn configure_anew(&mut self, configuration: &Configuration) -> Result<(), DetectorProblem> {
+        let room = self.shared.max_points();
+        self.shared = SharedCloud::with_room(room).map_err(|it| DetectorProblem::Machine(it.to_string()))?;
+        self.configuration = configuration.clone();
+        self.configure(Instant::now() + self.start_limit)
+    }
+
+    /// Asks for the objects in `scan`, taken `time_s` seconds after the first of its drive.
+    ///
+    /// # Errors
+    ///
+    /// What went wrong. But for [`DetectorProblem::Reported`] nothing more can be asked.
+    pub fn ask(
+        &mut self,
+        scan: &LabeledScan,
+        time_s: f64,
+        limit: Duration,
+    ) -> Result<Answered, DetectorProblem> {
+        let n_points = scan.cloud.len();
+        if n_points > self.shared.max_points() {
+            let room = SharedCloud::with_room(n_points + n_points / 2);
+            self.shared = room.map_err(|it| DetectorProblem::Machine(it.to_string()))?;
+            self.configure(Instant::now() + self.start_limit)?;
+        }
+        self.check_silence()?;
+        let line = self.question(scan, time_s)?;
+        let cpu_before = self.program.cpu_time();
+        let started = Instant::now();
+        let deadline = started + limit;
+        self.say(&line, deadline)?;
+        let answer = read_answer(&mut self.program, "scan", limit, deadline)?;
+        let (Answer::Result(result), n_payload_bytes) = answer else { return Err(unasked(&answer.0)) };
+        if result.number != self.number {
+            let problem = format!("it is to scan number {}, not {}", result.number, self.number);
+            return Err(DetectorProblem::WrongAnswer(problem));
+        }
+        Found::check_line(&result, n_payload_bytes, n_points).map_err(DetectorProblem::WrongAnswer)?;
+        self.payload.clear();
+        let read = self.program.pipe.read_payload(n_payload_bytes, &mut self.payload, deadline);
+        let wall = started.elapsed();
+        read.map_err(|error| problem_of(error, "scan", limit))?;
+        let cpu = self.program.cpu_time().zip(cpu_before).map(|(after, before)| after.saturating_sub(before));
+        let found = Found::read(&result, &self.payload, n_points).map_err(DetectorProblem::WrongAnswer)?;
+        Ok(Answered { found, wall, cpu })
+    }
+
+    /// Asks it to end. Returns what should not have been.
+    pub fn quit(self) -> Vec<String> {
+        self.program.quit()
+    }
+
+    /// The last lines that it printed.
+    pub fn last_words(&self) -> Vec<String> {
+        self.program.last_words()
+    }
+
+    /// Ends it because of `problem`.
+    pub fn end(self, problem: DetectorProblem) -> Goodbye {
+        goodbye(self.program, problem)
+    }
+
+    /// The line that asks for a scan, whose points are in the shared memory then.
+    fn question(&mut self, scan: &LabeledScan, time_s: f64) -> Result<Vec<u8>, DetectorProblem> {
+        self.number += 1;
+        let asked = match self.written.take() {
+            Some((id, asked)) if id == scan.id && asked.n_points == scan.cloud.len() => {
+                AskedScan { number: self.number, ..asked }
+            }
+            _ => AskedScan {
+                number: self.number,
+                name: scan.id.to_string(),
+                time_s,
+                n_points: scan.cloud.len(),
+                columns: self
+                    .shared
+                    .write(&scan.cloud)
+                    .map_err(|it| DetectorProblem::Machine(it.to_string()))?,
+            },
+        };
+        self.written = Some((scan.id.clone(), asked.clone()));
+        json(&Question::Scan(asked))
+    }
+
+    fn configure(&mut self, deadline: Instant) -> Result<(), DetectorProblem> {
+        self.check_silence()?;
+        self.written = None;
+        self.configuration.max_points = self.shared.max_points();
+        let path = self.shared.path().map(|it| it.display().to_string());
+        self.configuration.shared_memory = path.unwrap_or_default();
+        let line = json(&Question::Configure(self.configuration.clone()))?;
+        self.say(&line, deadline)?;
+        let answer = read_answer(&mut self.program, "configure", self.start_limit, deadline);
+        self.shared.hide();
+        match answer? {
+            (Answer::Configured, 0) => Ok(()),
+            (Answer::Configured, _) => {
+                Err(DetectorProblem::WrongAnswer("configured has a payload".to_owned()))
+            }
+            (other, _) => Err(unasked(&other)),
+        }
+    }
+
+    fn check_silence(&mut self) -> Result<(), DetectorProblem> {
+        if !self.program.pipe.has_more() {
+            return Ok(());
+        }
+        if self.program.pipe.is_closed() {
+            return Err(DetectorProblem::Ended(Ending::ClosedPipe));
+        }
+        Err(DetectorProblem::WrongAnswer("it says more than it was asked".to_owned()))
+    }
+
+    fn say(&mut self, line: &[u8], deadline: Instant) -> Result<(), DetectorProblem> {
+        say(&mut self.program, line, deadline)
+    }
+}
+
+fn hello(program: &mut Program, limit: Duration, deadline: Instant) -> Result<Introduction, DetectorProblem> {
+    let question = Question::Hello {
+        protocol: PROTOCOL,
+        program: concat!("scanbench ", env!("CARGO_PKG_VERSION")).to_owned(),
+    };
+    say(program, &json(&question)?, deadline)?;
+    match read_answer(program, "hello", limit, deadline)? {
+        (Answer::Hello(introduction), 0) if introduction.protocol == PROTOCOL => Ok(introduction),
+        (Answer::Hello(introduction), 0) => {
+            let problem = format!("it speaks protocol {}, not {PROTOCOL}", introduction.protocol);
+            Err(DetectorProblem::WrongAnswer(problem))
+        }
+        (Answer::Hello(_), _) => Err(DetectorProblem::WrongAnswer("hello has a payload".to_owned())),
+        (other, _) => Err(unasked(&other)),
+    }
+}
+
+fn json(message: &impl Serialize) -> Result<Vec<u8>, DetectorProblem> {
+    line_of(message, 0).map_err(|error| DetectorProblem::Machine(error.to_string()))
+}
+
+fn say(program: &mut Program, line: &[u8], deadline: Instant) -> Result<(), DetectorProblem> {
+    program.pipe.write(line, deadline).map_err(|error| match error {
+        PipeError::TimedOut => DetectorProblem::Deaf,
+        other => problem_of(other, "", Duration::ZERO),
+    })
+}
+
+/// The answer to the message `to`, and how many bytes follow. One that is an error is returned as such.
+fn read_answer(
+    program: &mut Program,
+    to: &'static str,
+    limit: Duration,
+    deadline: Instant,
+) -> Result<(Answer, usize), DetectorProblem> {
+    let line = program.pipe.read_line(deadline).map_err(|error| problem_of(error, to, limit))?;
+    match parse_line(&line).map_err(DetectorProblem::WrongAnswer)? {
+        (Answer::Error { text }, 0) => Err(DetectorProblem::Reported(printable(&text))),
+        answer => Ok(answer),
+    }
+}
+
+fn printable(text: &str) -> String {
+    text.chars().take(2000).map(|it| if it.is_control() { ' ' } else { it }).collect()
+}
+
+fn problem_of(error: PipeError, to: &'static str, limit: Duration) -> DetectorProblem {
+    match error {
+        PipeError::Closed => DetectorProblem::Ended(Ending::ClosedPipe),
+        PipeError::TimedOut => DetectorProblem::Silent { to, limit },
+        PipeError::EndlessLine => DetectorProblem::WrongAnswer("a line is longer than 1 MiB".to_owned()),
+        PipeError::Io(error) => DetectorProblem::Machine(error.to_string()),
+    }
+}
+
+fn unasked(answer: &Answer) -> DetectorProblem {
+    let name = match answer {
+        Answer::Hello(_) => "hello",
+        Answer::Configured => "configured",
+        Answer::Result(_) => "result",
+        Answer::Error { .. } => "an error with a payload",
+    };
+    DetectorProblem::WrongAnswer(format!("{name} was not asked for"))
+}
+
+fn goodbye(program: Program, problem: DetectorProblem) -> Goodbye {
+    match problem {
+        DetectorProblem::Ended(_) => {
+            let (ending, words) = program.end();
+            let problem = match ending {
+                Ending::Exit(code) if code == i32::from(super::supervisor::CANNOT_START) => {
+                    DetectorProblem::CannotStart
+                }
+                ending => DetectorProblem::Ended(ending),
+            };
+            (problem, words)
+        }
+        problem => (problem, program.kill_with_last_words()),
+    }
+}

@@ -1,0 +1,219 @@
+//! The messages, as JSON.
+
+use serde::{Deserialize, Serialize};
+
+/// Version of the protocol that this program speaks.
+pub const PROTOCOL: u32 = 1;
+/// Longest line of a message in bytes, with its end.
+pub const MOST_LINE_BYTES: usize = 1 << 20;
+/// Most boxes of an answer.
+pub const MOST_BOXES: usize = 100_000;
+
+/// From the host to the detector.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(tag = "message", rename_all = "lowercase")]
+pub enum Question {
+    /// The first.
+    Hello {
+        /// Version of the protocol.
+        protocol: u32,
+        /// Name and version of this program.
+        program: String,
+    },
+    /// What it is to work with.
+    Configure(Configuration),
+    /// A scan to look at.
+    Scan(AskedScan),
+    /// It is to end.
+    Quit,
+}
+
+/// What a detector works with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Configuration {
+    /// Id of the data set.
+    pub dataset: String,
+    /// The sensor, where it is known.
+    pub sensor: Option<String>,
+    /// Height of the sensor above the ground, in metres.
+    pub sensor_height_m: Option<f32>,
+    /// The user's values.
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+    /// How many threads to use at most.
+    pub threads: u32,
+    /// No scan has more points.
+    pub max_points: usize,
+    /// File to map for reading.
+    pub shared_memory: String,
+}
+
+/// A scan in the shared memory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AskedScan {
+    /// Given back in the answer.
+    pub number: u64,
+    /// Drive, slash, scan.
+    pub name: String,
+    /// Seconds within its drive.
+    pub time_s: f64,
+    /// Length of each column.
+    pub n_points: usize,
+    /// Where the columns are.
+    pub columns: Vec<Column>,
+}
+
+/// A column of the points.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Column {
+    /// What it holds.
+    pub name: String,
+    /// Its numbers.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// Where it begins, in bytes.
+    pub offset: usize,
+}
+
+/// From the detector to the host.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(tag = "message", rename_all = "lowercase")]
+pub enum Answer {
+    /// To `hello`.
+    Hello(Introduction),
+    /// To `configure`.
+    Configured,
+    /// To `scan`.
+    Result(ResultLine),
+    /// To anything that failed.
+    Error {
+        /// Why.
+        text: String,
+    },
+}
+
+/// What a detector says of itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Introduction {
+    /// Version of the protocol.
+    pub protocol: u32,
+    /// What it calls itself.
+    pub name: String,
+    /// Its version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
+}
+
+/// What it found, but for the payload.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ResultLine {
+    /// That of the scan.
+    pub number: u64,
+    /// The payload has a cluster id for each point.
+    #[serde(default)]
+    pub clusters: bool,
+    /// Boxes in the payload.
+    #[serde(default)]
+    pub n_boxes: usize,
+    /// The payload has a score for each detection.
+    #[serde(default)]
+    pub scores: bool,
+    /// The class of each detection; all `None` if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub classes: Option<Vec<Option<String>>>,
+    /// Times that it took itself.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<ReportedStage>,
+    /// What is drawn beside the detections.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub products: Vec<ProductLine>,
+}
+
+/// Time of a stage.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReportedStage {
+    /// Its name.
+    pub name: String,
+    /// In milliseconds.
+    pub ms: f64,
+}
+
+/// What a product is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProductLine {
+    /// Its name.
+    pub name: String,
+    /// How it is drawn.
+    pub kind: String,
+    /// Its numbers.
+    #[serde(rename = "type")]
+    pub value: String,
+}
+
+/// The line of a message with `payload_bytes`, and its end.
+///
+/// # Errors
+///
+/// If `message` cannot be written as JSON.
+pub fn line_of<M: Serialize>(message: &M, n_payload_bytes: usize) -> Result<Vec<u8>, serde_json::Error> {
+    let mut value = serde_json::to_value(message)?;
+    if let (Some(fields), 1..) = (value.as_object_mut(), n_payload_bytes) {
+        fields.insert("payload_bytes".to_owned(), n_payload_bytes.into());
+    }
+    let mut line = serde_json::to_vec(&value)?;
+    line.push(b'\n');
+    Ok(line)
+}
+
+/// The message on `line`, and how many bytes follow it.
+///
+/// # Errors
+///
+/// What is wrong with it.
+pub fn parse_line<M: for<'a> Deserialize<'a>>(line: &[u8]) -> Result<(M, usize), String> {
+    let value: serde_json::Value =
+        serde_json::from_slice(line).map_err(|error| format!("a line is not JSON: {error}"))?;
+    if !value.is_object() {
+        return Err("a line is not a JSON object".to_owned());
+    }
+    let n_payload_bytes = match value.get("payload_bytes") {
+        None => 0,
+        Some(number) => {
+            let number_read = number.as_u64().and_then(|it| usize::try_from(it).ok());
+            number_read.ok_or_else(|| format!("payload_bytes is {number}, not a number of bytes"))?
+        }
+    };
+    let message = serde_json::from_value(value).map_err(|error| format!("a message is wrong: {error}"))?;
+    Ok((message, n_payload_bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_read_back_as_they_were() {
+        let line = ResultLine { number: 3, clusters: true, ..ResultLine::default() };
+        let written = line_of(&Answer::Result(line.clone()), 48).unwrap();
+        assert_eq!(written.last(), Some(&b'\n'));
+        let (Answer::Result(read), 48) = parse_line(&written).unwrap() else { panic!("{written:?}") };
+        assert_eq!(read, line);
+    }
+
+    #[test]
+    fn unknown_fields_are_ignored_and_missing_ones_are_not() {
+        let parse = |line: &str| parse_line::<Answer>(line.as_bytes());
+        assert!(parse(r#"{"message":"configured","colour":"red"}"#).is_ok());
+        let refused = [
+            (r#"{"message":"result"}"#, "missing field `number`"),
+            (r#"{"message":"results","number":1}"#, "unknown variant `results`"),
+            (r#"{"number":1}"#, "missing field `message`"),
+            (r#"["message"]"#, "not a JSON object"),
+            (r#"{"message":"configured","payload_bytes":-1}"#, "payload_bytes is -1"),
+            ("{", "not JSON"),
+        ];
+        for (line, expected) in refused {
+            let problem = parse(line).unwrap_err();
+            assert!(problem.contains(expected), "{line}: {problem}");
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Detectors that are programs of their own: `docs/protocol.md`.
+
+pub mod problem;
+pub mod message;
+pub mod answer;
+#[cfg(target_os = "linux")]
+pub mod pipe;
+#[cfg(target_os = "linux")]
+pub mod shared_cloud;
+#[cfg(target_os = "linux")]
+pub mod last_words;
+#[cfg(target_os = "linux")]
+pub mod processes;
+#[cfg(target_os = "linux")]
+pub mod supervisor;
+#[cfg(target_os = "linux")]
+pub mod program;
+#[cfg(target_os = "linux")]
+pub mod conversation;

@@ -1,0 +1,218 @@
+//! Messages through a pair of pipes, with a time limit.
+
+use std::io;
+use std::os::fd::{AsFd, OwnedFd};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::OFlags;
+use rustix::io::Errno;
+
+use super::message::MOST_LINE_BYTES;
+
+/// Bytes that are read at once.
+const CHUNK_BYTES: usize = 1 << 18;
+/// What a pipe is asked to hold, so that an answer need not be taken bit by bit. The usual limit of unprivileged users.
+const PIPE_BYTES: usize = 1 << 20;
+
+/// Our ends of the pipes to and from a detector.
+#[derive(Debug)]
+pub struct Pipe {
+    to: Option<OwnedFd>,
+    from: OwnedFd,
+    // Read, and not asked for yet.
+    buffer: Vec<u8>,
+    chunk: Vec<u8>,
+}
+
+/// Why a message did not get through.
+#[derive(Debug)]
+pub enum PipeError {
+    /// Nobody is at the other end.
+    Closed,
+    /// Not in time.
+    TimedOut,
+    /// A line does not end.
+    EndlessLine,
+    /// The operating system refuses.
+    Io(io::Error),
+}
+
+impl Pipe {
+    /// Of the ends that are written to and read from.
+    ///
+    /// # Errors
+    ///
+    /// If the operating system does not let them be used without waiting.
+    pub fn new(to: OwnedFd, from: OwnedFd) -> io::Result<Self> {
+        for end in [&to, &from] {
+            let flags = rustix::fs::fcntl_getfl(end)?;
+            rustix::fs::fcntl_setfl(end, flags | OFlags::NONBLOCK)?;
+            // It works with smaller ones as well.
+            let _ = rustix::pipe::fcntl_setpipe_size(end, PIPE_BYTES);
+        }
+        Ok(Self { to: Some(to), from, buffer: Vec::new(), chunk: vec![0; CHUNK_BYTES] })
+    }
+
+    /// Writes all of `bytes` before `deadline`.
+    ///
+    /// # Errors
+    ///
+    /// [`PipeError`] if it cannot.
+    pub fn write(&mut self, mut bytes: &[u8], deadline: Instant) -> Result<(), PipeError> {
+        let Some(to) = &self.to else { return Err(PipeError::Closed) };
+        while !bytes.is_empty() {
+            match rustix::io::write(to, bytes) {
+                Ok(n_written) => bytes = &bytes[n_written..],
+                Err(Errno::AGAIN) => wait_for(to, PollFlags::OUT, deadline)?,
+                Err(Errno::INTR) => {}
+                Err(Errno::PIPE) => return Err(PipeError::Closed),
+                Err(error) => return Err(PipeError::Io(error.into())),
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a line with its end.
+    ///
+    /// # Errors
+    ///
+    /// [`PipeError`] if there is none before `deadline`.
+    pub fn read_line(&mut self, deadline: Instant) -> Result<Vec<u8>, PipeError> {
+        let mut n_looked = 0;
+        loop {
+            let end = self.buffer[n_looked..].iter().position(|it| *it == b'\n');
+            if let Some(end) = end.map(|it| n_looked + it + 1)
+                && end <= MOST_LINE_BYTES
+            {
+                let rest = self.buffer.split_off(end);
+                return Ok(std::mem::replace(&mut self.buffer, rest));
+            }
+            n_looked = self.buffer.len();
+            if n_looked >= MOST_LINE_BYTES {
+                return Err(PipeError::EndlessLine);
+            }
+            self.read_more(deadline)?;
+        }
+    }
+
+    /// Reads `n_bytes` to the end of `payload`.
+    ///
+    /// # Errors
+    ///
+    /// [`PipeError`] if they are not there before `deadline`.
+    pub fn read_payload(
+        &mut self,
+        n_bytes: usize,
+        payload: &mut Vec<u8>,
+        deadline: Instant,
+    ) -> Result<(), PipeError> {
+        let mut n_missing = n_bytes;
+        loop {
+            let n_taken = n_missing.min(self.buffer.len());
+            payload.extend(self.buffer.drain(..n_taken));
+            n_missing -= n_taken;
+            if n_missing == 0 {
+                return Ok(());
+            }
+            self.read_more(deadline)?;
+        }
+    }
+
+    /// Whether something waits to be read that nobody has asked for, or the other end is closed.
+    pub fn has_more(&self) -> bool {
+        let mut ends = [PollFd::new(&self.from, PollFlags::IN)];
+        let is_ready = poll(&mut ends, Some(&Timespec::default())).is_ok_and(|n_ready| n_ready > 0);
+        is_ready || !self.buffer.is_empty()
+    }
+
+    /// Whether the other end is closed, and all that came from it has been read.
+    pub fn is_closed(&mut self) -> bool {
+        self.buffer.is_empty() && matches!(self.read_more(Instant::now()), Err(PipeError::Closed))
+    }
+
+    /// Nothing more is written.
+    pub fn close(&mut self) {
+        self.to = None;
+    }
+
+    fn read_more(&mut self, deadline: Instant) -> Result<(), PipeError> {
+        loop {
+            match rustix::io::read(&self.from, &mut self.chunk) {
+                Ok(0) => return Err(PipeError::Closed),
+                Ok(n_read) => {
+                    self.buffer.extend_from_slice(&self.chunk[..n_read]);
+                    return Ok(());
+                }
+                Err(Errno::AGAIN) => wait_for(&self.from, PollFlags::IN, deadline)?,
+                Err(Errno::INTR) => {}
+                Err(error) => return Err(PipeError::Io(error.into())),
+            }
+        }
+    }
+}
+
+/// Waits until `end` can be used.
+fn wait_for(end: &impl AsFd, flags: PollFlags, deadline: Instant) -> Result<(), PipeError> {
+    loop {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left == Duration::ZERO {
+            return Err(PipeError::TimedOut);
+        }
+        let left = Timespec::try_from(left).map_err(|_| PipeError::TimedOut)?;
+        match poll(&mut [PollFd::new(end, flags)], Some(&left)) {
+            Ok(0) | Err(Errno::INTR) => {}
+            Ok(_) => return Ok(()),
+            Err(error) => return Err(PipeError::Io(error.into())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    /// Our ends, and the other ones: what is written there is read here.
+    fn pipe() -> (Pipe, std::fs::File, OwnedFd) {
+        let (theirs, to) = rustix::pipe::pipe().unwrap();
+        let (from, written) = rustix::pipe::pipe().unwrap();
+        (Pipe::new(to, from).unwrap(), std::fs::File::from(written), theirs)
+    }
+
+    fn soon() -> Instant {
+        Instant::now() + Duration::from_millis(50)
+    }
+
+    #[test]
+    fn lines_and_payloads_come_one_after_the_other() {
+        let (mut pipe, mut written, _theirs) = pipe();
+        written.write_all(b"{\"a\":1}\n12345{}\nx").unwrap();
+        let mut payload = Vec::new();
+        assert_eq!(pipe.read_line(soon()).unwrap(), b"{\"a\":1}\n");
+        pipe.read_payload(5, &mut payload, soon()).unwrap();
+        assert_eq!(
+            (payload.as_slice(), pipe.read_line(soon()).unwrap().as_slice()),
+            (&b"12345"[..], &b"{}\n"[..])
+        );
+        assert!(pipe.has_more() && !pipe.is_closed());
+        let half = pipe.read_payload(2, &mut payload, soon());
+        assert!(matches!(half, Err(PipeError::TimedOut)), "{half:?}");
+        drop(written);
+        assert!(matches!(pipe.read_payload(2, &mut payload, soon()), Err(PipeError::Closed)));
+        assert!(pipe.is_closed());
+    }
+
+    #[test]
+    fn a_line_has_to_end_and_whoever_does_not_read_is_not_waited_for() {
+        let (mut pipe, mut written, _theirs) = pipe();
+        let writer = std::thread::spawn(move || written.write_all(&vec![b'x'; MOST_LINE_BYTES + 1]));
+        let endless = pipe.read_line(Instant::now() + Duration::from_secs(20));
+        assert!(matches!(endless, Err(PipeError::EndlessLine)), "{endless:?}");
+        let deaf = pipe.write(&vec![0; 4 * PIPE_BYTES], soon());
+        assert!(matches!(deaf, Err(PipeError::TimedOut)), "{deaf:?}");
+        drop(pipe);
+        // Whether or not somebody has read the last byte.
+        let _ = writer.join().unwrap();
+    }
+}

@@ -1,0 +1,87 @@
+//! What can go wrong with a detector that is not our own.
+
+use std::fmt;
+use std::time::Duration;
+
+/// What went wrong.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DetectorProblem {
+    /// There is no such program, or it may not be started.
+    #[error("it cannot be started")]
+    CannotStart,
+    /// It ended, crashed, or closed the pipe.
+    #[error("it {0}")]
+    Ended(Ending),
+    /// It took too long.
+    #[error("it gave no whole answer to {to} within {} s", .limit.as_secs_f64())]
+    Silent {
+        /// The message that was not answered.
+        to: &'static str,
+        /// How long was waited.
+        limit: Duration,
+    },
+    /// It does not take messages.
+    #[error("it does not read messages")]
+    Deaf,
+    /// It answered `error`.
+    #[error("it reports an error: {0}")]
+    Reported(String),
+    /// It breaks the protocol.
+    #[error("its answer is wrong: {0}")]
+    WrongAnswer(String),
+    /// The machine did not let us speak to it.
+    #[error("{0}")]
+    Machine(String),
+}
+
+/// How a program ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// By itself.
+    Exit(i32),
+    /// By a signal.
+    Signal(i32),
+    /// Only its pipe is closed, or nobody knows.
+    ClosedPipe,
+}
+
+impl fmt::Display for Ending {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exit(code) => write!(formatter, "ended with exit code {code}"),
+            Self::Signal(signal) => write!(formatter, "was ended by signal {signal}"),
+            Self::ClosedPipe => formatter.write_str("closed its pipe"),
+        }
+    }
+}
+
+/// A problem, with whose it is and when.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DetectorFailure {
+    /// Name of the detector.
+    pub detector: String,
+    /// The scan it was asked for; `None` before the first.
+    pub scan: Option<String>,
+    /// What went wrong.
+    pub problem: DetectorProblem,
+    /// The last lines that it printed.
+    pub last_words: Vec<String>,
+    /// Whether it makes no sense to ask it for further scans.
+    pub is_final: bool,
+}
+
+impl std::error::Error for DetectorFailure {}
+
+impl fmt::Display for DetectorFailure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "the detector {:?} failed", self.detector)?;
+        if let Some(scan) = &self.scan {
+            write!(formatter, " at scan {scan}")?;
+        }
+        write!(formatter, ": {}", self.problem)?;
+        if !self.last_words.is_empty() {
+            formatter.write_str("\nlast lines that it printed:")?;
+        }
+        self.last_words.iter().try_for_each(|it| write!(formatter, "\n  {it}"))
+    }
+}

@@ -1,0 +1,156 @@
+//! A detector that runs as a program of its own, under its [supervisor](super::supervisor).
+
+use std::io;
+use std::os::unix::process::CommandExt as _;
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal};
+
+use super::last_words::LastWords;
+use super::message::{PROTOCOL, Question, line_of};
+use super::pipe::Pipe;
+use super::problem::Ending;
+use super::processes::cpu_time_of_descendants;
+use super::supervisor::SIGNALLED;
+
+/// The verb of this program that makes it the supervisor of the command that follows.
+pub const SUPERVISE: &str = "supervise";
+
+/// Libraries that take their number of threads from the environment.
+const THREAD_VARIABLES: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
+/// How long a detector has to end once it is asked to.
+const GRACE: Duration = Duration::from_secs(2);
+/// How long a supervisor has to clean up.
+const LONGEST_CLEANING: Duration = Duration::from_secs(4);
+
+/// How a detector is started.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StartedProgram {
+    /// The program and its arguments.
+    pub command: Vec<String>,
+    /// Where it works.
+    pub folder: PathBuf,
+    /// How many threads it should use at most.
+    pub threads: u32,
+    /// How long it may take until it can be asked.
+    pub start_limit: Duration,
+}
+
+/// A detector that is running.
+#[derive(Debug)]
+pub struct Program {
+    supervisor: Child,
+    /// Through which it is spoken to.
+    pub pipe: Pipe,
+    words: LastWords,
+    status: Option<ExitStatus>,
+}
+
+impl StartedProgram {
+    /// Starts it.
+    ///
+    /// # Errors
+    ///
+    /// If the operating system has no more processes or pipes.
+    pub fn start(&self) -> io::Result<Program> {
+        let (theirs_to_read, to) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
+        let (from, theirs_to_write) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
+        let mut command = Command::new(std::env::current_exe()?);
+        command.arg(SUPERVISE).arg("--").args(&self.command).current_dir(&self.folder);
+        command.env("SCANBENCH_PROTOCOL", PROTOCOL.to_string());
+        for name in THREAD_VARIABLES.iter().filter(|name| std::env::var_os(name).is_none()) {
+            command.env(name, self.threads.to_string());
+        }
+        command.stdin(theirs_to_read).stdout(theirs_to_write).stderr(Stdio::piped());
+        // Ctrl-C on the terminal is for us alone.
+        let mut supervisor = command.process_group(0).spawn()?;
+        // It holds their ends of the pipes, which nobody else may.
+        drop(command);
+        let printed = supervisor.stderr.take().ok_or(io::ErrorKind::BrokenPipe)?;
+        Ok(Program { supervisor, pipe: Pipe::new(to, from)?, words: LastWords::of(printed), status: None })
+    }
+}
+
+impl Program {
+    /// Time on processors of it and all that it has started.
+    pub fn cpu_time(&self) -> Option<Duration> {
+        cpu_time_of_descendants(self.supervisor.id())
+    }
+
+    /// The last lines that it printed so far.
+    pub fn last_words(&self) -> Vec<String> {
+        self.words.lines()
+    }
+
+    /// Asks it to end, and sees to it. Returns what should not have been.
+    pub fn quit(mut self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.pipe.has_more() && !self.pipe.is_closed() {
+            warnings.push("said more than it was asked".to_owned());
+        }
+        let line = line_of(&Question::Quit, 0).unwrap_or_default();
+        let _ = self.pipe.write(&line, Instant::now() + GRACE);
+        self.pipe.close();
+        if self.wait(GRACE).is_none() {
+            warnings
+                .push(format!("did not end within {} s of being asked to, and was killed", GRACE.as_secs()));
+            self.kill();
+        }
+        self.words.wait();
+        warnings.extend(self.words.of_supervisor());
+        warnings
+    }
+
+    /// Ends it, if it has not ended, and returns how it ended and its last words.
+    pub fn end(mut self) -> (Ending, Vec<String>) {
+        // Whoever closes the pipe may be about to end.
+        let ending = match self.wait(Duration::from_millis(500)).map(|it| it.code()) {
+            None => Ending::ClosedPipe,
+            Some(Some(code)) if code > SIGNALLED => Ending::Signal(code - SIGNALLED),
+            Some(code) => code.map_or(Ending::ClosedPipe, Ending::Exit),
+        };
+        self.kill();
+        self.words.wait();
+        (ending, self.words.lines())
+    }
+
+    /// Kills it.
+    pub fn kill_with_last_words(mut self) -> Vec<String> {
+        self.kill();
+        self.words.wait();
+        self.words.lines()
+    }
+
+    fn kill(&mut self) {
+        if self.status.is_some() {
+            return;
+        }
+        let _ = rustix::process::kill_process(Pid::from_child(&self.supervisor), Signal::TERM);
+        if self.wait(LONGEST_CLEANING).is_none() {
+            let _ = self.supervisor.kill();
+            let _ = self.supervisor.wait();
+        }
+    }
+
+    /// Waits for its end, this long at most.
+    fn wait(&mut self, longest: Duration) -> Option<ExitStatus> {
+        let ends = Instant::now() + longest;
+        loop {
+            if self.status.is_none() {
+                self.status = self.supervisor.try_wait().ok().flatten();
+            }
+            if self.status.is_some() || Instant::now() >= ends {
+                return self.status;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}

@@ -1,0 +1,131 @@
+//! The points of a scan in a file in memory that detectors map.
+
+use std::fs::{File, OpenOptions};
+use std::io;
+use std::os::unix::fs::{FileExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use detector::PointCloud;
+use reports::files::unfinished::{Kind, Unfinished};
+
+use super::message::Column;
+
+/// Columns begin at multiples of this, in bytes.
+const ALIGNMENT: usize = 64;
+/// Columns of a cloud.
+const COLUMNS: [&str; 4] = ["x_m", "y_m", "z_m", "intensity"];
+/// Where files live in memory; elsewhere they are ordinary ones.
+const IN_MEMORY: &str = "/dev/shm";
+
+static N_FILES: AtomicU32 = AtomicU32::new(0);
+
+/// A file with room for the points of a scan.
+pub struct SharedCloud {
+    file: File,
+    max_points: usize,
+    name: Option<(PathBuf, Unfinished)>,
+    bytes: Vec<u8>,
+}
+
+impl SharedCloud {
+    /// Room for `max_points`.
+    ///
+    /// # Errors
+    ///
+    /// If there is not as much memory.
+    pub fn with_room(max_points: usize) -> io::Result<Self> {
+        let folder =
+            if Path::new(IN_MEMORY).is_dir() { PathBuf::from(IN_MEMORY) } else { std::env::temp_dir() };
+        let number = N_FILES.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!("scanbench-{}-{number}", std::process::id()));
+        let create = || OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(&path);
+        let (entry, file) = Unfinished::begin(Kind::File, create, |_| path.clone())?;
+        let n_bytes = COLUMNS.len() * column_bytes(max_points);
+        let shared = Self { file, max_points, name: Some((path, entry)), bytes: Vec::new() };
+        shared.file.set_len(n_bytes.max(1) as u64)?;
+        Ok(shared)
+    }
+
+    /// No scan may have more points.
+    pub fn max_points(&self) -> usize {
+        self.max_points
+    }
+
+    /// Where it is; `None` once it has been [hidden](Self::hide).
+    pub fn path(&self) -> Option<&Path> {
+        self.name.as_ref().map(|(path, _)| path.as_path())
+    }
+
+    /// Takes its name away: who has mapped it keeps it, and nothing is left behind.
+    pub fn hide(&mut self) {
+        if let Some((path, entry)) = self.name.take() {
+            let _ = entry.undisturbed(|| std::fs::remove_file(path));
+        }
+    }
+
+    /// Writes the points of `cloud`, and says where.
+    ///
+    /// # Errors
+    ///
+    /// If the memory cannot be written.
+    pub fn write(&mut self, cloud: &PointCloud) -> io::Result<Vec<Column>> {
+        debug_assert!(cloud.len() <= self.max_points);
+        let columns = [cloud.x_m(), cloud.y_m(), cloud.z_m(), cloud.intensity()];
+        let mut written = Vec::new();
+        for (column_idx, (name, values)) in COLUMNS.into_iter().zip(columns).enumerate() {
+            let offset = column_idx * column_bytes(cloud.len());
+            self.bytes.clear();
+            self.bytes.extend(values.iter().flat_map(|it| it.to_le_bytes()));
+            self.file.write_all_at(&self.bytes, offset as u64)?;
+            written.push(Column { name: name.to_owned(), kind: "f32".to_owned(), offset });
+        }
+        Ok(written)
+    }
+}
+
+impl Drop for SharedCloud {
+    fn drop(&mut self) {
+        self.hide();
+    }
+}
+
+fn column_bytes(n_points: usize) -> usize {
+    (n_points * size_of::<f32>()).next_multiple_of(ALIGNMENT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_stand_where_it_is_said() {
+        let mut cloud = PointCloud::default();
+        (0..17_u8).for_each(|it| cloud.push([it, it + 50, it + 100].map(f32::from), 0.5));
+        let mut shared = SharedCloud::with_room(40).unwrap();
+        let path = shared.path().unwrap().to_owned();
+        let mapped = File::open(&path).unwrap();
+        shared.hide();
+        assert!(!path.exists());
+        let columns = shared.write(&cloud).unwrap();
+        assert_eq!(columns.iter().map(|it| it.name.as_str()).collect::<Vec<_>>(), COLUMNS);
+        for (column, values) in columns.iter().zip([cloud.x_m(), cloud.y_m(), cloud.z_m(), cloud.intensity()])
+        {
+            assert_eq!(column.offset % ALIGNMENT, 0);
+            let mut bytes = vec![0; 4 * cloud.len()];
+            mapped.read_exact_at(&mut bytes, column.offset as u64).unwrap();
+            let read: Vec<f32> =
+                bytes.chunks_exact(4).map(|it| f32::from_le_bytes(it.try_into().unwrap())).collect();
+            assert_eq!(read, values);
+        }
+    }
+
+    #[test]
+    fn nothing_is_left_behind() {
+        let shared = SharedCloud::with_room(0).unwrap();
+        let path = shared.path().unwrap().to_owned();
+        assert!(path.exists());
+        drop(shared);
+        assert!(!path.exists());
+    }
+}

@@ -1,0 +1,133 @@
+//! Stands between us and a detector, so that nothing of it is left behind, whatever ends us.
+//!
+//! It is a process of its own that starts the detector, inherits whatever that leaves behind, and kills all of it once the
+//! detector has ended, once we ask for it, or once we are gone.
+
+use std::io::{self, Write as _};
+use std::os::fd::{AsFd, AsRawFd as _, BorrowedFd};
+use std::os::unix::net::UnixStream;
+use std::os::unix::process::ExitStatusExt as _;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+use rustix::process::{Pid, PidfdFlags, Signal, WaitOptions};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+
+use super::last_words::SUPERVISOR;
+use super::processes::children;
+
+/// Exit code of a supervisor that could not start the detector.
+pub const CANNOT_START: u8 = 126;
+/// Added to the number of the signal that ended a detector.
+pub const SIGNALLED: i32 = 128;
+/// The descriptors of the pipes are told in these.
+pub const READ_FD: &str = "SCANBENCH_READ_FD";
+/// See [`READ_FD`].
+pub const WRITE_FD: &str = "SCANBENCH_WRITE_FD";
+
+/// How long what was killed may take to be gone.
+const LONGEST_DEATH: Duration = Duration::from_secs(2);
+
+/// Starts `words`, a program and its arguments, and waits for its end. Its messages come in on our standard input and go out on our
+/// standard output; what it prints goes to our standard error. Returns its exit code, as shells tell it.
+pub fn supervise(words: &[String]) -> u8 {
+    match start_and_wait(words) {
+        Ok(code) => code,
+        Err(error) => {
+            let program = words.first().map_or("", String::as_str);
+            let _ = writeln!(io::stderr(), "{program:?} cannot be started: {error}");
+            CANNOT_START
+        }
+    }
+}
+
+fn start_and_wait(words: &[String]) -> io::Result<u8> {
+    // What the detector leaves behind becomes ours, and not that of the first process of the machine.
+    rustix::process::set_child_subreaper(Some(rustix::process::getpid()))?;
+    let (told, asked_to_end) = UnixStream::pair()?;
+    for signal in [SIGTERM, SIGINT, SIGHUP] {
+        signal_hook::low_level::pipe::register(signal, told.try_clone()?)?;
+    }
+    let mut child = start(words)?;
+    let pid = Pid::from_child(&child);
+    let ended = rustix::process::pidfd_open(pid, PidfdFlags::empty())?;
+    wait_for_any(&[ended.as_fd(), asked_to_end.as_fd()]);
+    let has_ended = poll(&mut [PollFd::new(&ended, PollFlags::IN)], Some(&Timespec::default())) == Ok(1);
+    if !has_ended {
+        child.kill()?;
+    }
+    let status = child.wait()?;
+    let n_left_behind = kill_the_rest();
+    if has_ended && n_left_behind > 0 {
+        writeln!(io::stderr(), "{SUPERVISOR}left {n_left_behind} processes behind, which were killed").ok();
+    }
+    Ok(code_of(status))
+}
+
+/// Starts the detector, which alone has the ends of the pipes from then on.
+fn start(words: &[String]) -> io::Result<Child> {
+    let (program, arguments) = words.split_first().ok_or(io::ErrorKind::InvalidInput)?;
+    // Duplicates are inherited, unlike what the standard library opens.
+    let reading = rustix::io::dup(io::stdin())?;
+    let writing = rustix::io::dup(io::stdout())?;
+    let printing = io::stderr().as_fd().try_clone_to_owned()?;
+    let child = Command::new(program)
+        .args(arguments)
+        .env(READ_FD, reading.as_raw_fd().to_string())
+        .env(WRITE_FD, writing.as_raw_fd().to_string())
+        .stdin(Stdio::null())
+        .stdout(printing)
+        .spawn();
+    let nothing = std::fs::OpenOptions::new().read(true).write(true).open("/dev/null")?;
+    rustix::stdio::dup2_stdin(&nothing)?;
+    rustix::stdio::dup2_stdout(&nothing)?;
+    child
+}
+
+/// Waits until one of `ends` can be read, or nobody reads our standard error any more, which means that we are gone.
+fn wait_for_any(ends: &[BorrowedFd<'_>]) {
+    let stderr = io::stderr();
+    loop {
+        let mut all: Vec<PollFd<'_>> = ends.iter().map(|it| PollFd::new(it, PollFlags::IN)).collect();
+        // Errors are told of whether or not they are asked for.
+        all.push(PollFd::new(&stderr, PollFlags::empty()));
+        match poll(&mut all, None) {
+            Err(Errno::INTR) => {}
+            _ => return,
+        }
+    }
+}
+
+/// Kills whatever is still there, and what that leaves behind; says how many there were.
+fn kill_the_rest() -> usize {
+    let ends = Instant::now() + LONGEST_DEATH;
+    let mut killed = std::collections::BTreeSet::new();
+    while Instant::now() < ends {
+        for pid in children(std::process::id()) {
+            let Some(pid) = Pid::from_raw(pid as i32) else { continue };
+            let was_alive = !is_dead(pid);
+            if rustix::process::kill_process(pid, Signal::KILL).is_ok() && was_alive {
+                killed.insert(pid.as_raw_nonzero());
+            }
+        }
+        match rustix::process::wait(WaitOptions::NOHANG) {
+            Err(Errno::CHILD) => break,
+            Ok(Some(_)) => {}
+            _ => std::thread::sleep(Duration::from_millis(1)),
+        }
+    }
+    killed.len()
+}
+
+/// Whether a process has ended and only waits to be waited for.
+fn is_dead(pid: Pid) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.as_raw_nonzero())).unwrap_or_default();
+    stat.rsplit_once(") ").is_none_or(|(_, state)| state.starts_with('Z'))
+}
+
+fn code_of(status: ExitStatus) -> u8 {
+    let code = status.code().or_else(|| Some(SIGNALLED + status.signal()?));
+    code.and_then(|it| u8::try_from(it).ok()).unwrap_or(1)
+}

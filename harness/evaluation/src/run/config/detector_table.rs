@@ -1,0 +1,251 @@
+//! `[detector.NAME]`: detectors that are not built in.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use toml::{Table, Value};
+
+use super::error::ConfigError;
+use super::override_file::OverrideFile;
+use crate::run::foreign_detector::{ForeignDetector, ForeignProcess, ForeignWork, VehicleRule};
+use crate::run::kept_names::kept;
+
+/// The table of detectors that are not built in.
+pub const DETECTOR_TABLE: &str = "detector";
+
+/// What a table of a detector may hold.
+const KEYS: [&str; 6] = ["command", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
+/// Names that mean something else.
+pub const TAKEN_NAMES: [&str; 6] =
+    ["hierarchical", "kd-tree", "kd-tree-same-walls", "pca", "simple-grid", "nothing"];
+/// How long a detector may take until it can be asked, unless the file says otherwise.
+const START_LIMIT: Duration = Duration::from_secs(30);
+/// How long it may take for a scan.
+const TIME_LIMIT: Duration = Duration::from_secs(10);
+/// Longest time limit, in seconds.
+const LONGEST_LIMIT_S: f64 = 3600.0;
+/// Most threads.
+const MOST_THREADS: i64 = 1024;
+
+/// The detectors that a file tells of, and the parameters of those that have any.
+pub(super) fn foreign_detectors(
+    file: &OverrideFile<'_>,
+    written: Value,
+) -> Result<(Vec<ForeignDetector>, Table), ConfigError> {
+    let top = DetectorTable { file, keys: vec![DETECTOR_TABLE.to_owned()] };
+    let mut detectors = Vec::new();
+    let mut parameters = Table::new();
+    for (name, value) in top.table(written)? {
+        let place = top.below(&name);
+        place.check_name(&name)?;
+        let mut table = place.table(value)?;
+        if let Some(of_detector) = table.remove("parameters") {
+            let of_detector = place.below("parameters").table(of_detector)?;
+            parameters.insert(name.clone(), Value::Table(of_detector));
+        }
+        detectors.push(place.detector(&name, table)?);
+    }
+    Ok((detectors, parameters))
+}
+
+/// A table within a file, and how it is reached.
+struct DetectorTable<'a> {
+    file: &'a OverrideFile<'a>,
+    keys: Vec<String>,
+}
+
+impl DetectorTable<'_> {
+    fn below(&self, key: &str) -> Self {
+        let keys = self.keys.iter().cloned().chain([key.to_owned()]).collect();
+        Self { file: self.file, keys }
+    }
+
+    fn detector(&self, name: &str, mut table: Table) -> Result<ForeignDetector, ConfigError> {
+        let command = table.remove("command");
+        let work = match command {
+            Some(command) => ForeignWork::Process(ForeignProcess {
+                command: self.below("command").command(command)?,
+                start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
+                time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
+                threads: self.threads(table.remove("threads"))?,
+                introduction: Arc::default(),
+            }),
+            None => {
+                let remedy = "write command = [\"python3\", \"detector.py\"]";
+                return Err(self.problem(format!(" says no command; {remedy}")));
+            }
+        };
+        let vehicles = self.vehicles(table.remove("vehicles"))?;
+        if let Some(key) = table.keys().next() {
+            let remedy = format!("a detector has {}", KEYS.join(", "));
+            let place = self.file.place_of(&self.below(key).keys);
+            return Err(ConfigError::Unknown { place, key: self.below(key).keys.join("."), remedy });
+        }
+        Ok(ForeignDetector { name: kept(name), folder: folder_of(self.file.path), work, vehicles })
+    }
+
+    fn command(&self, written: Value) -> Result<Vec<String>, ConfigError> {
+        let Value::Array(words) = written else { return Err(self.wrong_type(&written, "array")) };
+        let word = |it: Value| match it {
+            Value::String(word) if !word.contains('\0') => Ok(word),
+            Value::String(_) => Err(self.problem(" has a word with a zero byte".to_owned())),
+            other => Err(self.wrong_type(&other, "array of strings")),
+        };
+        let words = words.into_iter().map(word).collect::<Result<Vec<String>, _>>()?;
+        if words.first().is_none_or(String::is_empty) {
+            return Err(self.problem(" names no program".to_owned()));
+        }
+        Ok(words)
+    }
+
+    fn limit(&self, key: &str, written: Option<Value>, default: Duration) -> Result<Duration, ConfigError> {
+        let place = self.below(key);
+        let limit_s = match written {
+            None => return Ok(default),
+            Some(Value::Float(limit_s)) => limit_s,
+            Some(Value::Integer(limit_s)) => limit_s as f64,
+            Some(other) => return Err(place.wrong_type(&other, "float")),
+        };
+        if limit_s > 0.0 && limit_s <= LONGEST_LIMIT_S {
+            return Ok(Duration::from_secs_f64(limit_s));
+        }
+        Err(place.problem(format!(" = {limit_s} is not above 0 and at most {LONGEST_LIMIT_S}")))
+    }
+
+    fn threads(&self, written: Option<Value>) -> Result<u32, ConfigError> {
+        let place = self.below("threads");
+        match written {
+            None => Ok(1),
+            Some(Value::Integer(threads @ 1..=MOST_THREADS)) => Ok(threads as u32),
+            Some(Value::Integer(threads)) => {
+                Err(place.problem(format!(" = {threads} is not within 1 to {MOST_THREADS}")))
+            }
+            Some(other) => Err(place.wrong_type(&other, "integer")),
+        }
+    }
+
+    fn vehicles(&self, written: Option<Value>) -> Result<VehicleRule, ConfigError> {
+        let place = self.below("vehicles");
+        match written {
+            None => Ok(VehicleRule::default()),
+            Some(Value::String(word)) => {
+                let rule = VehicleRule::ALL.into_iter().find(|it| it.name() == word);
+                let known = VehicleRule::ALL.map(VehicleRule::name).join(", ");
+                rule.ok_or_else(|| place.problem(format!(" = {word:?} is none of {known}")))
+            }
+            Some(other) => Err(place.wrong_type(&other, "string")),
+        }
+    }
+
+    fn check_name(&self, name: &str) -> Result<(), ConfigError> {
+        let is_of_name = |it: char| it.is_ascii_alphanumeric() || it == '-' || it == '_';
+        if name.len() > 40
+            || !name.starts_with(|it: char| it.is_ascii_alphanumeric())
+            || !name.chars().all(is_of_name)
+        {
+            return Err(
+                self.problem(" is no name of a detector: letters, digits, - and _, at most 40".to_owned())
+            );
+        }
+        if TAKEN_NAMES.contains(&name) {
+            return Err(self.problem(" has the name of a built-in detector".to_owned()));
+        }
+        Ok(())
+    }
+
+    fn table(&self, written: Value) -> Result<Table, ConfigError> {
+        match written {
+            Value::Table(table) => Ok(table),
+            other => Err(self.wrong_type(&other, "table")),
+        }
+    }
+
+    fn wrong_type(&self, found: &Value, expected: &'static str) -> ConfigError {
+        let (place, key) = (self.file.place_of(&self.keys), self.keys.join("."));
+        ConfigError::WrongType { place, key, found: found.type_str(), expected }
+    }
+
+    fn problem(&self, problem: String) -> ConfigError {
+        ConfigError::Value { place: self.file.place_of(&self.keys), key: self.keys.join("."), problem }
+    }
+}
+
+/// Where a detector works that a file tells of.
+fn folder_of(file: &Path) -> PathBuf {
+    let folder = file.parent().filter(|it| !it.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::config::RunConfig;
+
+    fn load(text: &str) -> Result<RunConfig, ConfigError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scanbench.toml");
+        std::fs::write(&path, text).unwrap();
+        RunConfig::load(Some(&path))
+    }
+
+    const DBSCAN: &str = "[detector.dbscan]\ncommand = [\"python3\", \"dbscan.py\"]\nparameters = { eps = 0.5, kind = \"tree\" }\n";
+
+    #[test]
+    fn a_detector_has_its_command_and_parameters() {
+        let config = load(&format!("{DBSCAN}time_limit_s = 2\nthreads = 4\nvehicles = \"model\"")).unwrap();
+        let [detector] = &config.foreign[..] else { panic!("{:?}", config.foreign) };
+        let ForeignWork::Process(process) = &detector.work;
+        assert_eq!((detector.name, detector.vehicles), ("dbscan", VehicleRule::Model));
+        assert_eq!(
+            (process.command.len(), process.time_limit, process.threads),
+            (2, Duration::from_secs(2), 4)
+        );
+        assert_eq!(config.resolved["detector"]["dbscan"]["eps"].as_float(), Some(0.5));
+    }
+
+    #[test]
+    fn its_parameters_are_chosen_as_ours_are() {
+        let config = load(DBSCAN).unwrap();
+        for written in ["eps=0.7", "dbscan.eps=0.7", "detector.dbscan.eps=0.7"] {
+            let option = written.parse().unwrap();
+            let changed = config.overridden(&[option], &["detector.dbscan", "kd_tree"]).unwrap();
+            assert_eq!(changed.value_of("detector.dbscan.eps").and_then(Value::as_float), Some(0.7));
+            assert_eq!(changed.foreign, config.foreign);
+        }
+        let refused = |written: &str| {
+            let option = written.parse().unwrap();
+            config.overridden(&[option], &["detector.dbscan"]).unwrap_err().to_string()
+        };
+        assert!(refused("epsilon=0.7").contains("dbscan"), "{}", refused("epsilon=0.7"));
+        assert!(refused("eps=far").contains("is of type string, but must be float"));
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_line() {
+        for (text, expected) in [
+            ("[detector.dbscan]\nthreads = 2", "line 1: detector.dbscan says no command"),
+            (
+                "[detector.dbscan]\ncommand = \"python3\"",
+                "line 2: detector.dbscan.command is of type string, but must be array",
+            ),
+            ("[detector.dbscan]\ncommand = []", "line 2: detector.dbscan.command names no program"),
+            (
+                "[detector.dbscan]\ncommand = [\"x\"]\nthread = 2",
+                "line 3: unknown parameter detector.dbscan.thread",
+            ),
+            (
+                "[detector.dbscan]\ncommand = [\"x\"]\nthreads = 0",
+                "line 3: detector.dbscan.threads = 0 is not within 1 to 1024",
+            ),
+            ("[detector.dbscan]\ncommand = [\"x\"]\ntime_limit_s = nan", "time_limit_s = NaN is not above 0"),
+            ("[detector.dbscan]\ncommand = [\"x\"]\nvehicles = \"all\"", "\"all\" is none of size, model"),
+            ("[detector.pca]\ncommand = [\"x\"]", "has the name of a built-in detector"),
+            ("[detector.\"a b\"]\ncommand = [\"x\"]", "is no name of a detector"),
+            ("detector = 3", "detector is of type integer, but must be table"),
+        ] {
+            let error = load(text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! A detector that somebody else wrote, as a configuration file tells of it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use crate::process::message::Introduction;
+
+/// What is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForeignDetector {
+    /// Its name in tables and files.
+    pub name: &'static str,
+    /// Where the file lies that tells of it.
+    pub folder: PathBuf,
+    /// How it comes to its detections.
+    pub work: ForeignWork,
+    /// What tells vehicles among its objects, where it does not.
+    pub vehicles: VehicleRule,
+}
+
+/// How a foreign detector comes to its detections.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ForeignWork {
+    /// It is a program.
+    Process(ForeignProcess),
+}
+
+/// How its program is run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForeignProcess {
+    /// The program and its arguments.
+    pub command: Vec<String>,
+    /// How long it may take from its start until it can be asked.
+    pub start_limit: Duration,
+    /// How long it may take for a scan.
+    pub time_limit: Duration,
+    /// How many threads it should use at most.
+    pub threads: u32,
+    /// What it said of itself, once it has been started.
+    pub introduction: Arc<OnceLock<Introduction>>,
+}
+
+/// What tells vehicles.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum VehicleRule {
+    /// Their size.
+    #[default]
+    Size,
+    /// The model that our own detectors have, on the foreign objects.
+    Model,
+}
+
+impl VehicleRule {
+    /// All rules.
+    pub const ALL: [Self; 2] = [Self::Size, Self::Model];
+
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Size => "size",
+            Self::Model => "model",
+        }
+    }
+}

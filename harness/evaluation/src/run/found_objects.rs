@@ -1,0 +1,230 @@
+//! From what a foreign detector says to detections: points of boxes, boxes of points, and what is a vehicle.
+
+use detector::classify::size_gate::{SizeGateParams, size_gate};
+use detector::classify::vehicle_model::VehicleModel;
+use detector::detector::StageClock;
+use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::params::HierarchicalParams;
+use detector::pipeline::foreground_stages::ForegroundStages;
+use detector::pipeline::object_stages::ObjectStages;
+use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, PointCloud};
+use reports::vocabulary::class::AnnotationClass;
+
+use crate::matching::eligibility::counts_as_vehicle;
+use crate::run::points_in_boxes::PointsAlongX;
+
+/// An object as a foreign detector tells it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FoundObject {
+    /// Its points, as indices into the scan, ascending; `None` for those in its box.
+    pub point_indices: Option<Vec<u32>>,
+    /// Its box in the frame of the scan; `None` for the one that we fit to its points.
+    pub bounding_box: Option<OrientedBox>,
+    /// What it is, if the detector tells.
+    pub class: Option<AnnotationClass>,
+    /// How sure the detector is of it.
+    pub score: Option<f32>,
+}
+
+/// Tells vehicles among objects whose detector does not.
+pub struct ForeignVehicles {
+    size: SizeGateParams,
+    box_fit: ConvexHullBox,
+    by_model: Option<ByModel>,
+}
+
+/// Our own stages on their objects.
+struct ByModel {
+    foreground: ForegroundStages,
+    objects: ObjectStages,
+    output: DetectorOutput,
+}
+
+/// Why objects cannot be made detections, as the rest of a sentence.
+pub type ObjectProblem = String;
+
+impl ForeignVehicles {
+    /// By their size, as `params` have it.
+    pub fn by_size(params: &HierarchicalParams) -> Self {
+        Self { size: params.vehicle_size.clone(), box_fit: ConvexHullBox::default(), by_model: None }
+    }
+
+    /// By `model`, as our own detectors do, in scans of a sensor `sensor_height_m` above the road.
+    pub fn by_model(params: &HierarchicalParams, model: VehicleModel, sensor_height_m: f32) -> Self {
+        let mut params = params.clone();
+        // Objects stay as their detector found them.
+        params.completion.enabled = false;
+        let objects = ObjectStages::new(&params, 1).with_vehicle_model(model);
+        let foreground = ForegroundStages::new(params.clone(), sensor_height_m);
+        let by_model = ByModel { foreground, objects, output: DetectorOutput::default() };
+        Self { by_model: Some(by_model), ..Self::by_size(&params) }
+    }
+
+    /// Makes detections of `objects`, in their order; what has neither a point nor a box is none.
+    ///
+    /// # Errors
+    ///
+    /// If they hold more points than can be worked with.
+    pub fn detections_of(
+        &mut self,
+        objects: Vec<FoundObject>,
+        cloud: &PointCloud,
+        output: &mut DetectorOutput,
+    ) -> Result<(), ObjectProblem> {
+        let mut points_along_x = None;
+        let mut whole = Vec::with_capacity(objects.len());
+        for object in objects {
+            let points = match (object.point_indices, object.bounding_box) {
+                (Some(points), _) => points,
+                (None, Some(bounding_box)) => {
+                    let points = points_along_x.get_or_insert_with(|| PointsAlongX::of(cloud));
+                    points.inside(cloud, &bounding_box)?
+                }
+                (None, None) => continue,
+            };
+            let bounding_box = object.bounding_box.or_else(|| self.fit(&points, cloud));
+            let Some(bounding_box) = bounding_box else { continue };
+            whole.push((points, bounding_box, object.class, object.score));
+        }
+        let by_model = self.classes_by_model(&whole, cloud);
+        for (object_idx, (points, bounding_box, class, score)) in whole.iter().enumerate() {
+            let by_model = by_model.as_ref().and_then(|it| it.get(object_idx).copied());
+            let told = class
+                .map(|it| if counts_as_vehicle(it) { DetectedClass::Vehicle } else { DetectedClass::Object });
+            let (class, decision) = match (told, by_model) {
+                (Some(told), _) => (told, None),
+                (None, Some(by_model)) => by_model,
+                (None, None) => (size_gate(points.len(), bounding_box, &self.size), None),
+            };
+            let score = score.or(decision);
+            let bounding_box = *bounding_box;
+            output.detections.push(Detection { point_indices: points, bounding_box, class, score });
+        }
+        Ok(())
+    }
+
+    fn fit(&mut self, points: &[u32], cloud: &PointCloud) -> Option<OrientedBox> {
+        let positions_m = points.iter().map(|&it| cloud.position_m(it as usize));
+        let heights_m = positions_m.clone().map(|it| it[2]);
+        let z_range_m =
+            heights_m.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
+        self.box_fit.fit(positions_m.map(|[x_m, y_m, _]| [x_m, y_m]), z_range_m)
+    }
+
+    /// What the model takes each object for, and how surely; `None` without a model.
+    fn classes_by_model(
+        &mut self,
+        objects: &[(Vec<u32>, OrientedBox, Option<AnnotationClass>, Option<f32>)],
+        cloud: &PointCloud,
+    ) -> Option<Vec<(DetectedClass, Option<f32>)>> {
+        let mut by_model = self.by_model.take()?;
+        let ByModel { foreground, objects: stages, output } = &mut by_model;
+        output.clear();
+        let mut clock = StageClock::start();
+        foreground.run(cloud, &mut clock, &mut output.stage_times);
+        stages.clear();
+        let mut has_points = Vec::new();
+        for (points, bounding_box, ..) in objects {
+            has_points.push(!points.is_empty());
+            if points.is_empty() {
+                continue;
+            }
+            // For its outline.
+            self.fit(points, cloud);
+            let positions = points.iter().map(|&it| (it, cloud.position_m(it as usize)));
+            stages.add(positions, *bounding_box, self.box_fit.hull_m());
+        }
+        stages.finish(cloud, foreground, &mut clock, output);
+        let mut judged: Vec<_> = output.detections.iter().map(|it| (it.class, it.score)).collect();
+        judged.reverse();
+        self.by_model = Some(by_model);
+        // What holds no point has no shape.
+        let nothing = (DetectedClass::Object, None);
+        let of_object = |has_points| if has_points { judged.pop().unwrap_or(nothing) } else { nothing };
+        Some(has_points.into_iter().map(of_object).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use simulator::catalogue::built_in_catalogue;
+    use simulator::open::{OpenOptions, open_dataset};
+
+    use crate::run::config::RunConfig;
+
+    fn found(objects: Vec<FoundObject>, cloud: &PointCloud) -> Result<DetectorOutput, ObjectProblem> {
+        let mut output = DetectorOutput::default();
+        let params = HierarchicalParams::paper();
+        ForeignVehicles::by_size(&params).detections_of(objects, cloud, &mut output)?;
+        Ok(output)
+    }
+
+    const CAR: OrientedBox =
+        OrientedBox { center_m: [8.0, 0.0, 0.5], length_width_height_m: [4.2, 1.8, 1.5], yaw_rad: 0.0 };
+
+    /// 60 points on the floor of [`CAR`], and one far away.
+    fn cloud() -> PointCloud {
+        let inside = (0..60_u8).map(|it| [6.0 + f32::from(it) / 15.0, 0.5, 0.1 + f32::from(it % 10) / 10.0]);
+        inside.chain([[30.0, 0.0, 0.0]]).collect()
+    }
+
+    #[test]
+    fn a_box_alone_has_the_points_in_it_and_a_cluster_alone_the_box_around_it() {
+        let boxed = FoundObject { bounding_box: Some(CAR), ..FoundObject::default() };
+        let clustered = FoundObject { point_indices: Some((0..60).collect()), ..FoundObject::default() };
+        let output = found(vec![boxed, clustered], &cloud()).unwrap();
+        let [first, second] = [0, 1].map(|it| output.detections.get(it));
+        assert_eq!(first.point_indices, second.point_indices);
+        assert_eq!((first.bounding_box, first.class), (CAR, DetectedClass::Vehicle));
+        assert!((second.bounding_box.length_width_height_m[0] - 59.0 / 15.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_box_of_nothing_is_a_detection_and_a_cluster_of_nothing_is_none() {
+        let far = OrientedBox { center_m: [90.0, 0.0, 0.0], ..CAR };
+        let boxed = FoundObject { bounding_box: Some(far), score: Some(0.5), ..FoundObject::default() };
+        let clustered = FoundObject { point_indices: Some(Vec::new()), ..FoundObject::default() };
+        let output = found(vec![boxed, clustered], &cloud()).unwrap();
+        assert_eq!(output.detections.len(), 1);
+        assert_eq!(
+            (output.detections.get(0).point_indices.len(), output.detections.get(0).score),
+            (0, Some(0.5))
+        );
+    }
+
+    #[test]
+    fn the_class_is_the_detectors_if_it_tells() {
+        let with = |class| FoundObject { bounding_box: Some(CAR), class, ..FoundObject::default() };
+        let classes = [Some(AnnotationClass::Bus), Some(AnnotationClass::Misc), None].map(with);
+        let output = found(classes.to_vec(), &cloud()).unwrap();
+        let seen: Vec<DetectedClass> = output.detections.iter().map(|it| it.class).collect();
+        assert_eq!(seen, [DetectedClass::Vehicle, DetectedClass::Object, DetectedClass::Vehicle]);
+    }
+
+    #[test]
+    fn the_model_tells_cars_among_annotated_points() {
+        let options = OpenOptions { n_simulated_scans: Some(2), ..OpenOptions::default() };
+        let street = open_dataset("street-main-road", &options, &built_in_catalogue().unwrap()).unwrap();
+        let scan = street.read_scan(0).unwrap();
+        let description = street.description();
+        let config = RunConfig::load(None).unwrap().for_sensor(&description.sensor).unwrap();
+        let model = config.vehicle_models.as_ref().unwrap().by_shape();
+        let mut vehicles =
+            ForeignVehicles::by_model(&config.hierarchical, model, description.sensor_height_m);
+        let large: Vec<_> = scan.annotations.iter().filter(|it| it.point_indices.len() >= 100).collect();
+        let objects = large.iter().map(|it| FoundObject {
+            point_indices: Some(it.point_indices.clone()),
+            ..FoundObject::default()
+        });
+        let mut output = DetectorOutput::default();
+        vehicles.detections_of(objects.collect(), &scan.cloud, &mut output).unwrap();
+        let told = output.detections.iter().zip(&large);
+        let n_right = told.filter(|(it, annotation)| {
+            (it.class == DetectedClass::Vehicle) == counts_as_vehicle(annotation.class)
+        });
+        let n_right = n_right.count();
+        assert_eq!(output.detections.len(), large.len());
+        assert!(large.len() > 5 && 10 * n_right >= 8 * large.len(), "{n_right} of {}", large.len());
+    }
+}

@@ -1,0 +1,75 @@
+//! The points in each of many boxes.
+
+use detector::{OrientedBox, PointCloud};
+
+/// All boxes of a scan together hold no more points than this: what holds more is no detection of objects, and fills the memory.
+const MOST_POINTS: usize = 50_000_000;
+
+/// The points of a scan in the order of x, so that a box is compared with few.
+pub struct PointsAlongX {
+    sorted: Vec<(f32, u32)>,
+    n_found: usize,
+}
+
+impl PointsAlongX {
+    /// Those of `cloud`.
+    pub fn of(cloud: &PointCloud) -> Self {
+        let mut sorted: Vec<(f32, u32)> = cloud.x_m().iter().copied().zip(0..).collect();
+        sorted.sort_unstable_by(|first, second| first.0.total_cmp(&second.0));
+        Self { sorted, n_found: 0 }
+    }
+
+    /// Indices of the points of the same `cloud` inside or on `bounding_box`, ascending.
+    ///
+    /// # Errors
+    ///
+    /// If this box and those before hold too many, as the rest of a sentence.
+    pub fn inside(&mut self, cloud: &PointCloud, bounding_box: &OrientedBox) -> Result<Vec<u32>, String> {
+        let [length_m, width_m, _] = bounding_box.length_width_height_m;
+        // A little more than half of the diagonal, so that rounding loses nothing.
+        let reach_m = 0.5 * length_m.hypot(width_m) * 1.001 + 0.001;
+        let (low_m, high_m) = (bounding_box.center_m[0] - reach_m, bounding_box.center_m[0] + reach_m);
+        let first = self.sorted.partition_point(|it| it.0 < low_m);
+        let near = self.sorted[first..].iter().take_while(|it| it.0 <= high_m);
+        let inside =
+            near.filter(|(_, point_idx)| bounding_box.contains(cloud.position_m(*point_idx as usize)));
+        let mut inside: Vec<u32> = inside.map(|(_, point_idx)| *point_idx).collect();
+        inside.sort_unstable();
+        self.n_found += inside.len();
+        if self.n_found > MOST_POINTS {
+            return Err(format!("its boxes hold more than {MOST_POINTS} points together"));
+        }
+        Ok(inside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use scans::annotation::points_inside;
+
+    proptest! {
+        #[test]
+        fn the_points_are_those_that_a_look_at_all_finds(
+            positions_m in prop::collection::vec(prop::array::uniform3(-20.0_f32..20.0), 0..200),
+            center_m in prop::array::uniform3(-20.0_f32..20.0),
+            length_width_height_m in prop::array::uniform3(0.1_f32..30.0),
+            yaw_rad in -4.0_f32..4.0,
+        ) {
+            let cloud: PointCloud = positions_m.into_iter().collect();
+            let bounding_box = OrientedBox { center_m, length_width_height_m, yaw_rad };
+            let found = PointsAlongX::of(&cloud).inside(&cloud, &bounding_box).unwrap();
+            prop_assert_eq!(found, points_inside(&cloud, &bounding_box));
+        }
+    }
+
+    #[test]
+    fn boxes_that_hold_everything_are_refused_in_time() {
+        let cloud: PointCloud = (0..100_000).map(|it| [it as f32 / 10_000.0, 0.0, 0.0]).collect();
+        let all = OrientedBox { center_m: [0.0; 3], length_width_height_m: [1000.0; 3], yaw_rad: 0.0 };
+        let mut points = PointsAlongX::of(&cloud);
+        let problem = (0..MOST_POINTS).find_map(|_| points.inside(&cloud, &all).err());
+        assert!(problem.is_some_and(|it| it.contains("50000000 points")));
+    }
+}

@@ -1,0 +1,286 @@
+//! A detector that is a program of its own, started again where it fails.
+
+use std::time::Duration;
+
+use detector::PointCloud;
+use detector::detector::{DetectorOutput, StageTime};
+use detector::stage_product::{Shape, StageProduct};
+use scans::annotation::LabeledScan;
+
+use crate::process::answer::Found;
+use crate::process::conversation::{Answered, Conversation, FIRST_SCAN_LIMIT, Goodbye};
+use crate::process::message::Configuration;
+use crate::process::problem::{DetectorFailure, DetectorProblem};
+use crate::process::program::StartedProgram;
+use crate::run::foreign_detector::ForeignProcess;
+use crate::run::found_objects::{ForeignVehicles, FoundObject};
+use crate::run::kept_names::kept;
+use crate::run::running_detector::{RunningDetector, Taken};
+
+/// After so many failures without an answer between, it is not started again.
+const MOST_FAILURES: u32 = 3;
+/// Stands before the names of stages whose times the detector took itself.
+pub const REPORTED: &str = "reported: ";
+
+/// What serves as the name of a detector that answers nothing.
+pub const NOTHING: &str = "nothing";
+
+/// The detector.
+pub struct ProcessDetector {
+    name: &'static str,
+    process: ForeignProcess,
+    start: StartedProgram,
+    configuration: Configuration,
+    vehicles: ForeignVehicles,
+    conversation: Option<Conversation>,
+    has_answered: bool,
+    n_failures: u32,
+    door: Door,
+    // Of the latest scan.
+    clusters: Vec<Option<u32>>,
+    products: Vec<(String, Vec<u8>)>,
+}
+
+/// A program that answers nothing.
+enum Door {
+    Closed,
+    Open(Box<Conversation>),
+    /// It does not work here.
+    Broken,
+}
+
+impl ProcessDetector {
+    /// The detector `name`, which is not started before the first scan.
+    pub fn new(
+        name: &'static str,
+        process: &ForeignProcess,
+        folder: std::path::PathBuf,
+        configuration: Configuration,
+        vehicles: ForeignVehicles,
+    ) -> Self {
+        let start = StartedProgram {
+            command: process.command.clone(),
+            folder,
+            threads: process.threads,
+            start_limit: process.start_limit,
+        };
+        Self {
+            name,
+            process: process.clone(),
+            start,
+            configuration,
+            vehicles,
+            conversation: None,
+            has_answered: false,
+            n_failures: 0,
+            door: Door::Closed,
+            clusters: Vec::new(),
+            products: Vec::new(),
+        }
+    }
+
+    /// The same, with the program of another that had other parameters.
+    ///
+    /// # Errors
+    ///
+    /// If it does not take the new ones.
+    pub fn with_program(mut self, mut conversation: Conversation) -> Result<Self, DetectorFailure> {
+        let is_the_same = conversation.has(&self.configuration);
+        let taken = if is_the_same { Ok(()) } else { conversation.configure_anew(&self.configuration) };
+        self.conversation = Some(conversation);
+        match taken {
+            Ok(()) => Ok(self),
+            Err(problem) => Err(DetectorFailure { is_final: true, ..self.failure(None, problem) }),
+        }
+    }
+
+    /// The answer to `scan`.
+    fn ask(&mut self, scan: &LabeledScan, time_s: f64) -> Result<Answered, DetectorFailure> {
+        let mut conversation = match self.conversation.take() {
+            Some(conversation) => conversation,
+            None => {
+                let begun = Conversation::begin(&self.start, &self.configuration, scan.cloud.len());
+                let begun = begun.map_err(|goodbye| self.start_failure(goodbye))?;
+                let _ = self.process.introduction.set(begun.introduction().clone());
+                self.has_answered = false;
+                begun
+            }
+        };
+        let limit = if self.has_answered {
+            self.process.time_limit
+        } else {
+            self.process.time_limit.max(FIRST_SCAN_LIMIT)
+        };
+        let asked = conversation.ask(scan, time_s, limit);
+        self.conversation = Some(conversation);
+        match asked {
+            Ok(answered) => {
+                (self.has_answered, self.n_failures) = (true, 0);
+                Ok(answered)
+            }
+            Err(problem) => Err(self.failure(Some(scan), problem)),
+        }
+    }
+
+    fn start_failure(&self, (problem, last_words): Goodbye) -> DetectorFailure {
+        DetectorFailure { detector: self.name.to_owned(), scan: None, problem, last_words, is_final: true }
+    }
+
+    /// Tells of `problem`; unless it was reported by the detector itself, that is gone then.
+    fn failure(&mut self, scan: Option<&LabeledScan>, problem: DetectorProblem) -> DetectorFailure {
+        let (problem, last_words) = match (self.conversation.take(), problem) {
+            (Some(conversation), problem @ DetectorProblem::Reported(_)) => {
+                let last_words = conversation.last_words();
+                self.conversation = Some(conversation);
+                self.has_answered = true;
+                (problem, last_words)
+            }
+            (Some(conversation), problem) => {
+                self.n_failures += 1;
+                conversation.end(problem)
+            }
+            (None, problem) => (problem, Vec::new()),
+        };
+        let is_final = self.n_failures >= MOST_FAILURES;
+        let scan = scan.map(|it| it.id.to_string());
+        DetectorFailure { detector: self.name.to_owned(), scan, problem, last_words, is_final }
+    }
+
+    /// What the way there and back takes.
+    fn time_door(&mut self, scan: &LabeledScan, time_s: f64) -> Option<Duration> {
+        if matches!(self.door, Door::Closed) {
+            let start = StartedProgram { command: door_command(), threads: 1, ..self.start.clone() };
+            let configuration =
+                Configuration { parameters: serde_json::Map::new(), ..self.configuration.clone() };
+            let begun = Conversation::begin(&start, &configuration, scan.cloud.len());
+            self.door = begun.map_or(Door::Broken, |it| Door::Open(Box::new(it)));
+        }
+        let Door::Open(door) = &mut self.door else { return None };
+        match door.ask(scan, time_s, FIRST_SCAN_LIMIT) {
+            Ok(answered) => Some(answered.wall),
+            Err(_) => {
+                self.door = Door::Broken;
+                None
+            }
+        }
+    }
+
+    fn take(
+        &mut self,
+        found: Found,
+        cloud: &PointCloud,
+        output: &mut DetectorOutput,
+    ) -> Result<(), DetectorProblem> {
+        let stage_times = found.stages.iter().map(|(name, ms)| StageTime {
+            stage: kept(&format!("{REPORTED}{name}")),
+            duration: Duration::from_secs_f64(ms / 1e3),
+        });
+        output.stage_times.extend(stage_times);
+        let objects = objects_of(&found);
+        self.products = found.products;
+        self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
+        self.clusters.resize(cloud.len(), None);
+        for (detection, cluster) in output.detections.iter().zip(0..) {
+            for &point_idx in detection.point_indices {
+                self.clusters[point_idx as usize] = Some(cluster);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl RunningDetector for ProcessDetector {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn detect(
+        &mut self,
+        scan: &LabeledScan,
+        time_s: f64,
+        output: &mut DetectorOutput,
+    ) -> Result<Taken, DetectorFailure> {
+        output.clear();
+        self.clusters.clear();
+        self.products.clear();
+        let Answered { found, wall, cpu } = self.ask(scan, time_s)?;
+        if let Err(problem) = self.take(found, &scan.cloud, output) {
+            output.clear();
+            return Err(self.failure(Some(scan), problem));
+        }
+        let door = self.time_door(scan, time_s);
+        Ok(Taken { wall: Some(wall), cpu, door })
+    }
+
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        let product = |name, values: Vec<Option<u32>>| {
+            let shape =
+                Shape::Clusters(if values.len() == cloud.len() { values } else { vec![None; cloud.len()] });
+            StageProduct { stage: name, name, shape }
+        };
+        let labels = self.products.iter().map(|(name, values)| {
+            product(kept(name), values.iter().map(|it| Some(u32::from(*it))).collect())
+        });
+        labels.chain([product("clusters", self.clusters.clone())]).collect()
+    }
+
+    fn into_conversation(self: Box<Self>) -> Option<Conversation> {
+        self.conversation
+    }
+
+    fn finish(self: Box<Self>) -> Vec<String> {
+        if let Door::Open(door) = self.door {
+            door.quit();
+        }
+        let warnings = self.conversation.map_or_else(Vec::new, Conversation::quit);
+        warnings.into_iter().map(|it| format!("the detector {:?} {it}", self.name)).collect()
+    }
+}
+
+/// This program, as a detector that answers nothing.
+fn door_command() -> Vec<String> {
+    let program = std::env::current_exe().unwrap_or_default();
+    vec![program.display().to_string(), "serve".to_owned(), NOTHING.to_owned()]
+}
+
+/// The objects of an answer, in the order of its detections.
+fn objects_of(found: &Found) -> Vec<FoundObject> {
+    let mut objects: Vec<FoundObject> = match (&found.clusters, found.boxes.as_slice()) {
+        (None, boxes) => {
+            boxes.iter().map(|it| FoundObject { bounding_box: Some(*it), ..FoundObject::default() }).collect()
+        }
+        (Some(clusters), []) => {
+            members(clusters).into_iter().map(|(_, points)| with_points(points)).collect()
+        }
+        (Some(clusters), boxes) => {
+            let mut objects: Vec<FoundObject> = boxes
+                .iter()
+                .map(|it| FoundObject { bounding_box: Some(*it), ..with_points(Vec::new()) })
+                .collect();
+            for (id, points) in members(clusters) {
+                objects[id as usize - 1].point_indices = Some(points);
+            }
+            objects
+        }
+    };
+    for (idx, object) in objects.iter_mut().enumerate() {
+        object.class = found.classes.get(idx).copied().flatten();
+        object.score = found.scores.as_ref().and_then(|it| it.get(idx).copied());
+    }
+    objects
+}
+
+fn with_points(points: Vec<u32>) -> FoundObject {
+    FoundObject { point_indices: Some(points), ..FoundObject::default() }
+}
+
+/// Clusters with their points, ascending.
+fn members(clusters: &[u32]) -> std::collections::BTreeMap<u32, Vec<u32>> {
+    let mut members = std::collections::BTreeMap::<u32, Vec<u32>>::new();
+    for (&id, point_idx) in clusters.iter().zip(0..) {
+        if id > 0 {
+            members.entry(id).or_default().push(point_idx);
+        }
+    }
+    members
+}

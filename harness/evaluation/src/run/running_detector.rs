@@ -1,0 +1,140 @@
+//! A detector at work on the scans of a data set, wherever it runs.
+
+use std::time::{Duration, Instant};
+
+use detector::stage_product::StageProduct;
+use detector::{Detector, DetectorOutput, PointCloud, Rule};
+use scans::annotation::LabeledScan;
+
+use crate::process::problem::DetectorFailure;
+use crate::run::cpu_time::own_cpu_time;
+
+/// What a detection took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Taken {
+    /// Time that passed; `None` if nothing was detected here, but read.
+    pub wall: Option<Duration>,
+    /// Time on processors, on all threads and in all processes of the detector; `None` where the system does not tell.
+    pub cpu: Option<Duration>,
+    /// What the way to the detector and back takes, measured beside; `None` where there is none.
+    pub door: Option<Duration>,
+}
+
+/// A program that has been started.
+#[cfg(target_os = "linux")]
+pub type BegunConversation = crate::process::conversation::Conversation;
+/// There is none here.
+#[cfg(not(target_os = "linux"))]
+#[derive(Debug)]
+pub enum BegunConversation {}
+
+/// Finds objects in the scans of one data set, and may fail.
+pub trait RunningDetector: Send {
+    /// The name in tables and files.
+    fn name(&self) -> &'static str;
+
+    /// Finds the objects of `scan`, which was taken `time_s` seconds after the first of its drive, and writes them to `output`,
+    /// whose previous content is overwritten. It must not look at the annotations.
+    ///
+    /// # Errors
+    ///
+    /// [`DetectorFailure`] if it does not give an answer; `output` is empty then.
+    fn detect(
+        &mut self,
+        scan: &LabeledScan,
+        time_s: f64,
+        output: &mut DetectorOutput,
+    ) -> Result<Taken, DetectorFailure>;
+
+    /// What the stages of the latest detection left behind, as [`Detector::stage_products`].
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
+
+    /// What it does beside finding clusters.
+    fn rules(&self) -> Vec<Rule> {
+        Vec::new()
+    }
+
+    /// The program that it speaks to, if it is one, for another with other parameters.
+    fn into_conversation(self: Box<Self>) -> Option<BegunConversation> {
+        None
+    }
+
+    /// Ends it. Returns what the user should know of its end.
+    fn finish(self: Box<Self>) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// One that is built in, under the name it has here.
+pub struct BuiltIn {
+    name: &'static str,
+    detector: Box<dyn Detector>,
+}
+
+impl BuiltIn {
+    /// `detector` under `name`.
+    pub fn new(name: &'static str, detector: Box<dyn Detector>) -> Self {
+        Self { name, detector }
+    }
+}
+
+impl RunningDetector for BuiltIn {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn detect(
+        &mut self,
+        scan: &LabeledScan,
+        _time_s: f64,
+        output: &mut DetectorOutput,
+    ) -> Result<Taken, DetectorFailure> {
+        let cpu_before = own_cpu_time();
+        let started = Instant::now();
+        self.detector.detect(&scan.cloud, output);
+        let wall = started.elapsed();
+        let cpu = own_cpu_time().zip(cpu_before).map(|(after, before)| after.saturating_sub(before));
+        Ok(Taken { wall: Some(wall), cpu, door: None })
+    }
+
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        self.detector.stage_products(cloud)
+    }
+
+    fn rules(&self) -> Vec<Rule> {
+        self.detector.rules()
+    }
+}
+
+/// One that cannot work on this system.
+#[cfg(not(target_os = "linux"))]
+pub(super) struct NotHere(pub(super) &'static str);
+
+#[cfg(not(target_os = "linux"))]
+impl RunningDetector for NotHere {
+    fn name(&self) -> &'static str {
+        self.0
+    }
+
+    fn detect(
+        &mut self,
+        _: &LabeledScan,
+        _: f64,
+        output: &mut DetectorOutput,
+    ) -> Result<Taken, DetectorFailure> {
+        output.clear();
+        Err(DetectorFailure {
+            detector: self.0.to_owned(),
+            scan: None,
+            problem: crate::process::problem::DetectorProblem::Machine(
+                "detectors that are programs of their own need Linux".to_owned(),
+            ),
+            last_words: Vec::new(),
+            is_final: true,
+        })
+    }
+
+    fn stage_products(&self, _: &PointCloud) -> Vec<StageProduct> {
+        Vec::new()
+    }
+}

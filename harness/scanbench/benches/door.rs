@@ -1,0 +1,57 @@
+//! What it costs to ask a detector that is a program of its own: the way there and back at 120,000 points and more.
+//!
+//! `cargo bench -p scanbench --bench door`. Asks a program that answers nothing, and one of our detectors with and without the
+//! door between, in turns; fails if the way there and back takes more than half a millisecond (median over scans of the shortest of
+//! twenty).
+
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+
+/// The most that the door may cost, in milliseconds.
+const MOST_MS: f64 = 0.5;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = tempfile::tempdir()?;
+    let program = env!("CARGO_BIN_EXE_scanbench");
+    let table =
+        |name: &str| format!("[detector.{name}-served]\ncommand = [{program:?}, \"serve\", {name:?}]\n");
+    let tables = format!(
+        "{}[detector.silent]\ncommand = [{program:?}, \"serve\", \"nothing\"]\n",
+        table("hierarchical")
+    );
+    std::fs::write(folder.path().join("scanbench.toml"), tables)?;
+    let arguments = "run street-main-road --sensor os1-128 --simulated-scans 40 --scans 0..40:4 --repeats 20 --no-rrd -o out -d";
+    let mut command = Command::new(program);
+    command.args(arguments.split(' ')).arg("hierarchical,hierarchical-served,silent");
+    let status = command.current_dir(folder.path()).stdout(Stdio::null()).status()?;
+    if !status.success() {
+        return Err(format!("the run ended with {status}").into());
+    }
+    let mut rows = csv::Reader::from_path(folder.path().join("out/scans.csv"))?;
+    let headers = rows.headers()?.clone();
+    let place =
+        |name: &str| headers.iter().position(|it| it == name).ok_or_else(|| format!("no column {name}"));
+    let [n_points, detector, least, door] =
+        [place("n_points")?, place("detector")?, place("least_latency_ms")?, place("door_ms")?];
+    let rows: Vec<csv::StringRecord> = rows.records().collect::<Result<_, _>>()?;
+    let mut out = std::io::stdout().lock();
+    let points: Vec<f64> = rows.iter().filter_map(|it| it[n_points].parse().ok()).collect();
+    writeln!(out, "{} scans, median {:.0} points", rows.len() / 6, median(points))?;
+    for name in ["hierarchical", "hierarchical-served", "silent"] {
+        let of = |column: usize| {
+            let of_detector = rows.iter().filter(|it| &it[detector] == name);
+            median(of_detector.filter_map(|it| it[column].parse().ok()).collect())
+        };
+        writeln!(out, "{name:<20} {:6.3} ms, of it the door {:6.3} ms", of(least), of(door))?;
+        if of(door) > MOST_MS {
+            return Err(format!("the door takes more than {MOST_MS} ms").into());
+        }
+    }
+    Ok(())
+}
+
+/// NaN of nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,32 @@
+//! Arguments of `scanbench serve`.
+
+use clap::Args;
+
+use super::detectors::detector_names;
+use super::help_text::{DETECTORS, with_details};
+use super::parameters::ConfigArgs;
+
+/// Arguments of `scanbench serve`.
+#[derive(Debug, Args)]
+#[command(after_help = SERVE_EXAMPLE, after_long_help = with_details(SERVE_EXAMPLE, SERVE_DETAILS))]
+pub struct ServeArgs {
+    /// The detector.
+    #[arg(value_name = "NAME", help = served_help(), help_heading = DETECTORS)]
+    pub detector: String,
+    /// Parameters.
+    #[command(flatten)]
+    pub config: ConfigArgs,
+}
+
+fn served_help() -> String {
+    format!("Detector: {}; or nothing, which answers with nothing", detector_names().join(", "))
+}
+
+const SERVE_EXAMPLE: &str = "\
+Example, in scanbench.toml:
+  [detector.served]
+  command = [\"scanbench\", \"serve\", \"kd-tree\"]";
+
+const SERVE_DETAILS: &str = "\
+Messages come and go through two pipes, whose numbers are in the environment;
+docs/protocol.md describes them.";

@@ -1,0 +1,119 @@
+//! `scanbench init`.
+
+use std::io::{ErrorKind, Write as _};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use evaluation::run::side_by_side::RunError;
+use reports::files::archive::ArchiveError;
+use reports::files::new_folders::NewFolders;
+use reports::files::whole_file::WholeFile;
+use scans::conversion::convert::{Output, convert};
+use scans::conversion::mcap_writer::ChunkCompression;
+use scans::conversion::output_format::OutputFormat;
+use simulator::catalogue::built_in_catalogue;
+use simulator::open::{OpenOptions, open_dataset};
+
+use crate::cli::InitArgs;
+use crate::commands::failure::{Failure, Usage};
+use crate::commands::interruption::interruption_flag;
+use crate::commands::progress::progress_over_scans;
+use crate::commands::standard_streams::print_result;
+
+/// The files beside the data, by their path in the folder.
+const TEMPLATE: [(&str, &str); 6] = [
+    ("scanbench.toml", include_str!("init_template/scanbench.toml")),
+    ("detector.py", include_str!("init_template/detector.py")),
+    ("tolerances.toml", include_str!("init_template/tolerances.toml")),
+    ("README.md", include_str!("init_template/README.md")),
+    (".gitignore", include_str!("init_template/.gitignore")),
+    (".github/workflows/gate.yml", include_str!("init_template/.github/workflows/gate.yml")),
+];
+
+/// Where the scans go. The workflow of the template makes the same ones again.
+const DATA: &str = "data/street";
+const STREET: &str = "street-narrow";
+/// Few enough beams that twenty scans are small, enough for objects to be told.
+const SENSOR: &str = "hdl-32e";
+
+/// Writes a folder with a detector to begin with, scans and labels to judge it by, and what a gate needs.
+///
+/// # Errors
+///
+/// [`Usage`] if the folder has something in it; if it cannot be written. Nothing is left behind then.
+pub fn init(arguments: &InitArgs) -> Result<(), Failure> {
+    let folder = &arguments.folder;
+    refuse_occupied(folder)?;
+    // Whatever fails from here on: files go first, then the folders that they were in.
+    let _folder = new_folder(folder)?;
+    let mut inner_folders = Vec::new();
+    // All of it is on the disk before anything takes its name, and what takes longest is the first to do so.
+    let mut files = Vec::new();
+    for (name, content) in TEMPLATE {
+        let path = folder.join(name);
+        inner_folders.extend(path.parent().map(new_folder).transpose()?);
+        let mut file = WholeFile::create(&path)?;
+        file.write_all(content.as_bytes()).map_err(|source| ArchiveError::Write { path, source })?;
+        files.push(file);
+    }
+    let data = folder.join(DATA);
+    inner_folders.extend(data.parent().map(new_folder).transpose()?);
+    let n_scans = write_street(&data)?;
+    files.into_iter().try_for_each(WholeFile::finish)?;
+    print_result(next_steps(folder, n_scans))
+}
+
+fn refuse_occupied(folder: &Path) -> Result<(), Failure> {
+    let occupied = match std::fs::read_dir(folder) {
+        Ok(mut entries) => entries.next().is_some(),
+        Err(error) if error.kind() == ErrorKind::NotFound => false,
+        Err(error) => return Err(Failure::usage(format!("cannot write {folder:?}"), error)),
+    };
+    if occupied {
+        return Err(Usage(format!("{folder:?} is not empty; name a new folder")).into());
+    }
+    Ok(())
+}
+
+fn new_folder(folder: &Path) -> Result<NewFolders, ArchiveError> {
+    NewFolders::create(folder).map_err(|source| ArchiveError::Write { path: folder.to_path_buf(), source })
+}
+
+/// Simulates the street and writes it to `path`; returns the number of scans.
+fn write_street(path: &Path) -> Result<usize, Failure> {
+    let interrupted = interruption_flag();
+    let options = OpenOptions { sensor: Some(SENSOR.to_owned()), ..OpenOptions::default() };
+    let street = open_dataset(STREET, &options, &built_in_catalogue()?)?;
+    let n_scans = street.scan_ids().len();
+    let scan_indices: Vec<usize> = (0..n_scans).collect();
+    let output = Output { path, format: OutputFormat::KittiTracking, compression: ChunkCompression::None };
+    let progress = progress_over_scans(n_scans, STREET);
+    let mut n_done = 0;
+    convert(
+        &*street,
+        &scan_indices,
+        output,
+        |_, error| Err(error),
+        || -> Result<(), Failure> {
+            progress.inc(1);
+            n_done += 1;
+            if interrupted.load(Ordering::Relaxed) {
+                return Err(RunError::Interrupted { n_done, n_scans }.into());
+            }
+            Ok(())
+        },
+    )?;
+    progress.finish_and_clear();
+    Ok(n_scans)
+}
+
+fn next_steps(folder: &Path, n_scans: usize) -> String {
+    let folder = folder.display();
+    format!(
+        "{folder}: a detector in Python, and {n_scans} simulated scans with labels.\n\n  \
+           cd {folder}\n  \
+           pip install scanbench                             # the package, for detectors in Python\n  \
+           scanbench run {DATA} -d cells,hierarchical   # a row for yours, and one for ours\n\n\
+         {folder}/README.md goes on from there: look at mistakes, sweep parameters, gate changes."
+    )
+}

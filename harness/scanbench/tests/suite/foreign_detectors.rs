@@ -1,0 +1,391 @@
+//! Detectors that are programs of their own: served ones, and ones that misbehave in every way that the protocol names.
+//!
+//! The misbehaving program is this test program itself: asked for the one test [`as_a_detector`], it behaves as its arguments say.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use evaluation::process::message::{Answer, Introduction, Question, ResultLine, line_of, parse_line};
+
+use crate::program::{Ended, Workplace};
+
+/// The street of these tests: eleven scans.
+const STREET: [&str; 5] = ["street-narrow", "--simulated-scans", "44", "--scans", "0..44:4"];
+const QUIET: [&str; 4] = ["--no-rrd", "-q", "-o", "out"];
+/// The scan at which they misbehave, from 1: warmed up on the first before.
+const GUILTY: u64 = 5;
+
+/// A workplace with a detector `odd` that behaves as `behaviour` says.
+fn place_with(behaviour: &str, more: &str) -> Workplace {
+    let place = Workplace::new();
+    let program = std::env::current_exe().unwrap().display().to_string();
+    let words = [program.as_str(), "foreign_detectors::as_a_detector", "--exact", "--nocapture", behaviour];
+    let served = env!("CARGO_BIN_EXE_scanbench");
+    place.write(
+        "scanbench.toml",
+        &format!(
+            "[detector.odd]\ncommand = {words:?}\n{more}\n[detector.served]\ncommand = [{served:?}, \"serve\", \"kd-tree\"]\n"
+        ),
+    );
+    place
+}
+
+fn run_odd(place: &Workplace, more: &[&str]) -> Ended {
+    let detectors = ["run", "-d", "odd,simple-grid"];
+    place.run(&[&detectors[..], &STREET, &QUIET, more].concat())
+}
+
+/// Whether processes with `word` among their arguments run.
+fn is_running(word: &str) -> bool {
+    let processes = std::fs::read_dir("/proc").unwrap().flatten();
+    let mut command_lines = processes.filter_map(|it| std::fs::read(it.path().join("cmdline")).ok());
+    command_lines.any(|it| it.split(|byte| *byte == 0).any(|it| it == word.as_bytes()))
+}
+
+#[track_caller]
+fn check_gone(word: &str) {
+    let ends = Instant::now() + Duration::from_secs(20);
+    while is_running(word) {
+        assert!(Instant::now() < ends, "{word} is still running");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// `behaviour` ends a run with exit code 6 and a sentence that has `expected`, and loses no earlier scan; with `skip`, as many
+/// scans as `n_failed` count as nothing found, and nothing else is different.
+#[track_caller]
+fn check_misbehaviour(behaviour: &str, expected: &str, n_failed: usize) {
+    let place = place_with(behaviour, "time_limit_s = 0.5");
+    let stopped = run_odd(&place, &[]);
+    assert_eq!(stopped.exit_code, Some(6), "{behaviour}: {stopped:#?}");
+    assert!(
+        stopped.stderr.contains("the detector \"odd\" failed at scan"),
+        "{behaviour}: {}",
+        stopped.stderr
+    );
+    assert!(stopped.stderr.contains(expected), "{behaviour}: {}", stopped.stderr);
+    assert!(place.read("out.unfinished/scans.csv").lines().count() > 1, "{behaviour}");
+    assert!(!place.path("out").exists());
+
+    std::fs::remove_file(place.path("misbehaved")).unwrap();
+    let skipped = run_odd(&place, &["--on-detector-failure", "skip"]);
+    assert_eq!(skipped.exit_code, Some(0), "{behaviour}: {skipped:#?}");
+    let rows = place.read("out/scans.csv");
+    let objects: Vec<&str> = rows.lines().filter(|it| it.contains(",objects,")).collect();
+    let failed: Vec<&&str> = objects.iter().filter(|it| it.contains(",failed,")).collect();
+    assert_eq!((objects.len(), failed.len()), (22, n_failed), "{behaviour}: {rows}");
+    assert!(failed.iter().all(|it| it.contains(",odd,")));
+    if n_failed > 0 {
+        let note = format!("odd gave no answer to {n_failed} of 11 scans, which count as nothing found.");
+        assert!(skipped.stdout.contains(&note), "{behaviour}: {}", skipped.stdout);
+    }
+    check_gone(behaviour);
+}
+
+#[test]
+fn crashes_and_errors_are_told_and_counted() {
+    check_misbehaviour("exit", "it ended with exit code 3", 1);
+    check_misbehaviour("abort", "it was ended by signal 6", 1);
+    check_misbehaviour("error", "it reports an error: out of ideas", 1);
+    check_misbehaviour("end", "it ended with exit code 0", 1);
+}
+
+#[test]
+fn silence_is_not_waited_for() {
+    check_misbehaviour("silent", "it gave no whole answer to scan within 0.5 s", 1);
+    check_misbehaviour("half", "it gave no whole answer to scan within 0.5 s", 1);
+    check_misbehaviour("half-and-end", "it ended with exit code 4", 1);
+    check_misbehaviour("stdout", "result to the wrong place", 1);
+}
+
+#[test]
+fn answers_that_break_the_protocol_are_refused() {
+    check_misbehaviour("too-few-ids", "payload_bytes is", 1);
+    check_misbehaviour("nan", "not all of them finite", 1);
+    check_misbehaviour("huge", "the size [100000.0", 1);
+    check_misbehaviour("another-number", "it is to scan number 4711", 1);
+    check_misbehaviour("no-json", "a line is not JSON", 1);
+    check_misbehaviour("endless-line", "a line is longer than 1 MiB", 1);
+    // Noticed before the next scan, which is skipped.
+    check_misbehaviour("too-much", "it says more than it was asked", 1);
+}
+
+#[test]
+fn what_cannot_begin_ends_the_run_whatever_the_rule() {
+    for (behaviour, more, expected) in [
+        ("silent-start", "start_limit_s = 0.5", "it gave no whole answer to hello within 0.5 s"),
+        ("another-protocol", "", "it speaks protocol 99, not 1"),
+        ("error-configure", "", "it reports an error: never heard of it"),
+        ("always", "", "it ended with exit code 3"),
+    ] {
+        let place = place_with(behaviour, more);
+        let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
+        assert_eq!(ended.exit_code, Some(6), "{behaviour}: {ended:#?}");
+        assert!(ended.stderr.contains(expected), "{behaviour}: {}", ended.stderr);
+        check_gone(behaviour);
+    }
+    let place = Workplace::new();
+    place.write("scanbench.toml", "[detector.odd]\ncommand = [\"./nowhere\"]");
+    let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
+    assert_eq!(ended.exit_code, Some(6));
+    assert!(
+        ended.stderr.contains("cannot be started") && ended.stderr.contains("No such file"),
+        "{}",
+        ended.stderr
+    );
+}
+
+#[test]
+fn the_last_words_are_told() {
+    let place = place_with("exit", "");
+    let ended = run_odd(&place, &[]);
+    assert!(
+        ended.stderr.contains("last lines that it printed:\n") && ended.stderr.contains("  my last words")
+    );
+}
+
+#[test]
+fn whoever_ignores_quit_or_leaves_children_is_killed_and_told_of() {
+    for (behaviour, warning) in
+        [("deaf-to-quit", "did not end within 2 s"), ("child", "left 1 processes behind")]
+    {
+        let place = place_with(behaviour, "");
+        let ended = run_odd(&place, &[]);
+        assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+        // Warnings are not for -q.
+        check_gone(behaviour);
+        let loud = ["run", "-d", "odd", "--no-rrd", "-o", "loud"];
+        let ended = place.run(&[&loud[..], &STREET].concat());
+        assert!(ended.stderr.contains(warning), "{behaviour}: {}", ended.stderr);
+        check_gone(behaviour);
+    }
+}
+
+#[test]
+fn nothing_is_left_behind_whatever_ends_us() {
+    for (signal, exit_code) in [("KILL", None), ("INT", Some(130)), ("TERM", Some(143))] {
+        let behaviour = format!("immortal-{signal}");
+        let place = place_with(&behaviour, "time_limit_s = 100");
+        let run = place.start(&[&["run", "-d", "odd"][..], &STREET, &QUIET].concat());
+        let ends = Instant::now() + Duration::from_secs(20);
+        while !place.path("asked").exists() {
+            assert!(Instant::now() < ends, "it was never asked");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let pid = run.id().to_string();
+        Command::new("kill").args(["-s", signal, &pid]).status().unwrap();
+        let ended = run.wait_with_output().unwrap();
+        assert_eq!(ended.status.code(), exit_code, "{ended:?}");
+        check_gone(&behaviour);
+        // Nobody cleans up after a kill, but no process is left.
+        let has_partial = place.top_names().iter().any(|it| it.contains("partial"));
+        assert_eq!(has_partial, exit_code.is_none(), "{:?}", place.top_names());
+    }
+}
+
+#[test]
+fn what_is_served_finds_the_same() {
+    let place = Workplace::new();
+    let served = env!("CARGO_BIN_EXE_scanbench");
+    let names = ["hierarchical", "kd-tree", "pca", "simple-grid"];
+    let tables = names.map(|it| format!("[detector.x-{it}]\ncommand = [{served:?}, \"serve\", {it:?}]\n"));
+    place.write("scanbench.toml", &tables.concat());
+    let both: Vec<String> = names.iter().flat_map(|it| [format!("x-{it}"), (*it).to_owned()]).collect();
+    place.succeed(&[&["run", "-d", &both.join(",")][..], &STREET, &QUIET].concat());
+    let matches = place.read("out/matches.csv");
+    for name in names {
+        let of = |name: &str| -> Vec<String> {
+            let rows = matches.lines().filter(|it| it.contains(&format!(",{name},")));
+            rows.map(|it| it.replacen(name, "", 1)).collect()
+        };
+        assert!(of(name).len() > 100);
+        assert_eq!(of(&format!("x-{name}")), of(name), "{name}");
+    }
+    let manifest = place.read("out/manifest.json");
+    assert!(manifest.contains("\"reported_name\": \"kd-tree\""), "{manifest}");
+}
+
+#[test]
+fn a_served_detector_is_asked_by_every_verb_that_takes_detectors() {
+    let place = place_with("fine", "parameters = { most = 3 }");
+    place.succeed(
+        &[
+            &["sweep", "-d", "odd", "-P", "odd.most=1:3:1", "--timed-scans", "1"][..],
+            &STREET,
+            &["-q", "-o", "sweep"],
+        ]
+        .concat(),
+    );
+    let sweep = place.read("sweep/sweep.csv");
+    assert!(sweep.contains("detector.odd.most") && sweep.lines().count() > 6, "{sweep}");
+    let file = place.path("scan.bin");
+    let points =
+        (0..200_u16).flat_map(|it| [4.0 + f32::from(it) * 0.01, 2.0, -1.0, 0.5]).flat_map(f32::to_le_bytes);
+    std::fs::write(&file, points.collect::<Vec<u8>>()).unwrap();
+    let detected = place.succeed(&["detect", "scan.bin", "-d", "odd", "-P", "most=2"]);
+    assert!(detected.stdout.contains("odd: 2 clusters of"), "{}", detected.stdout);
+    place.succeed(&["gaps", "-d", "odd,simple-grid", "--pairs", "1", "-q", "-o", "gaps"]);
+    let refused = place.run(&["boxes", "-d", "odd"]);
+    assert_eq!(refused.exit_code, Some(2));
+    let refused = place.run(&["run", "-d", "odder"]);
+    assert!(
+        refused.stderr.contains("there is no detector \"odder\"") && refused.stderr.contains("odd, served")
+    );
+}
+
+/// Not a test unless somebody started it as a detector.
+#[test]
+fn as_a_detector() {
+    let Some(behaviour) =
+        std::env::args().next_back().filter(|_| std::env::var_os("SCANBENCH_READ_FD").is_some())
+    else {
+        return;
+    };
+    let mut odd = Odd::begin(&behaviour);
+    while odd.answer() {}
+    std::process::exit(0);
+}
+
+/// A detector that takes the first points for small objects, and misbehaves.
+struct Odd {
+    behaviour: String,
+    reading: BufReader<File>,
+    writing: File,
+    most: usize,
+    n_asked: u64,
+}
+
+impl Odd {
+    fn begin(behaviour: &str) -> Self {
+        let end = |name: &str, how: &OpenOptions| {
+            how.open(format!("/proc/self/fd/{}", std::env::var(name).unwrap())).unwrap()
+        };
+        Self {
+            behaviour: behaviour.to_owned(),
+            reading: BufReader::new(end("SCANBENCH_READ_FD", OpenOptions::new().read(true))),
+            writing: end("SCANBENCH_WRITE_FD", OpenOptions::new().write(true)),
+            most: 1,
+            n_asked: 0,
+        }
+    }
+
+    fn say(&mut self, bytes: &[u8]) {
+        self.writing.write_all(bytes).unwrap();
+    }
+
+    /// Answers one question; false at the end.
+    fn answer(&mut self) -> bool {
+        let mut line = Vec::new();
+        if self.reading.read_until(b'\n', &mut line).unwrap() == 0 {
+            return self.outlive();
+        }
+        match parse_line::<Question>(&line).unwrap().0 {
+            Question::Hello { .. } => self.hello(),
+            Question::Configure(_) if self.behaviour == "error-configure" => {
+                let answer = Answer::Error { text: "never heard of it".to_owned() };
+                self.say(&line_of(&answer, 0).unwrap());
+            }
+            Question::Configure(configuration) => {
+                let most = configuration.parameters.get("most").and_then(serde_json::Value::as_u64);
+                self.most = most.unwrap_or(1) as usize;
+                self.say(&line_of(&Answer::Configured, 0).unwrap());
+            }
+            Question::Scan(scan) => {
+                self.n_asked += 1;
+                let is_first_life = !std::path::Path::new("misbehaved").exists();
+                let is_guilty = self.behaviour == "always" || (self.n_asked == GUILTY && is_first_life);
+                let line = ResultLine { number: scan.number, clusters: true, ..ResultLine::default() };
+                let ids: Vec<u8> = (1..=scan.n_points)
+                    .flat_map(|it| if it <= self.most { it as u32 } else { 0 }.to_le_bytes())
+                    .collect();
+                let behaviour = self.behaviour.clone();
+                if is_guilty && !["fine", "child", "deaf-to-quit"].contains(&behaviour.as_str()) {
+                    let _ = File::create("misbehaved");
+                    self.misbehave(&behaviour, line, &ids);
+                    // A run that stops leaves the next one as guilty as it was.
+                    return true;
+                }
+                self.say(&message(line, &ids));
+            }
+            Question::Quit => return self.outlive(),
+        }
+        true
+    }
+
+    fn hello(&mut self) {
+        if self.behaviour == "silent-start" {
+            std::thread::sleep(Duration::from_secs(100));
+        }
+        if self.behaviour == "child" {
+            let mut child = Command::new("sleep");
+            child.args(["100"]).env("LC_ALL", "C").stdin(Stdio::null());
+            child.spawn().unwrap();
+        }
+        let protocol = if self.behaviour == "another-protocol" { 99 } else { 1 };
+        let answer = Answer::Hello(Introduction { protocol, name: "odd".to_owned(), version: None });
+        self.say(&line_of(&answer, 0).unwrap());
+    }
+
+    fn misbehave(&mut self, behaviour: &str, line: ResultLine, ids: &[u8]) {
+        let boxed = |numbers: [f32; 7]| {
+            let payload: Vec<u8> = numbers.iter().flat_map(|it| it.to_le_bytes()).collect();
+            message(ResultLine { clusters: false, n_boxes: 1, ..line.clone() }, &payload)
+        };
+        match behaviour {
+            "exit" | "always" => {
+                println!("my last words");
+                std::process::exit(3);
+            }
+            "abort" => std::process::abort(),
+            "error" => self.say(&line_of(&Answer::Error { text: "out of ideas".to_owned() }, 0).unwrap()),
+            "end" => std::process::exit(0),
+            "silent" => std::thread::sleep(Duration::from_secs(100)),
+            "half" => {
+                let whole = message(line, ids);
+                self.say(&whole[..whole.len() / 2]);
+                std::thread::sleep(Duration::from_secs(100));
+            }
+            "half-and-end" => {
+                let whole = message(line, ids);
+                self.say(&whole[..whole.len() / 2]);
+                std::process::exit(4);
+            }
+            "stdout" => {
+                println!("result to the wrong place");
+                std::thread::sleep(Duration::from_secs(100));
+            }
+            "too-few-ids" => self.say(&message(line, &ids[4..])),
+            "nan" => self.say(&boxed([8.0, f32::NAN, 0.0, 4.0, 2.0, 1.5, 0.0])),
+            "huge" => self.say(&boxed([8.0, 0.0, 0.0, 1e5, 2.0, 1.5, 0.0])),
+            "another-number" => self.say(&message(ResultLine { number: 4711, ..line }, ids)),
+            "no-json" => self.say(b"here you are\n"),
+            "endless-line" => {
+                let _ = self.writing.write_all(&vec![b'x'; 3 << 20]);
+            }
+            "too-much" => self.say(&[message(line, ids), b"more".to_vec()].concat()),
+            _ => {
+                // Immortal: deaf to the end of its pipe.
+                File::create("asked").unwrap();
+                loop {
+                    std::thread::sleep(Duration::from_secs(100));
+                }
+            }
+        }
+    }
+
+    /// What comes after the last question.
+    fn outlive(&self) -> bool {
+        if self.behaviour == "deaf-to-quit" {
+            std::thread::sleep(Duration::from_secs(100));
+        }
+        false
+    }
+}
+
+fn message(line: ResultLine, payload: &[u8]) -> Vec<u8> {
+    let mut message = line_of(&Answer::Result(line), payload.len()).unwrap();
+    message.extend_from_slice(payload);
+    message
+}
