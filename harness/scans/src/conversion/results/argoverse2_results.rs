@@ -10,7 +10,7 @@ use arrow_ipc::writer::FileWriter;
 use arrow_schema::ArrowError;
 use detector::{DetectedClass, Detections};
 
-use super::found_objects::SCORE_OF_NONE;
+use super::detection_rows::SCORE_OF_NONE;
 use super::{ResultFile, ResultWriter, unwritable};
 use crate::annotation::LabeledScan;
 use crate::conversion::ConversionError;

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use detector::{DetectedClass, Detection, Detections, OrientedBox};
 use nalgebra::{Matrix3x4, Vector4};
 
-use super::found_objects::SCORE_OF_NONE;
+use super::detection_rows::SCORE_OF_NONE;
 use super::{ResultFile, ResultWriter, unwritable};
 use crate::annotation::LabeledScan;
 use crate::conversion::ConversionError;

@@ -6,7 +6,7 @@ use super::ConversionError;
 use crate::annotation::LabeledScan;
 use crate::dataset::foreign_frame::ForeignFrame;
 
-pub mod found_objects;
+pub mod detection_rows;
 pub mod kitti_results;
 pub mod nuscenes_results;
 pub mod argoverse2_results;

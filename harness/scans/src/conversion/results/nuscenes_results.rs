@@ -6,7 +6,7 @@
 use detector::{DetectedClass, Detections};
 use serde_json::{Map, Value, json};
 
-use super::found_objects::SCORE_OF_NONE;
+use super::detection_rows::SCORE_OF_NONE;
 use super::{ResultFile, ResultWriter, unwritable};
 use crate::annotation::LabeledScan;
 use crate::conversion::ConversionError;

@@ -6,7 +6,7 @@ use reports::files::csv_rows::to_csv_bytes;
 use reports::rows::box_row::BoxRow;
 use reports::rows::cluster_of_point;
 
-use super::found_objects::{clusters_of_points, detection_facts};
+use super::detection_rows::{clusters_of_points, detection_facts};
 use super::{ResultFile, ResultWriter};
 use crate::annotation::LabeledScan;
 use crate::conversion::ConversionError;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! DETECTOR/…             what the format has, if there is one data set
-//! DATASET/DETECTOR/…     if there are several
+//! DETECTOR/DATASET/…     if there are several
 //! ```
 
 use std::collections::BTreeMap;
@@ -121,7 +121,7 @@ impl ResultFolder {
     fn write(&self, detector: &str, files: Vec<ResultFile>) -> Result<(), ConversionError> {
         let detector = folder_name(detector);
         let below = match &self.dataset {
-            Some((dataset, _)) if self.has_several_datasets => format!("{dataset}/{detector}"),
+            Some((dataset, _)) if self.has_several_datasets => format!("{detector}/{dataset}"),
             _ => detector,
         };
         files.iter().try_for_each(|it| self.folder.write(&format!("{below}/{}", it.name), &it.content))

@@ -1,15 +1,14 @@
 //! Detections as rows, as `scanbench detect` writes them.
 
-use detector::{DetectedClass, Detection, Detections};
+use detector::{DetectedClass, Detection, Detections, OrientedBox};
 use reports::rows::match_outcome::{BoxFacts, DetectionFacts};
 use reports::vocabulary::class::DetectionClass;
 
 /// The score of detections without one, where a format has to have one.
 pub const SCORE_OF_NONE: f32 = 1.0;
 
-/// What is known about the detection at this place of its scan.
+/// What files say of a detection; its id is its place among those of the scan.
 pub fn detection_facts(place: usize, detection: &Detection<'_>) -> DetectionFacts {
-    let bounding_box = &detection.bounding_box;
     DetectionFacts {
         id: place as u64,
         class: match detection.class {
@@ -18,11 +17,16 @@ pub fn detection_facts(place: usize, detection: &Detection<'_>) -> DetectionFact
         },
         score: detection.score,
         n_points: detection.point_indices.len() as u64,
-        bounding_box: BoxFacts {
-            center_m: bounding_box.center_m,
-            length_width_height_m: bounding_box.length_width_height_m,
-            yaw_rad: bounding_box.yaw_rad,
-        },
+        bounding_box: box_facts(&detection.bounding_box),
+    }
+}
+
+/// A box as rows have it.
+pub fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
+    BoxFacts {
+        center_m: bounding_box.center_m,
+        length_width_height_m: bounding_box.length_width_height_m,
+        yaw_rad: bounding_box.yaw_rad,
     }
 }
 
