@@ -22,8 +22,6 @@ BOX_COLUMNS = ("center_x_m", "center_y_m", "center_z_m", "length_m", "width_m", 
 # Of metres and radians in the files, which have four decimals.
 BOX_ROUNDING = 2e-4
 
-NO_CLUSTER = 0xFFFFFFFF
-
 
 @dataclass(frozen=True)
 class Program:
@@ -43,8 +41,8 @@ class Program:
         name = scratch / f"{Path(root).parent.name}-{Path(root).name}-{drive}-{number}-{detector}"
         clusters, boxes = name.with_suffix(".u32"), name.with_suffix(".csv")
         self.call("detect", root, "--scan", f"{drive}/{number:06}", "-d", detector, "-o", clusters, "--boxes", boxes)
-        of_point: Indices = np.fromfile(clusters, "<u4").astype(np.int64)
-        of_point[of_point == NO_CLUSTER] = -1
+        # Clusters are numbered from 1 in files, and 0 is none.
+        of_point: Indices = np.fromfile(clusters, "<u4").astype(np.int64) - 1
         rows = read_csv(boxes)
         return Detections(of_point, [row["class"] for row in rows]), rows
 

@@ -40,14 +40,14 @@ impl CsvRow for BoxRow {
 }
 
 impl BoxRow {
-    /// The row of a detection, whose id is that of its cluster.
+    /// The row of a detection. Its id is the number of its cluster in files, from 1.
     pub fn new(detection: &DetectionFacts) -> Self {
         let fixed = |value: f32| Fixed(value.into());
         let bounding_box = &detection.bounding_box;
         let [center_x_m, center_y_m, center_z_m] = bounding_box.center_m.map(fixed);
         let [length_m, width_m, height_m] = bounding_box.length_width_height_m.map(fixed);
         Self {
-            id: detection.id,
+            id: detection.id + 1,
             class: detection.class,
             score: detection.score.map(|score| Fixed(score.into())),
             center_x_m,
@@ -87,8 +87,8 @@ mod tests {
         let bytes = to_csv_bytes(&[detection(0, None), detection(1, Some(0.5))]).unwrap();
         insta::assert_snapshot!(String::from_utf8(bytes).unwrap(), @r"
         id,class,score,center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad,n_points
-        0,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
-        1,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
+        1,vehicle,,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
+        2,vehicle,0.500000,10.0000,0.0000,-0.8500,4.2000,1.8000,1.5000,1.2500,120
         ");
     }
 }

@@ -189,6 +189,9 @@ pub struct ForeignEntry {
     /// The program and its arguments.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub command: Vec<String>,
+    /// Where its results were read, if it ran somewhere else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub results: Option<String>,
     /// What it calls itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reported_name: Option<String>,

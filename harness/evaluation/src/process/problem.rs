@@ -29,6 +29,9 @@ pub enum DetectorProblem {
     /// It breaks the protocol.
     #[error("its answer is wrong: {0}")]
     WrongAnswer(String),
+    /// Its results, which it left in files, cannot be read.
+    #[error("its results cannot be read: {0}")]
+    Unreadable(String),
     /// The machine did not let us speak to it.
     #[error("{0}")]
     Machine(String),

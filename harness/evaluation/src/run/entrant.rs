@@ -1,6 +1,9 @@
 //! Who takes part in a run.
 
+use std::path::Path;
+
 use scans::dataset::DatasetDescription;
+use scans::foreign::foreign_results::ForeignResults;
 
 use super::config::{DETECTOR_TABLE, RunConfig};
 use super::detector_list::ChosenDetector;
@@ -8,6 +11,7 @@ use super::foreign_detector::{ForeignDetector, ForeignProcess, ForeignWork, Vehi
 use super::found_objects::ForeignVehicles;
 #[cfg(target_os = "linux")]
 use super::process_detector::ProcessDetector;
+use super::results_detector::ResultsDetector;
 use super::running_detector::{BegunConversation, BuiltIn, RunningDetector};
 use crate::process::message::Configuration;
 use crate::process::problem::DetectorFailure;
@@ -42,6 +46,29 @@ impl Entrant {
         }
     }
 
+    /// The same of a detector that left `results` for the scans of `dataset`.
+    pub fn begin_with_results(
+        &self,
+        dataset: &DatasetDescription,
+        results: ForeignResults,
+    ) -> Box<dyn RunningDetector> {
+        match &self.chosen {
+            ChosenDetector::Foreign(foreign) => {
+                let vehicles = foreign.vehicles_of(&self.config, dataset);
+                Box::new(ResultsDetector::new(self.name, Some(results), vehicles))
+            }
+            ChosenDetector::BuiltIn(_) => self.begin(dataset),
+        }
+    }
+
+    /// Where its results lie, if it left some.
+    pub fn results(&self) -> Option<&Path> {
+        match &self.chosen {
+            ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Results(path), .. }) => Some(path),
+            _ => None,
+        }
+    }
+
     /// The same, with the program of `before`, which had other parameters: starting one takes longer than a scan.
     ///
     /// # Errors
@@ -56,8 +83,12 @@ impl Entrant {
         let of_sensor = self.config.for_sensor(&dataset.sensor);
         let config = of_sensor.as_ref().unwrap_or(&self.config);
         match (&self.chosen, before) {
-            (ChosenDetector::Foreign(foreign), Some(before)) => {
-                let ForeignWork::Process(process) = &foreign.work;
+            (
+                ChosenDetector::Foreign(
+                    foreign @ ForeignDetector { work: ForeignWork::Process(process), .. },
+                ),
+                Some(before),
+            ) => {
                 let detector = foreign.begin_process(self.name, process, config, dataset);
                 Ok(Box::new(detector.with_program(before)?))
             }
@@ -89,6 +120,9 @@ impl ForeignDetector {
             ForeignWork::Process(process) => Box::new(self.begin_process(name, process, config, dataset)),
             #[cfg(not(target_os = "linux"))]
             ForeignWork::Process(_) => Box::new(super::running_detector::NotHere(name)),
+            ForeignWork::Results(_) => {
+                Box::new(ResultsDetector::new(name, None, self.vehicles_of(config, dataset)))
+            }
         }
     }
 

@@ -24,6 +24,8 @@ pub struct ForeignDetector {
 pub enum ForeignWork {
     /// It is a program.
     Process(ForeignProcess),
+    /// It was a program somewhere else, which left its results here: a file, a folder, or the topic of a recording.
+    Results(PathBuf),
 }
 
 /// How its program is run.

@@ -1,5 +1,7 @@
 //! From what a foreign detector says to detections: points of boxes, boxes of points, and what is a vehicle.
 
+use std::collections::BTreeMap;
+
 use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::classify::vehicle_model::VehicleModel;
 use detector::detector::StageClock;
@@ -24,6 +26,24 @@ pub struct FoundObject {
     pub class: Option<AnnotationClass>,
     /// How sure the detector is of it.
     pub score: Option<f32>,
+}
+
+impl FoundObject {
+    /// One of which only the points are known.
+    pub fn of_points(point_indices: Vec<u32>) -> Self {
+        Self { point_indices: Some(point_indices), ..Self::default() }
+    }
+}
+
+/// The points of each cluster, ascending; `clusters` has the cluster of every point, 0 for none.
+pub fn members_of(clusters: &[u32]) -> BTreeMap<u32, Vec<u32>> {
+    let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (&id, point_idx) in clusters.iter().zip(0..) {
+        if id > 0 {
+            members.entry(id).or_default().push(point_idx);
+        }
+    }
+    members
 }
 
 /// Tells vehicles among objects whose detector does not.

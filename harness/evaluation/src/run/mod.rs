@@ -10,6 +10,7 @@ pub mod points_in_boxes;
 pub mod found_objects;
 #[cfg(target_os = "linux")]
 pub mod process_detector;
+pub mod results_detector;
 pub mod entrant;
 pub mod single_scan;
 pub mod grid_write;

@@ -13,7 +13,7 @@ use crate::process::message::Configuration;
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::process::program::StartedProgram;
 use crate::run::foreign_detector::ForeignProcess;
-use crate::run::found_objects::{ForeignVehicles, FoundObject};
+use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::kept_names::kept;
 use crate::run::running_detector::{RunningDetector, Taken};
 
@@ -246,13 +246,13 @@ fn objects_of(found: &Found) -> Vec<FoundObject> {
         (None, boxes) => {
             boxes.iter().map(|it| FoundObject { bounding_box: Some(*it), ..FoundObject::default() }).collect()
         }
-        (Some(clusters), []) => members(clusters).into_values().map(with_points).collect(),
+        (Some(clusters), []) => members_of(clusters).into_values().map(FoundObject::of_points).collect(),
         (Some(clusters), boxes) => {
             let mut objects: Vec<FoundObject> = boxes
                 .iter()
-                .map(|it| FoundObject { bounding_box: Some(*it), ..with_points(Vec::new()) })
+                .map(|it| FoundObject { bounding_box: Some(*it), ..FoundObject::of_points(Vec::new()) })
                 .collect();
-            for (id, points) in members(clusters) {
+            for (id, points) in members_of(clusters) {
                 objects[id as usize - 1].point_indices = Some(points);
             }
             objects
@@ -263,19 +263,4 @@ fn objects_of(found: &Found) -> Vec<FoundObject> {
         object.score = found.scores.as_ref().and_then(|it| it.get(idx).copied());
     }
     objects
-}
-
-fn with_points(points: Vec<u32>) -> FoundObject {
-    FoundObject { point_indices: Some(points), ..FoundObject::default() }
-}
-
-/// Clusters with their points, ascending.
-fn members(clusters: &[u32]) -> std::collections::BTreeMap<u32, Vec<u32>> {
-    let mut members = std::collections::BTreeMap::<u32, Vec<u32>>::new();
-    for (&id, point_idx) in clusters.iter().zip(0..) {
-        if id > 0 {
-            members.entry(id).or_default().push(point_idx);
-        }
-    }
-    members
 }

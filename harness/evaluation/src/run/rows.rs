@@ -3,15 +3,14 @@
 use std::time::Duration;
 
 use detector::detector::{DropReason, StageTime};
-use detector::{DetectedClass, Detection, OrientedBox};
-use reports::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
+use reports::rows::match_outcome::{AnnotationFacts, FoundBy, MatchOutcome};
 use reports::rows::match_row::MatchRow;
 use reports::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
 use reports::rows::stage_row::StageRow;
-use reports::vocabulary::class::DetectionClass;
 use reports::vocabulary::criterion::CriterionKind;
 use reports::vocabulary::reason::IgnoredAnnotation;
 use scans::annotation::{LabeledScan, PointRegion};
+use scans::conversion::results::detection_rows::{box_facts, detection_facts};
 use scans::dataset::DatasetDescription;
 
 use super::side_by_side::DetectorScan;
@@ -194,33 +193,11 @@ fn annotation_facts(scan: &LabeledScan, annotation_idx: usize) -> AnnotationFact
     }
 }
 
-/// What files say of a detection; its id is its place among those of the scan.
-pub fn detection_facts(detection_idx: usize, detection: &Detection<'_>) -> DetectionFacts {
-    DetectionFacts {
-        id: detection_idx as u64,
-        class: match detection.class {
-            DetectedClass::Object => DetectionClass::Object,
-            DetectedClass::Vehicle => DetectionClass::Vehicle,
-        },
-        score: detection.score,
-        n_points: detection.point_indices.len() as u64,
-        bounding_box: box_facts(&detection.bounding_box),
-    }
-}
-
-fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
-    BoxFacts {
-        center_m: bounding_box.center_m,
-        length_width_height_m: bounding_box.length_width_height_m,
-        yaw_rad: bounding_box.yaw_rad,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    use detector::{DetectorOutput, PointCloud};
+    use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, PointCloud};
     use reports::numbers::tally::Tally;
     use reports::vocabulary::metric::Metric;
     use reports::vocabulary::slice::Slice;

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use detector::{Detections, DetectorOutput};
+use detector::DetectorOutput;
 use reports::numbers::latencies::Latencies;
 use scans::annotation::LabeledScan;
 
@@ -66,15 +66,4 @@ pub fn detect_repeatedly(
     }
     let stages = stages.into_iter().map(|(stage, times_ms)| (stage, Latencies::new(times_ms)));
     Ok(SingleScan { output, whole: Latencies::new(whole), stages: stages.collect() })
-}
-
-/// For every point of a scan of `n_points` the detection it belongs to.
-pub fn clusters_of_points(detections: &Detections, n_points: usize) -> Vec<Option<u32>> {
-    let mut cluster_of_point = vec![None; n_points];
-    for (detection, cluster) in detections.iter().zip(0..) {
-        for &point_idx in detection.point_indices {
-            cluster_of_point[point_idx as usize] = Some(cluster);
-        }
-    }
-    cluster_of_point
 }

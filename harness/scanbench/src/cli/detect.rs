@@ -39,7 +39,7 @@ pub struct DetectArgs {
     pub repeat: u32,
     /// File for the cluster of each point: `.csv` or `.u32`; `-` prints the CSV
     ///
-    /// Rows are in the order of the points. In `.u32`, numbers are little endian, and points of no cluster have 4294967295.
+    /// Rows are in the order of the points. 0 is no cluster; clusters are numbered from 1. In `.u32`, numbers have four bytes, little endian.
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
     /// CSV file for the boxes; `-` prints it
@@ -54,8 +54,8 @@ Examples:
   scanbench detect street-narrow --scan 10 --sensor vlp-16 --repeat 20
   scanbench detect ~/data/kitti_tracking --scan 0000/000110 --boxes - | head
 
-Clusters are numbered from 0; the column id of the boxes has the same numbers. For
-points of no cluster the CSV has an empty cell.";
+Clusters are numbered from 1; the column id of the boxes has the same numbers. Points
+of no cluster have 0.";
 
 pub(super) fn detector_help() -> String {
     format!("Detector: {}", detector_names().join(", "))

@@ -10,6 +10,7 @@ use super::detectors::detectors_help;
 use super::help_text::{DETECTORS, OUTPUT, with_details};
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
+use super::results::{ForeignArgs, ResultFilesArgs};
 use super::scans::{DamageArgs, DatasetArgs};
 use super::stream::StreamArgs;
 use super::timing::TimingArgs;
@@ -28,6 +29,9 @@ pub struct RunArgs {
     #[arg(short, long, value_name = "NAMES", value_delimiter = ',', help = detectors_help(), hide_default_value = true)]
     #[arg(default_values = DEFAULT_DETECTORS, help_heading = DETECTORS)]
     pub detectors: Vec<String>,
+    /// What other programs found.
+    #[command(flatten)]
+    pub foreign: ForeignArgs,
     /// Parameters.
     #[command(flatten)]
     pub config: ConfigArgs,
@@ -55,6 +59,9 @@ pub struct RunArgs {
     /// It is run.mcap in the run directory; of several data sets, one file each.
     #[arg(long, help_heading = OUTPUT)]
     pub mcap: bool,
+    /// What is written for the evaluators of others.
+    #[command(flatten)]
+    pub result_files: ResultFilesArgs,
     /// What is streamed to Rerun.
     #[command(flatten)]
     pub stream: StreamArgs,
@@ -90,7 +97,8 @@ Examples:
   scanbench run
   scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
-  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50";
+  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
+  scanbench run ~/data/kitti_tracking --detections pointrcnn=results/pointrcnn";
 
 const RUN_DETAILS: &str = "\
 The run directory holds report.html with figures/, report.json, manifest.json,

@@ -21,6 +21,7 @@ use crate::commands::config::{built_in_detectors, choose_criterion};
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{ids_of, open_datasets};
+use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
@@ -55,6 +56,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
     let watched = WatchedRun {
         entrants: &variants,
+        results: &OpenedResults::default(),
         datasets: &datasets,
         damage: DamagePolicy::Refuse,
         n_warmup: arguments.timing.warmup,

@@ -6,9 +6,11 @@ use detector::params::PAPER_SENSOR;
 use evaluation::matching::criterion::Criterion;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ChosenDetector, ListedDetector, built_in_named, detectors_named};
+use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
+use evaluation::run::kept_names::kept;
 
-use crate::cli::{ConfigArgs, CriterionName, MatchingArgs};
-use crate::commands::failure::Failure;
+use crate::cli::{ConfigArgs, CriterionName, MatchingArgs, NamedResults};
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
 /// The file that tells of detectors and parameters, in the working directory or one above it.
@@ -19,12 +21,57 @@ pub const CONFIGURATION_FILE: &str = "scanbench.toml";
 ///
 /// # Errors
 ///
-/// If there is no such detector, an override names no parameter, or has a value that cannot be worked with.
+/// If there is no such detector, it left results and does not run here, an override names no parameter, or has a value that cannot be worked with.
 pub fn chosen_detectors(
     arguments: &ConfigArgs,
     names: &[String],
 ) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
-    let config = load(arguments)?;
+    let (chosen, config) = choose(load(arguments)?, arguments, names)?;
+    let is_read = |it: &&ChosenDetector| {
+        matches!(it, ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Results(_), .. }))
+    };
+    match chosen.iter().find(is_read) {
+        Some(it) => {
+            let problem =
+                format!("{:?} is results of another program, which only `scanbench run` judges", it.name());
+            Err(Usage(problem).into())
+        }
+        None => Ok((chosen, config)),
+    }
+}
+
+/// The same with the detectors of which somebody else left results: those that `left` names, and those of the file. Those of `left` that `names` does not
+/// have come last.
+///
+/// # Errors
+///
+/// As [`chosen_detectors`]; also if a name of `left` is none or is taken.
+pub fn chosen_with_results(
+    arguments: &ConfigArgs,
+    names: &[String],
+    left: &[NamedResults],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
+    let mut config = load(arguments)?;
+    let mut names = names.to_vec();
+    for NamedResults { name, path } in left {
+        if config.foreign.iter().any(|it| it.name == name) {
+            return Err(Usage(format!("--detections: there is a detector {name:?} already")).into());
+        }
+        let folder = PathBuf::from(".");
+        let (work, vehicles) = (ForeignWork::Results(path.clone()), VehicleRule::default());
+        config.foreign.push(ForeignDetector { name: kept(name), folder, work, vehicles });
+        if !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    choose(config, arguments, &names)
+}
+
+fn choose(
+    config: RunConfig,
+    arguments: &ConfigArgs,
+    names: &[String],
+) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
     let chosen = detectors_named(names, &config)?;
     let tables: Vec<String> = chosen.iter().map(ChosenDetector::table).collect();
     let tables: Vec<&str> = tables.iter().map(String::as_str).collect();

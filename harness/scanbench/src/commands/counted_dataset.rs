@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::Isometry3;
 use scans::annotation::LabeledScan;
+use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::{Dataset, DatasetError, Listing};
 
 /// How many points without a position each scan has, of the scans that were read and have any.
@@ -66,5 +67,9 @@ impl Dataset for CountedDataset {
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         self.dataset.world_from_sensor(scan_idx)
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        self.dataset.foreign_frame(scan_idx)
     }
 }

@@ -5,10 +5,11 @@ use std::sync::atomic::Ordering;
 
 use evaluation::run::side_by_side::RunError;
 use reports::files::new_folders::NewFolders;
+use scans::conversion::ConversionError;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::output_format::OutputFormat;
-use scans::conversion::{ConversionError, whole_folder::folder_name};
 use scans::dataset::class_table::ClassTable;
+use scans::dataset::folder_name::folder_name;
 
 use crate::cli::ConvertArgs;
 use crate::commands::failure::{Failure, Usage};

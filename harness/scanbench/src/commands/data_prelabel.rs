@@ -9,7 +9,7 @@ use evaluation::run::detector_list::ListedDetector;
 use evaluation::run::side_by_side::RunError;
 use scans::conversion::convert::sheet_of;
 use scans::conversion::proposal_writer::{Proposal, ProposalWriter};
-use scans::conversion::whole_folder::folder_name;
+use scans::dataset::folder_name::folder_name;
 
 use crate::cli::PrelabelArgs;
 use crate::commands::config::{built_in_detectors, warn_of_unknown_sensor};

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use detector::DetectedClass;
 use evaluation::run::entrant::Entrant;
-use evaluation::run::rows::detection_facts;
-use evaluation::run::single_scan::{SingleScan, clusters_of_points, detect_repeatedly};
+use evaluation::run::single_scan::{SingleScan, detect_repeatedly};
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::latencies::Latencies;
 use reports::rows::box_row::BoxRow;
 use reports::rows::cluster_of_point;
+use scans::conversion::results::detection_rows::{clusters_of_points, detection_facts};
 use scans::dataset::positioned_points::values_of_file;
 
 use crate::cli::DetectArgs;

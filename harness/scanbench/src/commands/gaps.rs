@@ -27,6 +27,7 @@ use crate::commands::experiment::Experiment;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
 use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
@@ -56,6 +57,7 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
     sinks.push(Box::new(&mut pair_tally));
     let watched = WatchedRun {
         entrants: &entrants,
+        results: &OpenedResults::default(),
         datasets: &datasets,
         damage: DamagePolicy::Refuse,
         n_warmup: Experiment::N_WARMUP,

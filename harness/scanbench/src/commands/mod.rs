@@ -8,6 +8,7 @@ pub mod progress;
 pub mod config;
 pub mod counted_dataset;
 pub mod open_datasets;
+pub mod opened_results;
 pub mod open_scan;
 pub mod provenance;
 pub mod run_directory;

@@ -11,18 +11,21 @@ use reports::tables::formats::format::Format as _;
 use reports::tables::formats::terminal::Terminal;
 use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
 use reports::vocabulary::task::Task;
+use scans::conversion::results::result_folder::ResultFolder;
 
-use crate::cli::RunArgs;
-use crate::commands::config::{choose_criterion, chosen_detectors};
+use crate::cli::{ResultFilesArgs, RunArgs};
+use crate::commands::config::{choose_criterion, chosen_with_results};
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
+use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
 use crate::commands::provenance::compact_utc;
 use crate::commands::recorder::{self, Recorder, RecordingPlan, serve_until_interrupted};
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::run_numbers::{RunNumbers, write_numbers};
+use crate::commands::sinks::detection_files::DetectionFiles;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::sinks::rerun_recording::RerunRecording;
@@ -36,23 +39,28 @@ use crate::commands::watched_run::WatchedRun;
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
-    let (chosen, mut config) = chosen_detectors(&arguments.config, &arguments.detectors)?;
+    let left = &arguments.foreign.detections;
+    let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
     choose_criterion(&mut config, &arguments.matching);
     let named = claim_named(&arguments.output)?;
     let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+    let entrants: Vec<Entrant> = chosen.into_iter().map(|it| Entrant::of(it, &config)).collect();
+    let (missing, damage) = (arguments.foreign.missing_detections.rule(), arguments.damage.policy());
+    let results = OpenedResults::open(&entrants, &datasets, missing, damage)?;
     let unnamed = format!("{}-{}", compact_utc(started), ids_of(&datasets));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
-    let entrants: Vec<Entrant> = chosen.into_iter().map(|it| Entrant::of(it, &config)).collect();
     let progress = RunProgress::new();
     let (mut tally, mut served) = (Tally::default(), None);
     let recorder = begin_recording(arguments, &entrants, &datasets, &directory)?;
     let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
     sinks.push(Box::new(arguments.mcap.then(|| McapResults::new(&directory, datasets.len()))));
     sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
+    sinks.push(Box::new(detection_files(&arguments.result_files, datasets.len())?));
     let watched = WatchedRun {
         entrants: &entrants,
+        results: &results,
         datasets: &datasets,
-        damage: arguments.damage.policy(),
+        damage,
         n_warmup: arguments.timing.warmup,
         n_repeats: arguments.repeats,
         n_jobs: arguments.timing.n_jobs(),
@@ -80,6 +88,17 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
+}
+
+fn detection_files(
+    arguments: &ResultFilesArgs,
+    n_datasets: usize,
+) -> Result<Option<DetectionFiles>, Failure> {
+    let Some((path, format)) = arguments.detections_out.as_deref().zip(arguments.result_format) else {
+        return Ok(None);
+    };
+    let folder = ResultFolder::create(path, format.output(), n_datasets > 1)?;
+    Ok(Some(DetectionFiles::new(folder)))
 }
 
 /// Leaves the files of a run that a detector has ended.

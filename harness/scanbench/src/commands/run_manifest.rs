@@ -92,19 +92,33 @@ pub fn detector_entry(entrant: &Entrant) -> DetectorEntry {
 }
 
 fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> DetectorEntry {
-    let ForeignWork::Process(process) = &foreign.work;
-    let introduction = process.introduction.get();
+    let vehicles = foreign.vehicles.name().to_owned();
+    let entry = match &foreign.work {
+        ForeignWork::Process(process) => {
+            let introduction = process.introduction.get();
+            ForeignEntry {
+                command: process.command.clone(),
+                results: None,
+                reported_name: introduction.map(|it| it.name.clone()),
+                version: introduction.and_then(|it| it.version.clone()),
+                threads: Some(process.threads),
+                vehicles,
+            }
+        }
+        ForeignWork::Results(path) => ForeignEntry {
+            command: Vec::new(),
+            results: Some(path.display().to_string()),
+            reported_name: None,
+            version: None,
+            threads: None,
+            vehicles,
+        },
+    };
     DetectorEntry {
         name: name.to_owned(),
         parameters: foreign.parameters(config).into(),
         rules: Vec::new(),
-        foreign: Some(ForeignEntry {
-            command: process.command.clone(),
-            reported_name: introduction.map(|it| it.name.clone()),
-            version: introduction.and_then(|it| it.version.clone()),
-            threads: Some(process.threads),
-            vehicles: foreign.vehicles.name().to_owned(),
-        }),
+        foreign: Some(entry),
     }
 }
 

@@ -12,6 +12,7 @@ use scans::dataset::source::DamagePolicy;
 use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::opened_results::OpenedResults;
 use crate::commands::progress::RunProgress;
 use crate::commands::standard_streams::print_diagnostic;
 
@@ -19,6 +20,8 @@ use crate::commands::standard_streams::print_diagnostic;
 pub struct WatchedRun<'a> {
     /// Who takes part; all are judged in the same way.
     pub entrants: &'a [Entrant],
+    /// What those found that do not run here.
+    pub results: &'a OpenedResults,
     /// The data sets.
     pub datasets: &'a [OpenedDataset],
     /// What becomes of damaged scans.
@@ -60,7 +63,14 @@ impl WatchedRun<'_> {
         let description = opened.dataset.description();
         let Some(first) = self.entrants.first() else { return Ok(()) };
         warn_of_unknown_sensor(&first.config, &description.sensor);
-        let mut detectors: Vec<_> = self.entrants.iter().map(|it| it.begin(description)).collect();
+        let mut detectors: Vec<_> = self
+            .entrants
+            .iter()
+            .map(|it| match self.results.take(it.name, &description.id) {
+                Some(results) => it.begin_with_results(description, results),
+                None => it.begin(description),
+            })
+            .collect();
         let side_by_side = SideBySide {
             dataset: &*opened.dataset,
             scan_indices: &opened.scan_indices,

@@ -39,7 +39,7 @@ pub fn label_line(annotation: &Annotation, bounding_box: &OrientedBox, truncatio
 }
 
 /// The angle in -π to π.
-fn wrapped(angle_rad: f64) -> f64 {
+pub fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(2.0 * PI) - PI
 }
 

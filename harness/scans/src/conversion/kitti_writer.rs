@@ -10,10 +10,11 @@ use detector::PointCloud;
 use detector::fit::convex_hull_box::ConvexHullBox;
 
 use super::kitti_label_line::{CALIBRATION, label_line};
-use super::whole_folder::{WholeFolder, folder_name};
+use super::whole_folder::WholeFolder;
 use super::{ConversionError, ScanToWrite, ScanWriter};
 use crate::annotation::{Annotation, LabeledScan, PointRegion};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet, LabeledRegion};
+use crate::dataset::folder_name::folder_name;
 use crate::dataset::kitti::region_file::{point_region_file, region_bytes};
 
 /// The least side of a box around points that lie in a line, in metres.

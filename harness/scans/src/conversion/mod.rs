@@ -19,6 +19,7 @@ pub mod semantic_kitti_writer;
 pub mod proposal_format;
 pub mod proposal_writer;
 pub mod convert;
+pub mod results;
 
 pub use error::ConversionError;
 

@@ -12,10 +12,11 @@ use reports::vocabulary::class::AnnotationClass;
 
 use super::instance_numbers::{InstanceNumbers, MAX_INSTANCES};
 use super::kitti_writer::bin_bytes;
-use super::whole_folder::{WholeFolder, folder_name};
+use super::whole_folder::WholeFolder;
 use super::{ConversionError, ScanToWrite, ScanWriter};
 use crate::annotation::{Annotation, LabeledScan, PointRegion};
 use crate::dataset::data_sheet::{DATA_SHEET, DataSheet};
+use crate::dataset::folder_name::folder_name;
 use crate::dataset::semantic_kitti::semantic_class::{BACKGROUND_NUMBER, UNLABELED_NUMBER, number_of};
 use crate::dataset::semantic_kitti::upright_components::upright_components;
 

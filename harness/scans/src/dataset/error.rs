@@ -291,6 +291,28 @@ pub enum DatasetError {
         /// The largest difference that rounding explains.
         allowed: f64,
     },
+    /// Results of another program that are not of a known format, or cannot belong to the data set.
+    #[error("{path:?} {}", shown(problem))]
+    UnusableResults {
+        /// The file or folder of the results.
+        path: PathBuf,
+        /// What is wrong with it, as the rest of a sentence about it.
+        problem: String,
+    },
+    /// Results of another program that lack scans.
+    #[error("{path:?} has no results for {n_missing} of {n_asked} scans of {dataset:?}: {}", shown(first))]
+    MissingResults {
+        /// The file or folder of the results.
+        path: PathBuf,
+        /// The data set.
+        dataset: String,
+        /// Scans without results.
+        n_missing: usize,
+        /// Scans that are asked for.
+        n_asked: usize,
+        /// The first of them, and what can be done.
+        first: String,
+    },
     /// An image whose size cannot be read.
     #[error("{path:?} is not a PNG image")]
     NotAPng {
@@ -316,6 +338,7 @@ impl DatasetError {
                 | Self::ScanSelection { .. }
                 | Self::Catalogue { .. }
                 | Self::UnknownClasses { .. }
+                | Self::UnusableResults { .. }
         )
     }
 }

@@ -148,7 +148,7 @@ fn empty_column(field: &Field<'_>) -> Result<Column, String> {
     match field.type_type() {
         Type::Int => Ok(Column::Integers(Vec::new())),
         Type::FloatingPoint => Ok(Column::Numbers(Vec::new())),
-        Type::Utf8 => Ok(Column::Texts(Vec::new())),
+        Type::Utf8 | Type::LargeUtf8 => Ok(Column::Texts(Vec::new())),
         other => Err(format!("has a column {:?} of the type {other:?}", field.name().unwrap_or_default())),
     }
 }
@@ -173,10 +173,15 @@ fn append_batch(
         let column = field.name().and_then(|name| columns.get_mut(name));
         match field.type_type() {
             Type::Null => {}
-            Type::Utf8 | Type::Binary => {
+            kind @ (Type::Utf8 | Type::LargeUtf8 | Type::Binary | Type::LargeBinary) => {
                 let (_validity, offsets, data) = (next()?, next()?, next()?);
                 if let Some(Column::Texts(texts)) = column {
                     let (offsets, data) = (plain(offsets, codec, budget)?, plain(data, codec, budget)?);
+                    let offsets = if kind == Type::LargeUtf8 {
+                        large_offsets(&offsets)
+                    } else {
+                        small_offsets(&offsets)
+                    };
                     append_texts(&offsets, &data, n_rows, texts)?;
                 }
             }
@@ -300,17 +305,31 @@ fn append_numbers(
     Ok(())
 }
 
-fn append_texts(offsets: &[u8], data: &[u8], n_rows: usize, texts: &mut Vec<String>) -> Result<(), String> {
+/// Where texts begin and end, in four bytes each; what is negative lies beyond everything.
+fn small_offsets(bytes: &[u8]) -> Vec<usize> {
+    let (offsets, _) = bytes.as_chunks::<4>();
+    offsets.iter().map(|it| usize::try_from(i32::from_le_bytes(*it)).unwrap_or(usize::MAX)).collect()
+}
+
+/// The same in eight bytes, as pandas and Polars write them.
+fn large_offsets(bytes: &[u8]) -> Vec<usize> {
+    let (offsets, _) = bytes.as_chunks::<8>();
+    offsets.iter().map(|it| usize::try_from(i64::from_le_bytes(*it)).unwrap_or(usize::MAX)).collect()
+}
+
+fn append_texts(
+    offsets: &[usize],
+    data: &[u8],
+    n_rows: usize,
+    texts: &mut Vec<String>,
+) -> Result<(), String> {
     if n_rows == 0 {
         return Ok(());
     }
-    let (offsets, _) = offsets.as_chunks::<4>();
     let bounds = n_rows.checked_add(1).and_then(|n| offsets.get(..n));
     let bounds = bounds.ok_or_else(|| format!("has a column of fewer than {n_rows} texts"))?;
     for pair in bounds.windows(2) {
-        let [begin, end] =
-            [pair[0], pair[1]].map(|it| usize::try_from(i32::from_le_bytes(it)).unwrap_or(usize::MAX));
-        let text = data.get(begin..end).and_then(|it| std::str::from_utf8(it).ok());
+        let text = data.get(pair[0]..pair[1]).and_then(|it| std::str::from_utf8(it).ok());
         texts.push(text.ok_or("has a text that is not UTF-8 or lies beyond its column")?.to_owned());
     }
     Ok(())

@@ -6,6 +6,7 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::task::Task;
 
+use self::foreign_frame::ForeignFrame;
 use self::simulation::Simulation;
 use crate::annotation::{LabeledScan, ScanId};
 
@@ -21,6 +22,7 @@ pub mod packed_points;
 pub mod feather;
 pub mod png_size;
 pub mod points_of_boxes;
+pub mod upright_box;
 pub mod checksum;
 pub mod class_name;
 pub mod class_table;
@@ -29,6 +31,8 @@ pub mod simulation;
 pub mod data_sheet;
 pub mod dataset_format;
 pub mod source;
+pub mod foreign_frame;
+pub mod folder_name;
 
 // The formats, a folder each.
 pub mod kitti;
@@ -100,6 +104,17 @@ pub trait Dataset: Send + Sync {
     /// [`DatasetError`] if a file that says so is damaged.
     fn world_from_sensor(&self, _scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         Ok(None)
+    }
+
+    /// How results that other programs made of scan `scan_idx` name it, and the frame that they give boxes in.
+    ///
+    /// The scan may be read for it.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file that says so is damaged.
+    fn foreign_frame(&self, _scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        Ok(ForeignFrame::Sensor)
     }
 }
 

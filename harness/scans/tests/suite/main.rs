@@ -1,4 +1,5 @@
-//! Data sets as their readers see them: damaged ones, and real ones where they are there.
+//! Data sets and results as their readers see them: damaged ones, and real ones where they are there.
 
 mod damaged_datasets;
+mod foreign_real_scans;
 mod kitti_real_scans;

@@ -14,7 +14,8 @@ use crate::run::kept_names::kept;
 pub const DETECTOR_TABLE: &str = "detector";
 
 /// What a table of a detector may hold.
-const KEYS: [&str; 6] = ["command", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
+const KEYS: [&str; 7] =
+    ["command", "results", "parameters", "start_limit_s", "time_limit_s", "threads", "vehicles"];
 /// Names that mean something else.
 pub const TAKEN_NAMES: [&str; 6] =
     ["hierarchical", "kd-tree", "kd-tree-same-walls", "pca", "simple-grid", "nothing"];
@@ -65,17 +66,23 @@ impl DetectorTable<'_> {
     }
 
     fn detector(&self, name: &str, mut table: Table) -> Result<ForeignDetector, ConfigError> {
-        let Some(command) = table.remove("command") else {
-            let remedy = "write command = [\"python3\", \"detector.py\"]";
-            return Err(self.problem(format!(" says no command; {remedy}")));
+        let work = match (table.remove("command"), table.remove("results")) {
+            (Some(_), Some(_)) => {
+                return Err(self.problem(" has both a command and results; a detector has one".to_owned()));
+            }
+            (None, Some(results)) => ForeignWork::Results(self.below("results").path(results)?),
+            (Some(command), None) => ForeignWork::Process(ForeignProcess {
+                command: self.below("command").command(command)?,
+                start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
+                time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
+                threads: self.threads(table.remove("threads"))?,
+                introduction: Arc::default(),
+            }),
+            (None, None) => {
+                let remedy = "write command = [\"python3\", \"detector.py\"], or results = \"FOLDER\"";
+                return Err(self.problem(format!(" says no command; {remedy}")));
+            }
         };
-        let work = ForeignWork::Process(ForeignProcess {
-            command: self.below("command").command(command)?,
-            start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
-            time_limit: self.limit("time_limit_s", table.remove("time_limit_s"), TIME_LIMIT)?,
-            threads: self.threads(table.remove("threads"))?,
-            introduction: Arc::default(),
-        });
         let vehicles = self.vehicles(table.remove("vehicles"))?;
         if let Some(key) = table.keys().next() {
             let remedy = format!("a detector has {}", KEYS.join(", "));
@@ -83,6 +90,17 @@ impl DetectorTable<'_> {
             return Err(ConfigError::Unknown { place, key: self.below(key).keys.join("."), remedy });
         }
         Ok(ForeignDetector { name: kept(name), folder: self.folder.to_owned(), work, vehicles })
+    }
+
+    /// A path as the file means it, from its own folder.
+    fn path(&self, written: Value) -> Result<PathBuf, ConfigError> {
+        match written {
+            Value::String(path) if path.is_empty() => {
+                Err(self.problem(" names no file or folder".to_owned()))
+            }
+            Value::String(path) => Ok(self.folder.join(path)),
+            other => Err(self.wrong_type(&other, "string")),
+        }
     }
 
     fn command(&self, written: Value) -> Result<Vec<String>, ConfigError> {
@@ -139,19 +157,7 @@ impl DetectorTable<'_> {
     }
 
     fn check_name(&self, name: &str) -> Result<(), ConfigError> {
-        let is_of_name = |it: char| it.is_ascii_alphanumeric() || it == '-' || it == '_';
-        if name.len() > 40
-            || !name.starts_with(|it: char| it.is_ascii_alphanumeric())
-            || !name.chars().all(is_of_name)
-        {
-            return Err(
-                self.problem(" is no name of a detector: letters, digits, - and _, at most 40".to_owned())
-            );
-        }
-        if TAKEN_NAMES.contains(&name) {
-            return Err(self.problem(" has the name of a built-in detector".to_owned()));
-        }
-        Ok(())
+        check_name(name).map_err(|problem| self.problem(format!(" {problem}")))
     }
 
     fn table(&self, written: Value) -> Result<Table, ConfigError> {
@@ -169,6 +175,25 @@ impl DetectorTable<'_> {
     fn problem(&self, problem: String) -> ConfigError {
         ConfigError::Value { place: (self.place_of)(&self.keys), key: self.keys.join("."), problem }
     }
+}
+
+/// Makes sure that a detector may be called so. Errors are the rest of a sentence about the name.
+///
+/// # Errors
+///
+/// If it is no name, or that of a built-in detector.
+pub fn check_name(name: &str) -> Result<(), String> {
+    let is_of_name = |it: char| it.is_ascii_alphanumeric() || it == '-' || it == '_';
+    if name.len() > 40
+        || !name.starts_with(|it: char| it.is_ascii_alphanumeric())
+        || !name.chars().all(is_of_name)
+    {
+        return Err("is no name of a detector: letters, digits, - and _, at most 40".to_owned());
+    }
+    if TAKEN_NAMES.contains(&name) {
+        return Err("has the name of a built-in detector".to_owned());
+    }
+    Ok(())
 }
 
 /// Where a detector works that a file tells of.
@@ -195,13 +220,21 @@ mod tests {
     fn a_detector_has_its_command_and_parameters() {
         let config = load(&format!("{DBSCAN}time_limit_s = 2\nthreads = 4\nvehicles = \"model\"")).unwrap();
         let [detector] = &config.foreign[..] else { panic!("{:?}", config.foreign) };
-        let ForeignWork::Process(process) = &detector.work;
+        let ForeignWork::Process(process) = &detector.work else { panic!("{:?}", detector.work) };
         assert_eq!((detector.name, detector.vehicles), ("dbscan", VehicleRule::Model));
         assert_eq!(
             (process.command.len(), process.time_limit, process.threads),
             (2, Duration::from_secs(2), 4)
         );
         assert_eq!(config.resolved["detector"]["dbscan"]["eps"].as_float(), Some(0.5));
+    }
+
+    #[test]
+    fn results_lie_beside_the_file_that_names_them() {
+        let config = load("[detector.deep]\nresults = \"out/deep\"\nvehicles = \"model\"").unwrap();
+        let [detector] = &config.foreign[..] else { panic!("{:?}", config.foreign) };
+        let ForeignWork::Results(path) = &detector.work else { panic!("{:?}", detector.work) };
+        assert_eq!((path, detector.vehicles), (&detector.folder.join("out/deep"), VehicleRule::Model));
     }
 
     #[test]
@@ -228,6 +261,18 @@ mod tests {
             (
                 "[detector.dbscan]\ncommand = \"python3\"",
                 "line 2: detector.dbscan.command is of type string, but must be array",
+            ),
+            (
+                "[detector.deep]\nresults = 3",
+                "line 2: detector.deep.results is of type integer, but must be string",
+            ),
+            (
+                "[detector.deep]\nresults = \"a\"\ncommand = [\"x\"]",
+                "line 1: detector.deep has both a command and results",
+            ),
+            (
+                "[detector.deep]\nresults = \"a\"\nthreads = 2",
+                "line 3: unknown parameter detector.deep.threads",
             ),
             ("[detector.dbscan]\ncommand = []", "line 2: detector.dbscan.command names no program"),
             (

@@ -3,7 +3,7 @@
 use evaluation::results_mcap::writer::ResultsMcap;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use reports::run_folder::run_directory::RunDirectory;
-use scans::conversion::whole_folder::folder_name;
+use scans::dataset::folder_name::folder_name;
 
 use crate::commands::failure::Failure;
 

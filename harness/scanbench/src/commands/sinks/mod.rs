@@ -6,4 +6,5 @@ mod worst_mistakes;
 mod terminal;
 pub mod of_every_run;
 pub mod mcap_results;
+pub mod detection_files;
 pub mod rerun_recording;

@@ -13,6 +13,7 @@ mod bounds;
 mod class_names;
 mod commands;
 mod conversion;
+mod foreign_results;
 mod kitti_raw;
 mod las;
 mod made;

@@ -110,16 +110,26 @@ fn no_catalogue() -> Catalogue {
     parse_catalogue("datasets.toml", "").unwrap()
 }
 
-/// Reads the data set at `path` in a thread of its own, so that what never ends fails and does not hang.
+/// Reads the data set at `path`, see [`within`].
+#[track_caller]
+pub fn read_within(path: &Path, damage: DamagePolicy, limits: Limits, name: &str) -> Result<(), String> {
+    let owned = path.to_owned();
+    within(limits, name, move || read_all(&owned, damage))
+}
+
+/// Lets `read` work in a thread of its own, so that what never ends fails and does not hang.
 ///
 /// Panics if it panics, takes longer or takes more memory than `limits`; `name` is what it is called then.
 #[track_caller]
-pub fn read_within(path: &Path, damage: DamagePolicy, limits: Limits, name: &str) -> Result<(), String> {
+fn within(
+    limits: Limits,
+    name: &str,
+    work: impl FnOnce() -> Result<(), String> + Send + 'static,
+) -> Result<(), String> {
     let (send, receive) = mpsc::channel();
-    let owned = path.to_owned();
     let reader = std::thread::spawn(move || {
         let mut read = Ok(());
-        let used = allocation_counter::measure(|| read = read_all(&owned, damage));
+        let used = allocation_counter::measure(|| read = work());
         // Nobody listens any more where it took too long.
         let _ = send.send((read, used.bytes_max));
     });
@@ -139,10 +149,37 @@ pub fn read_within(path: &Path, damage: DamagePolicy, limits: Limits, name: &str
 /// Changes the files of the sound data set at `path` again and again. `reader` is what is printed beside the counts.
 #[track_caller]
 fn check(reader: &str, path: &Path, seed: u64) {
+    check_with(reader, path, seed, |damage, limits, name| read_within(path, damage, limits, name));
+}
+
+/// Changes the files of sound results at `path`, of the scans of the data set at `dataset`.
+#[track_caller]
+fn check_results(reader: &str, dataset: &Path, path: &Path, seed: u64) {
+    check_with(reader, path, seed, |_, limits, name| {
+        let (dataset, path) = (dataset.to_owned(), path.to_owned());
+        within(limits, name, move || {
+            let dataset = super::open(&dataset);
+            let found = super::foreign_results::read_all(&path, &*dataset);
+            let found = found.map_err(|error| error.to_string())?;
+            for (scan_idx, found) in found.iter().enumerate() {
+                found.check(dataset.read_scan(scan_idx).unwrap().cloud.len()).unwrap();
+            }
+            Ok(())
+        })
+    });
+}
+
+#[track_caller]
+fn check_with(
+    reader: &str,
+    path: &Path,
+    seed: u64,
+    read: impl Fn(DamagePolicy, Limits, &str) -> Result<(), String>,
+) {
     let files = files_below(path);
     let n_bytes: usize = files.iter().map(|(_, bytes)| bytes.len()).sum();
     let limits = Limits { time: MAX_TIME, memory_bytes: MAX_BYTES + MAX_BYTES_FOR_EACH * n_bytes as u64 };
-    read_within(path, DamagePolicy::Refuse, limits, "what is sound").expect("sound before it is changed");
+    read(DamagePolicy::Refuse, limits, "what is sound").expect("sound before it is changed");
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let begun = Instant::now();
     let (mut n_cases, mut n_refused) = (0, 0);
@@ -154,7 +191,7 @@ fn check(reader: &str, path: &Path, seed: u64) {
         std::fs::write(file, &bytes).unwrap();
         let damage = [DamagePolicy::Refuse, DamagePolicy::Skip][n_cases % 2];
         let name = format!("case {n_cases} of seed {seed}, {}", file.display());
-        let read = read_within(path, damage, limits, &name);
+        let read = read(damage, limits, &name);
         n_cases += 1;
         n_refused += usize::from(read.is_err());
         let kind = file.extension().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
@@ -322,6 +359,32 @@ fn nuscenes() {
     let workplace = Workplace::new();
     super::made::nuscenes(workplace.folder(), &*super::made::street(2));
     check("nuscenes", workplace.folder(), 50);
+}
+
+/// What other programs found: files of text, numbers, JSON and columns.
+#[test]
+fn results_of_others() {
+    use scans::conversion::results::result_folder::ResultOutput;
+    let workplace = Workplace::new();
+    super::made::nuscenes(&workplace.path("nuscenes"), &*super::made::street(2));
+    DrawnDataset::tracking(workplace.folder(), 2);
+    for (seed, name, output) in [
+        (60, "nuscenes", ResultOutput::NuScenes),
+        (61, "street", ResultOutput::Kitti),
+        (62, "street", ResultOutput::Csv),
+    ] {
+        let (dataset, results) = (workplace.path(name), workplace.path(&format!("results{seed}")));
+        super::foreign_results::write_echo(&*super::open(&dataset), output, &results);
+        check_results(&format!("results, {output:?}"), &dataset, &results.join("echo"), seed);
+    }
+    let (dataset, results) = (super::argoverse2::drawn(), workplace.path("tables"));
+    super::foreign_results::write_echo(&*super::open(&dataset), ResultOutput::Argoverse2, &results);
+    check_results("results, Argoverse2", &dataset, &results.join("echo"), 63);
+    let drive = super::mcap::write_drive(&workplace, mcap::WriteOptions::new());
+    let results = workplace.path("recorded");
+    std::fs::create_dir(&results).unwrap();
+    std::fs::copy(&drive, results.join("a.mcap")).unwrap();
+    check_results("results, MCAP", &drive, &results, 64);
 }
 
 #[test]

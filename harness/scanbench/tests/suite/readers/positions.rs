@@ -233,10 +233,10 @@ fn clusters_have_an_entry_for_every_point_of_the_file() {
         let clusters = std::fs::read(workplace.path("clusters.u32")).unwrap();
         let (clusters, rest) = clusters.as_chunks::<4>();
         assert_eq!((clusters.len(), rest.len()), (n_points, 0));
-        assert!([5, 6, 900].iter().all(|it| clusters[*it] == [0xff; 4]));
+        assert!([5, 6, 900].iter().all(|it| clusters[*it] == [0; 4]));
         workplace.succeed(&[&["detect", "-o", "clusters.csv"], input].concat());
         let csv = workplace.read("clusters.csv");
-        assert_eq!((csv.lines().count(), csv.lines().nth(901)), (n_points + 1, Some("900,")));
+        assert_eq!((csv.lines().count(), csv.lines().nth(901)), (n_points + 1, Some("900,0")));
         // All others are of the cluster that they are of where nothing is left out.
         whole.succeed(&[&["detect", "-o", "clusters.u32"], input].concat());
         let of_whole = std::fs::read(whole.path("clusters.u32")).unwrap();

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use detector::OrientedBox;
 use nalgebra::{Isometry3, Vector3};
 use reports::vocabulary::class::AnnotationClass;
 
@@ -12,6 +11,7 @@ use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::mcap::ros_messages::isometry;
+use crate::dataset::upright_box::upright_box;
 
 /// The file of the annotations of a log.
 pub const ANNOTATIONS: &str = "annotations.feather";
@@ -22,7 +22,8 @@ const USUAL_CAR_FROM_LIDARS_M: [f64; 3] = [1.35, 0.0, 1.6];
 /// The names of the lidars in the calibration.
 const LIDARS: [&str; 2] = ["up_lidar", "down_lidar"];
 
-const POSE: [&str; 7] = ["tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw"];
+/// The columns of a pose: a translation, and a quaternion.
+pub const POSE: [&str; 7] = ["tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw"];
 
 /// Everything about a log but its points.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,7 +105,12 @@ fn car_from_sensor_m(path: &Path) -> Result<Vector3<f64>, DatasetError> {
     }
 }
 
-fn take_poses(table: &mut FeatherTable) -> Result<Vec<Isometry3<f64>>, String> {
+/// Takes the columns [`POSE`] of `table`. Errors are the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// If one was not read, or a number in it is not finite.
+pub fn take_poses(table: &mut FeatherTable) -> Result<Vec<Isometry3<f64>>, String> {
     let mut columns = Vec::with_capacity(POSE.len());
     for name in POSE {
         columns.push(table.take_numbers(name)?);
@@ -171,14 +177,10 @@ fn annotation(
     car_from_sensor_m: &Vector3<f64>,
 ) -> Annotation {
     let center_m = car_from_box.translation.vector - car_from_sensor_m;
-    let heading = car_from_box.rotation * Vector3::x();
+    let sensor_from_box = Isometry3::from_parts(center_m.into(), car_from_box.rotation);
     Annotation {
         class,
-        bounding_box: Some(OrientedBox {
-            center_m: [center_m.x as f32, center_m.y as f32, center_m.z as f32],
-            length_width_height_m: size_m.map(|it| it as f32),
-            yaw_rad: heading.y.atan2(heading.x) as f32,
-        }),
+        bounding_box: Some(upright_box(&sensor_from_box, size_m)),
         point_indices: Vec::new(),
         track,
         occlusion: None,

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 use reports::vocabulary::class::AnnotationClass;
 
 use super::log_truth::{ANNOTATIONS, LogTruth, survey_classes};
@@ -22,6 +22,7 @@ use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
@@ -153,6 +154,15 @@ impl Dataset for SensorLogs {
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let sweep = &self.sweeps[scan_idx];
         Ok(self.truth_of(&sweep.log)?.world_from_sensor.get(&sweep.time_ns).copied())
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        let Sweep { log, time_ns } = &self.sweeps[scan_idx];
+        Ok(ForeignFrame::Car {
+            log_id: self.scan_ids()[scan_idx].sequence.clone(),
+            timestamp_ns: *time_ns,
+            car_from_sensor: Translation3::from(self.truth_of(log)?.car_from_sensor_m).into(),
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! From KITTI's boxes in the camera frame to ours in the velodyne frame.
+//! From KITTI's boxes in the camera frame to ours in the velodyne frame, and back.
 
 use detector::OrientedBox;
 use nalgebra::{Matrix4, Vector4};
@@ -25,11 +25,38 @@ pub fn box_in_velodyne(camera_box: &CameraBox, velodyne_from_camera: &Matrix4<f6
     }
 }
 
+/// The box in the rectified camera frame: [`box_in_velodyne`] of it is `bounding_box`.
+pub fn box_in_camera(bounding_box: &OrientedBox, velodyne_from_camera: &Matrix4<f64>) -> CameraBox {
+    let [x, y, center_z] = bounding_box.center_m.map(f64::from);
+    let [length_m, width_m, height_m] = bounding_box.length_width_height_m.map(f64::from);
+    let bottom_center_m = Vector4::new(x, y, center_z - height_m / 2.0, 1.0);
+    let camera_from_velodyne = velodyne_from_camera.try_inverse().unwrap_or_else(Matrix4::identity);
+    let bottom_center_m = camera_from_velodyne * bottom_center_m;
+    // The turn whose direction, (cos, 0, -sin), is seen from above in the velodyne frame along the heading, and not against it.
+    let (yaw_sin, yaw_cos) = f64::from(bounding_box.yaw_rad).sin_cos();
+    let across = |column: usize| {
+        velodyne_from_camera[(0, column)] * yaw_sin - velodyne_from_camera[(1, column)] * yaw_cos
+    };
+    let (sin, cos) = (across(0), across(2));
+    let along = |sin: f64, cos: f64| {
+        let heading = velodyne_from_camera * Vector4::new(cos, 0.0, -sin, 0.0);
+        heading.x * yaw_cos + heading.y * yaw_sin
+    };
+    let sign = if along(sin, cos) < 0.0 { -1.0 } else { 1.0 };
+    CameraBox {
+        bottom_center_m: [bottom_center_m.x, bottom_center_m.y, bottom_center_m.z],
+        height_width_length_m: [height_m, width_m, length_m],
+        rotation_y_rad: (sign * sin).atan2(sign * cos),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dataset::kitti::calibration::parse_calibration;
     use crate::dataset::kitti::calibration::tests::FORWARD_CAMERA;
+    use nalgebra::Rotation3;
+    use proptest::prelude::*;
     use std::f32::consts::{FRAC_PI_2, PI};
     use std::path::Path;
 
@@ -68,5 +95,27 @@ mod tests {
     #[test]
     fn what_heads_to_the_left_heads_to_y() {
         check(f64::from(PI), FRAC_PI_2);
+    }
+
+    proptest! {
+        #[test]
+        fn a_box_comes_back_from_a_camera_that_is_tilted(
+            center_m in prop::array::uniform3(-80.0_f32..80.0),
+            length_width_height_m in prop::array::uniform3(0.1_f32..20.0),
+            yaw_rad in -3.1_f32..3.1,
+            tilt_rad in prop::array::uniform3(-0.1_f64..0.1),
+        ) {
+            let forward = parse_calibration(Path::new("c.txt"), FORWARD_CAMERA).unwrap().velodyne_from_camera;
+            let [roll, pitch, yaw] = tilt_rad;
+            let mut tilted = forward * Rotation3::from_euler_angles(roll, pitch, yaw).to_homogeneous();
+            (tilted[(0, 3)], tilted[(2, 3)]) = (0.27, -0.08);
+            let written = OrientedBox { center_m, length_width_height_m, yaw_rad };
+            let read = box_in_velodyne(&box_in_camera(&written, &tilted), &tilted);
+            prop_assert_eq!(read.length_width_height_m, written.length_width_height_m);
+            for axis in 0..3 {
+                prop_assert!((read.center_m[axis] - written.center_m[axis]).abs() < 1e-4, "{:?}", read);
+            }
+            prop_assert!((read.yaw_rad - written.yaw_rad).abs() < 1e-5, "{:?}", read);
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use nalgebra::{Matrix3, Matrix3x4, Matrix4, SMatrix};
 
 use crate::dataset::DatasetError;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::text_file::{TextLine, text_lines};
 
 /// The published matrices are orthonormal to about 1e-6; what is off by more than this is no rotation.
@@ -23,6 +24,17 @@ pub struct KittiCalibration {
     pub image_from_velodyne: Matrix3x4<f64>,
     /// The inverse of `R0_rect · Tr_velo_to_cam`.
     pub velodyne_from_camera: Matrix4<f64>,
+}
+
+impl KittiCalibration {
+    /// The frame of results, for an image of this width and height in pixels.
+    pub fn foreign_frame(&self, image_size_px: [u32; 2]) -> ForeignFrame {
+        ForeignFrame::Camera {
+            velodyne_from_camera: self.velodyne_from_camera,
+            image_from_velodyne: self.image_from_velodyne,
+            image_size_px,
+        }
+    }
 }
 
 /// Reads the calibration in `text`; `path` is named in errors.

@@ -62,6 +62,8 @@ pub struct KittiObject {
     pub truncation: Truncation,
     /// Where it is.
     pub camera_box: CameraBox,
+    /// How sure a detector is of it, in files of results.
+    pub score: Option<f32>,
 }
 
 /// How much of an object the image cuts off.
@@ -158,9 +160,7 @@ fn parse_label(
     let height_width_length_m: [f64; 3] = line.numbers("dimensions")?;
     let bottom_center_m = line.numbers("location")?;
     let rotation_y_rad = line.number("rotation")?;
-    if line.has_more() {
-        line.number("score")?;
-    }
+    let score = if line.has_more() { Some(line.number("score")? as f32) } else { None };
     line.clone().end()?;
 
     let class = match class {
@@ -179,6 +179,7 @@ fn parse_label(
         truncation: truncation_of(truncated)
             .ok_or_else(|| line.error(format!("truncation {truncated} is not within the format")))?,
         camera_box: CameraBox { bottom_center_m, height_width_length_m, rotation_y_rad },
+        score,
     })))
 }
 
@@ -292,9 +293,10 @@ mod tests {
                 height_width_length_m: [1.51, 1.69, 4.04],
                 rotation_y_rad: -1.1,
             },
+            score: None,
         };
         assert_eq!(object(CAR), expected);
-        assert_eq!(object(&format!("{CAR} 0.95")), expected);
+        assert_eq!(object(&format!("{CAR} 0.5")), KittiObject { score: Some(0.5), ..expected });
     }
 
     #[test]

@@ -19,6 +19,7 @@ use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::numbered_files::{numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -106,6 +107,11 @@ impl Dataset for KittiObjects {
             LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.listing.description, &name),
             LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
         }
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        let scan = &self.scans[scan_idx];
+        Ok(scan.calibration.foreign_frame(scan.image_size_px))
     }
 }
 

@@ -19,6 +19,7 @@ use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
@@ -109,6 +110,11 @@ impl Dataset for KittiTracking {
             LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.listing.description, &name),
             LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
         }
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        let sequence = &self.sequences[&self.scan_ids()[scan_idx].sequence];
+        Ok(sequence.calibration.foreign_frame(sequence.image_size_px))
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {

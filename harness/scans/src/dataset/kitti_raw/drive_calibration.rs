@@ -15,11 +15,13 @@ use crate::dataset::DatasetError;
 use crate::dataset::kitti::calibration::check_rotation;
 use crate::dataset::text_file::text_lines;
 
-/// What the left colour camera sees.
+/// What the left colour camera sees, and the rectified frame of the cameras.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraView {
     /// From homogeneous velodyne coordinates to homogeneous pixels of camera 2.
     pub image_from_velodyne: Matrix3x4<f64>,
+    /// From homogeneous coordinates of the rectified frame to those of the sensor.
+    pub velodyne_from_camera: Matrix4<f64>,
     /// Width and height of its image in pixels.
     pub image_size_px: [u32; 2],
 }
@@ -40,11 +42,16 @@ pub fn parse_camera_view(
     check_rotation(cam_to_cam.0, "R_rect_00", &rectification)?;
     let projection: [f64; 12] = entries.numbers("P_rect_02")?;
     let [width_px, height_px] = entries.numbers("S_rect_02")?;
-    let image_from_velodyne = Matrix3x4::from_row_slice(&projection)
-        * rectification.to_homogeneous()
-        * Matrix4::from(camera_from_velodyne.to_homogeneous());
-    // Negative and fractional sizes become small ones.
-    Ok(CameraView { image_from_velodyne, image_size_px: [width_px as u32, height_px as u32] })
+    let rectified_from_velodyne =
+        rectification.to_homogeneous() * Matrix4::from(camera_from_velodyne.to_homogeneous());
+    let velodyne_from_camera =
+        rectified_from_velodyne.try_inverse().expect("two rotations and a shift can be undone");
+    Ok(CameraView {
+        image_from_velodyne: Matrix3x4::from_row_slice(&projection) * rectified_from_velodyne,
+        velodyne_from_camera,
+        // Negative and fractional sizes become small ones.
+        image_size_px: [width_px as u32, height_px as u32],
+    })
 }
 
 /// Reads the lines `R` and `T` of a calibration file.

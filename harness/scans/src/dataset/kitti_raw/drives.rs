@@ -24,6 +24,7 @@ use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::data_sheet::LabeledRegion;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::kitti::camera_field_of_view::{CameraFieldOfView, point_regions};
 use crate::dataset::kitti::label::KITTI_VOCABULARY;
 use crate::dataset::numbered_files::is_hidden;
@@ -171,6 +172,16 @@ impl Dataset for KittiRaw {
         let Some(poses) = &drive.poses else { return Ok(None) };
         let fix = read_fix(&drive.folder.join(POSES), id.index)?;
         Ok(Some(fix.world_from_unit(&poses.origin) * poses.unit_from_sensor))
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        // The cameras' calibration is read with the labels.
+        let labels = self.drives[&self.scan_ids()[scan_idx].sequence].labels.as_ref();
+        Ok(labels.map_or(ForeignFrame::Sensor, |it| ForeignFrame::Camera {
+            velodyne_from_camera: it.view.velodyne_from_camera,
+            image_from_velodyne: it.view.image_from_velodyne,
+            image_size_px: it.view.image_size_px,
+        }))
     }
 }
 

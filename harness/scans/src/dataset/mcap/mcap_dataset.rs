@@ -9,18 +9,19 @@ use std::path::Path;
 use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 
-use super::frame_tree::{FrameTree, transforms_of_message};
+use super::frame_tree::FrameTree;
 use super::mcap_file::McapFile;
 use super::mcap_index::{McapIndex, MessagePlace, index_mcap, window};
 use super::recorded_cloud::{RecordedCloud, region_of};
-use super::ros_messages::StampedTransform;
-use super::scene_objects::{SceneObject, objects_of_message};
+use super::recorded_messages::{Channel, RecordedMessages};
+use super::scene_objects::SceneObject;
 use super::topics::{ChosenChannel, MessageKind, TopicChoice, choose_channels};
 use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
@@ -41,25 +42,14 @@ const MAX_ANNOTATION_OFFSET_NS: u64 = 50_000_000;
 /// Annotations may be logged this long after the cloud they belong to, in nanoseconds.
 const MAX_ANNOTATION_DELAY_NS: u64 = 2_000_000_000;
 
-/// Transforms this far before and after a scan are looked at, in nanoseconds.
-const TRANSFORM_WINDOW_NS: u64 = 1_000_000_000;
-
-/// This many transforms of each topic are read at the start: those that never change are often sent only once.
-const N_FIRST_TRANSFORMS: usize = 200;
-
-/// Messages of objects and transforms that are larger than this are not read: small on disk, they may be large in memory.
-const MAX_SMALL_MESSAGE_BYTES: usize = 4 << 20;
-
 /// An open recording.
 #[derive(Debug)]
 pub struct McapDataset {
     // Invariant: `scan_ids` and `clouds.places` have the same length and order.
     listing: Listing,
-    file: McapFile,
+    messages: RecordedMessages,
     clouds: Channel,
     annotations: Option<Channel>,
-    transforms: Vec<Channel>,
-    first_transforms: Vec<StampedTransform>,
     cut_off: Option<String>,
     classes: ClassRules,
     names_not_taken: Option<String>,
@@ -70,14 +60,6 @@ struct NearestAnnotations {
     offset_ns: u64,
     place: MessagePlace,
     objects: Vec<SceneObject>,
-}
-
-/// A channel with the places of its messages, by time.
-#[derive(Debug)]
-struct Channel {
-    kind: MessageKind,
-    encoding: String,
-    places: Vec<MessagePlace>,
 }
 
 /// Whether the file at `path` is MCAP, by its first bytes.
@@ -113,12 +95,7 @@ pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<Mcap
     let own_ids: Option<Vec<(String, u32)>> =
         own_ids.map(|ids| serde_json::from_str(ids).unwrap_or_default());
     let chunks = std::mem::take(&mut index.chunks);
-    let mut channel = |chosen: ChosenChannel| {
-        let places = chosen.ids.iter().filter_map(|id| index.messages.remove(id));
-        let mut places: Vec<MessagePlace> = places.flatten().collect();
-        places.sort_by_key(|place| place.log_time_ns);
-        Channel { kind: chosen.kind, encoding: chosen.info.encoding, places }
-    };
+    let mut channel = |chosen: ChosenChannel| Channel::take(&mut index, chosen);
     let clouds = channel(chosen.cloud);
     let n_scans = clouds.places.len();
     let names_not_taken = own_ids.as_ref().filter(|own| own.len() != n_scans).map(|own| {
@@ -127,27 +104,22 @@ pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<Mcap
             own.len()
         )
     });
-    let mut recording = McapDataset {
+    let annotations = chosen.annotations.map(&mut channel);
+    let transforms = chosen.transforms.into_iter().map(&mut channel).collect();
+    let recording = McapDataset {
         classes: source.classes.clone(),
         names_not_taken,
         listing: Listing {
             scan_ids: scan_ids(&path, n_scans, own_ids),
             description: source.describe(DatasetFormat::Mcap, checksum),
         },
-        annotations: chosen.annotations.map(&mut channel),
-        transforms: chosen.transforms.into_iter().map(&mut channel).collect(),
+        annotations,
         clouds,
-        file: McapFile::new(&path, chunks),
-        first_transforms: Vec::new(),
+        messages: RecordedMessages::new(McapFile::new(&path, chunks), transforms)?,
         cut_off: index.cut_off.take(),
     };
     if recording.listing.scan_ids.is_empty() {
         return Err(DatasetError::NoScans { path });
-    }
-    for channel in &recording.transforms {
-        for place in channel.places.iter().take(N_FIRST_TRANSFORMS) {
-            recording.first_transforms.extend(recording.read_transforms(channel, *place)?);
-        }
     }
     Ok(recording)
 }
@@ -218,28 +190,26 @@ impl Dataset for McapDataset {
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
-        if self.transforms.is_empty() {
+        if !self.messages.has_transforms() {
             return Ok(None);
         }
         let recorded = self.read_cloud(self.clouds.places[scan_idx])?;
-        let tree = self.frames_at(recorded.stamp_ns, self.clouds.places[scan_idx].log_time_ns)?;
+        let tree = self.messages.frames_at(recorded.stamp_ns, self.clouds.places[scan_idx].log_time_ns)?;
         Ok(Some(tree.root_from(&recorded.frame) * recorded.sensor_from_frame.inverse()))
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        let place = self.clouds.places[scan_idx];
+        let RecordedCloud { stamp_ns, frame, sensor_from_frame, .. } = self.read_cloud(place)?;
+        Ok(ForeignFrame::Recording { stamp_ns, log_time_ns: place.log_time_ns, frame, sensor_from_frame })
     }
 }
 
 impl McapDataset {
-    fn damaged(&self, problem: String) -> DatasetError {
-        self.file.damaged(problem)
-    }
-
-    fn damaged_at(&self, place: MessagePlace, problem: &str) -> DatasetError {
-        self.damaged(format!("{problem}, logged at {} ns", place.log_time_ns))
-    }
-
     fn read_cloud(&self, place: MessagePlace) -> Result<RecordedCloud, DatasetError> {
-        let message = self.file.message(place)?;
+        let message = self.messages.message(place)?;
         let recorded = RecordedCloud::read(self.clouds.kind, &self.clouds.encoding, message.as_slice());
-        let mut recorded = recorded.map_err(|problem| self.damaged_at(place, &problem))?;
+        let mut recorded = recorded.map_err(|problem| self.messages.damaged_at(place, &problem))?;
         if recorded.stamp_ns == 0 {
             recorded.stamp_ns = place.log_time_ns;
         }
@@ -260,7 +230,7 @@ impl McapDataset {
         );
         let mut nearest: Option<NearestAnnotations> = None;
         for candidate in window {
-            let (said_ns, objects) = self.read_objects(channel, *candidate)?;
+            let (said_ns, objects) = self.messages.read_objects(channel, *candidate)?;
             let offset_ns = said_ns.unwrap_or(candidate.log_time_ns).abs_diff(stamp_ns);
             if nearest.as_ref().is_none_or(|it| offset_ns < it.offset_ns) {
                 nearest = Some(NearestAnnotations { offset_ns, place: *candidate, objects });
@@ -290,7 +260,7 @@ impl McapDataset {
         }
         let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != recorded.frame;
         let tree = if objects.iter().any(is_elsewhere) {
-            self.frames_at(recorded.stamp_ns, place.log_time_ns)?
+            self.messages.frames_at(recorded.stamp_ns, place.log_time_ns)?
         } else {
             FrameTree::default()
         };
@@ -298,13 +268,13 @@ impl McapDataset {
             |(object, class): (&SceneObject, AnnotationClass)| -> Result<Annotation, DatasetError> {
                 let frame = if object.frame.is_empty() { &recorded.frame } else { &object.frame };
                 let cloud_from_frame = tree.to_from(&recorded.frame, frame).ok_or_else(|| {
-                    self.damaged(format!(
+                    self.messages.damaged(format!(
                         "has annotations in the frame {frame:?}, but no transform from it to {:?}",
                         recorded.frame
                     ))
                 })?;
                 let sensor_from_frame = recorded.sensor_from_frame * cloud_from_frame;
-                object.annotation(class, &sensor_from_frame).map_err(|problem| self.damaged(problem))
+                object.annotation(class, &sensor_from_frame).map_err(|problem| self.messages.damaged(problem))
             };
         // Names that nobody knows were refused above.
         let known = objects.iter().zip(classes).filter_map(|(object, class)| Some((object, class?)));
@@ -317,7 +287,7 @@ impl McapDataset {
         if let Some(channel) = &self.annotations {
             for &place in &channel.places {
                 // What cannot be read is said when its scan is read.
-                let (_, objects) = self.read_objects(channel, place).unwrap_or_default();
+                let (_, objects) = self.messages.read_objects(channel, place).unwrap_or_default();
                 for object in objects {
                     classes.class_of(&object.class_name, || place.to_string());
                 }
@@ -339,57 +309,11 @@ impl McapDataset {
         let mut without_scan = Vec::new();
         for &place in &channel.places {
             if !taken.contains(&(place.chunk_idx, place.offset))
-                && !self.read_objects(channel, place)?.1.is_empty()
+                && !self.messages.read_objects(channel, place)?.1.is_empty()
             {
                 without_scan.push(place);
             }
         }
         Ok(without_scan)
     }
-
-    /// The objects in a message and the moment it is about, if it says so.
-    fn read_objects(
-        &self,
-        channel: &Channel,
-        place: MessagePlace,
-    ) -> Result<(Option<u64>, Vec<SceneObject>), DatasetError> {
-        let message = self.file.message(place)?;
-        let bytes = message.as_slice();
-        let read =
-            check_size(bytes).and_then(|()| objects_of_message(channel.kind, &channel.encoding, bytes));
-        let (stamp_ns, objects) = read.map_err(|problem| self.damaged_at(place, &problem))?;
-        Ok(((stamp_ns > 0).then_some(stamp_ns), objects))
-    }
-
-    /// How the frames lie to each other at `stamp_ns`, of what was logged around `log_time_ns`.
-    fn frames_at(&self, stamp_ns: u64, log_time_ns: u64) -> Result<FrameTree, DatasetError> {
-        let mut transforms = self.first_transforms.clone();
-        for channel in &self.transforms {
-            let begin_ns = log_time_ns.saturating_sub(TRANSFORM_WINDOW_NS);
-            for place in window(&channel.places, begin_ns, log_time_ns.saturating_add(TRANSFORM_WINDOW_NS)) {
-                transforms.extend(self.read_transforms(channel, *place)?);
-            }
-        }
-        Ok(FrameTree::at(stamp_ns, transforms))
-    }
-
-    fn read_transforms(
-        &self,
-        channel: &Channel,
-        place: MessagePlace,
-    ) -> Result<Vec<StampedTransform>, DatasetError> {
-        let message = self.file.message(place)?;
-        let bytes = message.as_slice();
-        let read =
-            check_size(bytes).and_then(|()| transforms_of_message(channel.kind, &channel.encoding, bytes));
-        read.map_err(|problem| self.damaged_at(place, &problem))
-    }
-}
-
-fn check_size(message: &[u8]) -> Result<(), String> {
-    let n_bytes = message.len();
-    if n_bytes > MAX_SMALL_MESSAGE_BYTES {
-        return Err(format!("has a message of {n_bytes} bytes, too large for its objects"));
-    }
-    Ok(())
 }

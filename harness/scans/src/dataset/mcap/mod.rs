@@ -11,5 +11,6 @@ pub mod foxglove_scene;
 pub mod topics;
 pub mod scene_objects;
 pub mod frame_tree;
+pub mod recorded_messages;
 pub mod recorded_cloud;
 pub mod mcap_dataset;

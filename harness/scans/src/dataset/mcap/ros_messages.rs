@@ -43,6 +43,8 @@ pub struct Detection3D {
     pub header: Header,
     /// The class that it most likely is.
     pub class: String,
+    /// How likely, if any class is named.
+    pub score: Option<f64>,
     /// Where its centre is and how it is turned.
     pub frame_from_box: Isometry3<f64>,
     /// Its extent along its own x, y and z, in metres.
@@ -106,8 +108,8 @@ pub fn detection_3d_array(message: &[u8]) -> Result<(Header, Vec<Detection3D>), 
         let frame_from_box = pose(reader)?;
         let size_m = reader.f64s()?;
         let id = reader.text()?.to_owned();
-        let class = likeliest.map(|(class, _)| class).unwrap_or_default();
-        Ok(Detection3D { header, class, frame_from_box, size_m, id })
+        let (class, score) = likeliest.map(|(class, score)| (class, Some(score))).unwrap_or_default();
+        Ok(Detection3D { header, class, score, frame_from_box, size_m, id })
     })?;
     Ok((header_of_all, detections))
 }

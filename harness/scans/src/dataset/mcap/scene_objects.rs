@@ -1,7 +1,7 @@
 //! Objects with boxes, from whichever message, in the sensor frame.
 
 use detector::OrientedBox;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 
 use super::foxglove_messages::decode;
@@ -9,6 +9,7 @@ use super::foxglove_scene::{SceneEntity, SceneUpdate};
 use super::ros_messages::{Detection3D, detection_3d_array};
 use super::topics::MessageKind;
 use crate::annotation::Annotation;
+use crate::dataset::upright_box::upright_box;
 
 /// The names of what is known about an object, in the metadata of Foxglove's scene entities.
 pub mod keys {
@@ -20,10 +21,15 @@ pub mod keys {
     pub const OCCLUSION: &str = "occlusion";
     /// Share of it outside the labelled region.
     pub const TRUNCATION: &str = "truncation";
+    /// How sure a detector is of it.
+    pub const SCORE: &str = "score";
 }
 
 /// The names that the class goes by in the recordings of others.
 const CLASS_KEYS: [&str; 5] = [keys::CLASS, "label", "category", "type", "name"];
+
+/// The names that the score goes by.
+const SCORE_KEYS: [&str; 3] = [keys::SCORE, "confidence", "probability"];
 
 /// An object in the frame that its message names.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +46,8 @@ pub struct SceneObject {
     pub occlusion: Option<Occlusion>,
     /// Share of it outside the labelled region.
     pub truncation: Option<f32>,
+    /// How sure a detector is of it.
+    pub score: Option<f32>,
 }
 
 impl SceneObject {
@@ -58,7 +66,7 @@ impl SceneObject {
         let bounding_box = self
             .frame_from_box
             .as_ref()
-            .map(|(frame_from_box, size_m)| upright_box(&(sensor_from_frame * frame_from_box), *size_m))
+            .map(|(frame_from_box, size_m)| sensible_box(&(sensor_from_frame * frame_from_box), *size_m))
             .transpose()?;
         Ok(Annotation {
             class,
@@ -71,7 +79,7 @@ impl SceneObject {
     }
 }
 
-fn upright_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<OrientedBox, String> {
+fn sensible_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<OrientedBox, String> {
     let center_m: [f64; 3] = sensor_from_box.translation.vector.into();
     // Beyond this a mistake, and sums of squares would overflow in single precision.
     let is_sensible =
@@ -79,12 +87,7 @@ fn upright_box(sensor_from_box: &Isometry3<f64>, size_m: [f64; 3]) -> Result<Ori
     if !is_sensible {
         return Err(format!("has a box at {center_m:?} m with sides of {size_m:?} m"));
     }
-    let heading = sensor_from_box.rotation * Vector3::x();
-    Ok(OrientedBox {
-        center_m: center_m.map(|it| it as f32),
-        length_width_height_m: size_m.map(|it| it as f32),
-        yaw_rad: heading.y.atan2(heading.x) as f32,
-    })
+    Ok(upright_box(sensor_from_box, size_m))
 }
 
 /// The objects in `bytes`, a message of this kind in the encoding of its channel, and the moment that it names, in nanoseconds; 0 if it
@@ -138,6 +141,7 @@ fn object_of_entity(entity: &SceneEntity) -> Result<SceneObject, String> {
         track: value(keys::TRACK).and_then(|it| it.parse().ok()),
         occlusion: value(keys::OCCLUSION).and_then(|name| occlusion.into_iter().find(|it| it.name() == name)),
         truncation: value(keys::TRUNCATION).and_then(|it| it.parse().ok()),
+        score: SCORE_KEYS.iter().find_map(|key| value(key)).and_then(|it| it.parse().ok()),
     })
 }
 
@@ -150,6 +154,7 @@ fn objects_of_detections(detections: &[Detection3D]) -> Vec<SceneObject> {
         track: it.id.parse().ok(),
         occlusion: None,
         truncation: None,
+        score: it.score.map(|it| it as f32),
     };
     detections.iter().map(object).collect()
 }

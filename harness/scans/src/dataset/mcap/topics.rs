@@ -159,6 +159,58 @@ pub fn choose_channels(
     })
 }
 
+/// The channels of a recording of what a detector found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DetectionChannels {
+    /// The objects.
+    pub objects: ChosenChannel,
+    /// Clouds, if it has any on a single topic.
+    pub cloud: Option<ChosenChannel>,
+    /// Everything that says how frames lie to each other.
+    pub transforms: Vec<ChosenChannel>,
+}
+
+/// Chooses the objects on `topic`, or on the only topic that has some beside [`ANNOTATION_TOPIC`], or on that.
+///
+/// # Errors
+///
+/// [`DatasetError::Topic`], as [`choose_channels`].
+pub fn choose_detections(
+    path: &Path,
+    index: &McapIndex,
+    topic: Option<&str>,
+) -> Result<DetectionChannels, DatasetError> {
+    let objects = known_channels(index, MessageKind::is_objects);
+    let error = |problem: String| DatasetError::Topic {
+        path: path.to_path_buf(),
+        problem,
+        topics: if objects.is_empty() { all_topics(index) } else { listed(index, &objects) },
+    };
+    let is_wanted = |it: &&ChosenChannel| match topic {
+        Some(topic) => it.info.topic == topic,
+        None => objects.len() == 1 || it.info.topic != ANNOTATION_TOPIC,
+    };
+    let wanted: Vec<&ChosenChannel> = objects.iter().filter(is_wanted).collect();
+    let objects_of = match (&wanted[..], topic) {
+        ([only], _) => *only,
+        ([], Some(topic)) => return Err(error(format!("has no objects on the topic {topic:?}"))),
+        ([], None) => return Err(error("has no objects".to_owned())),
+        (_, Some(topic)) => {
+            return Err(error(format!("has several types of messages on the topic {topic:?}")));
+        }
+        (_, None) => {
+            let problem = "has objects on several topics; name one behind the file, as in a.mcap:/topic";
+            return Err(error(problem.to_owned()));
+        }
+    };
+    let clouds = known_channels(index, MessageKind::is_cloud);
+    Ok(DetectionChannels {
+        objects: objects_of.clone(),
+        cloud: clouds.first().filter(|_| clouds.len() == 1).cloned(),
+        transforms: known_channels(index, MessageKind::is_transforms),
+    })
+}
+
 /// The channels whose messages are wanted, by topic.
 ///
 /// A topic may have been announced several times: what carries the same is one, and what carries nothing does not count

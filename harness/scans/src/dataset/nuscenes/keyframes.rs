@@ -16,6 +16,7 @@ use crate::annotation::{Annotation, LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
@@ -151,6 +152,11 @@ impl Dataset for NuScenes {
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         Ok(Some(self.keyframes[scan_idx].world_from_sensor))
+    }
+
+    fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
+        let Keyframe { sample_token, world_from_sensor, .. } = &self.keyframes[scan_idx];
+        Ok(ForeignFrame::World { sample_token: sample_token.clone(), world_from_sensor: *world_from_sensor })
     }
 }
 

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-use detector::OrientedBox;
 use nalgebra::{Isometry3, Vector3};
 use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use serde::Deserialize;
@@ -13,6 +12,7 @@ use crate::annotation::Annotation;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::mcap::ros_messages::isometry;
+use crate::dataset::upright_box::upright_box;
 
 /// The lidar on the roof.
 const LIDAR: &str = "LIDAR_TOP";
@@ -20,6 +20,8 @@ const LIDAR: &str = "LIDAR_TOP";
 /// A scan that is annotated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Keyframe {
+    /// The token of its sample.
+    pub sample_token: String,
     /// The scene it belongs to.
     pub scene: String,
     /// When it was taken, in nanoseconds.
@@ -48,22 +50,16 @@ pub struct WorldObject {
     track: u32,
     occlusion: Option<Occlusion>,
     world_from_box: Isometry3<f64>,
-    length_width_height_m: [f32; 3],
+    length_width_height_m: [f64; 3],
 }
 
 impl WorldObject {
     /// The annotation without points, for a sensor that was there. The box is set upright.
     pub fn annotation(&self, world_from_sensor: &Isometry3<f64>) -> Annotation {
         let sensor_from_box = world_from_sensor.inverse() * self.world_from_box;
-        let center_m = sensor_from_box.translation.vector;
-        let heading = sensor_from_box.rotation * Vector3::x();
         Annotation {
             class: self.class,
-            bounding_box: Some(OrientedBox {
-                center_m: [center_m.x as f32, center_m.y as f32, center_m.z as f32],
-                length_width_height_m: self.length_width_height_m,
-                yaw_rad: heading.y.atan2(heading.x) as f32,
-            }),
+            bounding_box: Some(upright_box(&sensor_from_box, self.length_width_height_m)),
             point_indices: Vec::new(),
             track: Some(self.track),
             occlusion: self.occlusion,
@@ -178,6 +174,7 @@ pub fn read_keyframes(
             file: it.file,
             world_from_sensor: world_from_ego * it.ego_from_sensor,
             objects: objects.remove(&it.sample).unwrap_or_default(),
+            sample_token: it.sample,
         });
     }
     keyframes.sort_by(|a, b| (&a.scene, a.time_ns).cmp(&(&b.scene, b.time_ns)));
@@ -300,7 +297,7 @@ fn read_objects(
             track: *track,
             occlusion,
             world_from_box: pose(it.translation, it.rotation)?,
-            length_width_height_m: [length_m, width_m, height_m].map(|side_m| side_m as f32),
+            length_width_height_m: [length_m, width_m, height_m],
         });
         Ok(())
     })?;
@@ -358,8 +355,12 @@ fn occlusion_of(level: &str) -> Option<Occlusion> {
     }
 }
 
-/// Of a translation and a quaternion whose real part comes first.
-fn pose(translation: [f64; 3], [w, x, y, z]: [f64; 4]) -> Result<Isometry3<f64>, String> {
+/// Of a translation and a quaternion whose real part comes first. Errors are the rest of a sentence about the file.
+///
+/// # Errors
+///
+/// If a number is not finite.
+pub fn pose(translation: [f64; 3], [w, x, y, z]: [f64; 4]) -> Result<Isometry3<f64>, String> {
     isometry(translation, [x, y, z, w])
 }
 

@@ -1,0 +1,161 @@
+//! A detector that was at work somewhere else: its results are read, and judged as ours are. It has no times.
+
+use std::error::Error;
+
+use detector::stage_product::{Shape, StageProduct};
+use detector::{DetectorOutput, PointCloud};
+use scans::annotation::{LabeledScan, ScanId};
+use scans::conversion::results::detection_rows::clusters_of_points;
+use scans::foreign::detections::ForeignDetections;
+use scans::foreign::foreign_results::ForeignResults;
+
+use crate::process::problem::{DetectorFailure, DetectorProblem};
+use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
+use crate::run::running_detector::{RunningDetector, Taken};
+
+/// The detector, in the scans of one data set.
+pub struct ResultsDetector {
+    name: &'static str,
+    results: Option<ForeignResults>,
+    vehicles: ForeignVehicles,
+    // Of the latest scan, which may be asked for again.
+    latest: Option<(ScanId, DetectorOutput)>,
+}
+
+impl ResultsDetector {
+    /// The detector `name`; without results it fails at its first scan.
+    pub fn new(name: &'static str, results: Option<ForeignResults>, vehicles: ForeignVehicles) -> Self {
+        Self { name, results, vehicles, latest: None }
+    }
+
+    fn read(&mut self, scan: &LabeledScan) -> Result<DetectorOutput, DetectorProblem> {
+        let Some(results) = &mut self.results else {
+            let problem = "only `scanbench run` judges results of other programs";
+            return Err(DetectorProblem::Machine(problem.to_owned()));
+        };
+        let found = results.read(scan).map_err(|error| DetectorProblem::Unreadable(in_a_line(&error)))?;
+        let mut output = DetectorOutput::default();
+        let objects = objects_of(found.unwrap_or_default());
+        let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
+        made.map_err(DetectorProblem::Unreadable)?;
+        Ok(output)
+    }
+}
+
+impl RunningDetector for ResultsDetector {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn detect(
+        &mut self,
+        scan: &LabeledScan,
+        _time_s: f64,
+        output: &mut DetectorOutput,
+    ) -> Result<Taken, DetectorFailure> {
+        output.clear();
+        if self.latest.as_ref().is_none_or(|(id, _)| *id != scan.id) {
+            let read = self.read(scan).map_err(|problem| DetectorFailure {
+                detector: self.name.to_owned(),
+                scan: Some(scan.id.to_string()),
+                problem,
+                last_words: Vec::new(),
+                is_final: self.results.is_none(),
+            })?;
+            self.latest = Some((scan.id.clone(), read));
+        }
+        if let Some((_, read)) = &self.latest {
+            output.clone_from(read);
+        }
+        Ok(Taken::default())
+    }
+
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        let clusters = match &self.latest {
+            Some((_, output)) => clusters_of_points(&output.detections, cloud.len()),
+            None => vec![None; cloud.len()],
+        };
+        vec![StageProduct { stage: "clusters", name: "clusters", shape: Shape::Clusters(clusters) }]
+    }
+
+    fn finish(self: Box<Self>) -> Vec<String> {
+        let warnings = self.results.map_or_else(Vec::new, |it| it.warnings());
+        warnings.into_iter().map(|it| format!("the detector {:?}: {it}", self.name)).collect()
+    }
+}
+
+/// The message of `error` and those of what caused it.
+fn in_a_line(error: &dyn Error) -> String {
+    let mut message = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        message += &format!(": {error}");
+        cause = error.source();
+    }
+    message
+}
+
+/// What was found as objects: each box, or else each cluster.
+fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
+    let ForeignDetections { clusters, cluster_classes, boxes } = found;
+    let mut members = clusters.as_deref().map(members_of);
+    if boxes.is_empty() {
+        let class_of = |id: u32| cluster_classes.get(id as usize - 1).copied().flatten();
+        let members = members.unwrap_or_default().into_iter();
+        return members
+            .map(|(id, points)| FoundObject { class: class_of(id), ..FoundObject::of_points(points) })
+            .collect();
+    }
+    let object = |(id, it): (u32, &scans::foreign::detections::ForeignBox)| FoundObject {
+        // Without clusters the points are those in the box; a box beside clusters may have none.
+        point_indices: members.as_mut().map(|it| it.remove(&id).unwrap_or_default()),
+        bounding_box: Some(it.bounding_box),
+        class: it.class,
+        score: it.score,
+    };
+    (1..).zip(&boxes).map(object).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use detector::OrientedBox;
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::foreign::detections::ForeignBox;
+
+    const CUBE: ForeignBox = ForeignBox {
+        bounding_box: OrientedBox {
+            center_m: [5.0, 0.0, 0.0],
+            length_width_height_m: [1.0; 3],
+            yaw_rad: 0.0,
+        },
+        class: Some(AnnotationClass::Bus),
+        score: Some(0.5),
+    };
+
+    #[test]
+    fn clusters_alone_have_their_points_and_classes() {
+        let found = ForeignDetections {
+            clusters: Some(vec![0, 9, 2, 9]),
+            cluster_classes: vec![None, Some(AnnotationClass::Pole)],
+            boxes: Vec::new(),
+        };
+        let pole = FoundObject { class: Some(AnnotationClass::Pole), ..FoundObject::of_points(vec![2]) };
+        assert_eq!(objects_of(found), [pole, FoundObject::of_points(vec![1, 3])]);
+    }
+
+    #[test]
+    fn boxes_have_the_points_of_their_clusters_or_those_in_them() {
+        let boxed = |point_indices| FoundObject {
+            point_indices,
+            bounding_box: Some(CUBE.bounding_box),
+            class: CUBE.class,
+            score: CUBE.score,
+        };
+        let found =
+            ForeignDetections { clusters: Some(vec![0, 2]), boxes: vec![CUBE; 2], ..Default::default() };
+        assert_eq!(objects_of(found), [boxed(Some(vec![])), boxed(Some(vec![1]))]);
+        assert_eq!(objects_of(ForeignDetections::of_boxes(vec![CUBE])), [boxed(None)]);
+        assert_eq!(objects_of(ForeignDetections::default()), []);
+    }
+}

@@ -1,0 +1,99 @@
+//! A table of detections of Argoverse 2: `detections.feather`, boxes in the frame of the car.
+//!
+//! Vehicles are `REGULAR_VEHICLE`: detectors do not tell them from trucks. Other objects have no class there and are left out. A detection without a score
+//! has 1.
+
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
+use arrow_ipc::writer::FileWriter;
+use arrow_schema::ArrowError;
+use detector::{DetectedClass, Detections};
+
+use super::detection_rows::SCORE_OF_NONE;
+use super::{ResultFile, ResultWriter, unwritable};
+use crate::annotation::LabeledScan;
+use crate::conversion::ConversionError;
+use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::upright_box::pose_of_box;
+
+/// The name of the file.
+const NAME: &str = "detections.feather";
+
+/// The class of vehicles.
+const VEHICLE: &str = "REGULAR_VEHICLE";
+
+/// The columns of numbers.
+const NUMBERS: [&str; 11] =
+    ["tx_m", "ty_m", "tz_m", "length_m", "width_m", "height_m", "qw", "qx", "qy", "qz", "score"];
+
+/// A table that grows.
+#[derive(Default)]
+pub struct Argoverse2Results {
+    logs: Vec<String>,
+    times_ns: Vec<i64>,
+    numbers: [Vec<f64>; NUMBERS.len()],
+    n_left_out: u64,
+}
+
+impl ResultWriter for Argoverse2Results {
+    fn add(
+        &mut self,
+        scan: &LabeledScan,
+        frame: &ForeignFrame,
+        detections: &Detections,
+    ) -> Result<Vec<ResultFile>, ConversionError> {
+        let ForeignFrame::Car { log_id, timestamp_ns, car_from_sensor } = frame else {
+            return Err(unwritable(scan, "argoverse2", "its data set has no logs of Argoverse 2"));
+        };
+        for detection in detections.iter() {
+            if detection.class != DetectedClass::Vehicle {
+                self.n_left_out += 1;
+                continue;
+            }
+            let car_from_box = car_from_sensor * pose_of_box(&detection.bounding_box);
+            let (at, turn) = (car_from_box.translation.vector, car_from_box.rotation);
+            let [length_m, width_m, height_m] = detection.bounding_box.length_width_height_m.map(f64::from);
+            let score = f64::from(detection.score.unwrap_or(SCORE_OF_NONE));
+            let row = [at.x, at.y, at.z, length_m, width_m, height_m, turn.w, turn.i, turn.j, turn.k, score];
+            self.logs.push(log_id.clone());
+            self.times_ns.push(*timestamp_ns);
+            self.numbers.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
+        }
+        Ok(Vec::new())
+    }
+
+    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+        let content = self.table().and_then(|it| file_of(&it)).map_err(|error| ConversionError::Write {
+            path: NAME.into(),
+            source: std::io::Error::other(error),
+        })?;
+        Ok(vec![ResultFile { name: NAME.to_owned(), content }])
+    }
+
+    fn n_left_out(&self) -> u64 {
+        self.n_left_out
+    }
+}
+
+impl Argoverse2Results {
+    fn table(&self) -> Result<RecordBatch, ArrowError> {
+        let categories = StringArray::from(vec![VEHICLE; self.logs.len()]);
+        let mut columns: Vec<(&str, ArrayRef)> = vec![
+            ("log_id", Arc::new(StringArray::from(self.logs.clone()))),
+            ("timestamp_ns", Arc::new(Int64Array::from(self.times_ns.clone()))),
+            ("category", Arc::new(categories)),
+        ];
+        for (name, numbers) in NUMBERS.iter().zip(&self.numbers) {
+            columns.push((name, Arc::new(Float64Array::from(numbers.clone()))));
+        }
+        RecordBatch::try_from_iter(columns)
+    }
+}
+
+fn file_of(table: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
+    let mut writer = FileWriter::try_new(Vec::new(), &table.schema())?;
+    writer.write(table)?;
+    writer.finish()?;
+    writer.into_inner()
+}

@@ -1,0 +1,42 @@
+//! Detections as rows, as `scanbench detect` writes them.
+
+use detector::{DetectedClass, Detection, Detections, OrientedBox};
+use reports::rows::match_outcome::{BoxFacts, DetectionFacts};
+use reports::vocabulary::class::DetectionClass;
+
+/// The score of detections without one, where a format has to have one.
+pub const SCORE_OF_NONE: f32 = 1.0;
+
+/// What files say of a detection; its id is its place among those of the scan.
+pub fn detection_facts(place: usize, detection: &Detection<'_>) -> DetectionFacts {
+    DetectionFacts {
+        id: place as u64,
+        class: match detection.class {
+            DetectedClass::Object => DetectionClass::Object,
+            DetectedClass::Vehicle => DetectionClass::Vehicle,
+        },
+        score: detection.score,
+        n_points: detection.point_indices.len() as u64,
+        bounding_box: box_facts(&detection.bounding_box),
+    }
+}
+
+/// A box as rows have it.
+pub fn box_facts(bounding_box: &OrientedBox) -> BoxFacts {
+    BoxFacts {
+        center_m: bounding_box.center_m,
+        length_width_height_m: bounding_box.length_width_height_m,
+        yaw_rad: bounding_box.yaw_rad,
+    }
+}
+
+/// For every point of a scan of `n_points` the detection it belongs to; of several the last.
+pub fn clusters_of_points(detections: &Detections, n_points: usize) -> Vec<Option<u32>> {
+    let mut cluster_of_point = vec![None; n_points];
+    for (detection, cluster) in detections.iter().zip(0..) {
+        for &point_idx in detection.point_indices {
+            cluster_of_point[point_idx as usize] = Some(cluster);
+        }
+    }
+    cluster_of_point
+}

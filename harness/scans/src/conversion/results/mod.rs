@@ -1,0 +1,55 @@
+//! What detectors found, in the files that other people's evaluators read.
+
+use detector::Detections;
+
+use super::ConversionError;
+use crate::annotation::LabeledScan;
+use crate::dataset::foreign_frame::ForeignFrame;
+
+pub mod detection_rows;
+pub mod kitti_results;
+pub mod nuscenes_results;
+pub mod argoverse2_results;
+pub mod own_results;
+pub mod result_folder;
+
+/// A file that is to be written, by its name below a folder, with `/` between folders.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ResultFile {
+    /// The name.
+    pub name: String,
+    /// What is in it.
+    pub content: Vec<u8>,
+}
+
+/// Results in some format: of one detector in the scans of one data set.
+pub trait ResultWriter {
+    /// Takes what was found in a scan, and returns the files that are complete with it.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError::Unwritable`] if the format cannot hold it.
+    fn add(
+        &mut self,
+        scan: &LabeledScan,
+        frame: &ForeignFrame,
+        detections: &Detections,
+    ) -> Result<Vec<ResultFile>, ConversionError>;
+
+    /// The files that are complete after the last scan.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError::Unwritable`] if the format cannot hold them.
+    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError>;
+
+    /// Detections that were left out, since the format has no class for them.
+    fn n_left_out(&self) -> u64 {
+        0
+    }
+}
+
+/// The error of a writer for a data set that its format is not for.
+fn unwritable(scan: &LabeledScan, format: &'static str, problem: &str) -> ConversionError {
+    ConversionError::Unwritable { scan: scan.id.to_string(), format, problem: problem.to_owned() }
+}

@@ -1,0 +1,44 @@
+//! The files that `scanbench detect` writes, of every scan: `DRIVE/NNNNNN.u32` with the cluster of each point, `DRIVE/NNNNNN.csv` with the boxes.
+
+use detector::Detections;
+use reports::files::archive::ArchiveError;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::rows::box_row::BoxRow;
+use reports::rows::cluster_of_point;
+
+use super::detection_rows::{clusters_of_points, detection_facts};
+use super::{ResultFile, ResultWriter};
+use crate::annotation::LabeledScan;
+use crate::conversion::ConversionError;
+use crate::dataset::folder_name::folder_name;
+use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::positioned_points::values_of_file;
+
+/// Files for each scan.
+pub struct OwnResults;
+
+impl ResultWriter for OwnResults {
+    fn add(
+        &mut self,
+        scan: &LabeledScan,
+        _frame: &ForeignFrame,
+        detections: &Detections,
+    ) -> Result<Vec<ResultFile>, ConversionError> {
+        let name = |ending: &str| format!("{}/{:06}.{ending}", folder_name(&scan.id.sequence), scan.id.index);
+        // One for every point of the file; those without a position are of no cluster.
+        let clusters = clusters_of_points(detections, scan.cloud.len());
+        let clusters = values_of_file(&clusters, &scan.points_left_out).into_iter().map(Option::flatten);
+        let clusters: Vec<Option<u32>> = clusters.collect();
+        let rows = detections.iter().enumerate().map(|(place, it)| BoxRow::new(&detection_facts(place, &it)));
+        let boxes = to_csv_bytes(&rows.collect::<Vec<_>>())
+            .map_err(|source| ArchiveError::Csv { path: name("csv").into(), source })?;
+        Ok(vec![
+            ResultFile { name: name("u32"), content: cluster_of_point::to_u32_le(&clusters) },
+            ResultFile { name: name("csv"), content: boxes },
+        ])
+    }
+
+    fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
+        Ok(Vec::new())
+    }
+}

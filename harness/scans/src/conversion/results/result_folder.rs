@@ -1,0 +1,138 @@
+//! A folder with the results of all detectors of a run.
+//!
+//! ```text
+//! DETECTOR/…             what the format has, if there is one data set
+//! DETECTOR/DATASET/…     if there are several
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use detector::Detections;
+
+use super::argoverse2_results::Argoverse2Results;
+use super::kitti_results::KittiResults;
+use super::nuscenes_results::NuScenesResults;
+use super::own_results::OwnResults;
+use super::{ResultFile, ResultWriter};
+use crate::annotation::LabeledScan;
+use crate::conversion::ConversionError;
+use crate::conversion::kitti_writer::KittiLayout;
+use crate::conversion::whole_folder::WholeFolder;
+use crate::dataset::DatasetDescription;
+use crate::dataset::dataset_format::DatasetFormat;
+use crate::dataset::folder_name::folder_name;
+use crate::dataset::foreign_frame::ForeignFrame;
+
+/// The formats of results that can be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResultOutput {
+    /// KITTI's text files.
+    Kitti,
+    /// A submission of nuScenes.
+    NuScenes,
+    /// A table of Argoverse 2.
+    Argoverse2,
+    /// What `detect` writes.
+    Csv,
+}
+
+/// A folder that is being written, and appears when it is complete.
+#[must_use = "a folder that is not finished is thrown away"]
+pub struct ResultFolder {
+    folder: WholeFolder,
+    output: ResultOutput,
+    has_several_datasets: bool,
+    dataset: Option<(String, KittiLayout)>,
+    // By name of the detector.
+    writers: BTreeMap<String, Box<dyn ResultWriter>>,
+    n_left_out: u64,
+}
+
+impl ResultFolder {
+    /// Begins the folder `path`, for one data set or for several.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if it exists or cannot be written.
+    pub fn create(
+        path: &Path,
+        output: ResultOutput,
+        has_several_datasets: bool,
+    ) -> Result<Self, ConversionError> {
+        let folder = WholeFolder::create(path)?;
+        let writers = BTreeMap::new();
+        Ok(Self { folder, output, has_several_datasets, dataset: None, writers, n_left_out: 0 })
+    }
+
+    /// Begins a data set.
+    pub fn begin_dataset(&mut self, dataset: &DatasetDescription) {
+        let layout = if dataset.format == DatasetFormat::KittiObject.name() {
+            KittiLayout::Object
+        } else {
+            KittiLayout::Tracking
+        };
+        self.dataset = Some((folder_name(&dataset.id), layout));
+    }
+
+    /// Takes what `detector` found in a scan of the data set.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if the format is not for scans of this data set, or the disk does not take it.
+    pub fn add(
+        &mut self,
+        detector: &str,
+        (scan, frame): (&LabeledScan, &ForeignFrame),
+        detections: &Detections,
+    ) -> Result<(), ConversionError> {
+        let layout = self.dataset.as_ref().map_or(KittiLayout::Tracking, |(_, layout)| *layout);
+        let output = self.output;
+        let writer = self.writers.entry(detector.to_owned()).or_insert_with(|| writer_of(output, layout));
+        let files = writer.add(scan, frame, detections)?;
+        self.write(detector, &files)
+    }
+
+    /// Ends the data set.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if the disk does not take what is complete now.
+    pub fn end_dataset(&mut self) -> Result<(), ConversionError> {
+        for (detector, writer) in std::mem::take(&mut self.writers) {
+            self.n_left_out += writer.n_left_out();
+            let files = writer.finish()?;
+            self.write(&detector, &files)?;
+        }
+        self.dataset = None;
+        Ok(())
+    }
+
+    /// Gives the folder its name, and says how many detections were left out, since the format has no class for them.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError`] if something of that name has appeared.
+    pub fn finish(self) -> Result<u64, ConversionError> {
+        self.folder.finish()?;
+        Ok(self.n_left_out)
+    }
+
+    fn write(&self, detector: &str, files: &[ResultFile]) -> Result<(), ConversionError> {
+        let detector = folder_name(detector);
+        let below = match &self.dataset {
+            Some((dataset, _)) if self.has_several_datasets => format!("{detector}/{dataset}"),
+            _ => detector,
+        };
+        files.iter().try_for_each(|it| self.folder.write(&format!("{below}/{}", it.name), &it.content))
+    }
+}
+
+fn writer_of(output: ResultOutput, layout: KittiLayout) -> Box<dyn ResultWriter> {
+    match output {
+        ResultOutput::Kitti => Box::new(KittiResults::new(layout)),
+        ResultOutput::NuScenes => Box::<NuScenesResults>::default(),
+        ResultOutput::Argoverse2 => Box::<Argoverse2Results>::default(),
+        ResultOutput::Csv => Box::new(OwnResults),
+    }
+}

@@ -1,0 +1,140 @@
+//! What another program found in one scan.
+
+use detector::OrientedBox;
+use reports::vocabulary::class::AnnotationClass;
+
+use crate::dataset::positioned_points::MAX_COORDINATE_M;
+
+/// A side of a box that is longer than this, in metres, is damage.
+pub const MAX_SIDE_M: f32 = 1000.0;
+
+/// What another program found in one scan, in the frame of the scan.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ForeignDetections {
+    /// For every point of the cloud the number of its cluster: 0 is none, others begin at 1 and may have gaps. `None` if there are only boxes.
+    pub clusters: Option<Vec<u32>>,
+    /// The class of cluster *k* at place *k* − 1, where classes of clusters are known; empty where they are not, or boxes say it.
+    pub cluster_classes: Vec<Option<AnnotationClass>>,
+    /// The boxes; beside clusters, that of cluster *k* at place *k* − 1.
+    pub boxes: Vec<ForeignBox>,
+}
+
+/// A box that another program found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForeignBox {
+    /// The box, in the frame of the scan.
+    pub bounding_box: OrientedBox,
+    /// What it is taken for. [`AnnotationClass::Misc`] is known to be nothing of the others; `None` if nobody says.
+    pub class: Option<AnnotationClass>,
+    /// How sure the program is; more is surer.
+    pub score: Option<f32>,
+}
+
+impl ForeignDetections {
+    /// Boxes alone.
+    pub fn of_boxes(boxes: Vec<ForeignBox>) -> Self {
+        Self { boxes, ..Self::default() }
+    }
+
+    /// Makes sure that they can be those of a scan of `n_points`, as the protocol for detectors does. Errors say what is wrong.
+    ///
+    /// # Errors
+    ///
+    /// If a number is NaN or infinite; a side is not above 0 and at most [`MAX_SIDE_M`]; a centre lies beyond [`MAX_COORDINATE_M`]; there is no
+    /// cluster for each point, or no box for a cluster beside others.
+    pub fn check(&self, n_points: usize) -> Result<(), String> {
+        for (number, it) in (1..).zip(&self.boxes) {
+            it.check().map_err(|problem| format!("box {number} {problem}"))?;
+        }
+        let Some(clusters) = &self.clusters else { return Ok(()) };
+        if clusters.len() != n_points {
+            return Err(format!("there are clusters of {} points, but {n_points} points", clusters.len()));
+        }
+        match clusters.iter().max() {
+            Some(&last) if !self.boxes.is_empty() && last as usize > self.boxes.len() => {
+                Err(format!("cluster {last} has no box: there are {}", self.boxes.len()))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl ForeignBox {
+    fn check(&self) -> Result<(), String> {
+        let OrientedBox { center_m, length_width_height_m, yaw_rad } = &self.bounding_box;
+        if !center_m.iter().all(|it| f64::from(it.abs()) <= MAX_COORDINATE_M) {
+            return Err(format!("has the centre {center_m:?} m"));
+        }
+        if !length_width_height_m.iter().all(|it| *it > 0.0 && *it <= MAX_SIDE_M) {
+            return Err(format!("has sides of {length_width_height_m:?} m"));
+        }
+        if !yaw_rad.is_finite() {
+            return Err(format!("has the yaw {yaw_rad}"));
+        }
+        match self.score {
+            Some(score) if !score.is_finite() => Err(format!("has the score {score}")),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A car ahead.
+    pub(crate) fn car() -> ForeignBox {
+        ForeignBox {
+            bounding_box: OrientedBox {
+                center_m: [10.0, -3.0, -0.9],
+                length_width_height_m: [4.2, 1.8, 1.5],
+                yaw_rad: 0.5,
+            },
+            class: Some(AnnotationClass::Car),
+            score: Some(0.5),
+        }
+    }
+
+    #[track_caller]
+    fn check_refused(change: impl Fn(&mut ForeignBox), problem: &str) {
+        let mut damaged = car();
+        change(&mut damaged);
+        let detections = ForeignDetections::of_boxes(vec![car(), damaged]);
+        assert_eq!(detections.check(0), Err(problem.to_owned()));
+    }
+
+    #[test]
+    fn boxes_beyond_all_measure_are_refused() {
+        assert_eq!(ForeignDetections::of_boxes(vec![car()]).check(9), Ok(()));
+        check_refused(
+            |it| it.bounding_box.center_m[1] = f32::NAN,
+            "box 2 has the centre [10.0, NaN, -0.9] m",
+        );
+        check_refused(
+            |it| it.bounding_box.center_m[0] = 20_000.0,
+            "box 2 has the centre [20000.0, -3.0, -0.9] m",
+        );
+        check_refused(
+            |it| it.bounding_box.length_width_height_m[0] = 1001.0,
+            "box 2 has sides of [1001.0, 1.8, 1.5] m",
+        );
+        check_refused(
+            |it| it.bounding_box.length_width_height_m[2] = 0.0,
+            "box 2 has sides of [4.2, 1.8, 0.0] m",
+        );
+        check_refused(|it| it.bounding_box.yaw_rad = f32::INFINITY, "box 2 has the yaw inf");
+        check_refused(|it| it.score = Some(f32::NAN), "box 2 has the score NaN");
+    }
+
+    #[test]
+    fn clusters_belong_to_the_points_and_to_the_boxes() {
+        let of = |clusters: &[u32], boxes: &[ForeignBox]| {
+            let clusters = Some(clusters.to_vec());
+            ForeignDetections { clusters, boxes: boxes.to_vec(), ..ForeignDetections::default() }.check(3)
+        };
+        assert_eq!(of(&[0, 7, u32::MAX], &[]), Ok(()));
+        assert_eq!(of(&[0, 1, 1], &[car(), car()]), Ok(()));
+        assert_eq!(of(&[0, 1], &[]), Err("there are clusters of 2 points, but 3 points".to_owned()));
+        assert_eq!(of(&[0, 1, 2], &[car()]), Err("cluster 2 has no box: there are 1".to_owned()));
+    }
+}

@@ -1,0 +1,205 @@
+//! From a path to what another program found in the scans of a data set.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::argoverse2_table::Argoverse2Tables;
+use super::detections::ForeignDetections;
+use super::kitti_text::KittiText;
+use super::nuscenes_json::NuScenesJson;
+use super::own_files::OwnFiles;
+use super::recorded_detections::{RecordedDetections, split_topic};
+use super::result_files::ResultFiles;
+use super::result_format::{ResultFormat, format_of};
+use super::result_reader::{ResultReader, ResultsOf};
+use super::semantic_labels::SemanticLabels;
+use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::class_table::{ClassRules, ClassTable};
+use crate::dataset::{Dataset, DatasetError};
+
+/// So many names are listed in messages.
+const MAX_LISTED: usize = 10;
+
+/// Boxes nearer than this should hold points, in metres.
+const NEAR_M: f32 = 40.0;
+
+/// More empty boxes than this share, and something is wrong with frames, calibration or times.
+const MAX_EMPTY_SHARE: f64 = 0.5;
+
+/// What becomes of scans that the results do not have.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum MissingResults {
+    /// They are errors.
+    #[default]
+    Refuse,
+    /// Nothing was found there.
+    AreEmpty,
+}
+
+/// Which results are asked for, and what they do not say.
+#[derive(Debug, Clone, Copy)]
+pub struct ResultRequest<'a> {
+    /// The scans that are asked for, as places in [`Dataset::scan_ids`].
+    pub scan_indices: &'a [usize],
+    /// What names of classes stand for, as the user says.
+    pub classes: &'a ClassTable,
+    /// What becomes of scans that the results do not have.
+    pub missing: MissingResults,
+}
+
+/// What another program found in the scans of a data set.
+pub struct ForeignResults {
+    path: PathBuf,
+    format: ResultFormat,
+    dataset: String,
+    reader: Box<dyn ResultReader>,
+    asked: BTreeMap<ScanId, usize>,
+    missing: MissingResults,
+    n_missing: usize,
+    n_near_boxes: usize,
+    n_empty_boxes: usize,
+}
+
+/// Opens the results at `path`, a file or folder whose format is told by what is in it; `recording.mcap:/topic` names a topic, too.
+///
+/// # Errors
+///
+/// [`DatasetError::UnusableResults`] if they are of no known format or cannot belong to the data set; [`DatasetError::MissingResults`] if they
+/// lack scans that are asked for; any other if a file that is read now is damaged, or has classes that nobody knows.
+pub fn open_results(
+    path: &Path,
+    dataset: &dyn Dataset,
+    request: &ResultRequest<'_>,
+) -> Result<ForeignResults, DatasetError> {
+    let (path, topic) = split_topic(path);
+    let files = ResultFiles::below(&path)?;
+    let rules = ClassRules { table: request.classes.clone(), ..ClassRules::default() };
+    let of = ResultsOf::new(dataset, request.scan_indices, &rules)?;
+    let (format, file) = format_of(&files, dataset)?;
+    let reader: Box<dyn ResultReader> = match format {
+        ResultFormat::KittiText => Box::new(KittiText::open(&files, of)?),
+        ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, of)?),
+        ResultFormat::Argoverse2Tables => {
+            Box::new(Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?)
+        }
+        ResultFormat::SemanticLabels => Box::new(SemanticLabels::open(&files, &of)),
+        ResultFormat::OwnFiles => Box::new(OwnFiles::open(&files, &of)),
+        ResultFormat::Recording => Box::new(RecordedDetections::open(&file, topic.as_deref(), &of)?),
+    };
+    let id_of = |&scan_idx: &usize| (dataset.scan_ids()[scan_idx].clone(), scan_idx);
+    let mut results = ForeignResults {
+        path,
+        format,
+        dataset: dataset.description().id.clone(),
+        reader,
+        asked: request.scan_indices.iter().map(id_of).collect(),
+        missing: request.missing,
+        n_missing: 0,
+        n_near_boxes: 0,
+        n_empty_boxes: 0,
+    };
+    results.check_presence()?;
+    Ok(results)
+}
+
+impl ForeignResults {
+    /// What the format is called on screens.
+    pub fn format(&self) -> ResultFormat {
+        self.format
+    }
+
+    /// Reads what was found in `scan`; `None` if there is nothing for it, and that counts as nothing found.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file is damaged or belongs to another scan, has classes that nobody knows, boxes beyond all measure
+    /// (see [`ForeignDetections::check`]), or nothing for the scan where there has to be something.
+    pub fn read(&mut self, scan: &LabeledScan) -> Result<Option<ForeignDetections>, DatasetError> {
+        let Some(&scan_idx) = self.asked.get(&scan.id) else {
+            return Err(self.lacks(&[&scan.id], 1));
+        };
+        let Some(found) = self.reader.read(scan_idx, scan)? else {
+            return match self.missing {
+                MissingResults::Refuse => Err(self.lacks(&[&scan.id], 1)),
+                MissingResults::AreEmpty => Ok(None),
+            };
+        };
+        found.check(scan.cloud.len()).map_err(|problem| {
+            let problem = format!("has damaged results for scan {}: {problem}", scan.id);
+            DatasetError::Damaged { path: self.path.clone(), problem }
+        })?;
+        self.count_boxes(scan, &found);
+        Ok(Some(found))
+    }
+
+    /// What may be wrong, a line each: after opening what is there and what not, and after the last scan what its boxes are like.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let path = &self.path;
+        let left_over = self.reader.left_over();
+        if !left_over.is_empty() {
+            let (n, names) = (left_over.len(), listed(&left_over));
+            warnings
+                .push(format!("{path:?} has results for {n} scans that the data set does not have: {names}"));
+        }
+        warnings.extend(self.reader.oddities().into_iter().map(|it| format!("{path:?}: {it}")));
+        if self.n_missing > 0 {
+            warnings.push(format!(
+                "{path:?} has no results for {} scans, which count as nothing found",
+                self.n_missing
+            ));
+        }
+        if self.n_empty_boxes as f64 > MAX_EMPTY_SHARE * self.n_near_boxes as f64 {
+            warnings.push(format!(
+                "{path:?}: {} of {} boxes nearer than {NEAR_M} m contain no point: the results and scans may differ in \
+                 frame, calibration or time",
+                self.n_empty_boxes, self.n_near_boxes
+            ));
+        }
+        warnings
+    }
+
+    fn check_presence(&mut self) -> Result<(), DatasetError> {
+        let missing = self.asked.iter().filter(|(_, scan_idx)| !self.reader.has(**scan_idx));
+        let missing: Vec<&ScanId> = missing.map(|(id, _)| id).collect();
+        self.n_missing = missing.len();
+        match self.missing {
+            MissingResults::Refuse if !missing.is_empty() => Err(self.lacks(&missing, self.asked.len())),
+            _ => Ok(()),
+        }
+    }
+
+    fn lacks(&self, missing: &[&ScanId], n_asked: usize) -> DatasetError {
+        let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
+        let mut first = listed(&names);
+        let left_over = self.reader.left_over();
+        if !left_over.is_empty() {
+            first += &format!("; it has others: {}", listed(&left_over));
+        }
+        first += "; with --missing-detections empty nothing was found there";
+        DatasetError::MissingResults {
+            path: self.path.clone(),
+            dataset: self.dataset.clone(),
+            n_missing: missing.len(),
+            n_asked,
+            first,
+        }
+    }
+
+    fn count_boxes(&mut self, scan: &LabeledScan, found: &ForeignDetections) {
+        for it in found.boxes.iter().filter(|it| it.bounding_box.range_m() < NEAR_M) {
+            self.n_near_boxes += 1;
+            let holds_any = scan.cloud.positions_m().any(|position_m| it.bounding_box.contains(position_m));
+            self.n_empty_boxes += usize::from(!holds_any);
+        }
+    }
+}
+
+/// The first of `names`, and how many more there are.
+fn listed(names: &[String]) -> String {
+    let first = names[..names.len().min(MAX_LISTED)].join(", ");
+    match names.len().saturating_sub(MAX_LISTED) {
+        0 => first,
+        n_more => format!("{first} and {n_more} more"),
+    }
+}

@@ -1,0 +1,16 @@
+//! What other programs found in the scans of a data set, read from their files.
+//!
+//! A format is a file here with a type that implements [`ResultReader`](result_reader::ResultReader);
+//! [`open_results`](foreign_results::open_results) tells the formats apart and checks what they give.
+
+pub mod detections;
+pub mod result_files;
+pub mod result_reader;
+pub mod kitti_text;
+pub mod nuscenes_json;
+pub mod argoverse2_table;
+pub mod semantic_labels;
+pub mod own_files;
+pub mod recorded_detections;
+pub mod result_format;
+pub mod foreign_results;

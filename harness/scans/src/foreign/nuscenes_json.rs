@@ -1,0 +1,212 @@
+//! nuScenes' submissions: boxes in the frame of the world, by the token of the sample.
+//!
+//! ```json
+//! {"meta": {…}, "results": {"SAMPLE": [{"translation": [x, y, z], "size": [width, length, height], "rotation": [w, x, y, z],
+//!   "detection_name": "car", "detection_score": 0.9, "attribute_name": "…"}]}}
+//! ```
+//!
+//! Those of the tracking task (`tracking_name`, `tracking_score`) are read as well. The file is read box by box, and only asked scans are kept.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use nalgebra::Isometry3;
+use reports::vocabulary::class::AnnotationClass;
+use serde::Deserialize;
+use serde::de::{DeserializeSeed, Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
+
+use super::detections::{ForeignBox, ForeignDetections};
+use super::result_reader::{ResultReader, ResultsOf};
+use crate::annotation::LabeledScan;
+use crate::dataset::DatasetError;
+use crate::dataset::class_table::{ClassReader, Vocabulary};
+use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::nuscenes::lidar_tables::pose;
+use crate::dataset::upright_box::upright_box;
+
+/// The names of the detection task that are not those of the labels.
+pub const NUSCENES_VOCABULARY: &Vocabulary = &[
+    ("construction_vehicle", AnnotationClass::Misc),
+    ("traffic_cone", AnnotationClass::StreetFurniture),
+    ("barrier", AnnotationClass::StreetFurniture),
+];
+
+/// What says of a cycle that somebody rides it.
+pub const WITH_RIDER: &str = "cycle.with_rider";
+
+/// The results of a submission.
+pub struct NuScenesJson {
+    found: BTreeMap<usize, Vec<ForeignBox>>,
+    left_over: Vec<String>,
+}
+
+impl NuScenesJson {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if the data set is not nuScenes, the file is damaged, or classes in it are unknown.
+    pub fn open(path: &Path, of: ResultsOf<'_>) -> Result<Self, DatasetError> {
+        let words = ("names scans by the tokens of nuScenes", "has none");
+        of.require(path, |it| matches!(it, ForeignFrame::World { .. }), words)?;
+        let mut scans = BTreeMap::new();
+        for scan_idx in 0..of.dataset.scan_ids().len() {
+            if let ForeignFrame::World { sample_token, world_from_sensor } =
+                of.dataset.foreign_frame(scan_idx)?
+            {
+                scans.insert(sample_token, (scan_idx, world_from_sensor.inverse()));
+            }
+        }
+        let mut classes = ClassReader::new(of.classes, NUSCENES_VOCABULARY);
+        let mut submission = Submission {
+            path,
+            scans,
+            classes: &mut classes,
+            has_results: false,
+            found: BTreeMap::new(),
+            left_over: Vec::new(),
+        };
+        let file =
+            File::open(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+        let mut deserializer = serde_json::Deserializer::from_reader(BufReader::new(file));
+        let read = deserializer.deserialize_map(&mut submission).and_then(|()| deserializer.end());
+        let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
+        read.map_err(|error| damaged(format!("is not a submission of nuScenes: {error}")))?;
+        if !submission.has_results {
+            return Err(damaged("is not a submission of nuScenes: it has no \"results\"".to_owned()));
+        }
+        let Submission { found, left_over, .. } = submission;
+        classes.unknown().refuse(&path.display().to_string())?;
+        Ok(Self { found, left_over })
+    }
+}
+
+impl ResultReader for NuScenesJson {
+    fn has(&self, scan_idx: usize) -> bool {
+        self.found.contains_key(&scan_idx)
+    }
+
+    fn read(
+        &mut self,
+        scan_idx: usize,
+        _scan: &LabeledScan,
+    ) -> Result<Option<ForeignDetections>, DatasetError> {
+        Ok(self.found.get(&scan_idx).cloned().map(ForeignDetections::of_boxes))
+    }
+
+    fn left_over(&self) -> Vec<String> {
+        self.left_over.clone()
+    }
+}
+
+/// A box of a submission.
+#[derive(Deserialize)]
+struct BoxRecord {
+    translation: [f64; 3],
+    size: [f64; 3],
+    rotation: [f64; 4],
+    #[serde(alias = "tracking_name")]
+    detection_name: String,
+    #[serde(default, alias = "tracking_score")]
+    detection_score: Option<f64>,
+    #[serde(default)]
+    attribute_name: Option<String>,
+}
+
+impl BoxRecord {
+    /// The box in the frame of the sensor. Errors are the rest of a sentence about the box.
+    fn foreign_box(
+        &self,
+        class: AnnotationClass,
+        sensor_from_world: &Isometry3<f64>,
+    ) -> Result<ForeignBox, String> {
+        let [width_m, length_m, height_m] = self.size;
+        let sensor_from_box = sensor_from_world * pose(self.translation, self.rotation)?;
+        let is_ridden =
+            class == AnnotationClass::ParkedCycle && self.attribute_name.as_deref() == Some(WITH_RIDER);
+        Ok(ForeignBox {
+            bounding_box: upright_box(&sensor_from_box, [length_m, width_m, height_m]),
+            class: Some(if is_ridden { AnnotationClass::Cyclist } else { class }),
+            score: self.detection_score.map(|it| it as f32),
+        })
+    }
+}
+
+/// Takes a submission apart while it is read.
+struct Submission<'a, 'c> {
+    path: &'a Path,
+    // By token: the scan, and the transform from the world to the sensor.
+    scans: BTreeMap<String, (usize, Isometry3<f64>)>,
+    classes: &'a mut ClassReader<'c>,
+    has_results: bool,
+    found: BTreeMap<usize, Vec<ForeignBox>>,
+    left_over: Vec<String>,
+}
+
+impl<'de> Visitor<'de> for &mut Submission<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object with \"results\"")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        while let Some(key) = map.next_key::<String>()? {
+            if key != "results" {
+                map.next_value::<IgnoredAny>()?;
+            } else if std::mem::replace(&mut self.has_results, true) {
+                return Err(A::Error::custom("it has \"results\" twice"));
+            } else {
+                map.next_value_seed(Results(self))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The boxes by sample.
+struct Results<'s, 'a, 'c>(&'s mut Submission<'a, 'c>);
+
+impl<'de> DeserializeSeed<'de> for Results<'_, '_, '_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Results<'_, '_, '_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("lists of boxes by the token of their sample")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let Self(submission) = self;
+        while let Some(token) = map.next_key::<String>()? {
+            let Some((scan_idx, sensor_from_world)) = submission.scans.get(&token).copied() else {
+                map.next_value::<IgnoredAny>()?;
+                submission.left_over.push(token);
+                continue;
+            };
+            let mut boxes = Vec::new();
+            for (place, record) in map.next_value::<Vec<BoxRecord>>()?.iter().enumerate() {
+                let at = || format!("{:?}, box {place} of the sample {token:?}", submission.path);
+                // Names that nobody knows are refused in the end, all at once.
+                let Some(class) = submission.classes.class_of(&record.detection_name, at) else { continue };
+                let found = record.foreign_box(class, &sensor_from_world);
+                boxes.push(found.map_err(|problem| {
+                    A::Error::custom(format!("box {place} of the sample {token:?} {problem}"))
+                })?);
+            }
+            if submission.found.insert(scan_idx, boxes).is_some() {
+                return Err(A::Error::custom(format!("it has the sample {token:?} twice")));
+            }
+        }
+        Ok(())
+    }
+}

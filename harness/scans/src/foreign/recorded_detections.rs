@@ -1,0 +1,206 @@
+//! Detections in an MCAP recording: `foxglove.SceneUpdate` or `vision_msgs/Detection3DArray`, a message for each scan.
+//!
+//! A message belongs to the scan whose time stamp is nearest, at most 50 ms off. Its boxes may be in another frame than the cloud, if the recording of
+//! the results says how that lies. The score is that of the likeliest hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity;
+//! an empty class is one that nobody says.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use nalgebra::Isometry3;
+use reports::vocabulary::class::AnnotationClass;
+
+use super::detections::{ForeignBox, ForeignDetections};
+use super::result_reader::{ResultReader, ResultsOf};
+use crate::annotation::LabeledScan;
+use crate::dataset::DatasetError;
+use crate::dataset::class_table::{ClassReader, ClassRules};
+use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::mcap::frame_tree::FrameTree;
+use crate::dataset::mcap::mcap_dataset::own_metadata;
+use crate::dataset::mcap::mcap_file::McapFile;
+use crate::dataset::mcap::mcap_index::{MessagePlace, index_mcap};
+use crate::dataset::mcap::recorded_cloud::RecordedCloud;
+use crate::dataset::mcap::recorded_messages::{Channel, RecordedMessages};
+use crate::dataset::mcap::scene_objects::SceneObject;
+use crate::dataset::mcap::topics::{DetectionChannels, MessageKind, choose_detections};
+
+/// Results of another time than the cloud's are taken if they are no farther off than this, in nanoseconds.
+const MAX_OFFSET_NS: u64 = 50_000_000;
+
+/// The frame of scans that are not recorded, as `data convert` calls it.
+const SENSOR_FRAME: &str = "lidar";
+
+/// `path` and the topic behind `.mcap:`, if there is no such file and one is named.
+pub fn split_topic(path: &Path) -> (PathBuf, Option<String>) {
+    match path.to_str().and_then(|it| it.split_once(":/")) {
+        Some((file, topic)) if !path.exists() && Path::new(file).is_file() => {
+            (PathBuf::from(file), Some(format!("/{topic}")))
+        }
+        _ => (path.to_path_buf(), None),
+    }
+}
+
+/// The detections of a topic.
+pub struct RecordedDetections {
+    name: String,
+    n_scans: usize,
+    classes: ClassRules,
+    messages: RecordedMessages,
+    channel: Channel,
+    by_stamp: BTreeMap<u64, MessagePlace>,
+    asked: BTreeMap<usize, ScanFrame>,
+}
+
+/// When a scan was taken, and the frame of its cloud.
+struct ScanFrame {
+    stamp_ns: u64,
+    frame: String,
+    sensor_from_frame: Isometry3<f64>,
+}
+
+impl ScanFrame {
+    /// Of a scan that was taken at `time_ns`; `own_frame` is the frame of what is not recorded. `None` without a time.
+    fn of(frame: &ForeignFrame, time_ns: Option<u64>, own_frame: &str) -> Option<Self> {
+        match frame {
+            ForeignFrame::Recording { stamp_ns, frame, sensor_from_frame, .. } => Some(Self {
+                stamp_ns: *stamp_ns,
+                frame: frame.clone(),
+                sensor_from_frame: *sensor_from_frame,
+            }),
+            _ => Some(Self {
+                stamp_ns: time_ns?,
+                frame: own_frame.to_owned(),
+                sensor_from_frame: Isometry3::identity(),
+            }),
+        }
+    }
+}
+
+impl RecordedDetections {
+    /// Opens the recording at `path`, and notes the times of all its results.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if it is damaged or cut off, has no such topic, or the data set has no times.
+    pub fn open(path: &Path, topic: Option<&str>, of: &ResultsOf<'_>) -> Result<Self, DatasetError> {
+        let mut index = index_mcap(path, own_metadata::RECORD, |channel| MessageKind::of(channel).is_some())?;
+        if let Some(problem) = index.cut_off.take() {
+            return Err(DatasetError::Damaged { path: path.to_path_buf(), problem });
+        }
+        let DetectionChannels { objects, cloud, transforms } = choose_detections(path, &index, topic)?;
+        let chunks = std::mem::take(&mut index.chunks);
+        let channel = Channel::take(&mut index, objects);
+        let cloud = cloud.map(|it| Channel::take(&mut index, it));
+        let transforms = transforms.into_iter().map(|it| Channel::take(&mut index, it)).collect();
+        let messages = RecordedMessages::new(McapFile::new(path, chunks), transforms)?;
+        let mut by_stamp = BTreeMap::new();
+        for &place in &channel.places {
+            let (stamp_ns, _) = messages.read_objects(&channel, place)?;
+            by_stamp.insert(stamp_ns.unwrap_or(place.log_time_ns), place);
+        }
+        // That of the clouds in the recording of the results.
+        let own_frame = cloud.as_ref().map(|it| frame_of_clouds(&messages, it)).transpose()?.flatten();
+        let own_frame = own_frame.unwrap_or_else(|| SENSOR_FRAME.to_owned());
+        let frame_of = |(&scan_idx, frame): (&usize, &ForeignFrame)| {
+            let time_ns = of.dataset.scan_time_ns(scan_idx);
+            Some((scan_idx, ScanFrame::of(frame, time_ns, &own_frame)?))
+        };
+        let asked: Option<BTreeMap<usize, ScanFrame>> = of.asked.iter().map(frame_of).collect();
+        let has_times = asked.is_some();
+        of.require(path, |_| has_times, ("names scans by their times", "has none"))?;
+        Ok(Self {
+            name: path.display().to_string(),
+            n_scans: of.dataset.scan_ids().len(),
+            classes: of.classes.clone(),
+            messages,
+            channel,
+            by_stamp,
+            asked: asked.unwrap_or_default(),
+        })
+    }
+
+    /// The results nearest to this time, with theirs.
+    fn nearest(&self, stamp_ns: u64) -> Option<(u64, MessagePlace)> {
+        let before = self.by_stamp.range(..=stamp_ns).next_back();
+        let after = self.by_stamp.range(stamp_ns..).next();
+        let nearest = before.into_iter().chain(after).min_by_key(|(it, _)| it.abs_diff(stamp_ns))?;
+        (nearest.0.abs_diff(stamp_ns) <= MAX_OFFSET_NS).then_some((*nearest.0, *nearest.1))
+    }
+
+    fn boxes_of(
+        &self,
+        objects: &[SceneObject],
+        place: MessagePlace,
+        scan: &ScanFrame,
+    ) -> Result<Vec<ForeignBox>, DatasetError> {
+        let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != scan.frame;
+        let tree = if objects.iter().any(is_elsewhere) {
+            self.messages.frames_at(scan.stamp_ns, place.log_time_ns)?
+        } else {
+            FrameTree::default()
+        };
+        let mut classes = ClassReader::new(&self.classes, &[]);
+        let mut boxes = Vec::with_capacity(objects.len());
+        for object in objects {
+            let class = match object.class_name.as_str() {
+                "" => None,
+                name => classes.class_of(name, || place.to_string()),
+            };
+            let frame = if object.frame.is_empty() { &scan.frame } else { &object.frame };
+            let frame_from_object = tree.to_from(&scan.frame, frame).ok_or_else(|| {
+                let ours = &scan.frame;
+                self.messages.damaged(format!(
+                    "has results in the frame {frame:?}, but no transform from it to that of the scans, {ours:?}"
+                ))
+            })?;
+            let sensor_from_object = scan.sensor_from_frame * frame_from_object;
+            let placed = object.annotation(AnnotationClass::Misc, &sensor_from_object);
+            let placed = placed.map_err(|problem| self.messages.damaged_at(place, &problem))?;
+            // What has no box, such as a line or a text, is no detection.
+            boxes.extend(placed.bounding_box.map(|it| ForeignBox {
+                bounding_box: it,
+                class,
+                score: object.score,
+            }));
+        }
+        classes.unknown().refuse(&self.name)?;
+        Ok(boxes)
+    }
+}
+
+impl ResultReader for RecordedDetections {
+    fn has(&self, scan_idx: usize) -> bool {
+        self.asked.get(&scan_idx).is_some_and(|it| self.nearest(it.stamp_ns).is_some())
+    }
+
+    fn read(
+        &mut self,
+        scan_idx: usize,
+        _scan: &LabeledScan,
+    ) -> Result<Option<ForeignDetections>, DatasetError> {
+        let Some(scan) = self.asked.get(&scan_idx) else { return Ok(None) };
+        let Some((_, place)) = self.nearest(scan.stamp_ns) else { return Ok(None) };
+        let (_, objects) = self.messages.read_objects(&self.channel, place)?;
+        Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, place, scan)?)))
+    }
+
+    /// Only known where all scans are asked for.
+    fn left_over(&self) -> Vec<String> {
+        if self.asked.len() < self.n_scans {
+            return Vec::new();
+        }
+        let nearest = self.asked.values().filter_map(|it| self.nearest(it.stamp_ns));
+        let taken: BTreeSet<u64> = nearest.map(|(stamp_ns, _)| stamp_ns).collect();
+        self.by_stamp.keys().filter(|it| !taken.contains(it)).map(|it| format!("{it} ns")).collect()
+    }
+}
+
+/// The frame of the first cloud.
+fn frame_of_clouds(messages: &RecordedMessages, clouds: &Channel) -> Result<Option<String>, DatasetError> {
+    let Some(&place) = clouds.places.first() else { return Ok(None) };
+    let message = messages.message(place)?;
+    let cloud = RecordedCloud::read(clouds.kind, &clouds.encoding, message.as_slice());
+    let frame = cloud.map_err(|problem| messages.damaged_at(place, &problem))?.frame;
+    Ok(Some(frame).filter(|it| !it.is_empty()))
+}

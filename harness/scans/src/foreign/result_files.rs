@@ -1,0 +1,139 @@
+//! The files that results lie in, found by the names of scans.
+//!
+//! ```text
+//! NNNNNN.END              the scan of this number, if the data set has one drive; also in data or predictions
+//! DRIVE/NNNNNN.END        also in DRIVE/data, DRIVE/predictions, DRIVE/labels, below data or sequences
+//! DRIVE.END               a whole drive; also in data
+//! ```
+//!
+//! Numbers have six digits, or ten as in KITTI's raw recordings.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use crate::annotation::ScanId;
+use crate::dataset::folder_name::folder_name;
+use crate::dataset::numbered_files::is_hidden;
+use crate::dataset::{Dataset, DatasetError};
+
+/// Files are looked for so many folders deep.
+const MAX_DEPTH: usize = 4;
+
+/// Where the files of a drive may lie in its folder, and where this folder may.
+const INNER_FOLDERS: [&str; 4] = ["", "predictions/", "data/", "labels/"];
+const OUTER_FOLDERS: [&str; 3] = ["", "sequences/", "data/"];
+
+/// The files at a path, by their names below it with `/` between folders.
+#[derive(Debug, Clone)]
+pub struct ResultFiles {
+    root: PathBuf,
+    paths: BTreeMap<String, PathBuf>,
+    folders: BTreeSet<String>,
+}
+
+impl ResultFiles {
+    /// Finds the files below `root`, or the file `root` itself. Hidden ones are not looked at.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Io`] if a folder cannot be read.
+    pub fn below(root: &Path) -> Result<Self, DatasetError> {
+        let mut files = Self { root: root.to_path_buf(), paths: BTreeMap::new(), folders: BTreeSet::new() };
+        if root.is_file() {
+            let name = root.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
+            files.paths.insert(name, root.to_path_buf());
+            files.folders.insert(String::new());
+        } else {
+            files.add_folder(root, "", 0)?;
+        }
+        Ok(files)
+    }
+
+    fn add_folder(&mut self, folder: &Path, name: &str, depth: usize) -> Result<(), DatasetError> {
+        let io_error = |source| DatasetError::Io { path: folder.to_path_buf(), source };
+        for entry in std::fs::read_dir(folder).map_err(io_error)? {
+            let path = entry.map_err(io_error)?.path();
+            let Some(own_name) = path.file_name().filter(|_| !is_hidden(&path)) else { continue };
+            let own_name = format!("{name}{}", own_name.to_string_lossy());
+            if !path.is_dir() {
+                self.folders.insert(name.to_owned());
+                self.paths.insert(own_name, path);
+            } else if depth < MAX_DEPTH {
+                self.add_folder(&path, &format!("{own_name}/"), depth + 1)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The file or folder that was named.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// All files whose names end so.
+    pub fn ending_in<'a>(&'a self, ending: &'a str) -> impl Iterator<Item = (&'a str, &'a Path)> {
+        self.paths
+            .iter()
+            .map(|(name, path)| (name.as_str(), path.as_path()))
+            .filter(move |it| it.0.ends_with(ending))
+    }
+
+    /// The file of the whole drive.
+    pub fn of_drive(&self, drive: &str, ending: &str) -> Option<(&str, &Path)> {
+        let drive = folder_name(drive);
+        self.first_of(["", "data/"].map(|folder| format!("{folder}{drive}{ending}")))
+    }
+
+    /// The file of each scan of `dataset` that has one, by its place in the data set.
+    pub fn of_scans(&self, dataset: &dyn Dataset, ending: &str) -> BTreeMap<usize, PathBuf> {
+        let mut folders_by_drive: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        let drives: BTreeSet<&str> = dataset.scan_ids().iter().map(|it| it.sequence.as_str()).collect();
+        for &drive in &drives {
+            folders_by_drive.insert(drive, self.folders_of(drive, drives.len() == 1));
+        }
+        let ids = dataset.scan_ids().iter().enumerate();
+        ids.filter_map(|(scan_idx, id)| {
+            Some((scan_idx, self.of_scan(&folders_by_drive[id.sequence.as_str()], id, ending)?))
+        })
+        .collect()
+    }
+
+    /// The folders there are in which scans of `drive` may be.
+    fn folders_of(&self, drive: &str, is_only: bool) -> Vec<String> {
+        let drive = folder_name(drive);
+        let of_drive =
+            OUTER_FOLDERS.map(|outer| INNER_FOLDERS.map(|inner| format!("{outer}{drive}/{inner}")));
+        let of_any = is_only.then(|| INNER_FOLDERS.map(str::to_owned));
+        let folders = of_drive.into_iter().chain(of_any).flatten();
+        folders.filter(|it| self.folders.contains(it)).collect()
+    }
+
+    fn of_scan(&self, folders: &[String], id: &ScanId, ending: &str) -> Option<PathBuf> {
+        let names = folders.iter().flat_map(|folder| {
+            [format!("{folder}{:06}{ending}", id.index), format!("{folder}{:010}{ending}", id.index)]
+        });
+        self.first_of(names).map(|(_, path)| path.to_path_buf())
+    }
+
+    fn first_of(&self, names: impl IntoIterator<Item = String>) -> Option<(&str, &Path)> {
+        let found = names.into_iter().find_map(|name| self.paths.get_key_value(&name));
+        found.map(|(name, path)| (name.as_str(), path.as_path()))
+    }
+
+    /// The names of files with this ending that are not among `taken`.
+    pub fn left_over(&self, ending: &str, taken: &BTreeSet<&Path>) -> Vec<String> {
+        self.ending_in(ending)
+            .filter(|(_, path)| !taken.contains(path))
+            .map(|(name, _)| name.to_owned())
+            .collect()
+    }
+}
+
+/// Whether `name` is that of the file of a scan or of a drive: a number, or one of `drives` as [`folder_name`] has them.
+pub fn is_named_after_scans(name: &str, ending: &str, drives: &BTreeSet<String>) -> bool {
+    let own_name = name.rsplit('/').next().unwrap_or_default();
+    own_name.strip_suffix(ending).is_some_and(|stem| {
+        let is_number = !stem.is_empty() && stem.bytes().all(|it| it.is_ascii_digit());
+        is_number || drives.contains(stem)
+    })
+}
