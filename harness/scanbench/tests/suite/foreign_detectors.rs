@@ -337,7 +337,7 @@ impl Odd {
         };
         match behaviour {
             "exit" | "always" => {
-                writeln!(std::io::stdout(), "my last words").unwrap();
+                say_aloud("my last words\n");
                 std::process::exit(3);
             }
             "abort" => std::process::abort(),
@@ -355,7 +355,7 @@ impl Odd {
                 std::process::exit(4);
             }
             "stdout" => {
-                writeln!(std::io::stdout(), "result to the wrong place").unwrap();
+                say_aloud("result to the wrong place\n");
                 std::thread::sleep(Duration::from_secs(100));
             }
             "too-few-ids" => self.say(&message(line, &ids[4..])),
@@ -384,6 +384,10 @@ impl Odd {
         }
         false
     }
+}
+
+fn say_aloud(words: &str) {
+    std::io::stdout().write_all(words.as_bytes()).unwrap();
 }
 
 fn message(line: ResultLine, payload: &[u8]) -> Vec<u8> {

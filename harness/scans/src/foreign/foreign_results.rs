@@ -78,7 +78,7 @@ pub fn open_results(
     let (format, file) = format_of(&files, dataset)?;
     let reader: Box<dyn ResultReader> = match format {
         ResultFormat::KittiText => Box::new(KittiText::open(&files, of)?),
-        ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, of)?),
+        ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, &of)?),
         ResultFormat::Argoverse2Tables => {
             Box::new(Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?)
         }
@@ -174,7 +174,8 @@ impl ForeignResults {
         let mut first = listed(&names);
         let left_over = self.reader.left_over();
         if !left_over.is_empty() {
-            first += &format!("; it has others: {}", listed(&left_over));
+            first.push_str("; it has others: ");
+            first.push_str(&listed(&left_over));
         }
         first += "; with --missing-detections empty nothing was found there";
         DatasetError::MissingResults {
