@@ -250,6 +250,10 @@ def test_numbers_are_taken_as_the_annotation_says() -> None:
         ("class", "unknown class 'lorry'"),
         ("too few boxes", "1 boxes for clusters up to number 1000"),
         ("product", "product 'x' has values beyond 0 to 255"),
+        ("many boxes", "100001 boxes, more than 100000"),
+        ("many products", "33 products, more than 32"),
+        ("name of a stage", "'a\\nb' is no name of a stage or product"),
+        ("name of a product", "'' is no name of a stage or product"),
         ("long line", "bytes long, more than 1 MiB"),
     ],
 )
