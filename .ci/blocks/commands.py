@@ -6,11 +6,12 @@ import re
 import shlex
 import shutil
 import subprocess
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from fingerprint import OF_SHOWN, is_real, made_of, words_of
+from fingerprint import fingerprint, is_real, words_of
 from page import checksum
 
 # Wide enough that no table is folded.
@@ -60,6 +61,22 @@ class Runner:
     def build(self):
         subprocess.run(["cargo", "build", "--release", "--quiet", "--bin", "scanbench"], cwd=self.root, check=True)
 
+    def check_accepted(self):
+        """Refuses to go on if the program does anything else than the accepted run, by which blocks are stamped."""
+        tolerances = (self.root / "reports/golden/tolerances.toml").read_text()
+        with tempfile.TemporaryDirectory() as scratch:
+            # Whatever the load of the machine.
+            quality = Path(scratch, "quality.toml")
+            quality.write_text(re.sub(r"^\[speed\].*", "", tolerances, flags=re.MULTILINE | re.DOTALL))
+            environment = os.environ | {"GOLDEN_REPEATS": "1"}
+            run, verdict = Path(scratch, "run"), Path(scratch, "verdict")
+            subprocess.run([self.root / ".ci/golden", run], check=True, env=environment, capture_output=True)
+            arguments = [self.program, "gate", run, "-b", self.root / "reports/golden", "-t", quality, "-o", verdict]
+            ended = subprocess.run(arguments, cwd=self.root, capture_output=True, text=True, check=False)
+        if ended.returncode != 0:
+            said = (ended.stdout.splitlines() or ended.stderr.splitlines() or [""])[0]
+            raise CommandError(f"the program is not as it was accepted: {said}; accept it first: .ci/accept 'why'")
+
     def run(self, commands: list[str]) -> list[Result]:
         """The results of commands, of which later ones may take the directories of earlier ones (`-o NAME`)."""
         outputs: dict[str, Path] = {}
@@ -70,11 +87,9 @@ class Runner:
         words = [self.located(it, outputs) for it in words]
         if self.tiny:
             words = tiny(words)
-        # Whatever is shown of it, now or in another block. Only runs have a page and a recording.
-        shown = ["table", *(OF_SHOWN if words[0] == "run" else ["picture"])]
-        sums = [made_of(self.root, [command], [it]) for it in shown]
-        sums = sorted({(name, it) for of_shown in sums for name, it in of_shown.items() if name != "command"})
-        place = self.kept / checksum(json.dumps([words, sums, self.tiny]).encode())
+        # Of this very program, whatever is shown of it, now or in another block.
+        files = [(self.root / it).read_text() for it in words if it.endswith(".toml") and (self.root / it).is_file()]
+        place = self.kept / checksum(json.dumps([words, files, fingerprint(self.root, "program"), self.tiny]).encode())
         if output:
             outputs[output] = place / "out"
         if self.fresh and place not in self.done:

@@ -66,12 +66,12 @@ def list_stale(root: Path, parted: dict[Path, list[str | Block]]) -> int:
                 lines.append(f"{block.name}  {what[:90]}\n#     {', '.join(changed)}")
     if lines:
         print("#" * 100)
-        print(f"# STALE: {len(lines)} of {n_blocks} generated blocks are not of these sources. `.ci/docs` makes them again.")
+        print(f"# STALE: {len(lines)} of {n_blocks} generated blocks are not of what the program does now. `.ci/docs` makes them again.")
         for line in lines:
             print(f"#   {line}")
         print("#" * 100)
     else:
-        print(f"All {n_blocks} generated blocks are of these sources.")
+        print(f"All {n_blocks} generated blocks are of what the program does now.")
     return len(lines)
 
 
@@ -142,9 +142,11 @@ def main() -> int:
         kept = Path(os.environ["CARGO_TARGET_DIR"]) / "docs"
         runner = Runner(ROOT, kept, tiny=bool(arguments.folder), fresh=arguments.fresh)
         runner.build()
+        if not runner.tiny:
+            runner.check_accepted()
         into = copied(ROOT, arguments.folder, list(parted)) if arguments.folder else ROOT
         return make_all(ROOT, into, parted, runner, everything=arguments.all or bool(arguments.folder))
-    except (PageError, ValueError, subprocess.CalledProcessError) as error:
+    except (CommandError, PageError, ValueError, subprocess.CalledProcessError) as error:
         print(error, file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -1,7 +1,8 @@
 """Checksums of what makes numbers, by group.
 
-Comments, blank lines and tests of Rust files do not count, and neither do the names of files, so that only what is compiled
-makes a page stale.
+What detectors find and how it is judged is told by the accepted run (behaviour.py), so no rename makes a page stale. What that run
+does not show is told by the text of its sources, without comments, blank lines, tests and the names of files.
+docs/decisions/program.md says which is which, and why.
 """
 
 import re
@@ -10,52 +11,94 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
+from behaviour import golden, scoring_version, settings
 from page import checksum
 
 # Paths that begin like this belong to the group, unless they begin like one after the `-`.
 GROUPS = {
-    "detector": (["detector/src/", "baselines/src/"], []),
+    # Data: what the accepted run uses, and other blocks more of.
     "models": (["detector/src/", "baselines/src/"], []),
-    "simulator": (
-        ["harness/simulator/src/", "datasets.toml"],
+    "parameters": (["detector/src/params/paper.toml", "baselines/src/params/params.toml"], []),
+    "datasets": (["datasets.toml", "harness/simulator/src/sensors/"], []),
+    # Sources of what the accepted run does not do.
+    "ablation": (["harness/evaluation/src/run/ablation.rs", "reports/src/tables/studies/ablation_score.rs"], []),
+    "boxes": (
+        ["harness/evaluation/src/run/box_study.rs", "harness/evaluation/src/metrics/median_interval.rs", "reports/src/numbers/box_errors.rs"],
         [],
     ),
-    "judging": (
+    "compare": (["reports/src/verdicts/paired_difference.rs", "reports/src/tables/verdict/comparison.rs"], []),
+    "gaps": (
         [
-            "harness/scans/src/annotation.rs",
-            "harness/evaluation/src/object_box.rs",
-            "harness/evaluation/src/matching",
-            "harness/evaluation/src/metrics",
-            "harness/evaluation/src/run",
-            "harness/evaluation/src/sweep",
-            "reports/src/",
+            "harness/evaluation/src/run/gap_",
+            "harness/evaluation/src/metrics/pair_separation.rs",
+            "harness/simulator/src/object_pair.rs",
+            "harness/simulator/src/staged_scene.rs",
+            "reports/src/numbers/gap_curve.rs",
         ],
-        ["reports/src/plots", "reports/src/pages", "reports/src/verdicts"],
+        [],
     ),
-    "realism": (["harness/evaluation/src/realism", "reports/src/numbers/curve_pair.rs"], []),
+    "robustness": (
+        [
+            "harness/evaluation/src/run/robustness.rs",
+            "harness/simulator/src/rain.rs",
+            "harness/simulator/src/street_conditions.rs",
+            "reports/src/numbers/condition_scores.rs",
+        ],
+        [],
+    ),
+    "sweep": (
+        ["harness/evaluation/src/sweep/", "reports/src/numbers/sweep_", "reports/src/numbers/rank_correlation.rs"],
+        [],
+    ),
+    # Here, and of the page, one file serves tests alone.
+    "realism": (["harness/evaluation/src/realism", "reports/src/numbers/curve_pair.rs"], ["harness/evaluation/src/realism/drawn_scan.rs"]),
     "training": (["harness/evaluation/src/training", "harness/scanbench/src/commands/train"], []),
-    "readers": (["harness/scans/src/dataset/"], []),
+    # Scans of which a part is labelled.
+    "regions": (["harness/evaluation/src/matching/labeled_places.rs"], []),
+    # Recorded scans.
+    "readers": (
+        [
+            "harness/scans/src/dataset/kitti/",
+            "harness/scans/src/dataset/points_of_boxes.rs",
+            "harness/scans/src/dataset/positioned_points.rs",
+            "harness/scans/src/dataset/semantic_kitti/",
+            "harness/scans/src/dataset/velodyne_bin.rs",
+        ],
+        [],
+    ),
+    # As the terminal shows them.
+    "tables": (
+        [
+            "reports/src/tables/formats/terminal.rs",
+            "reports/src/tables/grid.rs",
+            "reports/src/tables/notes.rs",
+            "reports/src/tables/sheet.rs",
+            "reports/src/tables/task_",
+            "reports/src/tables/times_table.rs",
+        ],
+        [],
+    ),
     "plots": (["reports/src/plots"], []),
-    "page": (["reports/src/pages", "reports/src/plots"], []),
+    "page": (["reports/src/pages", "reports/src/plots"], ["reports/src/pages/sample_run.rs"]),
     "recording": (["harness/viewer/src", "reports/src/plots/palette.rs"], []),
 }
 
-# Parameters that people choose; what else is no program below detector/ and baselines/ was trained or fitted.
-PARAMETERS = {"detector/src/params/paper.toml", "baselines/src/params/params.toml"}
+# All that is compiled: results of commands are kept for the very same program only.
+PROGRAM = (["Cargo.", "baselines/", "datasets.toml", "detector/", "harness/", "reports/"], ["reports/golden/", "reports/slow/"])
 
-JUDGED = ["detector", "models", "simulator", "judging"]
+JUDGED = ["golden", "models", "parameters", "datasets"]
 OF_VERB = {
     "run": JUDGED,
-    "compare": JUDGED,
-    "ablation": JUDGED,
-    "sweep": JUDGED,
-    "gaps": JUDGED,
-    "robustness": JUDGED,
-    "boxes": ["detector", "simulator", "judging"],
-    "train": ["detector", "simulator", "training"],
-    "data realism": ["detector", "simulator", "realism"],
+    "compare": [*JUDGED, "compare"],
+    "ablation": [*JUDGED, "ablation"],
+    "sweep": [*JUDGED, "sweep"],
+    "gaps": [*JUDGED, "gaps"],
+    "robustness": [*JUDGED, "robustness"],
+    "boxes": ["golden", "parameters", "datasets", "boxes"],
+    "train": ["golden", "parameters", "datasets", "training"],
+    "data realism": ["golden", "parameters", "datasets", "realism"],
 }
-OF_SHOWN = {"picture": ["plots"], "report-page": ["page"], "viewer": ["recording"]}
+OF_SHOWN = {"picture": ["plots"], "report-page": ["page"], "viewer": ["recording"], "printed-table": ["tables"]}
 
 
 def words_of(command: str) -> list[str]:
@@ -80,11 +123,14 @@ def groups_of(commands: list[str], shown: str) -> list[str]:
             raise ValueError(f"no groups are known for the verb {verb!r}")
         found |= set(OF_VERB[verb])
         if any(is_real(it) for it in words):
-            found.add("readers")
+            found |= {"readers", "regions"}
             # Its data sets are all recorded ones.
             if verb not in ("data realism", "train") and is_real(words[0]) and not named_sets(words):
-                found.discard("simulator")
-    return [it for it in GROUPS if it in found]
+                found.discard("datasets")
+        # Labelled ahead only, as recorded scans are.
+        if "streets-ahead" in words:
+            found.add("regions")
+    return [it for it in ("golden", *GROUPS) if it in found]
 
 
 def named_sets(words: list[str]) -> list[str]:
@@ -95,24 +141,25 @@ def named_sets(words: list[str]) -> list[str]:
 
 def compiled(path: str, content: bytes) -> bytes:
     """What of a file makes a difference to the program."""
+    if path.endswith(".toml") and not path.endswith("Cargo.toml"):
+        return settings(content)
     if not path.endswith(".rs"):
         return content
-    code = re.split(rb"^#\[cfg\(test\)\]\nmod tests", content, maxsplit=1, flags=re.MULTILINE)[0]
+    code = re.split(rb"^#\[cfg\(test\)\]\n(?:pub\(crate\) )?mod tests", content, maxsplit=1, flags=re.MULTILINE)[0]
     lines = (it.strip() for it in code.splitlines())
     return b"\n".join(it for it in lines if it and not it.startswith(b"//"))
 
 
 def is_of(group: str, path: str) -> bool:
-    within, without = GROUPS[group]
-    if not path.startswith(tuple(within)) or path.startswith(tuple(without)):
+    within, without = GROUPS.get(group, PROGRAM)
+    if not path.startswith(tuple(within)) or path.startswith(tuple(without)) or re.search(r"/tests(/|\.rs$)", path):
         return False
-    is_chosen = path.endswith(".rs") or path in PARAMETERS
-    return {"detector": is_chosen, "models": not is_chosen}.get(group, True)
+    # Trained or fitted.
+    return group != "models" or not (path.endswith(".rs") or is_of("parameters", path))
 
 
-@cache
-def fingerprint(root: Path, group: str) -> str:
-    """Checksum of a group, of the files as they lie in the checkout, committed or not."""
+def compiled_files(root: Path, group: str) -> list[bytes]:
+    """What counts of the files of a group as they lie in the checkout, committed or not."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=root,
@@ -122,14 +169,15 @@ def fingerprint(root: Path, group: str) -> str:
     paths = {it for it in listed.decode().split("\0") if it and is_of(group, it) and (root / it).is_file()}
     if not paths:
         raise ValueError(f"no file belongs to the group {group!r}")
-    return checksum(*sorted(compiled(it, (root / it).read_bytes()) for it in paths))
+    return sorted(compiled(it, (root / it).read_bytes()) for it in paths)
 
 
-def scoring_version(root: Path) -> str:
-    for path in sorted((root / "harness").rglob("*.rs")):
-        if found := re.search(r"\bconst SCORING_VERSION: u32 = (\d+);", path.read_text()):
-            return found[1]
-    raise ValueError("SCORING_VERSION is nowhere below harness")
+@cache
+def fingerprint(root: Path, group: str) -> str:
+    """Checksum of a group, or of the program."""
+    if group == "golden":
+        return golden(root)
+    return checksum(*compiled_files(root, group))
 
 
 def made_of(root: Path, commands: list[str], shows: list[str]) -> dict[str, str]:
@@ -138,6 +186,6 @@ def made_of(root: Path, commands: list[str], shows: list[str]) -> dict[str, str]
     named = [it.read_bytes() for it in files if it.is_file()]
     sums = {"command": checksum("\n".join([*commands, *shows]).encode(), *named)}
     groups = groups_of(commands, shows[0])
-    if "judging" in groups:
+    if "golden" in groups:
         sums["scoring"] = scoring_version(root)
     return sums | {it: fingerprint(root, it) for it in groups}

@@ -1,5 +1,6 @@
 """Tests of the generated blocks: `python3 -m unittest discover .ci/blocks`."""
 
+import json
 import os
 import subprocess
 import tempfile
@@ -9,10 +10,11 @@ from io import StringIO
 from pathlib import Path
 from unittest import mock
 
+import behaviour
 import docs
 import fingerprint
 import shows
-from commands import Result, Runner, tiny
+from commands import CommandError, Result, Runner, tiny
 from page import Block, PageError, join, not_shown, split
 
 PAGE = """# A page
@@ -41,6 +43,9 @@ shows: file robustness.md
 """
 
 
+NUMBER = {"metric": "recall", "value": 0.5, "unit": "ratio"}
+
+
 def blocks(text=PAGE):
     return [it for it in split(Path("docs/page.md"), text) if isinstance(it, Block)]
 
@@ -56,16 +61,25 @@ def checkout(test):
     root = scratch(test)
     files = {
         "detector/src/cells.rs": "// Cells.\npub fn cells() {}\n",
+        "baselines/src/params/params.toml": "tolerance_m = 0.5\n",
         "detector/src/params/model.toml": "x = 1\n",
         "detector/src/params/paper.toml": "cell_size_m = 0.6\n",
         "datasets.toml": "seed = 1\n",
         "harness/evaluation/src/metrics/counts.rs": "pub const SCORING_VERSION: u32 = 7;\n",
         "harness/evaluation/src/realism/survey.rs": "fn survey() {}\n",
         "harness/evaluation/src/training/select.rs": "fn select() {}\n",
-        "harness/scans/src/dataset/kitti.rs": "fn kitti() {}\n",
+        "harness/evaluation/src/run/box_study.rs": "fn boxes() {}\n",
+        "harness/evaluation/src/run/gap_experiment.rs": "fn gaps() {}\n",
+        "harness/evaluation/src/run/robustness.rs": "fn robustness() {}\n",
+        "harness/evaluation/src/matching/labeled_places.rs": "fn places() {}\n",
+        "harness/scans/src/dataset/kitti/label.rs": "fn kitti() {}\n",
         "harness/viewer/src/log.rs": "fn log() {}\n",
         "reports/src/plots/gap_plot.rs": "fn plot() {}\n",
         "reports/src/pages/page.rs": "fn page() {}\n",
+        "reports/golden/run/manifest.json": json.dumps({"created": "today", "seeds": {"street": 1}}),
+        "reports/golden/run/report.json": json.dumps({"rows": [NUMBER, NUMBER | {"metric": "latency_p50_ms", "unit": "ms"}]}),
+        "reports/golden/run/scans.csv": "scan,latency_ms,tp\n0,2.5,7\n",
+        "reports/golden/run/matches.csv": "scan,outcome\n0,matched\n",
         "docs/page.md": PAGE,
         "README.md": "# No blocks\n",
     }
@@ -109,37 +123,52 @@ class Pages(unittest.TestCase):
 
 
 class Fingerprints(unittest.TestCase):
-    def test_comments_and_tests_change_nothing_and_code_does(self):
+    def test_comments_tests_and_names_of_files_change_nothing_and_code_does(self):
         root = checkout(self)
-        before = fingerprint.fingerprint(root, "detector")
-        changed(root, "detector/src/cells.rs", "/// All cells.\n\npub fn cells() {}\n\n#[cfg(test)]\nmod tests {}\n")
-        self.assertEqual(fingerprint.fingerprint(root, "detector"), before)
-        changed(root, "detector/src/cells.rs", "pub fn cells() { loop {} }\n")
-        self.assertNotEqual(fingerprint.fingerprint(root, "detector"), before)
+        gaps = "harness/evaluation/src/run/gap_experiment.rs"
+        before = fingerprint.fingerprint(root, "gaps")
+        changed(root, gaps, "/// All gaps.\n\nfn gaps() {}\n\n#[cfg(test)]\npub(crate) mod tests {}\n")
+        self.assertEqual(fingerprint.fingerprint(root, "gaps"), before)
+        (root / gaps).rename(root / gaps.replace("experiment", "study"))
+        fingerprint.fingerprint.cache_clear()
+        self.assertEqual(fingerprint.fingerprint(root, "gaps"), before)
+        (root / "harness/evaluation/src/run/gap_experiment").mkdir()
+        changed(root, "harness/evaluation/src/run/gap_experiment/tests.rs", "fn test() {}\n")
+        self.assertEqual(fingerprint.fingerprint(root, "gaps"), before)
+        changed(root, gaps, "fn gaps() { loop {} }\n")
+        self.assertNotEqual(fingerprint.fingerprint(root, "gaps"), before)
 
-    def test_models_and_parameters_are_told_apart(self):
+    def test_models_and_parameters_are_told_apart_and_comments_are_neither(self):
         root = checkout(self)
-        detector, models = (fingerprint.fingerprint(root, it) for it in ("detector", "models"))
+        parameters, models = (fingerprint.fingerprint(root, it) for it in ("parameters", "models"))
         changed(root, "detector/src/params/model.toml", "x = 2\n")
-        self.assertEqual(fingerprint.fingerprint(root, "detector"), detector)
+        self.assertEqual(fingerprint.fingerprint(root, "parameters"), parameters)
         self.assertNotEqual(fingerprint.fingerprint(root, "models"), models)
+        changed(root, "detector/src/params/paper.toml", "# In metres.\ncell_size_m  = 0.6\n")
+        self.assertEqual(fingerprint.fingerprint(root, "parameters"), parameters)
         changed(root, "detector/src/params/paper.toml", "cell_size_m = 0.7\n")
-        self.assertNotEqual(fingerprint.fingerprint(root, "detector"), detector)
+        self.assertNotEqual(fingerprint.fingerprint(root, "parameters"), parameters)
 
     def test_a_command_knows_what_decides_its_numbers(self):
         of = fingerprint.groups_of
-        self.assertEqual(of(["scanbench gaps"], "gap-shares"), ["detector", "models", "simulator", "judging"])
-        self.assertEqual(of(["scanbench boxes ~/data/kitti"], "box-medians"), ["detector", "judging", "readers"])
+        self.assertEqual(of(["scanbench gaps"], "gap-shares"), ["golden", "models", "parameters", "datasets", "gaps"])
+        self.assertEqual(of(["scanbench boxes ~/data/kitti"], "box-medians"), ["golden", "parameters", "boxes", "regions", "readers"])
         realism = of(["scanbench data realism street --against ~/data/kitti"], "realism-worst")
-        self.assertEqual(realism, ["detector", "simulator", "realism", "readers"])
+        self.assertEqual(realism, ["golden", "parameters", "datasets", "realism", "regions", "readers"])
         self.assertIn("plots", of(["scanbench gaps"], "picture"))
+        self.assertIn("tables", of(["scanbench run"], "printed-table"))
+        self.assertEqual(of(["scanbench run streets-ahead"], "rates-by-dataset")[-2:], ["datasets", "regions"])
         with self.assertRaises(ValueError):
             of(["scanbench selftest"], "file")
 
     def test_every_group_has_files_in_this_repository(self):
-        for group in fingerprint.GROUPS:
+        for group in ["golden", "program", *fingerprint.GROUPS]:
             self.assertRegex(fingerprint.fingerprint(docs.ROOT, group), "^[0-9a-f]{8}$")
-        self.assertRegex(fingerprint.scoring_version(docs.ROOT), r"^\d+$")
+        listed = subprocess.run(["git", "ls-files"], cwd=docs.ROOT, check=True, capture_output=True, text=True).stdout.split()
+        for group, (within, without) in fingerprint.GROUPS.items():
+            for start in [*within, *without]:
+                self.assertTrue(any(it.startswith(start) for it in listed), f"{group}: {start}")
+        self.assertRegex(behaviour.scoring_version(docs.ROOT), r"^\d+$")
 
 
 class Staleness(unittest.TestCase):
@@ -157,14 +186,34 @@ class Staleness(unittest.TestCase):
         self.assertEqual(docs.why_stale(root, block), [])
         changed(root, "harness/viewer/src/log.rs", "fn other() {}\n")
         self.assertEqual(docs.why_stale(root, block), [])
-        changed(root, "detector/src/cells.rs", "fn other() {}\n")
-        self.assertEqual(docs.why_stale(root, block), ["detector"])
+        changed(root, "harness/evaluation/src/run/robustness.rs", "fn other() {}\n")
+        self.assertEqual(docs.why_stale(root, block), ["robustness"])
         changed(root, "harness/evaluation/src/metrics/counts.rs", "pub const SCORING_VERSION: u32 = 8;\n")
-        self.assertEqual(docs.why_stale(root, block), ["scoring 7 → 8", "detector", "judging"])
+        self.assertEqual(docs.why_stale(root, block), ["scoring 7 → 8", "robustness"])
         block.body = "| 2 |"
         self.assertIn("edited by hand", docs.why_stale(root, block))
         block.commands = ["scanbench robustness --seed 2"]
         self.assertIn("command", docs.why_stale(root, block))
+
+    def test_a_rename_in_the_detector_makes_nothing_stale_and_another_result_does(self):
+        root = checkout(self)
+        block = self.made(root)
+        changed(root, "detector/src/cells.rs", "// Cells by another name.\npub fn squares() {}\n")
+        (root / "detector/src/cells.rs").rename(root / "detector/src/squares.rs")
+        self.assertEqual(docs.why_stale(root, block), [])
+        for file, other_times, other_result in (
+            ("manifest.json", '{"created": "now", "seeds": {"street": 1}}', '{"created": "today", "seeds": {"street": 2}}'),
+            ("scans.csv", "scan,latency_ms,tp\n0,3.5,7\n", "scan,latency_ms,tp\n0,2.5,8\n"),
+            ("matches.csv", None, "scan,outcome\n0,missed\n"),
+            ("report.json", json.dumps({"rows": [NUMBER]}), json.dumps({"rows": [NUMBER | {"value": 0.6}]})),
+        ):
+            path = f"reports/golden/run/{file}"
+            before = (root / path).read_text()
+            changed(root, path, other_times or before)
+            self.assertEqual(docs.why_stale(root, block), [], file)
+            changed(root, path, other_result)
+            self.assertEqual(docs.why_stale(root, block), ["golden"], file)
+            changed(root, path, before)
 
     def test_a_picture_belongs_to_its_block(self):
         root = checkout(self)
@@ -241,6 +290,19 @@ echo run >> "$COUNTED"
         os.environ["SCANBENCH_TEST_DATA"] = "/elsewhere"
         self.make()
         self.assertIn("made with boxes /elsewhere/data/kitti", (self.root / "docs/page.md").read_text())
+
+    def test_nothing_is_made_by_a_program_that_is_not_as_accepted(self):
+        golden = self.root / ".ci/golden"
+        golden.parent.mkdir()
+        golden.write_text("#!/bin/sh\n")
+        golden.chmod(0o755)
+        (self.root / "reports/golden/tolerances.toml").write_text("[[quality]]\n\n[speed]\nrelative = 0.1\n")
+        runner = self.runner()
+        runner.check_accepted()
+        gate = '#!/bin/sh\ngrep -q speed "$6" && exit 2\necho "FAILED: results changed."; exit 101\n'
+        runner.program.write_text(gate)
+        with self.assertRaisesRegex(CommandError, "not as it was accepted: FAILED: results changed"):
+            runner.check_accepted()
 
     def test_a_command_that_fails_leaves_its_block_and_the_others_are_made(self):
         program = Path(os.environ["CARGO_TARGET_DIR"]) / "release" / "scanbench"

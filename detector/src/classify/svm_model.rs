@@ -254,28 +254,6 @@ mod tests {
         assert_eq!(Some(rows.len() as i64), document["n_support_vectors"].as_integer());
     }
 
-    #[test]
-    fn a_shipped_model_is_read_twenty_times_as_fast_as_toml_is_parsed() {
-        let text = include_str!("../params/vehicle_model/model.toml");
-        let least = |n: usize, read: &dyn Fn()| {
-            let times = (0..n).map(|_| {
-                let started = std::time::Instant::now();
-                read();
-                started.elapsed()
-            });
-            times.min().unwrap()
-        };
-        let describer =
-            text.lines().find_map(|it| it.strip_prefix("describer = ")).unwrap().trim_matches('"');
-        let ours = least(9, &|| {
-            SvmModel::from_toml(text, VehicleFeatures::NAMES, describer).unwrap();
-        });
-        let toml = least(3, &|| {
-            text.parse::<toml::Table>().unwrap();
-        });
-        assert!(ours * 20 < toml, "{ours:?}, and {toml:?} as TOML");
-    }
-
     #[track_caller]
     fn check_refused(from: &str, to: &str, message: &str) {
         let text = model().to_toml();

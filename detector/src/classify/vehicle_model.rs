@@ -32,10 +32,10 @@ pub struct VehicleModel {
 #[derive(Debug, thiserror::Error)]
 pub enum VehicleModelError {
     /// The prototypes cannot be used.
-    #[error("prototypes: {0}")]
+    #[error("bad prototypes")]
     Prototypes(#[from] AtLine<PrototypeFileError>),
     /// The classifier cannot be used.
-    #[error("model: {0}")]
+    #[error("bad model")]
     Svm(#[from] AtLine<SvmModelError>),
 }
 

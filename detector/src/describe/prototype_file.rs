@@ -106,19 +106,7 @@ impl PrototypeLibrary {
 mod tests {
     use super::*;
     use crate::describe::prototype_library::Facing;
-
-    fn library() -> PrototypeLibrary {
-        let made = Provenance { command: "test".to_owned(), data: vec![], seed: 0, split: "none".to_owned() };
-        let prototype = |name: &str, contour_m: &[[f32; 2]]| Prototype {
-            name: name.to_owned(),
-            contour_m: contour_m.to_vec(),
-        };
-        let prototypes = vec![
-            prototype("box", &[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]),
-            prototype("wedge", &[[0.0, 0.0], [3.0, 0.0], [3.0, 0.3], [0.0, 1.0]]),
-        ];
-        PrototypeLibrary::new(made, 0.2, prototypes).unwrap()
-    }
+    use crate::describe::prototype_library::tests::library;
 
     #[test]
     fn a_library_comes_back_from_its_file_to_the_bit() {

@@ -155,10 +155,11 @@ fn least(contour_m: &[[f32; 2]]) -> [f32; 2] {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn library() -> PrototypeLibrary {
+    /// A box and a wedge.
+    pub(crate) fn library() -> PrototypeLibrary {
         let made = Provenance { command: "test".to_owned(), data: vec![], seed: 0, split: "none".to_owned() };
         let prototype = |name: &str, contour_m: &[[f32; 2]]| Prototype {
             name: name.to_owned(),

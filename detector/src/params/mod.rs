@@ -81,7 +81,7 @@ pub const PAPER_SENSOR: &str = "hdl-64e-s2";
 #[derive(Debug, thiserror::Error)]
 pub enum ParamsError {
     /// Not TOML, or not these parameters.
-    #[error("{0}")]
+    #[error(transparent)]
     Syntax(#[from] toml::de::Error),
     /// A value no detector can work with.
     #[error("{name} = {value} is not within {allowed}")]

@@ -3,12 +3,12 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::ground::{Banks, Ground, Road};
+use super::ground::Ground;
 use super::house_row::{HouseRowParams, house_row};
 use super::parked_row::{ParkedRowParams, parked_row, second_row_dice};
 use super::pavement_furniture::{PavementFurnitureParams, pavement_furniture};
 use super::pavement_people::{PavementPeopleParams, pavement_people};
-use super::road_axis::{RoadAxis, RoadAxisShape, RoadPosition, Wave};
+use super::road_axis::{RoadAxisShape, RoadPosition, Wave};
 use super::road_plan::{MARGIN_M, Parking, RoadPlan};
 use super::roadside::{Roadside, Side};
 use super::street_conditions::StreetConditions;
@@ -71,11 +71,7 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
         gradient: rng.random_range(-0.05..0.05),
         hills: Wave::any(0.3..2.2, 160.0..350.0, rng),
     };
-    let axis = RoadAxis::new(&conditions.road(shape));
-    let section = conditions.section(plan.cross_section(rng));
-    let banks = Banks::any(section.left_kerb_m.max(section.right_kerb_m) + plan.pavement_width_m, rng);
-    let roads = vec![Road { axis, section, banks }];
-    Ground { roads, pavement_width_m: plan.pavement_width_m, corner_radius_m: 0.0 }
+    plan.ground(shape, conditions, rng)
 }
 
 fn furnish(world: &mut World, roadside: &Roadside, rng: &mut ChaCha8Rng) {

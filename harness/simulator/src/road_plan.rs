@@ -3,8 +3,10 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::ground::CrossSection;
+use super::ground::{Banks, CrossSection, Ground, Road};
+use super::road_axis::{RoadAxis, RoadAxisShape};
 use super::roadside::{Roadside, Side};
+use super::street_conditions::StreetConditions;
 
 /// How far a street goes on before and after the drive, in metres: what a sensor can see.
 pub const MARGIN_M: f32 = 130.0;
@@ -72,6 +74,20 @@ impl RoadPlan {
             crown: rng.random_range(0.01..0.03),
             kerb_height_m: rng.random_range(0.06..0.15),
         }
+    }
+
+    /// The ground of a street of this road alone, whose axis has `shape`.
+    pub fn ground(
+        &self,
+        shape: RoadAxisShape,
+        conditions: &StreetConditions,
+        rng: &mut ChaCha8Rng,
+    ) -> Ground {
+        let axis = RoadAxis::new(&conditions.road(shape));
+        let section = conditions.section(self.cross_section(rng));
+        let banks = Banks::any(section.left_kerb_m.max(section.right_kerb_m) + self.pavement_width_m, rng);
+        let roads = vec![Road { axis, section, banks }];
+        Ground { roads, pavement_width_m: self.pavement_width_m, corner_radius_m: 0.0 }
     }
 }
 

@@ -7,7 +7,7 @@ use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::checksum::sha256;
 use scans::dataset::simulation::Simulation;
 use scans::dataset::text_file::read_text_file;
-use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError, Listing};
 use serde::{Deserialize, Serialize};
 
 use super::rain::Rain;
@@ -69,12 +69,11 @@ impl Shutter {
 
 /// A drive through a simulated street. Scans are made when they are read.
 struct SimulatedStreet {
-    description: DatasetDescription,
+    listing: Listing,
     drive: StreetDrive,
     sensor: SensorModel,
     // The seed of the street of each scan.
     seeds: Vec<u64>,
-    scan_ids: Vec<ScanId>,
 }
 
 /// The format's name in tables and files.
@@ -111,7 +110,12 @@ pub fn open_simulated_street(id: &str, drive: &StreetDrive) -> Result<Box<dyn Da
         checksum: Some(sha256(&made_of)),
         simulation: Some(Simulation::of(drive)),
     };
-    Ok(Box::new(SimulatedStreet { description, drive: drive.clone(), sensor, seeds, scan_ids }))
+    Ok(Box::new(SimulatedStreet {
+        listing: Listing { description, scan_ids },
+        drive: drive.clone(),
+        sensor,
+        seeds,
+    }))
 }
 
 impl StreetDrive {
@@ -132,18 +136,14 @@ impl StreetDrive {
 }
 
 impl Dataset for SimulatedStreet {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         // Drawing a street takes a fiftieth of the time of a scan of it.
         let street = self.drive.draw(self.seeds[scan_idx]);
-        let turn = self.scan_ids[scan_idx].index;
+        let turn = self.listing.scan_ids[scan_idx].index;
         let mut scan = match self.drive.shutter {
             Shutter::Instant => street.scan(&self.sensor, turn),
             Shutter::Rolling => street.rolling_scan(&self.sensor, turn),
@@ -155,13 +155,13 @@ impl Dataset for SimulatedStreet {
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        let turns = f64::from(self.scan_ids[scan_idx].index);
+        let turns = f64::from(self.listing.scan_ids[scan_idx].index);
         Some((1e9 * turns / f64::from(self.sensor.turns_per_second)).round() as u64)
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let street = self.drive.draw(self.seeds[scan_idx]);
-        let pose = street.ego_pose(&self.sensor, self.scan_ids[scan_idx].index);
+        let pose = street.ego_pose(&self.sensor, self.listing.scan_ids[scan_idx].index);
         let [x, y, z, w] = pose.world_from_sensor_xyzw.map(f64::from);
         let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         let at_m = Translation3::from(pose.position_m.map(f64::from));

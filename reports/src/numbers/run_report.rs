@@ -76,12 +76,12 @@ pub enum RunReportError {
         metric: String,
     },
     /// A row contradicts its metric.
-    #[error("row {row_idx}: {source}")]
+    #[error("row {row_idx}: {problem}")]
     Row {
         /// Its place in the report, from 0.
         row_idx: usize,
         /// How.
-        source: MetricRowError,
+        problem: MetricRowError,
     },
 }
 
@@ -246,7 +246,7 @@ impl TryFrom<ReportRecord> for RunReport {
     fn try_from(record: ReportRecord) -> Result<Self, RunReportError> {
         let rows = |records: Vec<RowRecord>| {
             let rows = records.into_iter().enumerate().map(|(row_idx, row)| {
-                MetricRow::try_from(row).map_err(|source| RunReportError::Row { row_idx, source })
+                MetricRow::try_from(row).map_err(|problem| RunReportError::Row { row_idx, problem })
             });
             rows.collect::<Result<Vec<_>, _>>()
         };

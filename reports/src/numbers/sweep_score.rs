@@ -341,6 +341,16 @@ pub(crate) mod tests {
         }
     }
 
+    /// Four sizes, of which the second is best; the printed fitness has a pole between it and the third.
+    pub(crate) fn four_cell_sizes() -> SweepScores {
+        cell_sizes(&[
+            (4, Some(6), Some(-0.1), 0.1),
+            (8, Some(2), Some(-0.4), 0.3),
+            (6, Some(4), Some(3.0), 0.4),
+            (5, Some(5), Some(0.9), 0.2),
+        ])
+    }
+
     #[test]
     fn rows_stand_alone_and_say_what_is_undefined() {
         let sweep = cell_sizes(&[(5, Some(5), Some(-0.5), 0.25), (8, None, None, 0.5)]);

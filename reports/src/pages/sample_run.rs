@@ -11,7 +11,7 @@ use crate::numbers::tally::Tally;
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
-use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::run_folder::manifest::{DetectorEntry, Manifest};
 use crate::run_folder::run_directory::{MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, SCANS_CSV};
 use crate::run_folder::run_target::MANIFEST_JSON;
@@ -118,20 +118,10 @@ impl SampleRun<'_> {
             let fo = (self.knows_false || task == Task::Vehicles).then_some(1);
             let tp = N_OBJECTS - Self::n_missed(detector_idx);
             let numbers = ScanNumbers {
-                n_points: 1000,
                 latency_ms: Some(10_f64.powi(detector_idx as i32) * (1.0 + f64::from(scan) / 100.0)),
                 least_latency_ms: Some(10_f64.powi(detector_idx as i32)),
                 reference_ms: Some(0.25),
-                cpu_ms: None,
-                door_ms: None,
-                failure: None,
-                counts: Counts::new(N_OBJECTS, tp, fo).unwrap(),
-                n_ignored_annotations: 0,
-                n_ignored_detections: 0,
-                n_unknowable_detections: 0,
-                segmentation: SegmentationNumbers::default(),
-                n_dropped_too_small: 0,
-                n_dropped_too_large: 0,
+                ..ScanNumbers::of_counts(Counts::new(N_OBJECTS, tp, fo).unwrap())
             };
             let [dataset, sequence, detector] = [dataset, "drive", detector].map(str::to_owned);
             vec![ScanRow {

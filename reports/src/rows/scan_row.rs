@@ -75,6 +75,29 @@ pub struct ScanNumbers {
     pub n_dropped_too_large: u64,
 }
 
+#[cfg(test)]
+impl ScanNumbers {
+    /// Of a scan of a thousand points with these counts, where nothing was ignored and nothing timed.
+    pub(crate) fn of_counts(counts: Counts) -> Self {
+        Self {
+            failure: None,
+            n_points: 1000,
+            latency_ms: None,
+            least_latency_ms: None,
+            reference_ms: None,
+            cpu_ms: None,
+            door_ms: None,
+            counts,
+            n_ignored_annotations: 0,
+            n_ignored_detections: 0,
+            n_unknowable_detections: 0,
+            segmentation: SegmentationNumbers::default(),
+            n_dropped_too_small: 0,
+            n_dropped_too_large: 0,
+        }
+    }
+}
+
 /// How far the objects of a scan are torn apart or run together, whether or not the pieces match.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SegmentationNumbers {

@@ -89,7 +89,7 @@ impl Tally {
 mod tests {
     use super::*;
     use crate::rows::counts::Counts;
-    use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+    use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
     use crate::rows::stage_row::StageRow;
     use crate::vocabulary::task::Task;
 
@@ -97,20 +97,9 @@ mod tests {
         let ([dataset, sequence, detector], task) =
             ([dataset, "0000", "pca"].map(str::to_owned), Task::Vehicles);
         let numbers = ScanNumbers {
-            n_points: 1000,
             latency_ms,
             least_latency_ms: latency_ms,
-            reference_ms: None,
-            cpu_ms: None,
-            door_ms: None,
-            failure: None,
-            counts: Counts::new(4, 3, Some(2)).unwrap(),
-            n_ignored_annotations: 0,
-            n_ignored_detections: 0,
-            n_unknowable_detections: 0,
-            segmentation: SegmentationNumbers::default(),
-            n_dropped_too_small: 0,
-            n_dropped_too_large: 0,
+            ..ScanNumbers::of_counts(Counts::new(4, 3, Some(2)).unwrap())
         };
         let (time_s, outcome) = (f64::from(scan), ScanOutcome::Evaluated(numbers));
         ScanRow { dataset, sequence, scan, time_s, detector, task, outcome }

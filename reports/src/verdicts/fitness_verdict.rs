@@ -163,16 +163,11 @@ fn n_poles(values: &[Option<f64>], range: Option<[f64; 2]>) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::cell_sizes;
+    use crate::numbers::sweep_score::tests::{cell_sizes, four_cell_sizes};
 
     #[test]
     fn a_reading_loses_what_lies_between_its_choice_and_the_best() {
-        let sweep = cell_sizes(&[
-            (4, Some(6), Some(-0.1), 0.1),
-            (8, Some(2), Some(-0.4), 0.3),
-            (6, Some(4), Some(3.0), 0.4),
-            (5, Some(5), Some(0.9), 0.2),
-        ]);
+        let sweep = four_cell_sizes();
         let verdicts = fitness_verdicts(&sweep);
         let [printed, share, configured] = &verdicts[..] else { panic!("{verdicts:?}") };
         assert_eq!((printed.best_cell_size_m, printed.best_rate), (Some(Fixed(0.4)), Some(Fixed(0.8))));

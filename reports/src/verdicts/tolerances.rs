@@ -90,12 +90,12 @@ pub enum TolerancesError {
         source: std::io::Error,
     },
     /// It is not the TOML it should be.
-    #[error("bad tolerances {path:?}: {source}")]
+    #[error("bad tolerances {path:?}: {problem}")]
     Toml {
         /// The file.
         path: PathBuf,
         /// Where and why.
-        source: Box<toml::de::Error>,
+        problem: Box<toml::de::Error>,
     },
     /// It asks for what cannot be gated.
     #[error("bad tolerances {path:?}: {problems}")]
@@ -135,7 +135,7 @@ impl Tolerances {
         let text = std::fs::read_to_string(path)
             .map_err(|source| TolerancesError::Read { path: path.to_path_buf(), source })?;
         let record: TolerancesRecord = toml::from_str(&text)
-            .map_err(|source| TolerancesError::Toml { path: path.to_path_buf(), source: source.into() })?;
+            .map_err(|problem| TolerancesError::Toml { path: path.to_path_buf(), problem: problem.into() })?;
         let rules = |problems| TolerancesError::Rules { path: path.to_path_buf(), problems };
         RuleProblems::check(record.problems()).map_err(rules)?;
         let quality = record.quality.into_iter().map(QualityRule::from).collect();

@@ -289,8 +289,8 @@ mod tests {
             assert!(problem.contains(expected), "{problem}");
         }
         let mut line = line(1, false, false);
-        line.classes = Some(vec![Some("lorry".to_owned())]);
-        assert!(read(&line, &numbers(&CAR), 0).unwrap_err().contains("\"lorry\" is not a class"));
+        line.classes = Some(vec![Some("spaceship".to_owned())]);
+        assert!(read(&line, &numbers(&CAR), 0).unwrap_err().contains("\"spaceship\" is not a class"));
         line.classes = Some(vec![]);
         assert!(read(&line, &numbers(&CAR), 0).unwrap_err().contains("0 classes of 1 detections"));
     }

@@ -218,6 +218,7 @@ mod tests {
     use detector::{DetectedClass, Rule};
 
     use super::*;
+    use crate::run::config::TAKEN_NAMES;
     use scans::annotation::LabeledScan;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
@@ -290,6 +291,11 @@ mod tests {
         let expected =
             [("hierarchical", 5), ("kd-tree-same-walls", 4), ("kd-tree", 3), ("pca", 0), ("simple-grid", 4)];
         assert_eq!(n_rules, expected);
+    }
+
+    #[test]
+    fn nobody_else_has_their_names() {
+        assert!(built_in_names().iter().all(|it| TAKEN_NAMES.contains(it)));
     }
 
     #[test]

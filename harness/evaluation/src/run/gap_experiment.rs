@@ -10,7 +10,7 @@ use reports::numbers::gap_curve::{GapBin, PairCounts};
 use scans::annotation::{LabeledScan, ScanId};
 use scans::dataset::checksum::sha256;
 use scans::dataset::simulation::Simulation;
-use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError};
+use scans::dataset::{AnnotatedClasses, Dataset, DatasetDescription, DatasetError, Listing};
 use serde::Serialize;
 use simulator::object_pair::{ObjectPair, PairKind, PairLayout, any_bearing_rad};
 use simulator::sensor::SensorModel;
@@ -31,11 +31,10 @@ const PAIRS: [[u32; 2]; 3] = [[0, 1], [2, 3], [4, 5]];
 /// its gap in decimetres.
 #[derive(Debug, Clone)]
 pub struct StagedPairs {
-    description: DatasetDescription,
+    listing: Listing,
     sensor: SensorModel,
     seed: u64,
     stagings: Vec<Staging>,
-    scan_ids: Vec<ScanId>,
 }
 
 /// One scan of the experiment: a pair at each range, in three directions.
@@ -86,7 +85,7 @@ impl StagedPairs {
             simulation: Some(Simulation::of(&StagedFrom { sensor: sensor_name, n_pairs, seed })),
         };
         let scan_ids = stagings.iter().map(id).collect();
-        Self { description, sensor, seed, stagings, scan_ids }
+        Self { listing: Listing { description, scan_ids }, sensor, seed, stagings }
     }
 
     /// All scans, in order.
@@ -121,16 +120,12 @@ impl StagedPairs {
 }
 
 impl Dataset for StagedPairs {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let id = self.scan_ids[scan_idx].clone();
+        let id = self.listing.scan_ids[scan_idx].clone();
         Ok(LabeledScan { id, ..self.scan(&self.stagings[scan_idx]) })
     }
 }

@@ -1,10 +1,10 @@
 //! The same streets under one condition after another.
 
 use nalgebra::Isometry3;
-use scans::annotation::{LabeledScan, ScanId};
+use scans::annotation::LabeledScan;
 use scans::dataset::checksum::sha256;
 use scans::dataset::simulation::Simulation;
-use scans::dataset::{Dataset, DatasetDescription, DatasetError};
+use scans::dataset::{Dataset, DatasetDescription, DatasetError, Listing};
 use serde::Serialize;
 use simulator::StreetKind;
 use simulator::simulated_street::{Shutter, StreetDrive, open_simulated_street};
@@ -99,9 +99,8 @@ impl Condition {
 
 /// Several drives under the same condition as one data set.
 struct JoinedDrives {
-    description: DatasetDescription,
+    listing: Listing,
     drives: Vec<Box<dyn Dataset>>,
-    scan_ids: Vec<ScanId>,
     // Of each scan the drive, and the place in it.
     places: Vec<[usize; 2]>,
 }
@@ -133,7 +132,7 @@ impl JoinedDrives {
             .flat_map(|(drive_idx, it)| (0..it.scan_ids().len()).map(move |scan_idx| [drive_idx, scan_idx]));
         let places = places.collect();
         let scan_ids = opened.iter().flat_map(|it| it.scan_ids().to_vec()).collect();
-        Ok(Self { description, drives: opened, scan_ids, places })
+        Ok(Self { listing: Listing { description, scan_ids }, drives: opened, places })
     }
 
     fn place(&self, scan_idx: usize) -> (&dyn Dataset, usize) {
@@ -143,12 +142,8 @@ impl JoinedDrives {
 }
 
 impl Dataset for JoinedDrives {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {

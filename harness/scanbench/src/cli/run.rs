@@ -34,14 +34,15 @@ pub struct RunArgs {
     /// What runs beside what.
     #[command(flatten)]
     pub timing: TimingArgs,
-    /// Detections of each scan; `gate` needs 5 to compare times
+    /// Detections of each scan; `gate` needs 5
     ///
-    /// Detectors take turns, and so does the reference that `gate` measures times by. `gate` compares the shortest times;
+    /// Detectors take turns, and so does the reference that `gate` measures times by. It compares the shortest times;
     /// everything else uses the first.
     #[arg(long, value_name = "N", default_value = "1", value_parser = repeats, help_heading = DETECTORS)]
     pub repeats: NonZeroUsize,
     /// If a detector of scanbench.toml gives no answer
     #[arg(long, value_enum, value_name = "RULE", default_value = "stop", help_heading = DETECTORS)]
+    #[arg(hide_short_help = true)]
     pub on_detector_failure: FailureRule,
     /// How detections are judged.
     #[command(flatten)]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::Isometry3;
-use scans::annotation::{LabeledScan, ScanId};
-use scans::dataset::{Dataset, DatasetDescription, DatasetError};
+use scans::annotation::LabeledScan;
+use scans::dataset::{Dataset, DatasetError, Listing};
 
 /// How many points without a position each scan has, of the scans that were read and have any.
 #[derive(Debug, Clone, Default)]
@@ -42,12 +42,8 @@ impl CountedDataset {
 }
 
 impl Dataset for CountedDataset {
-    fn description(&self) -> &DatasetDescription {
-        self.dataset.description()
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        self.dataset.scan_ids()
+    fn listing(&self) -> &Listing {
+        self.dataset.listing()
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {

@@ -279,6 +279,7 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
     let all = "\"all\"";
     for (tolerances, expected) in [
         (rule("\"ap_r40\"", all, ""), "\"ap_r40\" has no interval"),
+        (rule("\"f_rate\"", all, "slice = 1"), "unknown field `slice`"),
         (rule("\"f_rat\"", all, ""), "there is no metric \"f_rat\"; did you mean \"f_rate\"?"),
         (rule("\"f_rate\"", all, "tasks = [\"vehicels\"]"), "did you mean \"vehicles\"?"),
         (rule("\"f_rate\"", "\"al\"", ""), "there is no slice \"al\" in either run; did you mean \"all\"?"),
@@ -298,6 +299,7 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
         workplace.write("golden/tolerances.toml", &tolerances);
         let ended = check_gate(&workplace, "worse", 2, expected);
         assert_eq!(ended.stdout, "", "{tolerances}");
+        assert_eq!(ended.stderr.matches(expected).count(), 1, "{}", ended.stderr);
         // Beside a rule that is right, too.
         workplace.write("golden/tolerances.toml", &format!("{TOLERANCES}{tolerances}"));
         check_gate(&workplace, "worse", 2, expected);

@@ -52,11 +52,18 @@ pub use error::DatasetError;
 
 /// A series of labelled scans that are read one at a time.
 pub trait Dataset: Send + Sync {
+    /// What it is, and its scans.
+    fn listing(&self) -> &Listing;
+
     /// What is known about it without reading a scan.
-    fn description(&self) -> &DatasetDescription;
+    fn description(&self) -> &DatasetDescription {
+        &self.listing().description
+    }
 
     /// The scans, in the order of their drives and times.
-    fn scan_ids(&self) -> &[ScanId];
+    fn scan_ids(&self) -> &[ScanId] {
+        &self.listing().scan_ids
+    }
 
     /// Reads scan `scan_idx` of [`Self::scan_ids`].
     ///
@@ -100,6 +107,15 @@ pub trait Dataset: Send + Sync {
 fn labels_without_scan(n: usize, first: Option<String>) -> Vec<String> {
     let line = |first| format!("labels of {n} missing scans, such as {first}");
     first.filter(|_| n > 0).map(line).into_iter().collect()
+}
+
+/// What a data set is, and its scans in the order of their drives and times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Listing {
+    /// What is known about it without reading a scan.
+    pub description: DatasetDescription,
+    /// The scans.
+    pub scan_ids: Vec<ScanId>,
 }
 
 /// What is known about a data set without reading a scan.

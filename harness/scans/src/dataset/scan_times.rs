@@ -31,7 +31,7 @@ pub fn scan_times_s(dataset: &dyn Dataset) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::annotation::LabeledScan;
-    use crate::dataset::{DatasetDescription, DatasetError};
+    use crate::dataset::{DatasetError, Listing};
 
     struct Stamped {
         scan_ids: Vec<ScanId>,
@@ -39,7 +39,7 @@ mod tests {
     }
 
     impl Dataset for Stamped {
-        fn description(&self) -> &DatasetDescription {
+        fn listing(&self) -> &Listing {
             unreachable!("nobody asks")
         }
 

@@ -132,7 +132,7 @@ fn line(verdict: &FitnessVerdict, subject: &str) -> Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::sweep_score::tests::cell_sizes;
+    use crate::numbers::sweep_score::tests::four_cell_sizes;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::markdown::Markdown;
     use crate::tables::formats::terminal::Terminal;
@@ -140,12 +140,7 @@ mod tests {
 
     #[test]
     fn readings_stand_below_each_other() {
-        let sweep = cell_sizes(&[
-            (4, Some(6), Some(-0.1), 0.1),
-            (8, Some(2), Some(-0.4), 0.3),
-            (6, Some(4), Some(3.0), 0.4),
-            (5, Some(5), Some(0.9), 0.2),
-        ]);
+        let sweep = four_cell_sizes();
         let verdicts = fitness_verdicts(&sweep);
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&FitnessTable { verdicts: &verdicts }), @r"
         What each reading of the cell fitness recommends.

@@ -46,7 +46,7 @@ pub enum JudgeError {
     #[error(transparent)]
     NotComparable(#[from] NotComparable),
     /// The tolerances are not about these runs.
-    #[error("bad tolerances: {0}")]
+    #[error("bad tolerances")]
     Rules(#[from] RuleProblems),
 }
 

@@ -3,7 +3,7 @@ use crate::numbers::run_report::RunReport;
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
-use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
+use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::tables::formats::format::Format as _;
 use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
@@ -62,20 +62,10 @@ impl SampleScans<'_> {
         let [dataset, sequence, detector] = ["main_road", "0000", detector].map(str::to_owned);
         let task = Task::Objects;
         let numbers = ScanNumbers {
-            n_points: 1000,
             latency_ms: ms,
             least_latency_ms: ms,
             reference_ms: ms.map(|_| 0.5),
-            cpu_ms: None,
-            door_ms: None,
-            failure: None,
-            counts: Counts::new(10, tp, self.fo).unwrap(),
-            n_ignored_annotations: 0,
-            n_ignored_detections: 0,
-            n_unknowable_detections: 0,
-            segmentation: SegmentationNumbers::default(),
-            n_dropped_too_small: 0,
-            n_dropped_too_large: 0,
+            ..ScanNumbers::of_counts(Counts::new(10, tp, self.fo).unwrap())
         };
         let (time_s, outcome) = (f64::from(step), ScanOutcome::Evaluated(numbers));
         ScanRow { dataset, sequence, scan: step, time_s, detector, task, outcome }

@@ -10,7 +10,7 @@ mod override_file;
 pub mod override_option;
 pub mod run_config;
 
-pub use detector_table::DETECTOR_TABLE;
+pub use detector_table::{DETECTOR_TABLE, TAKEN_NAMES};
 pub use error::ConfigError;
 pub use run_config::RunConfig;
 pub use vehicle_model_table::VehicleModels;

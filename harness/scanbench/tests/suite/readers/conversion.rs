@@ -10,7 +10,7 @@ use scans::conversion::ConversionError;
 use scans::conversion::convert::{Output, convert};
 use scans::conversion::mcap_writer::ChunkCompression;
 use scans::conversion::output_format::OutputFormat;
-use scans::dataset::{Dataset, DatasetDescription, DatasetError};
+use scans::dataset::{Dataset, DatasetError, Listing};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 use test_data::{needs_test_data, test_data};
@@ -221,8 +221,7 @@ fn semantic_kitti_written_again_has_the_same_annotations() {
 
 /// Scans in which every point is an object of its own class and track.
 struct Drawn {
-    description: DatasetDescription,
-    ids: Vec<ScanId>,
+    listing: Listing,
     objects: Vec<Vec<(AnnotationClass, Option<u32>)>>,
 }
 
@@ -230,17 +229,13 @@ impl Drawn {
     fn new(objects: Vec<Vec<(AnnotationClass, Option<u32>)>>) -> Self {
         let description = street().description().clone();
         let ids = (0..objects.len() as u32).map(|index| ScanId { sequence: "drawn".to_owned(), index });
-        Self { description, ids: ids.collect(), objects }
+        Self { listing: Listing { description, scan_ids: ids.collect() }, objects }
     }
 }
 
 impl Dataset for Drawn {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
@@ -257,7 +252,7 @@ impl Dataset for Drawn {
             truncation: None,
         };
         Ok(LabeledScan {
-            id: self.ids[scan_idx].clone(),
+            id: self.listing.scan_ids[scan_idx].clone(),
             annotations: objects.iter().enumerate().map(annotation).collect(),
             point_regions: vec![PointRegion::Labeled; cloud.len()],
             cloud,

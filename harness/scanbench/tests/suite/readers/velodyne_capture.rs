@@ -106,7 +106,7 @@ fn damage_is_named_or_skipped() {
     let mut huge = bytes;
     huge[24 + 8..24 + 12].fill(0xff);
     write(&path, huge);
-    check_damaged(&path, &["packet of 4294967295 bytes at byte 24"]);
+    check_damaged(&path, &["a packet of more than 524288 bytes at byte 24"]);
     write(&path, pcap(&[vec![0; 500]]));
     check_damaged(&path, &["has no data packets"]);
 }

@@ -58,11 +58,7 @@ fn killed_at_any_moment_a_writer_leaves_nothing_or_all() {
 
     let mut random = ChaCha8Rng::seed_from_u64(7);
     for (arguments, name) in writers() {
-        let workplace = Workplace::new();
-        let arguments = [&arguments[..], &SMALL].concat();
-        let started = std::time::Instant::now();
-        workplace.succeed(&arguments);
-        let whole_ms = started.elapsed().as_millis() as u64;
+        let (workplace, arguments, whole_ms) = timed(&arguments);
         remove(&workplace.path(name));
         let (mut n_killed, mut n_whole) = (0, 0);
         // The last one well after the end, for the other outcome.
@@ -88,11 +84,7 @@ fn killed_at_any_moment_a_writer_leaves_nothing_or_all() {
 fn asked_to_end_at_any_moment_a_writer_leaves_nothing_at_all_or_all() {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     for (arguments, name) in writers() {
-        let workplace = Workplace::new();
-        let arguments = [&arguments[..], &SMALL].concat();
-        let started = std::time::Instant::now();
-        workplace.succeed(&arguments);
-        let whole_ms = started.elapsed().as_millis() as u64;
+        let (workplace, arguments, whole_ms) = timed(&arguments);
         for attempt in 0..6 {
             remove(&workplace.path(name));
             let mut command = workplace.command(&arguments);
@@ -112,6 +104,15 @@ fn asked_to_end_at_any_moment_a_writer_leaves_nothing_at_all_or_all() {
             assert_eq!(workplace.top_names(), expected, "{name} after {signal}");
         }
     }
+}
+
+/// A workplace in which the program has run with `arguments` over a few scans, all of its arguments, and the milliseconds that it took.
+fn timed<'a>(arguments: &[&'a str]) -> (Workplace, Vec<&'a str>, u64) {
+    let workplace = Workplace::new();
+    let arguments = [arguments, &SMALL].concat();
+    let started = std::time::Instant::now();
+    workplace.succeed(&arguments);
+    (workplace, arguments, started.elapsed().as_millis() as u64)
 }
 
 fn remove(path: &Path) {

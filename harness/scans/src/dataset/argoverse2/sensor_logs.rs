@@ -26,7 +26,7 @@ use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
+use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 const SWEEPS: &str = "sensors/lidar";
 
@@ -59,8 +59,7 @@ pub const ARGOVERSE2_CLASSES: [AnnotationClass; 12] = [
 #[derive(Debug)]
 pub struct SensorLogs {
     // Invariant: `scan_ids` and `sweeps` have the same length and order.
-    description: DatasetDescription,
-    scan_ids: Vec<ScanId>,
+    listing: Listing,
     sweeps: Vec<Sweep>,
     classes: ClassRules,
     last_truth: Mutex<Option<(PathBuf, Arc<LogTruth>)>>,
@@ -110,16 +109,17 @@ pub fn open_argoverse2(
     }
     let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::Argoverse2, checksum.finish());
-    Ok(SensorLogs { description, scan_ids, sweeps, classes, last_truth: Mutex::new(None) })
+    Ok(SensorLogs {
+        listing: Listing { description, scan_ids },
+        sweeps,
+        classes,
+        last_truth: Mutex::new(None),
+    })
 }
 
 impl Dataset for SensorLogs {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
@@ -129,7 +129,7 @@ impl Dataset for SensorLogs {
         let points = read_sweep(&path, &truth.car_from_sensor_m)?;
         let mut annotations = truth.annotations.get(&sweep.time_ns).cloned().unwrap_or_default();
         assign_points_in_boxes(points.cloud(), &mut annotations);
-        Ok(points.labeled_everywhere(self.scan_ids[scan_idx].clone(), annotations))
+        Ok(points.labeled_everywhere(self.listing.scan_ids[scan_idx].clone(), annotations))
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
@@ -181,7 +181,7 @@ impl SensorLogs {
         let mut classes = ClassReader::new(&self.classes, &[]);
         let truth = Arc::new(LogTruth::read(log, &mut classes)?);
         if !classes.unknown().is_empty() {
-            self.all_unknown_classes().refuse(&self.description.id)?;
+            self.all_unknown_classes().refuse(&self.listing.description.id)?;
         }
         *last() = Some((log.to_path_buf(), Arc::clone(&truth)));
         Ok(truth)

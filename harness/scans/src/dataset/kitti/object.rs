@@ -22,7 +22,7 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::{numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetError, Listing};
 
 /// The folder of the label files.
 const LABELS: &str = "label_2";
@@ -34,9 +34,8 @@ const SEQUENCE: &str = "training";
 #[derive(Debug, Clone)]
 pub struct KittiObjects {
     // Invariant: `scan_ids` and `scans` have the same length and order.
-    description: DatasetDescription,
+    listing: Listing,
     labeled_region: LabeledRegion,
-    scan_ids: Vec<ScanId>,
     scans: Vec<Scan>,
 }
 
@@ -83,20 +82,16 @@ pub fn open_kitti_object(
     classes.unknown().refuse(&source.id)?;
     let labeled_region = source.labeled_region;
     let description = source.describe(DatasetFormat::KittiObject, folder.finish());
-    Ok(KittiObjects { description, labeled_region, scan_ids, scans: opened })
+    Ok(KittiObjects { listing: Listing { description, scan_ids }, labeled_region, scans: opened })
 }
 
 impl Dataset for KittiObjects {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let id = self.scan_ids[scan_idx].clone();
+        let id = self.listing.scan_ids[scan_idx].clone();
         let scan = &self.scans[scan_idx];
         let points = read_velodyne_bin(&scan.path)?;
         let truth = KittiGroundTruth {
@@ -108,7 +103,7 @@ impl Dataset for KittiObjects {
         let name = format!("{:06}", id.index);
         let labeled = label_scan(id, points, &truth);
         match self.labeled_region {
-            LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.description, &name),
+            LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.listing.description, &name),
             LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
         }
     }

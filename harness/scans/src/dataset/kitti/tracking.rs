@@ -22,7 +22,7 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
+use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 /// The folder of the label files.
 const LABELS: &str = "label_02";
@@ -31,9 +31,8 @@ const LABELS: &str = "label_02";
 #[derive(Debug, Clone)]
 pub struct KittiTracking {
     // Invariant: `sequences` has every sequence that `scan_ids` names.
-    description: DatasetDescription,
+    listing: Listing,
     labeled_region: LabeledRegion,
-    scan_ids: Vec<ScanId>,
     sequences: BTreeMap<String, Sequence>,
 }
 
@@ -86,20 +85,16 @@ pub fn open_kitti_tracking(
     }
     let labeled_region = source.labeled_region;
     let description = source.describe(DatasetFormat::KittiTracking, folder.finish());
-    Ok(KittiTracking { description, labeled_region, scan_ids, sequences: opened })
+    Ok(KittiTracking { listing: Listing { description, scan_ids }, labeled_region, sequences: opened })
 }
 
 impl Dataset for KittiTracking {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let id = self.scan_ids[scan_idx].clone();
+        let id = self.listing.scan_ids[scan_idx].clone();
         let sequence = &self.sequences[&id.sequence];
         let points = read_velodyne_bin(&numbered_file(&sequence.folder, id.index, "bin"))?;
         let truth = KittiGroundTruth {
@@ -111,14 +106,14 @@ impl Dataset for KittiTracking {
         let name = id.to_string();
         let labeled = label_scan(id, points, &truth);
         match self.labeled_region {
-            LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.description, &name),
+            LabeledRegion::PerPoint => with_regions_of_file(labeled, &self.listing.description, &name),
             LabeledRegion::Camera | LabeledRegion::Everywhere => Ok(labeled),
         }
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let scans: BTreeSet<(&str, u32)> =
-            self.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
+            self.listing.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
         let labeled = self.sequences.iter().flat_map(|(name, sequence)| {
             sequence.labels_by_scan.keys().map(move |index| (name.as_str(), *index))
         });

@@ -31,7 +31,7 @@ use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
+use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 const SCANS: &str = "velodyne_points/data";
 const TIMES: &str = "velodyne_points/timestamps.txt";
@@ -42,9 +42,8 @@ const POSES: &str = "oxts/data";
 #[derive(Debug)]
 pub struct KittiRaw {
     // Invariant: `drives` has every drive that `scan_ids` names.
-    description: DatasetDescription,
+    listing: Listing,
     labeled_region: LabeledRegion,
-    scan_ids: Vec<ScanId>,
     drives: BTreeMap<String, Drive>,
 }
 
@@ -114,20 +113,16 @@ pub fn open_kitti_raw(
     }
     let labeled_region = source.labeled_region;
     let description = source.describe(DatasetFormat::KittiRaw, checksum.finish());
-    Ok(KittiRaw { description, labeled_region, scan_ids, drives })
+    Ok(KittiRaw { listing: Listing { description, scan_ids }, labeled_region, drives })
 }
 
 impl Dataset for KittiRaw {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let id = self.scan_ids[scan_idx].clone();
+        let id = self.listing.scan_ids[scan_idx].clone();
         let drive = &self.drives[&id.sequence];
         let path = drive.folder.join(SCANS).join(format!("{:010}.bin", id.index));
         let (cloud, points_left_out) = read_velodyne_bin(&path)?.into_parts();
@@ -155,7 +150,7 @@ impl Dataset for KittiRaw {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let scans: BTreeSet<(&str, u32)> =
-            self.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
+            self.listing.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();
         let labeled = self.drives.iter().flat_map(|(name, drive)| {
             let numbers = drive.labels.iter().flat_map(|it| it.annotations_by_scan.keys());
             numbers.map(move |index| (name.as_str(), *index))
@@ -166,12 +161,12 @@ impl Dataset for KittiRaw {
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        let id = &self.scan_ids[scan_idx];
+        let id = &self.listing.scan_ids[scan_idx];
         self.drives[&id.sequence].times_ns.get(id.index as usize).copied()
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
-        let id = &self.scan_ids[scan_idx];
+        let id = &self.listing.scan_ids[scan_idx];
         let drive = &self.drives[&id.sequence];
         let Some(poses) = &drive.poses else { return Ok(None) };
         let fix = read_fix(&drive.folder.join(POSES), id.index)?;

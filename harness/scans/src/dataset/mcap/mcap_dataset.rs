@@ -23,7 +23,7 @@ use crate::dataset::data_sheet::DataSheet;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::{DamagePolicy, DatasetSource};
-use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
+use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 /// The metadata record in which scanbench says what the messages do not, and the names in it.
 pub mod own_metadata {
@@ -54,8 +54,7 @@ const MAX_SMALL_MESSAGE_BYTES: usize = 4 << 20;
 #[derive(Debug)]
 pub struct McapDataset {
     // Invariant: `scan_ids` and `clouds.places` have the same length and order.
-    description: DatasetDescription,
-    scan_ids: Vec<ScanId>,
+    listing: Listing,
     file: McapFile,
     clouds: Channel,
     annotations: Option<Channel>,
@@ -129,10 +128,12 @@ pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<Mcap
         )
     });
     let mut recording = McapDataset {
-        scan_ids: scan_ids(&path, n_scans, own_ids),
         classes: source.classes.clone(),
         names_not_taken,
-        description: source.describe(DatasetFormat::Mcap, checksum),
+        listing: Listing {
+            scan_ids: scan_ids(&path, n_scans, own_ids),
+            description: source.describe(DatasetFormat::Mcap, checksum),
+        },
         annotations: chosen.annotations.map(&mut channel),
         transforms: chosen.transforms.into_iter().map(&mut channel).collect(),
         clouds,
@@ -140,7 +141,7 @@ pub fn open_mcap(mut source: DatasetSource, choice: &TopicChoice) -> Result<Mcap
         first_transforms: Vec::new(),
         cut_off: index.cut_off.take(),
     };
-    if recording.scan_ids.is_empty() {
+    if recording.listing.scan_ids.is_empty() {
         return Err(DatasetError::NoScans { path });
     }
     for channel in &recording.transforms {
@@ -175,12 +176,8 @@ fn scan_ids(path: &Path, n_scans: usize, own: Option<Vec<(String, u32)>>) -> Vec
 }
 
 impl Dataset for McapDataset {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
@@ -199,7 +196,7 @@ impl Dataset for McapDataset {
             None if is_annotated => (vec![PointRegion::Labeled; n_points], LabeledArea::Everywhere),
             None => (vec![PointRegion::Outside; n_points], LabeledArea::AsPoints),
         };
-        let id = self.scan_ids[scan_idx].clone();
+        let id = self.listing.scan_ids[scan_idx].clone();
         let RecordedCloud { cloud, points_left_out, .. } = recorded;
         Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
@@ -210,7 +207,7 @@ impl Dataset for McapDataset {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let without_scan = self.places_without_scan()?;
-        let first = without_scan.first().map(|place| place.to_string());
+        let first = without_scan.first().map(ToString::to_string);
         let mut oddities = labels_without_scan(without_scan.len(), first);
         oddities.extend(self.names_not_taken.clone());
         Ok(oddities)
@@ -289,7 +286,7 @@ impl McapDataset {
             classes.push(reader.class_of(&object.class_name, || logged.to_string()));
         }
         if !reader.unknown().is_empty() {
-            self.all_unknown_classes().refuse(&self.description.id)?;
+            self.all_unknown_classes().refuse(&self.listing.description.id)?;
         }
         let is_elsewhere = |it: &SceneObject| !it.frame.is_empty() && it.frame != recorded.frame;
         let tree = if objects.iter().any(is_elsewhere) {

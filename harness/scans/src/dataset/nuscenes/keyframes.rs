@@ -19,7 +19,7 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
+use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 /// The lidar, 32 beams on the roof.
 pub const NUSCENES_SENSOR: &str = "hdl-32e";
@@ -64,9 +64,8 @@ const N_BYTES_PER_POINT: usize = 20;
 #[derive(Debug)]
 pub struct NuScenes {
     // Invariant: `scan_ids` and `keyframes` have the same length and order.
-    description: DatasetDescription,
+    listing: Listing,
     scans: PathBuf,
-    scan_ids: Vec<ScanId>,
     keyframes: Vec<Keyframe>,
     samples_without_scan: BTreeSet<String>,
 }
@@ -122,16 +121,12 @@ pub fn open_nuscenes(
         scan_ids.push(ScanId { sequence: keyframe.scene.clone(), index });
     }
     let description = source.describe(DatasetFormat::NuScenes, checksum.finish());
-    Ok(NuScenes { description, scans, scan_ids, keyframes, samples_without_scan })
+    Ok(NuScenes { listing: Listing { description, scan_ids }, scans, keyframes, samples_without_scan })
 }
 
 impl Dataset for NuScenes {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
@@ -142,7 +137,7 @@ impl Dataset for NuScenes {
         let mut annotations: Vec<Annotation> =
             keyframe.objects.iter().map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
         assign_points_in_boxes(points.cloud(), &mut annotations);
-        Ok(points.labeled_everywhere(self.scan_ids[scan_idx].clone(), annotations))
+        Ok(points.labeled_everywhere(self.listing.scan_ids[scan_idx].clone(), annotations))
     }
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {

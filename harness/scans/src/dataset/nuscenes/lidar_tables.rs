@@ -269,33 +269,9 @@ fn read_objects(
     unplaced: &[Unplaced],
     classes: &mut ClassReader<'_>,
 ) -> Result<(ObjectsBySample, BTreeSet<String>), DatasetError> {
-    let mut categories = BTreeMap::new();
-    read_table(&table("category"), |it: NamedRecord| {
-        categories.insert(it.token, it.name);
-        Ok(())
-    })?;
-    // Numbered by their place in the table, which is the same whichever scenes are read.
-    let mut instances: BTreeMap<String, (u32, String)> = BTreeMap::new();
-    let mut n_instances = 0;
-    read_table(&table("instance"), |it: InstanceRecord| {
-        let category = categories.get(&it.category_token).cloned();
-        let category = category.ok_or_else(|| format!("has the unknown category {:?}", it.category_token))?;
-        instances.insert(it.token, (n_instances, category));
-        n_instances += 1;
-        Ok(())
-    })?;
-    let mut with_rider = BTreeSet::new();
-    read_table(&table("attribute"), |it: NamedRecord| {
-        if it.name == "cycle.with_rider" {
-            with_rider.insert(it.token);
-        }
-        Ok(())
-    })?;
-    let mut occlusions = BTreeMap::new();
-    read_table(&table("visibility"), |it: VisibilityRecord| {
-        occlusions.insert(it.token, occlusion_of(&it.level));
-        Ok(())
-    })?;
+    let instances = read_instances(table)?;
+    let with_rider = read_with_rider(&table("attribute"))?;
+    let occlusions = read_occlusions(&table("visibility"))?;
     let wanted: BTreeSet<&String> = unplaced.iter().map(|it| &it.sample).collect();
     let mut objects: BTreeMap<String, Vec<WorldObject>> = BTreeMap::new();
     let mut elsewhere = BTreeSet::new();
@@ -329,6 +305,47 @@ fn read_objects(
         Ok(())
     })?;
     Ok((objects, elsewhere))
+}
+
+/// The number and the category of each instance. Numbered by their place in the table, which is the same whichever scenes are read.
+fn read_instances(table: &impl Fn(&str) -> PathBuf) -> Result<BTreeMap<String, (u32, String)>, DatasetError> {
+    let mut categories = BTreeMap::new();
+    read_table(&table("category"), |it: NamedRecord| {
+        categories.insert(it.token, it.name);
+        Ok(())
+    })?;
+    let mut instances = BTreeMap::new();
+    let mut n_instances = 0;
+    read_table(&table("instance"), |it: InstanceRecord| {
+        let category = categories.get(&it.category_token).cloned();
+        let category = category.ok_or_else(|| format!("has the unknown category {:?}", it.category_token))?;
+        instances.insert(it.token, (n_instances, category));
+        n_instances += 1;
+        Ok(())
+    })?;
+    Ok(instances)
+}
+
+/// The attributes that say that somebody rides the cycle.
+fn read_with_rider(path: &Path) -> Result<BTreeSet<String>, DatasetError> {
+    let mut with_rider = BTreeSet::new();
+    read_table(path, |it: NamedRecord| {
+        if it.name == "cycle.with_rider" {
+            with_rider.insert(it.token);
+        }
+        Ok(())
+    })?;
+    Ok(with_rider)
+}
+
+/// What each level of visibility says.
+fn read_occlusions(path: &Path) -> Result<BTreeMap<String, Option<Occlusion>>, DatasetError> {
+    let mut occlusions = BTreeMap::new();
+    read_table(path, |it: VisibilityRecord| {
+        occlusions.insert(it.token, occlusion_of(&it.level));
+        Ok(())
+    })?;
+    Ok(occlusions)
 }
 
 /// How much of an object all cameras together see, in classes of a fifth.

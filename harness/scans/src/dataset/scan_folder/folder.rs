@@ -24,7 +24,7 @@ use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError, labels_without_scan};
+use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 /// Where scans may lie in the folder that is named.
 const SCANS: [&str; 4] = ["", "lidar", "pointclouds", "velodyne"];
@@ -36,8 +36,7 @@ const LABELS: [&str; 3] = ["labels", "label", "label_2"];
 #[derive(Debug)]
 pub struct ScanFolder {
     // Invariant: `scan_ids` and `scans` have the same length and order.
-    description: DatasetDescription,
-    scan_ids: Vec<ScanId>,
+    listing: Listing,
     scans: Vec<PathBuf>,
     labels: Option<PathBuf>,
     classes: ClassRules,
@@ -97,16 +96,12 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetErro
         (0..scans.len() as u32).map(|index| ScanId { sequence: sequence.clone(), index }).collect();
     let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::ScanFolder, checksum.finish());
-    Ok(ScanFolder { description, scan_ids, scans, labels, classes })
+    Ok(ScanFolder { listing: Listing { description, scan_ids }, scans, labels, classes })
 }
 
 impl Dataset for ScanFolder {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
@@ -117,7 +112,7 @@ impl Dataset for ScanFolder {
             Some(labels) => {
                 let (annotations, unknown) = self.read_labels(labels, path, origin_m)?;
                 if !unknown.is_empty() {
-                    self.all_unknown_classes(labels).refuse(&self.description.id)?;
+                    self.all_unknown_classes(labels).refuse(&self.listing.description.id)?;
                 }
                 (annotations, PointRegion::Labeled)
             }
@@ -125,7 +120,7 @@ impl Dataset for ScanFolder {
         };
         assign_points_in_boxes(&cloud, &mut annotations);
         let point_regions = vec![region; cloud.len()];
-        let id = self.scan_ids[scan_idx].clone();
+        let id = self.listing.scan_ids[scan_idx].clone();
         let labeled_area = LabeledArea::AsPoints;
         Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }

@@ -123,6 +123,8 @@ fn parse_header(bytes: &[u8]) -> Result<Header, String> {
     /// The header of version 1.0, and that of 1.4, which has the number of points as 64 bits.
     const LEAST: usize = 227;
     const WITH_LONG_COUNT: usize = 255;
+    /// No scale, origin or extent of a map is greater.
+    const MOST: f64 = 1e9;
     if !bytes.starts_with(b"LASF") || bytes.len() < LEAST {
         return Err("is not a LAS file, or is cut off within its header".to_owned());
     }
@@ -158,8 +160,8 @@ fn parse_header(bytes: &[u8]) -> Result<Header, String> {
         compression: if is_compressed { Some(compression_of(records, n_records)?) } else { None },
     };
     let numbers = [header.scale, header.offset_m, header.max_m, header.min_m];
-    if numbers.as_flattened().iter().any(|it| it.is_nan() || it.abs() > 1e9) {
-        return Err("has a header with a coordinate that is too large".to_owned());
+    if let Some(number) = numbers.as_flattened().iter().find(|it| it.is_nan() || it.abs() > MOST) {
+        return Err(format!("has a header with the number {number}, which is not within {MOST} either way"));
     }
     Ok(header)
 }
@@ -379,7 +381,11 @@ mod tests {
         refused(&|it| it[105] = 4, "points of 4");
         refused(
             &|it| it[131..139].copy_from_slice(&f64::NAN.to_le_bytes()),
-            "a coordinate that is too large",
+            "a header with the number NaN, which",
+        );
+        refused(
+            &|it| it[155..163].copy_from_slice(&2e9_f64.to_le_bytes()),
+            "a header with the number 2000000000, which is not within 1000000000 either way",
         );
         refused(&|it| it[104] = COMPRESSED, "no record of the compression");
         // The extent in the header is less than that of the points.

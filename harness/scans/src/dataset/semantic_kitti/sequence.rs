@@ -21,7 +21,7 @@ use crate::dataset::kitti::split_folder::SplitFolder;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetError, Listing};
 
 const SEQUENCES: &str = "sequences";
 const SCANS: &str = "velodyne";
@@ -31,8 +31,7 @@ const LABELS: &str = "labels";
 #[derive(Debug, Clone)]
 pub struct SemanticKitti {
     // Invariant: `sequences` has every sequence that `scan_ids` names.
-    description: DatasetDescription,
-    scan_ids: Vec<ScanId>,
+    listing: Listing,
     sequences: BTreeMap<String, Sequence>,
     classes: ClassRules,
 }
@@ -79,21 +78,17 @@ pub fn open_semantic_kitti(
     }
     let classes = source.classes.clone();
     let description = source.describe(DatasetFormat::SemanticKitti, folder.finish());
-    Ok(SemanticKitti { description, scan_ids, sequences: opened, classes })
+    Ok(SemanticKitti { listing: Listing { description, scan_ids }, sequences: opened, classes })
 }
 
 impl Dataset for SemanticKitti {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
-        let id = self.scan_ids[scan_idx].clone();
-        let root = self.description.root.as_deref().expect("it was recorded");
+        let id = self.listing.scan_ids[scan_idx].clone();
+        let root = self.listing.description.root.as_deref().expect("it was recorded");
         let sequence = root.join(SEQUENCES).join(&id.sequence);
         let points = read_velodyne_bin(&numbered_file(&sequence.join(SCANS), id.index, "bin"))?;
         let path = self.label_file(&id);
@@ -102,32 +97,32 @@ impl Dataset for SemanticKitti {
         let mut classes = ClassReader::new(&self.classes, &[]);
         let scan = label_scan(id, points, (&labels, &path), &mut classes);
         if !classes.unknown().is_empty() {
-            self.all_unknown_classes().refuse(&self.description.id)?;
+            self.all_unknown_classes().refuse(&self.listing.description.id)?;
         }
         Ok(scan)
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {
-        let id = &self.scan_ids[scan_idx];
+        let id = &self.listing.scan_ids[scan_idx];
         self.sequences[&id.sequence].times_ns.get(id.index as usize).copied()
     }
 
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
-        let id = &self.scan_ids[scan_idx];
+        let id = &self.listing.scan_ids[scan_idx];
         Ok(self.sequences[&id.sequence].world_from_sensor.get(id.index as usize).copied())
     }
 }
 
 impl SemanticKitti {
     fn label_file(&self, id: &ScanId) -> PathBuf {
-        let root = self.description.root.as_deref().expect("it was recorded");
+        let root = self.listing.description.root.as_deref().expect("it was recorded");
         numbered_file(&root.join(SEQUENCES).join(&id.sequence).join(LABELS), id.index, "label")
     }
 
     /// Of all labels that can be read, so that they are said at once.
     fn all_unknown_classes(&self) -> UnknownClasses {
         let mut classes = ClassReader::new(&self.classes, &[]);
-        for path in self.scan_ids.iter().map(|id| self.label_file(id)) {
+        for path in self.listing.scan_ids.iter().map(|id| self.label_file(id)) {
             // What cannot be read is said when its scan is read.
             let bytes = std::fs::read(&path).unwrap_or_default();
             let (labels, _) = bytes.as_chunks::<4>();

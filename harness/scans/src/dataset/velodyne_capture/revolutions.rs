@@ -21,7 +21,7 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::{DamagePolicy, DatasetSource, StatedBy};
 use crate::dataset::text_file::read_text_file;
-use crate::dataset::{Dataset, DatasetDescription, DatasetError};
+use crate::dataset::{Dataset, DatasetError, Listing};
 
 /// Longer than this without a packet, in nanoseconds, and nobody knows how often the head has turned.
 const MAX_GAP_NS: u64 = 40_000_000;
@@ -32,11 +32,10 @@ const WHOLE_WITHIN: u16 = 500;
 /// An open capture.
 #[derive(Debug)]
 pub struct VelodyneCapture {
-    description: DatasetDescription,
+    listing: Listing,
     path: PathBuf,
     lasers: Vec<Laser>,
     // Invariant: `scan_ids` and `revolutions` have the same length and order.
-    scan_ids: Vec<ScanId>,
     revolutions: Vec<Revolution>,
     payloads: Vec<Payload>,
     left_out: Option<String>,
@@ -108,22 +107,25 @@ pub fn open_velodyne_capture(source: DatasetSource) -> Result<VelodyneCapture, D
     }
     let description = source.describe(DatasetFormat::VelodynePcap, checksum.finish());
     let left_out = cut_off.or(first_bad);
-    Ok(VelodyneCapture { description, path, lasers, scan_ids, revolutions, payloads, left_out })
+    Ok(VelodyneCapture {
+        listing: Listing { description, scan_ids },
+        path,
+        lasers,
+        revolutions,
+        payloads,
+        left_out,
+    })
 }
 
 impl Dataset for VelodyneCapture {
-    fn description(&self) -> &DatasetDescription {
-        &self.description
-    }
-
-    fn scan_ids(&self) -> &[ScanId] {
-        &self.scan_ids
+    fn listing(&self) -> &Listing {
+        &self.listing
     }
 
     fn read_scan(&self, scan_idx: usize) -> Result<LabeledScan, DatasetError> {
         let (cloud, points_left_out) = self.read_points(&self.revolutions[scan_idx])?.into_parts();
         let point_regions = vec![PointRegion::Outside; cloud.len()];
-        let (id, labeled_area) = (self.scan_ids[scan_idx].clone(), LabeledArea::AsPoints);
+        let (id, labeled_area) = (self.listing.scan_ids[scan_idx].clone(), LabeledArea::AsPoints);
         let annotations = Vec::new();
         Ok(LabeledScan { id, cloud, annotations, point_regions, labeled_area, points_left_out })
     }
