@@ -325,6 +325,21 @@ def test_a_detector_that_cannot_be_loaded_says_so(target: str, text: str) -> Non
         assert it._wait() == 1
 
 
+def test_it_ends_at_once_although_something_clings(tmp_path: Path) -> None:
+    (tmp_path / "clings.py").write_text(
+        "import atexit, time, numpy as np\n"
+        "class Clings:\n"
+        "    def __del__(self): time.sleep(60)\n"
+        "clings = Clings()\n"
+        "atexit.register(lambda: open('left', 'w').close())\n"
+        "def detect(points): return np.zeros(len(points), int)\n"
+    )
+    start = [sys.executable, "-m", "scanbench.serve", "clings.py:detect"]
+    with begun(Host(start, directory=tmp_path, environment=SOURCES)) as it:
+        assert it.quit() == 0
+    assert (tmp_path / "left").exists()
+
+
 def test_another_protocol_is_refused() -> None:
     with host("squares") as it:
         with pytest.raises(ToldFailure, match="protocol 2 is not known, only 1"):
