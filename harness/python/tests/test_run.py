@@ -97,7 +97,9 @@ def test_a_function_is_judged(program: Path) -> None:
         topic=None,
         class_=None,
         parameters={"kd_tree.tolerance_m": 0.7, "terrain.enabled": False},
+        start_limit_s=90,
         time_limit_s=20,
+        vehicles="model",
         threads=2,
         quiet=True,
     )
