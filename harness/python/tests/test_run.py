@@ -111,7 +111,8 @@ def test_a_function_is_judged(program: Path) -> None:
     section = call["config"]["detector"]["squares-4"]
     assert (
         section["parameters"] == {"side_m": 4.0, "min_z_m": -1.4}
-        and section["time_limit_s"] == 20
+        and section["vehicles"] == "model"
+    assert section["start_limit_s"] == 90 and section["time_limit_s"] == 20
         and section["threads"] == 2
     )
     assert run.path.parent == Path("runs") and run.frame("scans", "numpy")["scan"].tolist() == [0, 1]
