@@ -89,7 +89,8 @@ fn in_a_line(error: &dyn Error) -> String {
     let mut message = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
-        message += &format!(": {error}");
+        message += ": ";
+        message += &error.to_string();
         cause = error.source();
     }
     message

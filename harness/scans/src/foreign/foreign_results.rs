@@ -78,7 +78,7 @@ pub fn open_results(
     let (format, file) = format_of(&files, dataset)?;
     let reader: Box<dyn ResultReader> = match format {
         ResultFormat::KittiText => Box::new(KittiText::open(&files, of)?),
-        ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, of)?),
+        ResultFormat::NuScenesJson => Box::new(NuScenesJson::open(&file, &of)?),
         ResultFormat::Argoverse2Tables => {
             Box::new(Argoverse2Tables::open(&path, &format.files(&files, dataset), of)?)
         }
@@ -171,12 +171,13 @@ impl ForeignResults {
 
     fn lacks(&self, missing: &[&ScanId], n_asked: usize) -> DatasetError {
         let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
-        let mut first = listed(&names);
         let left_over = self.reader.left_over();
-        if !left_over.is_empty() {
-            first += &format!("; it has others: {}", listed(&left_over));
-        }
-        first += "; with --missing-detections empty nothing was found there";
+        let others = match &left_over[..] {
+            [] => String::new(),
+            left_over => format!("; it has others: {}", listed(left_over)),
+        };
+        let first =
+            format!("{}{others}; with --missing-detections empty nothing was found there", listed(&names));
         DatasetError::MissingResults {
             path: self.path.clone(),
             dataset: self.dataset.clone(),

@@ -90,7 +90,7 @@ impl ResultFolder {
         let output = self.output;
         let writer = self.writers.entry(detector.to_owned()).or_insert_with(|| writer_of(output, layout));
         let files = writer.add(scan, frame, detections)?;
-        self.write(detector, files)
+        self.write(detector, &files)
     }
 
     /// Ends the data set.
@@ -102,7 +102,7 @@ impl ResultFolder {
         for (detector, writer) in std::mem::take(&mut self.writers) {
             self.n_left_out += writer.n_left_out();
             let files = writer.finish()?;
-            self.write(&detector, files)?;
+            self.write(&detector, &files)?;
         }
         self.dataset = None;
         Ok(())
@@ -118,7 +118,7 @@ impl ResultFolder {
         Ok(self.n_left_out)
     }
 
-    fn write(&self, detector: &str, files: Vec<ResultFile>) -> Result<(), ConversionError> {
+    fn write(&self, detector: &str, files: &[ResultFile]) -> Result<(), ConversionError> {
         let detector = folder_name(detector);
         let below = match &self.dataset {
             Some((dataset, _)) if self.has_several_datasets => format!("{detector}/{dataset}"),
