@@ -26,6 +26,9 @@ const NEAR_M: f32 = 40.0;
 /// More empty boxes than this share, and something is wrong with frames, calibration or times.
 const MAX_EMPTY_SHARE: f64 = 0.5;
 
+/// So many boxes of a scan are looked at for it.
+const MAX_COUNTED: usize = 1000;
+
 /// What becomes of scans that the results do not have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum MissingResults {
@@ -188,7 +191,8 @@ impl ForeignResults {
     }
 
     fn count_boxes(&mut self, scan: &LabeledScan, found: &ForeignDetections) {
-        for it in found.boxes.iter().filter(|it| it.bounding_box.range_m() < NEAR_M) {
+        let near = found.boxes.iter().filter(|it| it.bounding_box.range_m() < NEAR_M);
+        for it in near.take(MAX_COUNTED) {
             self.n_near_boxes += 1;
             let holds_any = scan.cloud.positions_m().any(|position_m| it.bounding_box.contains(position_m));
             self.n_empty_boxes += usize::from(!holds_any);
