@@ -12,7 +12,7 @@ from page import checksum
 ACCEPTED = Path("reports/golden/run")
 
 TIME_UNITS = ("ms", "scans/s", "times")
-TIME_COLUMNS = ("latency_ms", "least_latency_ms", "reference_ms")
+TIME_COLUMNS = ("latency_ms", "least_latency_ms", "reference_ms", "cpu_ms", "door_ms")
 # What the manifest says of scans, detectors and rules; the rest of it is about the day, the machine and the program.
 OF_MANIFEST = ("config", "seeds", "matching_criterion", "ignored", "datasets", "detectors")
 

@@ -50,12 +50,14 @@ GROUPS = {
         ["harness/evaluation/src/sweep/", "reports/src/numbers/sweep_", "reports/src/numbers/rank_correlation.rs"],
         [],
     ),
-    "realism": (["harness/evaluation/src/realism", "reports/src/numbers/curve_pair.rs"], []),
+    # Here, and of the page, one file serves tests alone.
+    "realism": (["harness/evaluation/src/realism", "reports/src/numbers/curve_pair.rs"], ["harness/evaluation/src/realism/drawn_scan.rs"]),
     "training": (["harness/evaluation/src/training", "harness/scanbench/src/commands/train"], []),
-    # Recorded scans, of which a part is labelled.
+    # Scans of which a part is labelled.
+    "regions": (["harness/evaluation/src/matching/labeled_places.rs"], []),
+    # Recorded scans.
     "readers": (
         [
-            "harness/evaluation/src/matching/labeled_places.rs",
             "harness/scans/src/dataset/kitti/",
             "harness/scans/src/dataset/points_of_boxes.rs",
             "harness/scans/src/dataset/positioned_points.rs",
@@ -64,9 +66,20 @@ GROUPS = {
         ],
         [],
     ),
-    "tables": (["reports/src/tables/"], ["reports/src/tables/studies/", "reports/src/tables/verdict/"]),
+    # As the terminal shows them.
+    "tables": (
+        [
+            "reports/src/tables/formats/terminal.rs",
+            "reports/src/tables/grid.rs",
+            "reports/src/tables/notes.rs",
+            "reports/src/tables/sheet.rs",
+            "reports/src/tables/task_",
+            "reports/src/tables/times_table.rs",
+        ],
+        [],
+    ),
     "plots": (["reports/src/plots"], []),
-    "page": (["reports/src/pages", "reports/src/plots"], []),
+    "page": (["reports/src/pages", "reports/src/plots"], ["reports/src/pages/sample_run.rs"]),
     "recording": (["harness/viewer/src", "reports/src/plots/palette.rs"], []),
 }
 
@@ -110,13 +123,13 @@ def groups_of(commands: list[str], shown: str) -> list[str]:
             raise ValueError(f"no groups are known for the verb {verb!r}")
         found |= set(OF_VERB[verb])
         if any(is_real(it) for it in words):
-            found.add("readers")
+            found |= {"readers", "regions"}
             # Its data sets are all recorded ones.
             if verb not in ("data realism", "train") and is_real(words[0]) and not named_sets(words):
                 found.discard("datasets")
         # Labelled ahead only, as recorded scans are.
         if "streets-ahead" in words:
-            found.add("readers")
+            found.add("regions")
     return [it for it in ("golden", *GROUPS) if it in found]
 
 
@@ -132,14 +145,14 @@ def compiled(path: str, content: bytes) -> bytes:
         return settings(content)
     if not path.endswith(".rs"):
         return content
-    code = re.split(rb"^#\[cfg\(test\)\]\nmod tests", content, maxsplit=1, flags=re.MULTILINE)[0]
+    code = re.split(rb"^#\[cfg\(test\)\]\n(?:pub\(crate\) )?mod tests", content, maxsplit=1, flags=re.MULTILINE)[0]
     lines = (it.strip() for it in code.splitlines())
     return b"\n".join(it for it in lines if it and not it.startswith(b"//"))
 
 
 def is_of(group: str, path: str) -> bool:
     within, without = GROUPS.get(group, PROGRAM)
-    if not path.startswith(tuple(within)) or path.startswith(tuple(without)):
+    if not path.startswith(tuple(within)) or path.startswith(tuple(without)) or re.search(r"/tests(/|\.rs$)", path):
         return False
     # Trained or fitted.
     return group != "models" or not (path.endswith(".rs") or is_of("parameters", path))

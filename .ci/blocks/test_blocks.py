@@ -71,6 +71,7 @@ def checkout(test):
         "harness/evaluation/src/run/box_study.rs": "fn boxes() {}\n",
         "harness/evaluation/src/run/gap_experiment.rs": "fn gaps() {}\n",
         "harness/evaluation/src/run/robustness.rs": "fn robustness() {}\n",
+        "harness/evaluation/src/matching/labeled_places.rs": "fn places() {}\n",
         "harness/scans/src/dataset/kitti/label.rs": "fn kitti() {}\n",
         "harness/viewer/src/log.rs": "fn log() {}\n",
         "reports/src/plots/gap_plot.rs": "fn plot() {}\n",
@@ -126,10 +127,13 @@ class Fingerprints(unittest.TestCase):
         root = checkout(self)
         gaps = "harness/evaluation/src/run/gap_experiment.rs"
         before = fingerprint.fingerprint(root, "gaps")
-        changed(root, gaps, "/// All gaps.\n\nfn gaps() {}\n\n#[cfg(test)]\nmod tests {}\n")
+        changed(root, gaps, "/// All gaps.\n\nfn gaps() {}\n\n#[cfg(test)]\npub(crate) mod tests {}\n")
         self.assertEqual(fingerprint.fingerprint(root, "gaps"), before)
         (root / gaps).rename(root / gaps.replace("experiment", "study"))
         fingerprint.fingerprint.cache_clear()
+        self.assertEqual(fingerprint.fingerprint(root, "gaps"), before)
+        (root / "harness/evaluation/src/run/gap_experiment").mkdir()
+        changed(root, "harness/evaluation/src/run/gap_experiment/tests.rs", "fn test() {}\n")
         self.assertEqual(fingerprint.fingerprint(root, "gaps"), before)
         changed(root, gaps, "fn gaps() { loop {} }\n")
         self.assertNotEqual(fingerprint.fingerprint(root, "gaps"), before)
@@ -148,12 +152,12 @@ class Fingerprints(unittest.TestCase):
     def test_a_command_knows_what_decides_its_numbers(self):
         of = fingerprint.groups_of
         self.assertEqual(of(["scanbench gaps"], "gap-shares"), ["golden", "models", "parameters", "datasets", "gaps"])
-        self.assertEqual(of(["scanbench boxes ~/data/kitti"], "box-medians"), ["golden", "parameters", "boxes", "readers"])
+        self.assertEqual(of(["scanbench boxes ~/data/kitti"], "box-medians"), ["golden", "parameters", "boxes", "regions", "readers"])
         realism = of(["scanbench data realism street --against ~/data/kitti"], "realism-worst")
-        self.assertEqual(realism, ["golden", "parameters", "datasets", "realism", "readers"])
+        self.assertEqual(realism, ["golden", "parameters", "datasets", "realism", "regions", "readers"])
         self.assertIn("plots", of(["scanbench gaps"], "picture"))
         self.assertIn("tables", of(["scanbench run"], "printed-table"))
-        self.assertIn("readers", of(["scanbench run streets-ahead"], "rates-by-dataset"))
+        self.assertEqual(of(["scanbench run streets-ahead"], "rates-by-dataset")[-2:], ["datasets", "regions"])
         with self.assertRaises(ValueError):
             of(["scanbench selftest"], "file")
 

@@ -108,7 +108,7 @@ def write_tables(folder):
             for table, lines in lines_of(directory).items():
                 if name != "streets" and table == "detectors":
                     continue
-                block = re.compile(rf"(<!-- made by \.ci/peers: {name} {table} -->\n).*?(\n<!-- end -->)", re.DOTALL)
+                block = re.compile(rf"(<!-- made by \.ci/peers: {name} {table} -->\n).*?(\n<!-- end of what \.ci/peers made -->)", re.DOTALL)
                 if not block.search(text):
                     raise SystemExit(f"{PAGE} has no place for the table {name} {table}")
                 text = block.sub(lambda match, lines=lines: match[1] + "\n" + "\n".join(lines) + "\n" + match[2], text)

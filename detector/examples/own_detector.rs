@@ -64,7 +64,9 @@ impl Detector for Squares {
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let mut cluster_of_point = vec![None; cloud.len()];
         for (cluster, point_indices) in (0..).zip(self.clusters.values()) {
-            point_indices.iter().for_each(|&point_idx| cluster_of_point[point_idx as usize] = Some(cluster));
+            for &point_idx in point_indices {
+                cluster_of_point[point_idx as usize] = Some(cluster);
+            }
         }
         vec![StageProduct { stage: "squares", name: "clusters", shape: Shape::Clusters(cluster_of_point) }]
     }

@@ -133,8 +133,8 @@ mod tests {
     #[test]
     fn other_prototypes_than_it_was_trained_with_are_refused() {
         let svm = include_str!("../params/vehicle_model/model.toml");
-        let error =
-            VehicleModel::from_toml(&PrototypeLibrary::drawn().to_toml(), svm).unwrap_err().to_string();
+        let error = VehicleModel::from_toml(&PrototypeLibrary::drawn().to_toml(), svm).unwrap_err();
+        let error = std::error::Error::source(&error).expect("what is bad about it").to_string();
         let shipped =
             PrototypeLibrary::from_toml(include_str!("../params/vehicle_model/prototypes.toml")).unwrap();
         for checksum in [PrototypeLibrary::drawn().checksum(), shipped.checksum()] {

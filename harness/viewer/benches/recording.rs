@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let n_scans = scan_indices.len();
     let simulated = if dataset.description().is_simulated() { ", simulated" } else { "" };
-    let n_detectors = listed.len() as f64;
+    let n_detectors = chosen.len() as f64;
     println!("{name}{simulated}: {n_scans} scans of {} points, {n_detectors} detectors", n_points / n_scans);
     let ms = |it: Duration| it.as_secs_f64() * 1e3;
     let mean = ms(times.iter().sum::<Duration>()) / n_scans as f64;

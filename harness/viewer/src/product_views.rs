@@ -11,7 +11,7 @@ use super::entity_paths::{self, ProductKind};
 pub struct DetectorViews {
     /// Its name.
     pub detector: String,
-    /// What the points are taken for in the end.
+    /// What the points are taken for in the end, or else which clusters they belong to.
     pub surfaces: Option<ComponentIdentifier>,
     /// Which clusters they belong to in the end.
     pub clusters: Option<ComponentIdentifier>,
@@ -61,6 +61,8 @@ impl DetectorViews {
                 None => view.labels = Some(column),
             }
         }
+        // A detector that does not say what points are shows at least which belong together.
+        views.surfaces = views.surfaces.or(views.clusters);
         views
     }
 }
@@ -68,6 +70,13 @@ impl DetectorViews {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_that_nobody_classifies_show_their_clusters() {
+        let product = |shape| StageProduct { stage: "clusters", name: "clusters", shape };
+        let views = DetectorViews::of("foreign", &[product(Shape::Clusters(Vec::new()))]);
+        assert!(views.surfaces.is_some() && views.surfaces == views.clusters);
+    }
 
     #[test]
     fn a_stage_without_labels_shows_those_of_the_one_before() {

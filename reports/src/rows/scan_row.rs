@@ -29,6 +29,7 @@ pub struct ScanRow {
 
 /// What came of a scan.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "nearly all scans are evaluated")]
 pub enum ScanOutcome {
     /// It was evaluated.
     Evaluated(ScanNumbers),

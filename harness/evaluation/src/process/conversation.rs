@@ -15,7 +15,7 @@ use super::program::{Program, StartedProgram};
 use super::shared_cloud::SharedCloud;
 
 /// For the first scan, unless more is allowed for each.
-pub const FIRST_SCAN_LIMIT: Duration = Duration::from_secs(60);
+pub const FIRST_SCAN_LIMIT: Duration = Duration::from_mins(1);
 /// Room for this many points at least, so that few scans need more.
 const LEAST_ROOM: usize = 1 << 17;
 

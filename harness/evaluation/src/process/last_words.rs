@@ -94,8 +94,8 @@ mod tests {
 
     #[test]
     fn the_last_lines_are_kept() {
-        let printed: String = (0..100).map(|it| format!("line {it}\n")).collect();
-        let lines = words_of(&printed).lines();
+        let printed: Vec<String> = (0..100).map(|it| format!("line {it}")).collect();
+        let lines = words_of(&printed.join("\n")).lines();
         assert_eq!((lines.len(), lines[0].as_str(), lines[19].as_str()), (20, "line 80", "line 99"));
     }
 

@@ -60,6 +60,14 @@ struct ByModel {
     output: DetectorOutput,
 }
 
+/// An object with its points and its box.
+struct WholeObject {
+    points: Vec<u32>,
+    bounding_box: OrientedBox,
+    class: Option<AnnotationClass>,
+    score: Option<f32>,
+}
+
 /// Why objects cannot be made detections, as the rest of a sentence.
 pub type ObjectProblem = String;
 
@@ -104,10 +112,10 @@ impl ForeignVehicles {
             };
             let bounding_box = object.bounding_box.or_else(|| self.fit(&points, cloud));
             let Some(bounding_box) = bounding_box else { continue };
-            whole.push((points, bounding_box, object.class, object.score));
+            whole.push(WholeObject { points, bounding_box, class: object.class, score: object.score });
         }
         let by_model = self.classes_by_model(&whole, cloud);
-        for (object_idx, (points, bounding_box, class, score)) in whole.iter().enumerate() {
+        for (object_idx, WholeObject { points, bounding_box, class, score }) in whole.iter().enumerate() {
             let by_model = by_model.as_ref().and_then(|it| it.get(object_idx).copied());
             let told = class
                 .map(|it| if counts_as_vehicle(it) { DetectedClass::Vehicle } else { DetectedClass::Object });
@@ -134,7 +142,7 @@ impl ForeignVehicles {
     /// What the model takes each object for, and how surely; `None` without a model.
     fn classes_by_model(
         &mut self,
-        objects: &[(Vec<u32>, OrientedBox, Option<AnnotationClass>, Option<f32>)],
+        objects: &[WholeObject],
         cloud: &PointCloud,
     ) -> Option<Vec<(DetectedClass, Option<f32>)>> {
         let mut by_model = self.by_model.take()?;
@@ -144,7 +152,7 @@ impl ForeignVehicles {
         foreground.run(cloud, &mut clock, &mut output.stage_times);
         stages.clear();
         let mut has_points = Vec::new();
-        for (points, bounding_box, ..) in objects {
+        for WholeObject { points, bounding_box, .. } in objects {
             has_points.push(!points.is_empty());
             if points.is_empty() {
                 continue;

@@ -96,15 +96,14 @@ impl ProcessDetector {
 
     /// The answer to `scan`.
     fn ask(&mut self, scan: &LabeledScan, time_s: f64) -> Result<Answered, DetectorFailure> {
-        let mut conversation = match self.conversation.take() {
-            Some(conversation) => conversation,
-            None => {
-                let begun = Conversation::begin(&self.start, &self.configuration, scan.cloud.len());
-                let begun = begun.map_err(|goodbye| self.start_failure(goodbye))?;
-                let _ = self.process.introduction.set(begun.introduction().clone());
-                self.has_answered = false;
-                begun
-            }
+        let mut conversation = if let Some(conversation) = self.conversation.take() {
+            conversation
+        } else {
+            let begun = Conversation::begin(&self.start, &self.configuration, scan.cloud.len());
+            let begun = begun.map_err(|goodbye| self.start_failure(goodbye))?;
+            let _ = self.process.introduction.set(begun.introduction().clone());
+            self.has_answered = false;
+            begun
         };
         let limit = if self.has_answered {
             self.process.time_limit
@@ -156,13 +155,11 @@ impl ProcessDetector {
             self.door = begun.map_or(Door::Broken, |it| Door::Open(Box::new(it)));
         }
         let Door::Open(door) = &mut self.door else { return None };
-        match door.ask(scan, time_s, FIRST_SCAN_LIMIT) {
-            Ok(answered) => Some(answered.wall),
-            Err(_) => {
-                self.door = Door::Broken;
-                None
-            }
+        let answered = door.ask(scan, time_s, FIRST_SCAN_LIMIT).ok();
+        if answered.is_none() {
+            self.door = Door::Broken;
         }
+        answered.map(|it| it.wall)
     }
 
     fn take(
@@ -249,9 +246,7 @@ fn objects_of(found: &Found) -> Vec<FoundObject> {
         (None, boxes) => {
             boxes.iter().map(|it| FoundObject { bounding_box: Some(*it), ..FoundObject::default() }).collect()
         }
-        (Some(clusters), []) => {
-            members_of(clusters).into_iter().map(|(_, points)| FoundObject::of_points(points)).collect()
-        }
+        (Some(clusters), []) => members_of(clusters).into_values().map(FoundObject::of_points).collect(),
         (Some(clusters), boxes) => {
             let mut objects: Vec<FoundObject> = boxes
                 .iter()

@@ -132,11 +132,10 @@ impl SweepPass<'_> {
         let mut results = Vec::new();
         let scan = (&scan, time_s);
         look_at_points(
-            self.plan,
+            (self.plan, programs),
             dataset.description(),
             scan,
             point_idxs,
-            programs,
             |point_idx, detectors| {
                 let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors };
                 self.journal.add(&JournalEntry::Quality(result.clone()))?;

@@ -49,11 +49,10 @@ pub struct DetectorAtPoint {
 ///
 /// What `on_point` returns, or [`DetectorFailure`] of a detector that gives no answer.
 pub fn look_at_points<E: From<DetectorFailure>>(
-    plan: &SweepPlan,
+    (plan, programs): (&SweepPlan, &Programs),
     dataset: &DatasetDescription,
     (scan, time_s): (&LabeledScan, f64),
     point_idxs: &[usize],
-    programs: &Programs,
     mut on_point: impl FnMut(usize, Vec<DetectorAtPoint>) -> Result<(), E>,
 ) -> Result<(), E> {
     let mut output = DetectorOutput::default();

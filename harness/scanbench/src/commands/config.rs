@@ -26,7 +26,7 @@ pub fn chosen_detectors(
     arguments: &ConfigArgs,
     names: &[String],
 ) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
-    let (chosen, config) = choose(load(arguments)?, arguments, names)?;
+    let (chosen, config) = choose(&load(arguments)?, arguments, names)?;
     let is_read = |it: &&ChosenDetector| {
         matches!(it, ChosenDetector::Foreign(ForeignDetector { work: ForeignWork::Results(_), .. }))
     };
@@ -64,15 +64,15 @@ pub fn chosen_with_results(
             names.push(name.clone());
         }
     }
-    choose(config, arguments, &names)
+    choose(&config, arguments, &names)
 }
 
 fn choose(
-    config: RunConfig,
+    config: &RunConfig,
     arguments: &ConfigArgs,
     names: &[String],
 ) -> Result<(Vec<ChosenDetector>, RunConfig), Failure> {
-    let chosen = detectors_named(names, &config)?;
+    let chosen = detectors_named(names, config)?;
     let tables: Vec<String> = chosen.iter().map(ChosenDetector::table).collect();
     let tables: Vec<&str> = tables.iter().map(String::as_str).collect();
     Ok((chosen, config.overridden(&arguments.parameters, &tables)?))

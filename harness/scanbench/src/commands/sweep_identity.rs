@@ -2,6 +2,7 @@
 
 use evaluation::metrics::counts::SCORING_VERSION;
 use evaluation::run::config::VehicleModels;
+use evaluation::run::detector_list::ChosenDetector;
 use evaluation::sweep::journal::SweepIdentity;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use evaluation::sweep::timing_pass::DETECTIONS_PER_SCAN;
@@ -21,7 +22,7 @@ pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[Opene
     let identity = json!({
         "program": program(),
         "scoring_version": SCORING_VERSION,
-        "detectors": plan.detectors.iter().map(|it| it.name()).collect::<Vec<_>>(),
+        "detectors": plan.detectors.iter().map(ChosenDetector::name).collect::<Vec<_>>(),
         "swept_parameters": plan.parameters(),
         "points": points,
         "other_parameters": plan.base.resolved,

@@ -1,6 +1,7 @@
 //! Detectors that are programs of their own: served ones, and ones that misbehave in every way that the protocol names.
 //!
 //! The misbehaving program is this test program itself: asked for the one test [`as_a_detector`], it behaves as its arguments say.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -314,6 +315,7 @@ impl Odd {
         true
     }
 
+    #[expect(clippy::zombie_processes, reason = "a child is left behind on purpose")]
     fn hello(&mut self) {
         if self.behaviour == "silent-start" {
             std::thread::sleep(Duration::from_secs(100));
@@ -335,7 +337,7 @@ impl Odd {
         };
         match behaviour {
             "exit" | "always" => {
-                println!("my last words");
+                say_aloud("my last words\n");
                 std::process::exit(3);
             }
             "abort" => std::process::abort(),
@@ -353,7 +355,7 @@ impl Odd {
                 std::process::exit(4);
             }
             "stdout" => {
-                println!("result to the wrong place");
+                say_aloud("result to the wrong place\n");
                 std::thread::sleep(Duration::from_secs(100));
             }
             "too-few-ids" => self.say(&message(line, &ids[4..])),
@@ -382,6 +384,10 @@ impl Odd {
         }
         false
     }
+}
+
+fn say_aloud(words: &str) {
+    std::io::stdout().write_all(words.as_bytes()).unwrap();
 }
 
 fn message(line: ResultLine, payload: &[u8]) -> Vec<u8> {

@@ -95,7 +95,10 @@ mod tests {
 
     #[test]
     fn an_instance_is_a_cluster_of_the_class_of_most_of_its_points() {
-        let labels = [40, 10 | 3 << 16, 10 | 3 << 16, 18 | 3 << 16, 70, 81 | 1 << 16, 3 << 16, 9 << 16 | 40];
+        // A class, and the number of the instance above it.
+        let label = |class: u32, instance: u32| class + (instance << 16);
+        let labels = [(40, 0), (10, 3), (10, 3), (18, 3), (70, 0), (81, 1), (0, 3), (40, 9)];
+        let labels = labels.map(|(class, instance)| label(class, instance));
         let rules = ClassRules::default();
         let mut classes = ClassReader::new(&rules, &[]);
         let found = clusters_of(&labels, Path::new("a.label"), &mut classes);

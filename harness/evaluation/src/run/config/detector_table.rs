@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use toml::{Table, Value};
 
-use super::error::ConfigError;
-use super::override_file::OverrideFile;
+use super::error::{ConfigError, ConfigPlace};
 use crate::run::foreign_detector::{ForeignDetector, ForeignProcess, ForeignWork, VehicleRule};
 use crate::run::kept_names::kept;
 
@@ -29,12 +28,15 @@ const LONGEST_LIMIT_S: f64 = 3600.0;
 /// Most threads.
 const MOST_THREADS: i64 = 1024;
 
-/// The detectors that a file tells of, and the parameters of those that have any.
+/// The detectors that the file at `path` tells of in its table `written`, and the parameters of those that have any; `place_of`
+/// says where in it keys stand.
 pub(super) fn foreign_detectors(
-    file: &OverrideFile<'_>,
+    path: &Path,
+    place_of: &dyn Fn(&[String]) -> ConfigPlace,
     written: Value,
 ) -> Result<(Vec<ForeignDetector>, Table), ConfigError> {
-    let top = DetectorTable { file, keys: vec![DETECTOR_TABLE.to_owned()] };
+    let folder = folder_of(path);
+    let top = DetectorTable { folder: &folder, place_of, keys: vec![DETECTOR_TABLE.to_owned()] };
     let mut detectors = Vec::new();
     let mut parameters = Table::new();
     for (name, value) in top.table(written)? {
@@ -52,23 +54,23 @@ pub(super) fn foreign_detectors(
 
 /// A table within a file, and how it is reached.
 struct DetectorTable<'a> {
-    file: &'a OverrideFile<'a>,
+    folder: &'a Path,
+    place_of: &'a dyn Fn(&[String]) -> ConfigPlace,
     keys: Vec<String>,
 }
 
 impl DetectorTable<'_> {
     fn below(&self, key: &str) -> Self {
         let keys = self.keys.iter().cloned().chain([key.to_owned()]).collect();
-        Self { file: self.file, keys }
+        Self { keys, ..*self }
     }
 
     fn detector(&self, name: &str, mut table: Table) -> Result<ForeignDetector, ConfigError> {
-        let folder = folder_of(self.file.path);
         let work = match (table.remove("command"), table.remove("results")) {
             (Some(_), Some(_)) => {
                 return Err(self.problem(" has both a command and results; a detector has one".to_owned()));
             }
-            (None, Some(results)) => ForeignWork::Results(self.below("results").path(results, &folder)?),
+            (None, Some(results)) => ForeignWork::Results(self.below("results").path(results)?),
             (Some(command), None) => ForeignWork::Process(ForeignProcess {
                 command: self.below("command").command(command)?,
                 start_limit: self.limit("start_limit_s", table.remove("start_limit_s"), START_LIMIT)?,
@@ -84,19 +86,19 @@ impl DetectorTable<'_> {
         let vehicles = self.vehicles(table.remove("vehicles"))?;
         if let Some(key) = table.keys().next() {
             let remedy = format!("a detector has {}", KEYS.join(", "));
-            let place = self.file.place_of(&self.below(key).keys);
+            let place = (self.place_of)(&self.below(key).keys);
             return Err(ConfigError::Unknown { place, key: self.below(key).keys.join("."), remedy });
         }
-        Ok(ForeignDetector { name: kept(name), folder, work, vehicles })
+        Ok(ForeignDetector { name: kept(name), folder: self.folder.to_owned(), work, vehicles })
     }
 
     /// A path as the file means it, from its own folder.
-    fn path(&self, written: Value, folder: &Path) -> Result<PathBuf, ConfigError> {
+    fn path(&self, written: Value) -> Result<PathBuf, ConfigError> {
         match written {
             Value::String(path) if path.is_empty() => {
                 Err(self.problem(" names no file or folder".to_owned()))
             }
-            Value::String(path) => Ok(folder.join(path)),
+            Value::String(path) => Ok(self.folder.join(path)),
             other => Err(self.wrong_type(&other, "string")),
         }
     }
@@ -166,12 +168,12 @@ impl DetectorTable<'_> {
     }
 
     fn wrong_type(&self, found: &Value, expected: &'static str) -> ConfigError {
-        let (place, key) = (self.file.place_of(&self.keys), self.keys.join("."));
+        let (place, key) = ((self.place_of)(&self.keys), self.keys.join("."));
         ConfigError::WrongType { place, key, found: found.type_str(), expected }
     }
 
     fn problem(&self, problem: String) -> ConfigError {
-        ConfigError::Value { place: self.file.place_of(&self.keys), key: self.keys.join("."), problem }
+        ConfigError::Value { place: (self.place_of)(&self.keys), key: self.keys.join("."), problem }
     }
 }
 

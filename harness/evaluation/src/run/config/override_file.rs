@@ -39,8 +39,10 @@ impl OverrideFile<'_> {
         let mut values = self.parse()?;
         let classes = values.remove(CLASSES).map_or(Ok(ClassTable::default()), |it| self.classes_in(it))?;
         let written = values.remove(DETECTOR_TABLE);
-        let (foreign, foreign_parameters) =
-            written.map_or_else(|| Ok(Default::default()), |it| foreign_detectors(self, it))?;
+        let (foreign, foreign_parameters) = written.map_or_else(
+            || Ok(Default::default()),
+            |it| foreign_detectors(self.path, &|keys| self.place_of(keys), it),
+        )?;
         let curve = values.get("hierarchical").and_then(|it| it.get("density_weighting")?.get("curve"));
         let gives_density_curve = curve.is_some();
         set(table, values, &mut Vec::new(), &|keys| self.place_of(keys))?;
@@ -83,7 +85,7 @@ impl OverrideFile<'_> {
     }
 
     /// Where the key with these parents stands.
-    pub(super) fn place_of(&self, keys: &[String]) -> ConfigPlace {
+    fn place_of(&self, keys: &[String]) -> ConfigPlace {
         let document = DeTable::parse(self.text).expect("the document was parsed before");
         let mut table = document.get_ref();
         let mut offset = 0;
