@@ -89,8 +89,8 @@ fn in_a_line(error: &dyn Error) -> String {
     let mut message = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
-        message.push_str(": ");
-        message.push_str(&error.to_string());
+        message += ": ";
+        message += &error.to_string();
         cause = error.source();
     }
     message

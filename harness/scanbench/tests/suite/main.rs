@@ -15,6 +15,7 @@ mod run_directory;
 mod signals;
 #[cfg(target_os = "linux")]
 mod foreign_detectors;
+mod results_of_others;
 mod start_up;
 mod realism;
 mod readers;

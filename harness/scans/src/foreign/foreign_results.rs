@@ -26,6 +26,9 @@ const NEAR_M: f32 = 40.0;
 /// More empty boxes than this share, and something is wrong with frames, calibration or times.
 const MAX_EMPTY_SHARE: f64 = 0.5;
 
+/// So many boxes of a scan are looked at for it.
+const MAX_COUNTED: usize = 1000;
+
 /// What becomes of scans that the results do not have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum MissingResults {
@@ -171,13 +174,13 @@ impl ForeignResults {
 
     fn lacks(&self, missing: &[&ScanId], n_asked: usize) -> DatasetError {
         let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
-        let mut first = listed(&names);
         let left_over = self.reader.left_over();
-        if !left_over.is_empty() {
-            first.push_str("; it has others: ");
-            first.push_str(&listed(&left_over));
-        }
-        first += "; with --missing-detections empty nothing was found there";
+        let others = match &left_over[..] {
+            [] => String::new(),
+            left_over => format!("; it has others: {}", listed(left_over)),
+        };
+        let first =
+            format!("{}{others}; with --missing-detections empty nothing was found there", listed(&names));
         DatasetError::MissingResults {
             path: self.path.clone(),
             dataset: self.dataset.clone(),
@@ -188,7 +191,8 @@ impl ForeignResults {
     }
 
     fn count_boxes(&mut self, scan: &LabeledScan, found: &ForeignDetections) {
-        for it in found.boxes.iter().filter(|it| it.bounding_box.range_m() < NEAR_M) {
+        let near = found.boxes.iter().filter(|it| it.bounding_box.range_m() < NEAR_M);
+        for it in near.take(MAX_COUNTED) {
             self.n_near_boxes += 1;
             let holds_any = scan.cloud.positions_m().any(|position_m| it.bounding_box.contains(position_m));
             self.n_empty_boxes += usize::from(!holds_any);

@@ -16,8 +16,9 @@ use crate::dataset::folder_name::folder_name;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::{Dataset, DatasetError};
 
-/// Files are looked for so many folders deep.
+/// Files are looked for so many folders deep, and so many of them.
 const MAX_DEPTH: usize = 4;
+const MAX_FILES: usize = 1_000_000;
 
 /// Where the files of a drive may lie in its folder, and where this folder may.
 const INNER_FOLDERS: [&str; 4] = ["", "predictions/", "data/", "labels/"];
@@ -36,7 +37,7 @@ impl ResultFiles {
     ///
     /// # Errors
     ///
-    /// [`DatasetError::Io`] if a folder cannot be read.
+    /// [`DatasetError::Io`] if a folder cannot be read; [`DatasetError::UnusableResults`] if there are too many.
     pub fn below(root: &Path) -> Result<Self, DatasetError> {
         let mut files = Self { root: root.to_path_buf(), paths: BTreeMap::new(), folders: BTreeSet::new() };
         if root.is_file() {
@@ -58,6 +59,10 @@ impl ResultFiles {
             if !path.is_dir() {
                 self.folders.insert(name.to_owned());
                 self.paths.insert(own_name, path);
+                if self.paths.len() > MAX_FILES {
+                    let problem = format!("has more than {MAX_FILES} files; name the folder of the results");
+                    return Err(DatasetError::UnusableResults { path: self.root.clone(), problem });
+                }
             } else if depth < MAX_DEPTH {
                 self.add_folder(&path, &format!("{own_name}/"), depth + 1)?;
             }

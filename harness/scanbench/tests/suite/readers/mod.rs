@@ -23,6 +23,7 @@ mod names;
 mod nuscenes;
 mod positions;
 mod prelabel;
+mod result_mutations;
 mod results_mcap;
 mod scan_folder;
 mod semantic_kitti;

@@ -121,7 +121,7 @@ pub fn read_within(path: &Path, damage: DamagePolicy, limits: Limits, name: &str
 ///
 /// Panics if it panics, takes longer or takes more memory than `limits`; `name` is what it is called then.
 #[track_caller]
-fn within(
+pub fn within(
     limits: Limits,
     name: &str,
     work: impl FnOnce() -> Result<(), String> + Send + 'static,
@@ -152,25 +152,9 @@ fn check(reader: &str, path: &Path, seed: u64) {
     check_with(reader, path, seed, |damage, limits, name| read_within(path, damage, limits, name));
 }
 
-/// Changes the files of sound results at `path`, of the scans of the data set at `dataset`.
+/// Changes the files at `path`, which `read` reads, again and again.
 #[track_caller]
-fn check_results(reader: &str, dataset: &Path, path: &Path, seed: u64) {
-    check_with(reader, path, seed, |_, limits, name| {
-        let (dataset, path) = (dataset.to_owned(), path.to_owned());
-        within(limits, name, move || {
-            let dataset = super::open(&dataset);
-            let found = super::foreign_results::read_all(&path, &*dataset);
-            let found = found.map_err(|error| error.to_string())?;
-            for (scan_idx, found) in found.iter().enumerate() {
-                found.check(dataset.read_scan(scan_idx).unwrap().cloud.len()).unwrap();
-            }
-            Ok(())
-        })
-    });
-}
-
-#[track_caller]
-fn check_with(
+pub fn check_with(
     reader: &str,
     path: &Path,
     seed: u64,
@@ -359,32 +343,6 @@ fn nuscenes() {
     let workplace = Workplace::new();
     super::made::nuscenes(workplace.folder(), &*super::made::street(2));
     check("nuscenes", workplace.folder(), 50);
-}
-
-/// What other programs found: files of text, numbers, JSON and columns.
-#[test]
-fn results_of_others() {
-    use scans::conversion::results::result_folder::ResultOutput;
-    let workplace = Workplace::new();
-    super::made::nuscenes(&workplace.path("nuscenes"), &*super::made::street(2));
-    DrawnDataset::tracking(workplace.folder(), 2);
-    for (seed, name, output) in [
-        (60, "nuscenes", ResultOutput::NuScenes),
-        (61, "street", ResultOutput::Kitti),
-        (62, "street", ResultOutput::Csv),
-    ] {
-        let (dataset, results) = (workplace.path(name), workplace.path(&format!("results{seed}")));
-        super::foreign_results::write_echo(&*super::open(&dataset), output, &results);
-        check_results(&format!("results, {output:?}"), &dataset, &results.join("echo"), seed);
-    }
-    let (dataset, results) = (super::argoverse2::drawn(), workplace.path("tables"));
-    super::foreign_results::write_echo(&*super::open(&dataset), ResultOutput::Argoverse2, &results);
-    check_results("results, Argoverse2", &dataset, &results.join("echo"), 63);
-    let drive = super::mcap::write_drive(&workplace, mcap::WriteOptions::new());
-    let results = workplace.path("recorded");
-    std::fs::create_dir(&results).unwrap();
-    std::fs::copy(&drive, results.join("a.mcap")).unwrap();
-    check_results("results, MCAP", &drive, &results, 64);
 }
 
 #[test]

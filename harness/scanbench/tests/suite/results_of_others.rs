@@ -1,0 +1,164 @@
+//! `run --detections` and `--detections-out`: results that are carried from one program to another, and judged.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::collections::BTreeMap;
+
+use test_data::{needs_test_data, test_data};
+
+use crate::drawn_dataset::DrawnDataset;
+use crate::program::Workplace;
+
+/// The rows of a CSV file of a run, each by the names of its columns.
+fn rows(workplace: &Workplace, name: &str) -> Vec<BTreeMap<String, String>> {
+    let text = workplace.read(name);
+    let mut lines = text.lines();
+    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row = |line: &str| {
+        columns.iter().map(|it| (*it).to_owned()).zip(line.split(',').map(str::to_owned)).collect()
+    };
+    lines.map(row).collect()
+}
+
+/// What was counted for `detector`, scan by scan.
+fn counts(workplace: &Workplace, run: &str, detector: &str) -> Vec<Vec<String>> {
+    let of_detector =
+        rows(workplace, &format!("{run}/scans.csv")).into_iter().filter(|it| it["detector"] == detector);
+    let columns = ["dataset", "scan", "task", "status", "no", "tp", "mo", "fo", "ignored_detections"];
+    of_detector.map(|row| columns.iter().map(|it| row[*it].clone()).collect()).collect()
+}
+
+const QUIET: [&str; 3] = ["--no-rrd", "-q", "-o"];
+
+#[test]
+fn our_own_results_are_judged_as_we_are() {
+    for format in ["kitti", "csv"] {
+        let workplace = Workplace::new();
+        DrawnDataset::tracking(workplace.folder(), 4);
+        // By size, because the drawn cars are blocks, which the trained model takes for none.
+        let ours = ["run", "street", "-d", "hierarchical,pca", "-P", "vehicle_model.enabled=false"];
+        workplace
+            .succeed(&[&ours[..], &QUIET, &["first", "--detections-out", "found", "--as", format]].concat());
+        let theirs =
+            ["--detections", "a=found/hierarchical", "--detections", "b=found/pca", "-d", "simple-grid"];
+        let ended = workplace.succeed(&[&["run", "street"], &theirs[..], &QUIET, &["second"]].concat());
+        assert_eq!(ended.stderr.matches("warning").count(), 0, "{}", ended.stderr);
+        for (name, known) in [("hierarchical", "a"), ("pca", "b")] {
+            let (first, second) = (counts(&workplace, "first", name), counts(&workplace, "second", known));
+            assert_eq!((first.len(), &first), (8, &second), "{format}");
+        }
+        assert!(counts(&workplace, "second", "a").iter().any(|it| it[5] == "2"), "both cars are found");
+        // Nothing was timed, and nothing stands in columns of times.
+        for row in rows(&workplace, "second/scans.csv") {
+            let has_time = ["latency_ms", "least_latency_ms", "cpu_ms"].iter().any(|it| !row[*it].is_empty());
+            assert_eq!(has_time, row["detector"] == "simple-grid", "{row:?}");
+        }
+        let manifest = workplace.read("second/manifest.json");
+        assert!(manifest.contains("\"results\": \"found/hierarchical\""), "{manifest}");
+        assert!(workplace.read("second/report.html").contains("simple-grid"));
+    }
+}
+
+#[test]
+fn several_data_sets_have_a_folder_each() {
+    let workplace = Workplace::new();
+    let streets = ["street-narrow", "street-intersection", "--simulated-scans", "4", "--sensor", "vlp-16"];
+    let ours = [&["run"], &streets[..], &["-d", "simple-grid"]].concat();
+    workplace.succeed(&[&ours[..], &QUIET, &["first", "--detections-out", "found", "--as", "csv"]].concat());
+    assert!(workplace.path("found/simple-grid/street-narrow").is_dir());
+    workplace.write("scanbench.toml", "[detector.again]\nresults = \"found/simple-grid\"\n");
+    let theirs = [&["run"], &streets[..], &["-d", "again,simple-grid"]].concat();
+    workplace.succeed(&[&theirs[..], &QUIET, &["second"]].concat());
+    let again = counts(&workplace, "second", "again");
+    assert!(again.len() == 16 && again == counts(&workplace, "second", "simple-grid"), "{again:?}");
+}
+
+#[test]
+fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    std::fs::create_dir_all(workplace.path("found/0000")).unwrap();
+    workplace.write(
+        "found/0000/000000.csv",
+        "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n",
+    );
+    let names_before = workplace.top_names();
+    let check = |arguments: &[&str], exit_code: i32, part: &str| {
+        let ended = workplace.run(&[&["run", "street", "-d", "pca"], arguments, &QUIET, &["out"]].concat());
+        assert_eq!(ended.exit_code, Some(exit_code), "{arguments:?}: {ended:#?}");
+        assert!(ended.stderr.contains(part), "{arguments:?}: {}", ended.stderr);
+        assert_eq!(workplace.top_names(), names_before);
+    };
+    check(&["--detections", "a=found"], 3, "has no results for 1 of 2 scans of \"street\": 0000/000001");
+    check(&["--detections", "a=nowhere"], 3, "cannot read \"nowhere\"");
+    check(&["--detections", "a=street"], 2, "has no results in a known format");
+    check(&["--detections", "a"], 2, "write NAME=PATH");
+    check(&["--detections", "pca=found"], 2, "has the name of a built-in detector");
+    check(&["--detections", "a=found", "--detections", "a=found"], 2, "there is a detector \"a\" already");
+    check(&["--detections-out", "x"], 2, "--as");
+    check(&["--detections-out", "street", "--as", "csv"], 2, "\"street\" exists");
+    check(&["--detections-out", "x", "--as", "nuscenes"], 2, "its data set has no samples of nuScenes");
+    let ended = workplace.succeed(
+        &[
+            &["run", "street", "-d", "pca", "--detections", "a=found", "--missing-detections", "empty"],
+            &QUIET[..],
+            &["out"],
+        ]
+        .concat(),
+    );
+    assert!(
+        ended.stderr.contains("has no results for 1 scans, which count as nothing found"),
+        "{}",
+        ended.stderr
+    );
+    let missed = counts(&workplace, "out", "a");
+    assert!(missed.iter().all(|it| it[5] == "0"), "{missed:?}");
+    // Other verbs need a detector that runs.
+    workplace.write("scanbench.toml", "[detector.a]\nresults = \"found\"\n");
+    let ended = workplace.run(&["detect", "street", "--scan", "0", "-d", "a"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("which only `scanbench run` judges"), "{}", ended.stderr);
+}
+
+#[test]
+fn results_that_are_damaged_later_fail_as_a_detector_does() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 3);
+    std::fs::create_dir_all(workplace.path("found")).unwrap();
+    for number in 0..3 {
+        workplace.write(&format!("found/{number:06}.txt"), if number == 1 { "Car" } else { "" });
+    }
+    let run = ["run", "street", "-d", "pca", "--detections", "deep=found"];
+    let ended = workplace.run(&[&run[..], &QUIET, &["out"]].concat());
+    assert_eq!(ended.exit_code, Some(6), "{ended:#?}");
+    let expected = "the detector \"deep\" failed at scan 0000/000001: its results cannot be read: \"found/000001.txt\", line 1";
+    assert!(ended.stderr.contains(expected), "{}", ended.stderr);
+    workplace.succeed(&[&run[..], &["--on-detector-failure", "skip"], &QUIET, &["skipped"]].concat());
+    let states: Vec<String> =
+        counts(&workplace, "skipped", "deep").into_iter().map(|it| it[3].clone()).collect();
+    assert_eq!(states.iter().filter(|it| *it == "failed").count(), 2, "{states:?}");
+}
+
+/// PointRCNN was trained on such scans, and sees only what the camera does.
+#[needs_test_data("data/kitti_tracking", "data/kitti_tracking_results/pointrcnn")]
+fn a_published_detector_is_judged_beside_ours() {
+    let workplace = Workplace::new();
+    let scans = test_data!("data/kitti_tracking").display().to_string();
+    let results = format!("pointrcnn={}", test_data!("data/kitti_tracking_results/pointrcnn").display());
+    let run = ["run", &scans, "-d", "simple-grid", "--detections", &results, "--criterion", "bev-iou"];
+    let ended = workplace.succeed(&[&run[..], &QUIET, &["out"]].concat());
+    assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
+    let sums = |detector: &str| {
+        let of_vehicles = counts(&workplace, "out", detector).into_iter().filter(|it| it[2] == "vehicles");
+        of_vehicles.fold([0_u64; 3], |sums, row| {
+            let of_scan = [4, 5, 7].map(|column: usize| row[column].parse::<u64>().unwrap());
+            [0, 1, 2].map(|it| sums[it] + of_scan[it])
+        })
+    };
+    let [no, tp, fo] = sums("pointrcnn");
+    eprintln!(
+        "pointrcnn, vehicles, bev-iou: {tp} of {no} found, {fo} false; simple-grid {:?}",
+        sums("simple-grid")
+    );
+    assert!(no > 200 && 10 * tp > 7 * no, "{tp} of {no}");
+    assert!(tp > sums("simple-grid")[1]);
+}
