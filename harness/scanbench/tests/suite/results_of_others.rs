@@ -90,7 +90,7 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
     };
     check(&["--detections", "a=found"], 3, "has no results for 1 of 2 scans of \"street\": 0000/000001");
     check(&["--detections", "a=nowhere"], 3, "cannot read \"nowhere\"");
-    check(&["--detections", "a=street"], 2, "has no results in a known format");
+    check(&["--detections", "a=street"], 3, "has no results for 2 of 2 scans of \"street\"");
     check(&["--detections", "a"], 2, "write NAME=PATH");
     check(&["--detections", "pca=found"], 2, "has the name of a built-in detector");
     check(&["--detections", "a=found", "--detections", "a=found"], 2, "there is a detector \"a\" already");
