@@ -20,7 +20,8 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Command::Supervise { command } = &cli.command {
         // It has its own way with signals.
-        return ExitCode::from(supervise(command));
+        supervise(command);
+        return ExitCode::SUCCESS;
     }
     // Returning instead of exiting lets recordings and half-written files end properly.
     ExitCode::from(exit_code_of(|| {

@@ -76,9 +76,14 @@ fn rules(table: &TaskTable) -> Option<String> {
     let rules: Vec<String> =
         table.rules.iter().map(|(rule, names)| format!("{rule}: {}", whose(names))).collect();
     let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
-    let without: Vec<&str> = table.detectors.iter().filter(|it| !has_any(it)).map(String::as_str).collect();
-    let without = if without.is_empty() { String::new() } else { format!("; none: {}", without.join(", ")) };
-    (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{without}.", rules.join("; ")))
+    let ours = table.detectors.iter().filter(|it| !table.foreign.contains(it));
+    let without: Vec<&str> = ours.filter(|it| !has_any(it)).map(String::as_str).collect();
+    let listed = |word: &str, names: &[&str]| {
+        if names.is_empty() { String::new() } else { format!("; {word}: {}", names.join(", ")) }
+    };
+    let foreign: Vec<&str> = table.foreign.iter().map(String::as_str).collect();
+    let others = listed("none", &without) + &listed("not known", &foreign);
+    (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{others}.", rules.join("; ")))
 }
 
 /// How intervals are made, and what they say.

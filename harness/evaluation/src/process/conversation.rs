@@ -27,6 +27,7 @@ pub struct Conversation {
     start_limit: Duration,
     introduction: Introduction,
     number: u64,
+    is_configured: bool,
     // Whose points are in the shared memory, and where.
     written: Option<(ScanId, AskedScan)>,
     payload: Vec<u8>,
@@ -70,6 +71,7 @@ impl Conversation {
                     start_limit: start.start_limit,
                     introduction,
                     number: 0,
+                    is_configured: false,
                     written: None,
                     payload: Vec::new(),
                 };
@@ -117,6 +119,9 @@ impl Conversation {
         limit: Duration,
     ) -> Result<Answered, DetectorProblem> {
         let n_points = scan.cloud.len();
+        if !self.is_configured && n_points <= self.shared.max_points() {
+            self.configure_anew(&self.configuration.clone())?;
+        }
         if n_points > self.shared.max_points() {
             let room = SharedCloud::with_room(n_points + n_points / 2);
             self.shared = room.map_err(|it| DetectorProblem::Machine(it.to_string()))?;
@@ -183,7 +188,7 @@ impl Conversation {
 
     fn configure(&mut self, deadline: Instant) -> Result<(), DetectorProblem> {
         self.check_silence()?;
-        self.written = None;
+        (self.written, self.is_configured) = (None, false);
         self.configuration.max_points = self.shared.max_points();
         let path = self.shared.path().map(|it| it.display().to_string());
         self.configuration.shared_memory = path.unwrap_or_default();
@@ -192,7 +197,10 @@ impl Conversation {
         let answer = read_answer(&mut self.program, "configure", self.start_limit, deadline);
         self.shared.hide();
         match answer? {
-            (Answer::Configured, 0) => Ok(()),
+            (Answer::Configured, 0) => {
+                self.is_configured = true;
+                Ok(())
+            }
             (Answer::Configured, _) => {
                 Err(DetectorProblem::WrongAnswer("configured has a payload".to_owned()))
             }
@@ -284,13 +292,7 @@ fn goodbye(program: Program, problem: DetectorProblem) -> Goodbye {
     match problem {
         DetectorProblem::Ended(_) => {
             let (ending, words) = program.end();
-            let problem = match ending {
-                Ending::Exit(code) if code == i32::from(super::supervisor::CANNOT_START) => {
-                    DetectorProblem::CannotStart
-                }
-                ending => DetectorProblem::Ended(ending),
-            };
-            (problem, words)
+            (DetectorProblem::Ended(ending), words)
         }
         problem => (problem, program.kill_with_last_words()),
     }

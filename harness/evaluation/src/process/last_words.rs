@@ -2,21 +2,22 @@
 
 use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// Lines that are kept.
 const MOST_LINES: usize = 20;
 /// Of each line this many bytes.
 const MOST_LINE_BYTES: u64 = 400;
-/// What stands before lines of the [supervisor](super::supervisor), which are no words of the detector.
-pub(super) const SUPERVISOR: &str = "\u{1e}scanbench: ";
+/// How long is waited for the last of them: whoever the detector left behind may hold the pipe for ever.
+const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
 /// Reads what is printed, on a thread of its own, and keeps the end.
 #[derive(Debug)]
 pub struct LastWords {
     kept: Arc<Mutex<Kept>>,
-    reader: Option<JoinHandle<()>>,
+    is_read: Receiver<()>,
 }
 
 #[derive(Debug, Default)]
@@ -26,14 +27,18 @@ struct Kept {
 }
 
 impl LastWords {
-    /// Begins to read.
-    pub fn of(printed: impl Read + Send + 'static) -> Self {
+    /// Begins to read. Lines that begin with `token` are those of the [supervisor](super::supervisor).
+    pub fn of(printed: impl Read + Send + 'static, token: String) -> Self {
         let kept = Arc::new(Mutex::new(Kept::default()));
         let keeper = Arc::clone(&kept);
+        let (ended, is_read) = channel();
         let reader = std::thread::Builder::new().name("last words".to_owned());
         // Without a thread nothing is kept, and the detector works all the same.
-        let reader = reader.spawn(move || keep(printed, &keeper)).ok();
-        Self { kept, reader }
+        let _ = reader.spawn(move || {
+            keep(printed, &token, &keeper);
+            let _ = ended.send(());
+        });
+        Self { kept, is_read }
     }
 
     /// Up to twenty lines, the last one last. Whoever has just ended has said all of it once [`Self::wait`] returns.
@@ -46,15 +51,13 @@ impl LastWords {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).of_supervisor.clone()
     }
 
-    /// Waits until nobody can print any more.
-    pub fn wait(&mut self) {
-        if let Some(reader) = self.reader.take() {
-            let _ = reader.join();
-        }
+    /// Waits until nobody can print any more, a second at most.
+    pub fn wait(&self) {
+        let _ = self.is_read.recv_timeout(LONGEST_WAIT);
     }
 }
 
-fn keep(printed: impl Read, kept: &Mutex<Kept>) {
+fn keep(printed: impl Read, token: &str, kept: &Mutex<Kept>) {
     let mut printed = BufReader::new(printed);
     let mut line = Vec::new();
     loop {
@@ -66,8 +69,13 @@ fn keep(printed: impl Read, kept: &Mutex<Kept>) {
         }
         let text = String::from_utf8_lossy(&line);
         let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(of_supervisor) = text.strip_prefix(SUPERVISOR) {
-            kept.of_supervisor.push(of_supervisor.trim_end().to_owned());
+        if let Some(of_supervisor) = text.strip_prefix(token) {
+            if kept.of_supervisor.len() < MOST_LINES {
+                kept.of_supervisor.push(printable(of_supervisor.trim()));
+            }
+            continue;
+        }
+        if text.trim().is_empty() {
             continue;
         }
         if kept.lines.len() == MOST_LINES {
@@ -87,7 +95,7 @@ mod tests {
     use super::*;
 
     fn words_of(printed: &str) -> LastWords {
-        let mut words = LastWords::of(std::io::Cursor::new(printed.to_owned()));
+        let words = LastWords::of(std::io::Cursor::new(printed.to_owned()), "token-1".to_owned());
         words.wait();
         words
     }
@@ -103,10 +111,8 @@ mod tests {
     fn endless_lines_and_control_characters_do_no_harm() {
         let words = words_of(&format!("{}\u{1b}[31mred", "x".repeat(1000)));
         assert!(words.lines().iter().all(|it| it.len() <= 410 && !it.contains('\u{1b}')));
-        let said = words_of(&format!("mine\n{SUPERVISOR}killed 2\n"));
-        assert_eq!(
-            (said.lines(), said.of_supervisor()),
-            (vec!["mine".to_owned()], vec!["killed 2".to_owned()])
-        );
+        let said = words_of("mine\n\ntoken-1 exit\u{1b} 2\ntoken-2 exit 3\n");
+        assert_eq!(said.lines(), ["mine", "token-2 exit 3"]);
+        assert_eq!(said.of_supervisor(), ["exit\u{fffd} 2"]);
     }
 }

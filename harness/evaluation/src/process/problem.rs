@@ -6,14 +6,11 @@ use std::time::Duration;
 /// What went wrong.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DetectorProblem {
-    /// There is no such program, or it may not be started.
-    #[error("it cannot be started")]
-    CannotStart,
     /// It ended, crashed, or closed the pipe.
     #[error("it {0}")]
     Ended(Ending),
     /// It took too long.
-    #[error("it gave no whole answer to {to} within {} s", .limit.as_secs_f64())]
+    #[error("it gave no whole answer to {to} within {} s ({})", .limit.as_secs_f64(), limit_name(to))]
     Silent {
         /// The message that was not answered.
         to: &'static str,
@@ -37,13 +34,20 @@ pub enum DetectorProblem {
     Machine(String),
 }
 
+/// What a time limit is called in a configuration.
+fn limit_name(to: &str) -> &'static str {
+    if to == "scan" { "time_limit_s, or a minute for the first scan" } else { "start_limit_s" }
+}
+
 /// How a program ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Ending {
     /// By itself.
     Exit(i32),
     /// By a signal.
     Signal(i32),
+    /// It never began, for this reason.
+    NeverBegan(String),
     /// Only its pipe is closed, or nobody knows.
     ClosedPipe,
 }
@@ -53,6 +57,7 @@ impl fmt::Display for Ending {
         match self {
             Self::Exit(code) => write!(formatter, "ended with exit code {code}"),
             Self::Signal(signal) => write!(formatter, "was ended by signal {signal}"),
+            Self::NeverBegan(reason) => write!(formatter, "cannot be started: {reason}"),
             Self::ClosedPipe => formatter.write_str("closed its pipe"),
         }
     }
@@ -85,6 +90,10 @@ impl fmt::Display for DetectorFailure {
         if !self.last_words.is_empty() {
             formatter.write_str("\nlast lines that it printed:")?;
         }
-        self.last_words.iter().try_for_each(|it| write!(formatter, "\n  {it}"))
+        self.last_words.iter().try_for_each(|it| write!(formatter, "\n  {it}"))?;
+        if self.last_words.iter().any(|it| it.contains("No module named 'scanbench'")) {
+            formatter.write_str("\nThe Python that it runs in lacks the package: pip install scanbench")?;
+        }
+        Ok(())
     }
 }

@@ -26,13 +26,13 @@ pub fn children(pid: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Time on processors, user and system, of all that `pid` has started: of what runs to the nanosecond, of what has ended and
+/// Time on processors, user and system, of these processes: of what runs to the nanosecond, of children that have ended and
 /// been waited for to the tick of the system. `None` if the system does not tell.
-pub fn cpu_time_of_descendants(pid: u32) -> Option<Duration> {
+pub fn cpu_time_of(pids: &[u32]) -> Option<Duration> {
     let ticks_per_s = sysconf(SysconfVar::CLK_TCK).ok()??;
     let mut sum = Duration::ZERO;
     let mut is_known = false;
-    for pid in descendants(pid) {
+    for &pid in pids {
         // It may have ended meanwhile.
         let clock = clock_getcpuclockid(Pid::from_raw(pid as i32)).ok();
         let Some(time) = clock.and_then(|it| it.now().ok()) else { continue };
@@ -64,11 +64,11 @@ mod tests {
         let mut child = Command::new("sh").args(["-c", "while :; do :; done"]).spawn().unwrap();
         assert!(descendants(own).contains(&child.id()));
         let ends = Instant::now() + Duration::from_secs(20);
-        let mut before = cpu_time_of_descendants(own).unwrap();
+        let mut before = cpu_time_of(&descendants(own)).unwrap();
         let mut has_risen = false;
         while !has_risen && Instant::now() < ends {
             std::thread::sleep(Duration::from_millis(20));
-            let now = cpu_time_of_descendants(own).unwrap();
+            let now = cpu_time_of(&descendants(own)).unwrap();
             (has_risen, before) = (now > before, now);
         }
         child.kill().unwrap();

@@ -4,7 +4,8 @@ use std::io;
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant, UNIX_EPOCH};
 
 use rustix::process::{Pid, Signal};
 
@@ -12,8 +13,8 @@ use super::last_words::LastWords;
 use super::message::{PROTOCOL, Question, line_of};
 use super::pipe::Pipe;
 use super::problem::Ending;
-use super::processes::cpu_time_of_descendants;
-use super::supervisor::SIGNALLED;
+use super::processes::{cpu_time_of, descendants};
+use super::supervisor::{CANNOT_START, EXIT, SIGNAL, TOKEN, WARNING};
 
 /// The verb of this program that makes it the supervisor of the command that follows.
 pub const SUPERVISE: &str = "supervise";
@@ -46,7 +47,11 @@ pub struct Program {
     pub pipe: Pipe,
     words: LastWords,
     status: Option<ExitStatus>,
+    // Of the detector, as they were last seen.
+    processes: Vec<u32>,
 }
+
+static N_STARTED: AtomicU32 = AtomicU32::new(0);
 
 impl StartedProgram {
     /// Starts it.
@@ -63,20 +68,31 @@ impl StartedProgram {
         for name in THREAD_VARIABLES.iter().filter(|name| std::env::var_os(name).is_none()) {
             command.env(name, self.threads.to_string());
         }
+        let number = N_STARTED.fetch_add(1, Ordering::Relaxed);
+        let started_ns = UNIX_EPOCH.elapsed().unwrap_or_default().as_nanos();
+        let token = format!("scanbench-{}-{number}-{started_ns}", std::process::id());
+        command.env(TOKEN, &token);
         command.stdin(theirs_to_read).stdout(theirs_to_write).stderr(Stdio::piped());
         // Ctrl-C on the terminal is for us alone.
         let mut supervisor = command.process_group(0).spawn()?;
         // It holds their ends of the pipes, which nobody else may.
         drop(command);
         let printed = supervisor.stderr.take().ok_or(io::ErrorKind::BrokenPipe)?;
-        Ok(Program { supervisor, pipe: Pipe::new(to, from)?, words: LastWords::of(printed), status: None })
+        Ok(Program {
+            supervisor,
+            pipe: Pipe::new(to, from)?,
+            words: LastWords::of(printed, token),
+            status: None,
+            processes: Vec::new(),
+        })
     }
 }
 
 impl Program {
     /// Time on processors of it and all that it has started.
-    pub fn cpu_time(&self) -> Option<Duration> {
-        cpu_time_of_descendants(self.supervisor.id())
+    pub fn cpu_time(&mut self) -> Option<Duration> {
+        self.processes = descendants(self.supervisor.id());
+        cpu_time_of(&self.processes)
     }
 
     /// The last lines that it printed so far.
@@ -99,20 +115,19 @@ impl Program {
             self.kill();
         }
         self.words.wait();
-        warnings.extend(self.words.of_supervisor());
+        let of_supervisor = self.words.of_supervisor();
+        warnings.extend(of_supervisor.iter().filter_map(|it| it.strip_prefix(WARNING)).map(str::to_owned));
         warnings
     }
 
     /// Ends it, if it has not ended, and returns how it ended and its last words.
     pub fn end(mut self) -> (Ending, Vec<String>) {
         // Whoever closes the pipe may be about to end.
-        let ending = match self.wait(Duration::from_millis(500)).map(|it| it.code()) {
-            None => Ending::ClosedPipe,
-            Some(Some(code)) if code > SIGNALLED => Ending::Signal(code - SIGNALLED),
-            Some(code) => code.map_or(Ending::ClosedPipe, Ending::Exit),
-        };
+        let has_ended = self.wait(Duration::from_millis(500)).is_some();
         self.kill();
         self.words.wait();
+        let said = self.words.of_supervisor().into_iter().find_map(|it| ending_in(&it));
+        let ending = said.filter(|_| has_ended).unwrap_or(Ending::ClosedPipe);
         (ending, self.words.lines())
     }
 
@@ -125,12 +140,23 @@ impl Program {
 
     fn kill(&mut self) {
         if self.status.is_some() {
+            self.kill_orphans();
             return;
         }
         let _ = rustix::process::kill_process(Pid::from_child(&self.supervisor), Signal::TERM);
         if self.wait(LONGEST_CLEANING).is_none() {
             let _ = self.supervisor.kill();
             let _ = self.supervisor.wait();
+        }
+    }
+
+    /// Kills what a supervisor left behind that was itself killed, by whomever.
+    fn kill_orphans(&mut self) {
+        let is_clean = self.status.is_some_and(|it| it.success());
+        for pid in std::mem::take(&mut self.processes) {
+            if let Some(pid) = Pid::from_raw(pid as i32).filter(|_| !is_clean) {
+                let _ = rustix::process::kill_process(pid, Signal::KILL);
+            }
         }
     }
 
@@ -147,6 +173,15 @@ impl Program {
             std::thread::sleep(Duration::from_millis(1));
         }
     }
+}
+
+/// What a line of the supervisor says about the end of the detector; `None` if it is about something else.
+fn ending_in(line: &str) -> Option<Ending> {
+    let number = |prefix: &str| line.strip_prefix(prefix)?.parse().ok();
+    let of_exit = number(EXIT).map(Ending::Exit);
+    of_exit
+        .or_else(|| number(SIGNAL).map(Ending::Signal))
+        .or_else(|| line.strip_prefix(CANNOT_START).map(|reason| Ending::NeverBegan(reason.to_owned())))
 }
 
 impl Drop for Program {

@@ -15,13 +15,10 @@ use rustix::io::Errno;
 use rustix::process::{Pid, PidfdFlags, Signal, WaitOptions};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-use super::last_words::SUPERVISOR;
 use super::processes::children;
 
-/// Exit code of a supervisor that could not start the detector.
-pub const CANNOT_START: u8 = 126;
-/// Added to the number of the signal that ended a detector.
-pub const SIGNALLED: i32 = 128;
+/// The word that lines of a supervisor begin with on its standard error, told to it alone.
+pub const TOKEN: &str = "SCANBENCH_SUPERVISOR_TOKEN";
 /// The descriptors of the pipes are told in these.
 pub const READ_FD: &str = "SCANBENCH_READ_FD";
 /// See [`READ_FD`].
@@ -31,19 +28,35 @@ pub const WRITE_FD: &str = "SCANBENCH_WRITE_FD";
 const LONGEST_DEATH: Duration = Duration::from_secs(2);
 
 /// Starts `words`, a program and its arguments, and waits for its end. Its messages come in on our standard input and go out on our
-/// standard output; what it prints goes to our standard error. Returns its exit code, as shells tell it.
-pub fn supervise(words: &[String]) -> u8 {
-    match start_and_wait(words) {
-        Ok(code) => code,
-        Err(error) => {
-            let program = words.first().map_or("", String::as_str);
-            let _ = writeln!(io::stderr(), "{program:?} cannot be started: {error}");
-            CANNOT_START
-        }
-    }
+/// standard output; what it prints goes to our standard error. What became of it is told there, too, in lines that begin
+/// with the [token](TOKEN).
+pub fn supervise(words: &[String]) {
+    let token = std::env::var(TOKEN).unwrap_or_default();
+    let says = match start_and_wait(words, &token) {
+        Ok(status) => match (status.code(), status.signal()) {
+            (Some(code), _) => format!("{EXIT}{code}"),
+            (None, signal) => format!("{SIGNAL}{}", signal.unwrap_or(0)),
+        },
+        Err(error) => format!("{CANNOT_START}{error}"),
+    };
+    say(&token, &says);
 }
 
-fn start_and_wait(words: &[String]) -> io::Result<u8> {
+/// Before the exit code of the detector.
+pub(super) const EXIT: &str = "exit ";
+/// Before the number of the signal that ended it.
+pub(super) const SIGNAL: &str = "signal ";
+/// Before the reason why it was not started.
+pub(super) const CANNOT_START: &str = "cannot start ";
+/// Before what else should be known.
+pub(super) const WARNING: &str = "warning ";
+
+fn say(token: &str, words: &str) {
+    // On a line of its own, whatever the detector printed last.
+    let _ = writeln!(io::stderr(), "\n{token} {words}");
+}
+
+fn start_and_wait(words: &[String], token: &str) -> io::Result<ExitStatus> {
     // What the detector leaves behind becomes ours, and not that of the first process of the machine.
     rustix::process::set_child_subreaper(Some(rustix::process::getpid()))?;
     let (told, asked_to_end) = UnixStream::pair()?;
@@ -61,9 +74,9 @@ fn start_and_wait(words: &[String]) -> io::Result<u8> {
     let status = child.wait()?;
     let n_left_behind = kill_the_rest();
     if has_ended && n_left_behind > 0 {
-        writeln!(io::stderr(), "{SUPERVISOR}left {n_left_behind} processes behind, which were killed").ok();
+        say(token, &format!("{WARNING}left {n_left_behind} processes behind, which were killed"));
     }
-    Ok(code_of(status))
+    Ok(status)
 }
 
 /// Starts the detector, which alone has the ends of the pipes from then on.
@@ -75,6 +88,7 @@ fn start(words: &[String]) -> io::Result<Child> {
     let printing = io::stderr().as_fd().try_clone_to_owned()?;
     let child = Command::new(program)
         .args(arguments)
+        .env_remove(TOKEN)
         .env(READ_FD, reading.as_raw_fd().to_string())
         .env(WRITE_FD, writing.as_raw_fd().to_string())
         .stdin(Stdio::null())
@@ -125,9 +139,4 @@ fn kill_the_rest() -> usize {
 fn is_dead(pid: Pid) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.as_raw_nonzero())).unwrap_or_default();
     stat.rsplit_once(") ").is_none_or(|(_, state)| state.starts_with('Z'))
-}
-
-fn code_of(status: ExitStatus) -> u8 {
-    let code = status.code().or_else(|| Some(SIGNALLED + status.signal()?));
-    code.and_then(|it| u8::try_from(it).ok()).unwrap_or(1)
 }

@@ -131,7 +131,6 @@ impl ProcessDetector {
             (Some(conversation), problem @ DetectorProblem::Reported(_)) => {
                 let last_words = conversation.last_words();
                 self.conversation = Some(conversation);
-                self.has_answered = true;
                 (problem, last_words)
             }
             (Some(conversation), problem) => {

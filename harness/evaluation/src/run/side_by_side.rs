@@ -184,8 +184,10 @@ impl SideBySide<'_> {
         let mut thrown_away = DetectorOutput::default();
         for detector in detectors {
             for _ in (0..self.n_warmup).take_while(|_| !self.is_interrupted()) {
-                // What is skipped is skipped when it is asked again, for good.
-                let _skipped = self.unless_skipped(detector.detect(scan, time_s, &mut thrown_away))?;
+                // It is asked once more when the scan counts.
+                if self.unless_skipped(detector.detect(scan, time_s, &mut thrown_away))?.is_err() {
+                    break;
+                }
             }
         }
         Ok(())

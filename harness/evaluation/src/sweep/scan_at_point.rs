@@ -62,8 +62,10 @@ pub fn look_at_points<E: From<DetectorFailure>>(
         let mut looked = Vec::new();
         for chosen in &plan.detectors {
             let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
-            let mut detector = entrant.begin_with(dataset, programs.take(dataset, entrant.name))?;
-            detector.detect(scan, time_s, &mut output)?;
+            let program = programs.take(dataset, entrant.name);
+            let mut detector =
+                entrant.begin_with(dataset, program).map_err(|it| plan.at_point(point_idx, it))?;
+            detector.detect(scan, time_s, &mut output).map_err(|it| plan.at_point(point_idx, it))?;
             programs.put_back(dataset, entrant.name, detector);
             let counts = Task::ALL.iter().map(|&task| {
                 Counts::of(&assign(scan, &output.detections, task, &dataset.annotated, &config.matching))

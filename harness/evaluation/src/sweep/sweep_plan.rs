@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use toml::Value;
 
+use crate::process::problem::DetectorFailure;
 use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig};
 use crate::run::detector_list::ChosenDetector;
@@ -86,6 +87,13 @@ pub enum SweepPlanError {
 }
 
 impl SweepPlan {
+    /// A failure that says at which values it happened.
+    pub fn at_point(&self, point_idx: usize, failure: DetectorFailure) -> DetectorFailure {
+        let values = self.parameters().into_iter().zip(&self.points[point_idx].values);
+        let values: Vec<String> = values.map(|(name, value)| format!("{name} = {value}")).collect();
+        DetectorFailure { detector: format!("{} with {}", failure.detector, values.join(", ")), ..failure }
+    }
+
     /// The points that `options` and then `lists` span over the parameters of `config`.
     ///
     /// # Errors

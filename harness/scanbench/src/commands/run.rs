@@ -69,7 +69,8 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         progress: &progress,
     };
     if let Err(failure) = watched.run(sinks) {
-        return Err(unfinished(directory, failure));
+        let has_rows = !tally.datasets().is_empty();
+        return Err(if has_rows { unfinished(directory, failure) } else { failure });
     }
     let manifest = run_manifest(RunSettings {
         selection: arguments.data.scans.as_deref(),

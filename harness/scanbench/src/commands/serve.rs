@@ -45,11 +45,12 @@ pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
         if n_read.map_err(|error| Failure::internal("cannot read questions", error))? == 0 {
             return Ok(());
         }
-        let (question, _) = parse_line::<Question>(&line).map_err(Usage)?;
-        if matches!(question, Question::Quit) {
-            return Ok(());
-        }
-        server.answer(question).map_err(|error| Failure::internal("cannot answer", error))?;
+        let answered = match parse_line::<Question>(&line) {
+            Ok((Question::Quit, _)) => return Ok(()),
+            Ok((question, _)) => server.answer(question),
+            Err(problem) => server.say(&Answer::Error { text: problem }, &[]),
+        };
+        answered.map_err(|error| Failure::internal("cannot answer", error))?;
     }
 }
 

@@ -131,11 +131,30 @@ fn what_cannot_begin_ends_the_run_whatever_the_rule() {
     place.write("scanbench.toml", "[detector.odd]\ncommand = [\"./nowhere\"]");
     let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
     assert_eq!(ended.exit_code, Some(6));
-    assert!(
-        ended.stderr.contains("cannot be started") && ended.stderr.contains("No such file"),
-        "{}",
-        ended.stderr
-    );
+    assert!(ended.stderr.contains("cannot be started: No such file"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_crash_at_the_first_scan_is_skipped_like_any_other() {
+    let place = place_with("exit-at-first", "");
+    let ended = run_odd(&place, &["--on-detector-failure", "skip"]);
+    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+    check_gone("exit-at-first");
+}
+
+#[test]
+fn exit_codes_and_signals_are_told_apart_and_nobody_waits_for_orphans() {
+    for (behaviour, expected) in [
+        ("exit-255", "it ended with exit code 255"),
+        ("exit-126", "it ended with exit code 126"),
+        ("kill-supervisor", "it closed its pipe"),
+    ] {
+        let place = place_with(behaviour, "");
+        let ended = run_odd(&place, &[]);
+        assert_eq!(ended.exit_code, Some(6), "{ended:#?}");
+        assert!(ended.stderr.contains(expected), "{behaviour}: {}", ended.stderr);
+        check_gone(behaviour);
+    }
 }
 
 #[test]
@@ -296,7 +315,8 @@ impl Odd {
             Question::Scan(scan) => {
                 self.n_asked += 1;
                 let is_first_life = !std::path::Path::new("misbehaved").exists();
-                let is_guilty = self.behaviour == "always" || (self.n_asked == GUILTY && is_first_life);
+                let guilty = if self.behaviour == "exit-at-first" { 1 } else { GUILTY };
+                let is_guilty = self.behaviour == "always" || (self.n_asked == guilty && is_first_life);
                 let line = ResultLine { number: scan.number, clusters: true, ..ResultLine::default() };
                 let ids: Vec<u8> = (1..=scan.n_points)
                     .flat_map(|it| if it <= self.most { it as u32 } else { 0 }.to_le_bytes())
@@ -336,7 +356,14 @@ impl Odd {
             message(ResultLine { clusters: false, n_boxes: 1, ..line.clone() }, &payload)
         };
         match behaviour {
-            "exit" | "always" => {
+            "exit-255" => std::process::exit(255),
+            "exit-126" => std::process::exit(126),
+            "kill-supervisor" => {
+                let parent = std::os::unix::process::parent_id().to_string();
+                Command::new("kill").args(["-s", "KILL", &parent]).status().unwrap();
+                std::thread::sleep(Duration::from_secs(100));
+            }
+            "exit" | "exit-at-first" | "always" => {
                 say_aloud("my last words\n");
                 std::process::exit(3);
             }

@@ -66,6 +66,11 @@ impl DetectorTable<'_> {
     }
 
     fn detector(&self, name: &str, mut table: Table) -> Result<ForeignDetector, ConfigError> {
+        if let Some(key) = table.keys().find(|it| !KEYS.contains(&it.as_str())) {
+            let remedy = format!("a detector has {}", KEYS.join(", "));
+            let place = (self.place_of)(&self.below(key).keys);
+            return Err(ConfigError::Unknown { place, key: self.below(key).keys.join("."), remedy });
+        }
         let work = match (table.remove("command"), table.remove("results")) {
             (Some(_), Some(_)) => {
                 return Err(self.problem(" has both a command and results; a detector has one".to_owned()));
@@ -85,9 +90,7 @@ impl DetectorTable<'_> {
         };
         let vehicles = self.vehicles(table.remove("vehicles"))?;
         if let Some(key) = table.keys().next() {
-            let remedy = format!("a detector has {}", KEYS.join(", "));
-            let place = (self.place_of)(&self.below(key).keys);
-            return Err(ConfigError::Unknown { place, key: self.below(key).keys.join("."), remedy });
+            return Err(self.problem(format!(" has {key}, which is for programs alone")));
         }
         Ok(ForeignDetector { name: kept(name), folder: self.folder.to_owned(), work, vehicles })
     }

@@ -137,7 +137,13 @@ impl OverrideOption {
         let near = nearest(&self.name, &full);
         if near.is_empty() {
             let listed: Vec<&str> = full.iter().map(String::as_str).filter(|it| is_of(own, it)).collect();
-            return format!("parameters are {}", listed.join(", "));
+            let is_foreign = own.iter().any(|it| it.starts_with("detector."));
+            let hint = if is_foreign {
+                "; a new one has to stand in `parameters` of its detector first"
+            } else {
+                ""
+            };
+            return format!("parameters are {}{hint}", listed.join(", "));
         }
         format!("did you mean {}?", near.join(", "))
     }

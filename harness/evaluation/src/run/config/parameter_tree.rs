@@ -31,7 +31,9 @@ pub(super) fn set(
         let key = parents.last().expect("it was just pushed");
         let Some(present) = table.get_mut(key) else {
             let known = table.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-            let remedy = format!("parameters are {known}");
+            // Only at the top there is more than parameters.
+            let others = if parents.len() == 1 { "; other tables are classes and detector.NAME" } else { "" };
+            let remedy = format!("parameters are {known}{others}");
             return Err(ConfigError::Unknown { place: place_of(parents), key: parents.join("."), remedy });
         };
         match (present, value) {

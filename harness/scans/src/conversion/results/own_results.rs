@@ -32,10 +32,13 @@ impl ResultWriter for OwnResults {
         let rows = detections.iter().enumerate().map(|(place, it)| BoxRow::new(&detection_facts(place, &it)));
         let boxes = to_csv_bytes(&rows.collect::<Vec<_>>())
             .map_err(|source| ArchiveError::Csv { path: name("csv").into(), source })?;
-        Ok(vec![
-            ResultFile { name: name("u32"), content: cluster_of_point::to_u32_le(&clusters) },
-            ResultFile { name: name("csv"), content: boxes },
-        ])
+        let mut files = vec![ResultFile { name: name("csv"), content: boxes }];
+        // A point has one number: what shares points is told by its boxes alone.
+        let n_points: usize = detections.iter().map(|it| it.point_indices.len()).sum();
+        if n_points == clusters.iter().flatten().count() {
+            files.push(ResultFile { name: name("u32"), content: cluster_of_point::to_u32_le(&clusters) });
+        }
+        Ok(files)
     }
 
     fn finish(self: Box<Self>) -> Result<Vec<ResultFile>, ConversionError> {
