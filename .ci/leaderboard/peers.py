@@ -18,7 +18,7 @@ CONFIG = ROOT / "baselines/peers/scanbench.toml"
 SWEEPS = tomllib.loads((Path(__file__).parent / "sweeps.toml").read_text())
 PAGE = ROOT / "docs/leaderboard.md"
 # What is written between these lines is not to be written by hand.
-SWEPT = re.compile(r"(# Swept: .*\n)(.*)\Z", re.DOTALL)
+SWEPT = re.compile(r"(# Swept: [^\n]*\n).*\Z", re.DOTALL)
 OURS = ["hierarchical", "kd-tree-same-walls", "kd-tree", "pca"]
 RUNS = {"streets": ["streets"], "kitti": ["{data}/data/kitti_tracking"]}
 
