@@ -23,6 +23,8 @@ pub struct TaskTable {
     pub detectors: Vec<String>,
     /// What some of them do beside finding clusters, with the names of those that do.
     pub rules: Vec<(String, Vec<String>)>,
+    /// Detectors that are not built in, with where their results were read if they did not run here. Nobody knows their rules.
+    pub foreign: Vec<(String, Option<String>)>,
     /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
     pub failures: Vec<(String, [u64; 2])>,
     /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
@@ -232,6 +234,7 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
         matching_criterion: manifest.matching_criterion.clone(),
         cpu_model: manifest.machine.cpu_model.clone(),
         rules: rules(manifest, &detectors),
+        foreign: foreign(manifest, &detectors),
         failures: failures(report, task, &detectors),
         detectors,
         paper,
@@ -251,6 +254,12 @@ fn rules(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)
         }
     }
     rules
+}
+
+/// Those of `detectors` that are not built in, with where their results were read.
+fn foreign(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Option<String>)> {
+    let entries = manifest.detectors.iter().filter(|it| detectors.contains(&it.name));
+    entries.filter_map(|it| Some((it.name.clone(), it.foreign.as_ref()?.results.clone()))).collect()
 }
 
 /// Those of `detectors` that gave no answer to some scans of all data sets.

@@ -32,10 +32,11 @@ pub struct ResultFilesArgs {
     /// Write all detections for other people's evaluators, too
     ///
     /// The folder, which must not exist, gets a folder for each detector; of several data sets, one in it for each.
-    #[arg(long, value_name = "DIR", requires = "result_format")]
+    #[arg(long, value_name = "DIR", requires = "result_format", hide_short_help = true)]
     pub detections_out: Option<PathBuf>,
     /// Format of --detections-out
     #[arg(long = "as", id = "result_format", value_enum, value_name = "FORMAT", requires = "detections_out")]
+    #[arg(hide_short_help = true)]
     pub result_format: Option<ResultFormatName>,
 }
 
