@@ -144,7 +144,7 @@ fn results_that_are_damaged_later_fail_as_a_detector_does() {
     assert_eq!(states.iter().filter(|it| *it == "failed").count(), 2, "{states:?}");
 }
 
-/// PointRCNN was trained on such scans, and sees only what the camera does.
+/// `PointRCNN` was trained on such scans, and sees only what the camera does.
 #[needs_test_data("data/kitti_tracking", "data/kitti_tracking_results/pointrcnn")]
 fn a_published_detector_is_judged_beside_ours() {
     let workplace = Workplace::new();
