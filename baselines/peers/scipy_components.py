@@ -17,16 +17,19 @@ from scipy.sparse.csgraph import connected_components
 
 @scanbench.detector(name="scipy-components", version=scipy.__version__)
 class ScipyComponents:
-    """`scipy.sparse.csgraph.connected_components` of voxels that share a face, an edge or a corner."""
+    """`scipy.sparse.csgraph.connected_components` of voxels that share a face, an edge or a corner; those of fewer than `min_points` points are
+    no clusters."""
 
     def __init__(
         self,
         configuration: Configuration,
         voxel_m: float = 0.3,
+        min_points: int = 10,
         ground: str = "patchworkpp",
         adapt_ground: bool = False,
     ) -> None:
         self.voxel_m = voxel_m
+        self.min_points = min_points
         self.ground = Ground(ground, adapt_ground, configuration)
 
     def __call__(self, points: NDArray[np.float32]) -> Detections:
@@ -43,7 +46,8 @@ class ScipyComponents:
         rows, columns = np.concatenate(ends, axis=1)
         graph = coo_array((np.ones(len(rows), np.bool_), (rows, columns)), shape=(len(voxels), len(voxels)))
         _, component_of_voxel = connected_components(graph, directed=False)
-        return component_of_voxel[voxel_of_point]
+        labels = component_of_voxel[voxel_of_point]
+        return np.where(np.bincount(labels)[labels] < self.min_points, -1, labels)
 
     @staticmethod
     def _neighbours(voxels: NDArray[np.int64], step: int) -> NDArray[np.intp]:

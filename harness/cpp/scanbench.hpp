@@ -476,9 +476,9 @@ std::string_view bytes(const std::vector<T>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-// Three digits after the point, whatever the locale.
+// Three digits after the point, whatever the locale; at most what scanbench takes.
 inline std::string milliseconds(double ms) {
-    const auto micros = static_cast<long long>(std::isfinite(ms) && ms > 0.0 && ms < 1e12 ? ms * 1000.0 + 0.5 : 0.0);
+    const auto micros = static_cast<long long>(ms > 0.0 ? std::min(ms, 999999999.0) * 1000.0 + 0.5 : 0.0);
     const std::string rest = std::to_string(micros % 1000);
     return std::to_string(micros / 1000) + "." + std::string(3 - rest.size(), '0') + rest;
 }
@@ -502,6 +502,13 @@ inline bool is_sound(const Box& box) {
     return std::hypot(std::hypot(double{box.x_m}, double{box.y_m}), double{box.z_m}) <= 10000.0;
 }
 
+// Throws Error if no stage or product may be called so.
+inline void check_name(const std::string& name) {
+    bool is_name = !name.empty() && name.size() <= 60;
+    for (const char letter : name) is_name = is_name && static_cast<unsigned char>(letter) >= 0x20 && letter != '\x7f';
+    if (!is_name) throw Error("`" + name + "` is no name of a stage or product: 1 to 60 bytes, no control characters");
+}
+
 // How many detections the answer has; throws Error where scanbench would refuse it.
 inline std::size_t check(const Detections& found, std::size_t n_points) {
     const auto number = [](std::size_t n) { return std::to_string(n); };
@@ -520,6 +527,9 @@ inline std::size_t check(const Detections& found, std::size_t n_points) {
     } else if (!found.clusters.empty()) {
         throw Error("cluster ids, and has_clusters is false");
     }
+    if (found.boxes.size() > 100000) throw Error(number(found.boxes.size()) + " boxes, more than 100000");
+    if (found.products.size() > 32) throw Error(number(found.products.size()) + " products, more than 32");
+    for (const auto& stage : found.stages) check_name(stage.name);
     for (std::size_t box_idx = 0; box_idx < found.boxes.size(); ++box_idx) {
         if (!is_sound(found.boxes[box_idx])) throw Error("box " + number(box_idx) + " is not finite, or has an absurd size or place");
     }
@@ -533,6 +543,7 @@ inline std::size_t check(const Detections& found, std::size_t n_points) {
         throw Error(number(found.classes.size()) + " classes for " + number(n_detections) + " detections");
     }
     for (const auto& product : found.products) {
+        check_name(product.name);
         if (product.labels.size() != n_points) throw Error("product `" + product.name + "` has another length than the scan");
     }
     return n_detections;

@@ -30,7 +30,7 @@ int main() {
                 } else if (how == "everything") {
                     found.scores = {1.0F, 2.0F};
                     found.classes = {std::nullopt, "tram"};
-                    found.stages = {{"a \"stage\"\n", 1.25}, {"late", 1e9}};
+                    found.stages = {{"a \"stage\" \xc3\xa9", 1.25}, {"late", 1e12}};
                     found.products = {{"ground", std::vector<std::uint8_t>(cloud.n_points, 7)}};
                 } else if (how == "short") {
                     found.clusters.pop_back();
@@ -41,6 +41,10 @@ int main() {
                     found.scores = {1.0F};
                 } else if (how == "product") {
                     found.products = {{"ground", {1}}};
+                } else if (how == "products") {
+                    found.products.assign(33, {"ground", std::vector<std::uint8_t>(cloud.n_points, 7)});
+                } else if (how == "name") {
+                    found.stages = {{"a\n", 1.0}};
                 } else if (how == "throws") {
                     throw std::runtime_error(really ? "out of \"tea\"\n\tand m\xc3\xbcsli" : "no");
                 }

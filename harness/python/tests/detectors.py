@@ -116,8 +116,18 @@ def wrong(points: Points, how: str) -> object:
             return np.arange(n), Boxes([[0, 0, 0, 1, 1, 1, 0]])
         case "product":
             return Detections(products={"x": np.full(n, 300)})
+        case "many boxes":
+            return Boxes(np.tile([0, 0, 0, 1, 1, 1, 0], (100_001, 1)))
+        case "many products":
+            return Detections(products={str(number): np.zeros(n, int) for number in range(33)})
+        case "name of a stage":
+            with scanbench.stage("a\nb"):
+                pass
+        case "name of a product":
+            return Detections(products={"": np.zeros(n, int)})
         case "long line":
-            return Boxes(np.tile([0, 0, 0, 1, 1, 1, 0], (200_000, 1)), classes=["car"] * 200_000)
+            classes = ["street-furniture"] * 100_000
+            return Boxes(np.tile([0, 0, 0, 1, 1, 1, 0], (100_000, 1)), classes=classes)
         case "silent":
             time.sleep(60)
         case "crashes":

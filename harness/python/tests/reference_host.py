@@ -11,6 +11,7 @@ import argparse
 import json
 import math
 import os
+import re
 import select
 import signal
 import subprocess
@@ -26,9 +27,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAX_LINE_BYTES = 2**20
-MAX_BOXES = 1_000_000
+MAX_BOXES = 100_000
+MAX_PRODUCTS = 32
+MAX_NAME_BYTES = 60
+MAX_STAGE_MS = 1e9
 MAX_SIZE_M = 1000.0
 MAX_CENTER_M = 10_000.0
+CONTROL = re.compile("[\x00-\x1f\x7f-\x9f]")
 COLUMN_TYPES = {"x_m": "f32", "y_m": "f32", "z_m": "f32", "intensity": "f32", "ring": "u16", "time_offset_s": "f32"}
 BYTES_OF_TYPE = {"f32": 4, "u16": 2}
 CLASSES = set(
@@ -279,6 +284,8 @@ class Host:
         if n_boxes > MAX_BOXES:
             raise DetectorFailure(f"{n_boxes} boxes")
         products = [_product_name(product) for product in _list(line, "products")]
+        if len(products) > MAX_PRODUCTS:
+            raise DetectorFailure(f"{len(products)} products")
         fixed = (4 * n_points if clusters else 0) + 28 * n_boxes + n_points * len(products)
         counted_later = clusters and scores and not n_boxes
         most = fixed + 4 * n_points if counted_later else fixed + (4 * n_boxes if scores else 0)
@@ -373,16 +380,21 @@ def _stages(line: dict[str, Any]) -> list[tuple[str, float]]:
     stages = []
     for stage in _list(line, "stages"):
         name, ms = (stage.get("name"), stage.get("ms")) if isinstance(stage, dict) else (None, None)
-        if not isinstance(name, str) or isinstance(ms, bool) or not isinstance(ms, int | float) or ms < 0:
+        if not _is_name(name) or isinstance(ms, bool) or not isinstance(ms, int | float) or not 0 <= ms < MAX_STAGE_MS:
             raise DetectorFailure(f"not a stage: {stage!r}")
-        stages.append((name, float(ms)))
+        stages.append((str(name), float(ms)))
     return stages
+
+
+def _is_name(name: Any) -> bool:
+    """Whether stages and products may be called so."""
+    return isinstance(name, str) and 0 < len(name.encode()) <= MAX_NAME_BYTES and not CONTROL.search(name)
 
 
 def _product_name(product: Any) -> str:
     if not isinstance(product, dict) or product.get("kind") != "point-labels" or product.get("type") != "u8":
         raise DetectorFailure(f"unknown product {product!r}")
-    if not isinstance(product.get("name"), str):
+    if not _is_name(product.get("name")):
         raise DetectorFailure("a product without a name")
     return str(product["name"])
 

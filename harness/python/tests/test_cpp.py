@@ -117,7 +117,7 @@ def test_both_and_everything(drawn: str) -> None:
     with begun(drawn, how="everything") as it:
         answer = it.scan(columns_of(points()))
         assert answer.n_detections == 2 and answer.classes == [None, "tram"]
-        assert answer.stages == [('a "stage"\n', 1.25), ("late", 1e9)]
+        assert answer.stages == [('a "stage" é', 1.25), ("late", 999999999.0)]
         assert set(answer.products["ground"].tolist()) == {7}
 
 
@@ -128,6 +128,8 @@ def test_both_and_everything(drawn: str) -> None:
         ("nan", "box 3 is not finite"),
         ("scores", "1 scores for 2 detections"),
         ("product", "product `ground` has another length"),
+        ("products", "33 products, more than 32"),
+        ("name", "`a\n` is no name of a stage or product"),
         ("throws", 'out of "tea"\n\tand müsli'),
     ],
 )

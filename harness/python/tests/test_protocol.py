@@ -250,6 +250,10 @@ def test_numbers_are_taken_as_the_annotation_says() -> None:
         ("class", "unknown class 'lorry'"),
         ("too few boxes", "1 boxes for clusters up to number 1000"),
         ("product", "product 'x' has values beyond 0 to 255"),
+        ("many boxes", "100001 boxes, more than 100000"),
+        ("many products", "33 products, more than 32"),
+        ("name of a stage", "'a\\nb' is no name of a stage or product"),
+        ("name of a product", "'' is no name of a stage or product"),
         ("long line", "bytes long, more than 1 MiB"),
     ],
 )
@@ -319,6 +323,21 @@ def test_a_detector_that_cannot_be_loaded_says_so(target: str, text: str) -> Non
         with pytest.raises(ToldFailure, match=re.escape(text)):
             it.hello()
         assert it._wait() == 1
+
+
+def test_it_ends_at_once_although_something_clings(tmp_path: Path) -> None:
+    (tmp_path / "clings.py").write_text(
+        "import atexit, time, numpy as np\n"
+        "class Clings:\n"
+        "    def __del__(self): time.sleep(60)\n"
+        "clings = Clings()\n"
+        "atexit.register(lambda: open('left', 'w').close())\n"
+        "def detect(points): return np.zeros(len(points), int)\n"
+    )
+    start = [sys.executable, "-m", "scanbench.serve", "clings.py:detect"]
+    with begun(Host(start, directory=tmp_path, environment=SOURCES)) as it:
+        assert it.quit() == 0
+    assert (tmp_path / "left").exists()
 
 
 def test_another_protocol_is_refused() -> None:

@@ -97,7 +97,9 @@ def test_a_function_is_judged(program: Path) -> None:
         topic=None,
         class_=None,
         parameters={"kd_tree.tolerance_m": 0.7, "terrain.enabled": False},
+        start_limit_s=90,
         time_limit_s=20,
+        vehicles="model",
         threads=2,
         quiet=True,
     )
@@ -107,11 +109,14 @@ def test_a_function_is_judged(program: Path) -> None:
     assert call["others"] == ["--scans=0..4", "--simulated-scans=4", "--skip-damaged"]
     assert "kd_tree.tolerance_m=0.7" in call["argv"] and "terrain.enabled=false" in call["argv"]
     section = call["config"]["detector"]["squares-4"]
-    assert (
-        section["parameters"] == {"side_m": 4.0, "min_z_m": -1.4}
-        and section["time_limit_s"] == 20
-        and section["threads"] == 2
-    )
+    assert section.pop("command")
+    assert section == {
+        "parameters": {"side_m": 4.0, "min_z_m": -1.4},
+        "start_limit_s": 90,
+        "time_limit_s": 20,
+        "threads": 2,
+        "vehicles": "model",
+    }
     assert run.path.parent == Path("runs") and run.frame("scans", "numpy")["scan"].tolist() == [0, 1]
 
 

@@ -18,18 +18,15 @@ from scanbench.detector import Detector
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,39}")
 
 
-def section(detector: Detector, scratch: Path, time_limit_s: float | None, threads: int | None) -> str:
-    """The section of `detector`; what cannot be imported by its name is pickled into `scratch`."""
+def section(detector: Detector, scratch: Path, settings: Mapping[str, Any]) -> str:
+    """The section of `detector`, with those `settings` that are not None; what cannot be imported by its name is pickled into `scratch`."""
     if not NAME.fullmatch(detector.name):
         raise ValueError(f"{detector.name!r} is no name for a detector: letters, digits, - and _, at most 40")
     lines = [f"[detector.{detector.name}]", f"command = {toml(command(detector, scratch))}"]
     # All of them: the program knows those that are written.
     if parameters := {name: value for name, value in detector.parameters.items() if _is_written(detector, name, value)}:
         lines.append(f"parameters = {toml(parameters)}")
-    if time_limit_s is not None:
-        lines.append(f"time_limit_s = {toml(time_limit_s)}")
-    if threads is not None:
-        lines.append(f"threads = {toml(threads)}")
+    lines += [f"{name} = {toml(value)}" for name, value in settings.items() if value is not None]
     return "\n".join(lines) + "\n"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -35,6 +36,12 @@ MAX_SIZE_M = 1000.0
 """No side of a box is longer."""
 MAX_CENTER_M = 10_000.0
 """No centre of a box is farther from the sensor."""
+MAX_BOXES = 100_000
+"""No scan has more boxes."""
+MAX_PRODUCTS = 32
+"""No scan has more products."""
+MAX_NAME_BYTES = 60
+"""No name of a stage or product is longer."""
 
 
 @dataclass
@@ -84,7 +91,9 @@ class Boxes:
         return np.asarray(self.rows, dtype="<f4")
 
     def check(self) -> None:
-        """Raises ValueError if a box is none."""
+        """Raises ValueError if a box is none, or there are too many."""
+        if len(self) > MAX_BOXES:
+            raise ValueError(f"{len(self)} boxes, more than {MAX_BOXES}")
         _refuse(~np.isfinite(self.array).all(axis=1), "has NaN or infinity")
         sizes_m = self.array[:, 3:6]
         _refuse(
@@ -93,6 +102,15 @@ class Boxes:
         )
         farthest_m = np.linalg.norm(self.array[:, :3].astype(np.float64), axis=1)
         _refuse(farthest_m > MAX_CENTER_M, f"is more than {MAX_CENTER_M:g} m from the sensor")
+
+
+def check_name(name: str) -> str:
+    """`name`, if a stage or a product may be called so; raises ValueError otherwise."""
+    if not 0 < len(name.encode()) <= MAX_NAME_BYTES or any(unicodedata.category(sign) == "Cc" for sign in name):
+        raise ValueError(
+            f"{name!r} is no name of a stage or product: 1 to {MAX_NAME_BYTES} bytes, no control characters"
+        )
+    return name
 
 
 def _refuse(wrong: ArrayLike, what: str) -> None:

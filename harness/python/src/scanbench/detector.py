@@ -63,9 +63,9 @@ class Detector:
 
     def serve(self) -> typing.NoReturn:
         """Answers the program that started this process; the last line of a file that is a detector of its own."""
-        from scanbench.client import serve
+        from scanbench.client import leave, serve
 
-        raise SystemExit(serve(self))
+        leave(serve(self))
 
     def detect(self, cloud: Cloud, configuration: Configuration | None = None) -> Detections:
         """What it finds in `cloud`, without the program."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scanbench.detections import CLASSES, Boxes, Detections
+from scanbench.detections import CLASSES, MAX_PRODUCTS, Boxes, Detections, check_name
 
 MAX_ID = 2**32 - 1
 
@@ -40,8 +40,12 @@ def encode_result(detections: Detections, n_points: int, noise: int) -> tuple[di
     classes = _either("classes", detections.classes, boxes)
     if classes is not None:
         fields["classes"] = _classes(list(classes), n_detections)
+    if len(detections.products) > MAX_PRODUCTS:
+        raise ValueError(f"{len(detections.products)} products, more than {MAX_PRODUCTS}")
     if detections.products:
-        fields["products"] = [{"name": name, "kind": "point-labels", "type": "u8"} for name in detections.products]
+        fields["products"] = [
+            {"name": check_name(name), "kind": "point-labels", "type": "u8"} for name in detections.products
+        ]
         parts += [_product(name, values, n_points) for name, values in detections.products.items()]
     return fields, parts
 

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from scanbench.configuration_file import section
 from scanbench.detector import Detector
@@ -87,8 +87,10 @@ def run(
     output: str | os.PathLike[str] | None = None,
     config: str | os.PathLike[str] | None = None,
     parameters: Mapping[str, Any] | None = None,
+    start_limit_s: float | None = None,
     time_limit_s: float | None = None,
     threads: int | None = None,
+    vehicles: Literal["size", "model"] | None = None,
     quiet: bool = False,
     **options: Any,
 ) -> Run:
@@ -96,7 +98,7 @@ def run(
 
     A detector is a function, or the name of one that scanbench has or `config` names: a scanbench.toml, that of the working directory or
     the nearest folder above if it is left out. `parameters` are those of
-    detectors and matching (`-P`); `time_limit_s` and `threads` are for each function. Any other option of `scanbench run` is given by its name:
+    detectors and matching (`-P`); `start_limit_s`, `time_limit_s`, `threads` and `vehicles` are for each function, as in scanbench.toml. Any other option of `scanbench run` is given by its name:
     `scans="0..100:5"`, `simulated_scans=20`, `criterion="centre"`, `skip_damaged=True`, `on_detector_failure="skip"`. Raises
     ScanbenchError, with `exit_code`, if the program fails.
     """
@@ -112,7 +114,8 @@ def run(
     for name, value in options.items():
         arguments += _option(name, value)
     made = [detector for detector in named if isinstance(detector, Detector)]
-    with _configuration(made, Path(config) if config is not None else None, time_limit_s, threads) as written:
+    settings = {"start_limit_s": start_limit_s, "time_limit_s": time_limit_s, "threads": threads, "vehicles": vehicles}
+    with _configuration(made, Path(config) if config is not None else None, settings) as written:
         call([*arguments, *(["-c", str(written)] if written else [])], quiet=quiet)
     return Run.open(directory)
 
@@ -129,7 +132,7 @@ def _new_directory(names: Sequence[str]) -> Path:
 
 @contextmanager
 def _configuration(
-    detectors: Sequence[Detector], config: Path | None, time_limit_s: float | None, threads: int | None
+    detectors: Sequence[Detector], config: Path | None, settings: Mapping[str, Any]
 ) -> Iterator[Path | None]:
     """A scanbench.toml for the run, removed afterwards; beside `config`, so that commands there start in their own folder."""
     if not detectors:
@@ -137,7 +140,7 @@ def _configuration(
         return
     config = config or _found_configuration()
     with tempfile.TemporaryDirectory(prefix="scanbench-") as scratch:
-        sections = [section(detector, Path(scratch), time_limit_s, threads) for detector in detectors]
+        sections = [section(detector, Path(scratch), settings) for detector in detectors]
         if config is None:
             written = Path(scratch) / "scanbench.toml"
             written.write_text("\n".join(sections))

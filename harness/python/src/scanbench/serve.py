@@ -12,7 +12,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from scanbench.client import WRONGLY_STARTED, last_line, pipe_of_environment, refuse, serve_pipe
+from scanbench.client import WRONGLY_STARTED, last_line, leave, pipe_of_environment, refuse, serve_pipe
 from scanbench.detector import Detector
 
 
@@ -75,4 +75,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    leave(main())

@@ -6,12 +6,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
+from scanbench.detections import check_name
+
 _TIMES_MS: dict[str, float] = {}
 
 
 @contextmanager
 def stage(name: str) -> Iterator[None]:
-    """Takes the time of what is done inside, and reports it as a stage of the scan; entered twice, times are added."""
+    """Takes the time of what is done inside, and reports it as a stage of the scan; entered twice, times are added.
+
+    Raises ValueError if `name` is empty, longer than 60 bytes, or has control characters.
+    """
+    check_name(name)
     start_s = perf_counter()
     try:
         yield

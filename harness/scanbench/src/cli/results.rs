@@ -29,14 +29,20 @@ pub struct ForeignArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = OUTPUT)]
 pub struct ResultFilesArgs {
-    /// Write all detections for other people's evaluators, too
+    /// Write all detections for the evaluators of others, too; needs --as
     ///
     /// The folder, which must not exist, gets a folder for each detector; of several data sets, one in it for each.
-    #[arg(long, value_name = "DIR", requires = "result_format", hide_short_help = true)]
+    #[arg(long, value_name = "DIR", requires = "result_format")]
     pub detections_out: Option<PathBuf>,
     /// Format of --detections-out
-    #[arg(long = "as", id = "result_format", value_enum, value_name = "FORMAT", requires = "detections_out")]
-    #[arg(hide_short_help = true)]
+    #[arg(
+        long = "as",
+        id = "result_format",
+        value_enum,
+        value_name = "FORMAT",
+        requires = "detections_out",
+        hide_short_help = true
+    )]
     pub result_format: Option<ResultFormatName>,
 }
 

@@ -95,9 +95,8 @@ fn repeats(text: &str) -> Result<NonZeroUsize, String> {
 const RUN_EXAMPLES: &str = "\
 Examples:
   scanbench run
-  scanbench run --seed 7 --simulated-scans 100 --sensor vlp-16 -o runs/seed-7
+  scanbench run --seed 7 --simulated-scans 100 -P tolerance_m=0.7 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
-  scanbench run kitti-tracking -P tolerance_m=0.7 -P matching.min_points=50
   scanbench run ~/data/kitti_tracking --detections pointrcnn=results/pointrcnn";
 
 const RUN_DETAILS: &str = "\

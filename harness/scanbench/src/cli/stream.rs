@@ -21,7 +21,9 @@ pub struct StreamArgs {
         conflicts_with_all = ["save_rrd", "connect", "spawn", "serve", "rerun_every", "rerun_points", "blueprint"]
     )]
     pub no_rrd: bool,
-    /// Stream to a running Rerun viewer, too, such as `rerun+http://127.0.0.1:9876/proxy`
+    /// Stream to a running Rerun viewer, too
+    ///
+    /// For example, `rerun+http://127.0.0.1:9876/proxy`.
     #[arg(long, value_name = "URL")]
     pub connect: Option<String>,
     /// Start a Rerun viewer and stream to it, too
