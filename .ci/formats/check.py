@@ -10,6 +10,7 @@ import check_kitti_raw
 import check_las
 import check_mcap
 import check_nuscenes
+import check_results
 import check_scan_folder
 import check_velodyne
 
@@ -18,6 +19,7 @@ CHECKS = [
     ("MCAP of results, written", check_mcap.check_results),
     ("MCAP, read", check_mcap.check_read),
     ("Argoverse 2, read", check_argoverse2.check_read),
+    ("results in Argoverse 2's tables, read and written", check_results.check_tables),
     ("PCD, PLY and .npy, read", check_scan_folder.check_read),
     ("LAS and LAZ, read", check_las.check_read),
     ("KITTI raw, read", check_kitti_raw.check_read),

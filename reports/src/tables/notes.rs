@@ -59,6 +59,9 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
         }));
     }
     notes.sentences.extend(rules(table));
+    notes.sentences.extend(table.foreign.iter().filter_map(|(detector, results)| {
+        Some(format!("{detector} did not run here: its results were read from {}.", results.as_ref()?))
+    }));
     notes.sentences.extend(table.failures.iter().map(|(detector, [n_failed, n_scans])| {
         format!("{detector} gave no answer to {n_failed} of {n_scans} scans, which count as nothing found.")
     }));
@@ -68,6 +71,7 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
 
 /// What is whose beside the clusters; `None` where nobody has anything.
 fn rules(table: &TaskTable) -> Option<String> {
+    let ours = || table.detectors.iter().filter(|it| table.foreign.iter().all(|(name, _)| name != *it));
     let whose = |names: &[String]| match names {
         [only] => format!("only {only}"),
         names if names.len() == table.detectors.len() => "all".to_owned(),
@@ -76,14 +80,9 @@ fn rules(table: &TaskTable) -> Option<String> {
     let rules: Vec<String> =
         table.rules.iter().map(|(rule, names)| format!("{rule}: {}", whose(names))).collect();
     let has_any = |detector: &&String| table.rules.iter().any(|(_, names)| names.contains(detector));
-    let ours = table.detectors.iter().filter(|it| !table.foreign.contains(it));
-    let without: Vec<&str> = ours.filter(|it| !has_any(it)).map(String::as_str).collect();
-    let listed = |word: &str, names: &[&str]| {
-        if names.is_empty() { String::new() } else { format!("; {word}: {}", names.join(", ")) }
-    };
-    let foreign: Vec<&str> = table.foreign.iter().map(String::as_str).collect();
-    let others = listed("none", &without) + &listed("not known", &foreign);
-    (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{others}.", rules.join("; ")))
+    let without: Vec<&str> = ours().filter(|it| !has_any(it)).map(String::as_str).collect();
+    let without = if without.is_empty() { String::new() } else { format!("; none: {}", without.join(", ")) };
+    (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{without}.", rules.join("; ")))
 }
 
 /// How intervals are made, and what they say.
@@ -183,6 +182,7 @@ impl Notes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run_folder::manifest::ForeignEntry;
     use crate::tables::sample::{manifest, report};
     use crate::tables::task_table::task_tables;
 
@@ -192,6 +192,28 @@ mod tests {
         table.failures = vec![("pca".to_owned(), [3, 60])];
         let sentence = "pca gave no answer to 3 of 60 scans, which count as nothing found.";
         assert!(notes(&table, &[]).sentences.contains(&sentence.to_owned()));
+    }
+
+    #[test]
+    fn what_did_not_run_here_is_said_and_nothing_of_its_rules() {
+        let mut manifest = manifest();
+        manifest.detectors[0].rules = vec!["completion".to_owned()];
+        manifest.detectors[2].foreign = Some(ForeignEntry {
+            command: Vec::new(),
+            results: Some("results/deep".to_owned()),
+            reported_name: None,
+            version: None,
+            threads: None,
+            vehicles: "size".to_owned(),
+        });
+        let table = task_tables(&report(), &manifest).unwrap().remove(0);
+        let sentences = notes(&table, &[]).sentences;
+        for expected in [
+            "Rules besides clustering: completion: only hierarchical; none: kd-tree.",
+            "pca did not run here: its results were read from results/deep.",
+        ] {
+            assert!(sentences.contains(&expected.to_owned()), "{sentences:?}");
+        }
     }
 
     #[test]

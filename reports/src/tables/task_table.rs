@@ -23,8 +23,8 @@ pub struct TaskTable {
     pub detectors: Vec<String>,
     /// What some of them do beside finding clusters, with the names of those that do.
     pub rules: Vec<(String, Vec<String>)>,
-    /// Detectors that are not built in, of which it is not known what they do besides.
-    pub foreign: Vec<String>,
+    /// Detectors that are not built in, with where their results were read if they did not run here. Nobody knows their rules.
+    pub foreign: Vec<(String, Option<String>)>,
     /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
     pub failures: Vec<(String, [u64; 2])>,
     /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
@@ -256,10 +256,10 @@ fn rules(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Vec<String>)
     rules
 }
 
-/// Those of `detectors` that are not built in.
-fn foreign(manifest: &Manifest, detectors: &[String]) -> Vec<String> {
-    let foreign = manifest.detectors.iter().filter(|it| it.foreign.is_some() && detectors.contains(&it.name));
-    foreign.map(|it| it.name.clone()).collect()
+/// Those of `detectors` that are not built in, with where their results were read.
+fn foreign(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Option<String>)> {
+    let entries = manifest.detectors.iter().filter(|it| detectors.contains(&it.name));
+    entries.filter_map(|it| Some((it.name.clone(), it.foreign.as_ref()?.results.clone()))).collect()
 }
 
 /// Those of `detectors` that gave no answer to some scans of all data sets.

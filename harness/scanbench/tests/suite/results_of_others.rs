@@ -81,6 +81,7 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
         "found/0000/000000.csv",
         "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n",
     );
+    std::fs::create_dir(workplace.path("empty")).unwrap();
     let names_before = workplace.top_names();
     let check = |arguments: &[&str], exit_code: i32, part: &str| {
         let ended = workplace.run(&[&["run", "street", "-d", "pca"], arguments, &QUIET, &["out"]].concat());
@@ -90,7 +91,12 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
     };
     check(&["--detections", "a=found"], 3, "has no results for 1 of 2 scans of \"street\": 0000/000001");
     check(&["--detections", "a=nowhere"], 3, "cannot read \"nowhere\"");
-    check(&["--detections", "a=street"], 3, "has no results for 2 of 2 scans of \"street\"");
+    check(&["--detections", "a=empty"], 2, "has no results in a known format");
+    check(
+        &["--detections", "a=street"],
+        3,
+        "it has others: training/calib/0000.txt, training/label_02/0000.txt",
+    );
     check(&["--detections", "a"], 2, "write NAME=PATH");
     check(&["--detections", "pca=found"], 2, "has the name of a built-in detector");
     check(&["--detections", "a=found", "--detections", "a=found"], 2, "there is a detector \"a\" already");
@@ -138,7 +144,7 @@ fn results_that_are_damaged_later_fail_as_a_detector_does() {
     assert_eq!(states.iter().filter(|it| *it == "failed").count(), 2, "{states:?}");
 }
 
-/// The published detector was trained on such scans, and sees only what the camera does.
+/// `PointRCNN` was trained on such scans, and sees only what the camera does.
 #[needs_test_data("data/kitti_tracking", "data/kitti_tracking_results/pointrcnn")]
 fn a_published_detector_is_judged_beside_ours() {
     let workplace = Workplace::new();
