@@ -106,8 +106,7 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
     let ended = workplace.succeed(
         &[
             &["run", "street", "-d", "pca", "--detections", "a=found", "--missing-detections", "empty"],
-            &QUIET[..],
-            &["out"],
+            &["--no-rrd", "-o", "out"][..],
         ]
         .concat(),
     );

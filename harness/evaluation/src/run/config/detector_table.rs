@@ -90,7 +90,7 @@ impl DetectorTable<'_> {
         };
         let vehicles = self.vehicles(table.remove("vehicles"))?;
         if let Some(key) = table.keys().next() {
-            return Err(self.problem(format!(" has {key}, which is for programs alone")));
+            return Err(self.below(key).problem(" is for programs alone".to_owned()));
         }
         Ok(ForeignDetector { name: kept(name), folder: self.folder.to_owned(), work, vehicles })
     }
@@ -275,7 +275,7 @@ mod tests {
             ),
             (
                 "[detector.deep]\nresults = \"a\"\nthreads = 2",
-                "line 3: unknown parameter detector.deep.threads",
+                "line 3: detector.deep.threads is for programs alone",
             ),
             ("[detector.dbscan]\ncommand = []", "line 2: detector.dbscan.command names no program"),
             (
