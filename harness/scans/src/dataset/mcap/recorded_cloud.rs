@@ -21,7 +21,7 @@ pub mod own_fields {
 pub struct RecordedCloud {
     /// The points, along the axes of the frame, from the sensor.
     pub cloud: PointCloud,
-    /// See [`LabeledScan::points_left_out`].
+    /// Places in the message, ascending, of the points that are not in the cloud since they have no position.
     pub points_left_out: Vec<u32>,
     /// The frame that the message names.
     pub frame: String,
