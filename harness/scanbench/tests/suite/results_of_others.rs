@@ -27,7 +27,8 @@ fn counts(workplace: &Workplace, run: &str, detector: &str) -> Vec<Vec<String>> 
     of_detector.map(|row| columns.iter().map(|it| row[*it].clone()).collect()).collect()
 }
 
-const QUIET: [&str; 3] = ["--no-rrd", "-q", "-o"];
+/// Warnings are said: nothing is quiet.
+const OUTPUT: [&str; 2] = ["--no-rrd", "-o"];
 
 #[test]
 fn our_own_results_are_judged_as_we_are() {
@@ -37,10 +38,10 @@ fn our_own_results_are_judged_as_we_are() {
         // By size, because the drawn cars are blocks, which the trained model takes for none.
         let ours = ["run", "street", "-d", "hierarchical,pca", "-P", "vehicle_model.enabled=false"];
         workplace
-            .succeed(&[&ours[..], &QUIET, &["first", "--detections-out", "found", "--as", format]].concat());
+            .succeed(&[&ours[..], &OUTPUT, &["first", "--detections-out", "found", "--as", format]].concat());
         let theirs =
             ["--detections", "a=found/hierarchical", "--detections", "b=found/pca", "-d", "simple-grid"];
-        let ended = workplace.succeed(&[&["run", "street"], &theirs[..], &QUIET, &["second"]].concat());
+        let ended = workplace.succeed(&[&["run", "street"], &theirs[..], &OUTPUT, &["second"]].concat());
         assert_eq!(ended.stderr.matches("warning").count(), 0, "{}", ended.stderr);
         for (name, known) in [("hierarchical", "a"), ("pca", "b")] {
             let (first, second) = (counts(&workplace, "first", name), counts(&workplace, "second", known));
@@ -63,11 +64,11 @@ fn several_data_sets_have_a_folder_each() {
     let workplace = Workplace::new();
     let streets = ["street-narrow", "street-intersection", "--simulated-scans", "4", "--sensor", "vlp-16"];
     let ours = [&["run"], &streets[..], &["-d", "simple-grid"]].concat();
-    workplace.succeed(&[&ours[..], &QUIET, &["first", "--detections-out", "found", "--as", "csv"]].concat());
+    workplace.succeed(&[&ours[..], &OUTPUT, &["first", "--detections-out", "found", "--as", "csv"]].concat());
     assert!(workplace.path("found/simple-grid/street-narrow").is_dir());
     workplace.write("scanbench.toml", "[detector.again]\nresults = \"found/simple-grid\"\n");
     let theirs = [&["run"], &streets[..], &["-d", "again,simple-grid"]].concat();
-    workplace.succeed(&[&theirs[..], &QUIET, &["second"]].concat());
+    workplace.succeed(&[&theirs[..], &OUTPUT, &["second"]].concat());
     let again = counts(&workplace, "second", "again");
     assert!(again.len() == 16 && again == counts(&workplace, "second", "simple-grid"), "{again:?}");
 }
@@ -84,7 +85,7 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
     std::fs::create_dir(workplace.path("empty")).unwrap();
     let names_before = workplace.top_names();
     let check = |arguments: &[&str], exit_code: i32, part: &str| {
-        let ended = workplace.run(&[&["run", "street", "-d", "pca"], arguments, &QUIET, &["out"]].concat());
+        let ended = workplace.run(&[&["run", "street", "-d", "pca"], arguments, &OUTPUT, &["out"]].concat());
         assert_eq!(ended.exit_code, Some(exit_code), "{arguments:?}: {ended:#?}");
         assert!(ended.stderr.contains(part), "{arguments:?}: {}", ended.stderr);
         assert_eq!(workplace.top_names(), names_before);
@@ -106,7 +107,8 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
     let ended = workplace.succeed(
         &[
             &["run", "street", "-d", "pca", "--detections", "a=found", "--missing-detections", "empty"],
-            &["--no-rrd", "-o", "out"][..],
+            &OUTPUT[..],
+            &["out"],
         ]
         .concat(),
     );
@@ -133,11 +135,11 @@ fn results_that_are_damaged_later_fail_as_a_detector_does() {
         workplace.write(&format!("found/{number:06}.txt"), if number == 1 { "Car" } else { "" });
     }
     let run = ["run", "street", "-d", "pca", "--detections", "deep=found"];
-    let ended = workplace.run(&[&run[..], &QUIET, &["out"]].concat());
+    let ended = workplace.run(&[&run[..], &OUTPUT, &["out"]].concat());
     assert_eq!(ended.exit_code, Some(6), "{ended:#?}");
     let expected = "the detector \"deep\" failed at scan 0000/000001: its results cannot be read: \"found/000001.txt\", line 1";
     assert!(ended.stderr.contains(expected), "{}", ended.stderr);
-    workplace.succeed(&[&run[..], &["--on-detector-failure", "skip"], &QUIET, &["skipped"]].concat());
+    workplace.succeed(&[&run[..], &["--on-detector-failure", "skip"], &OUTPUT, &["skipped"]].concat());
     let states: Vec<String> =
         counts(&workplace, "skipped", "deep").into_iter().map(|it| it[3].clone()).collect();
     assert_eq!(states.iter().filter(|it| *it == "failed").count(), 2, "{states:?}");
@@ -150,7 +152,7 @@ fn a_published_detector_is_judged_beside_ours() {
     let scans = test_data!("data/kitti_tracking").display().to_string();
     let results = format!("pointrcnn={}", test_data!("data/kitti_tracking_results/pointrcnn").display());
     let run = ["run", &scans, "-d", "simple-grid", "--detections", &results, "--criterion", "bev-iou"];
-    let ended = workplace.succeed(&[&run[..], &QUIET, &["out"]].concat());
+    let ended = workplace.succeed(&[&run[..], &OUTPUT, &["out"]].concat());
     assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
     let sums = |detector: &str| {
         let of_vehicles = counts(&workplace, "out", detector).into_iter().filter(|it| it[2] == "vehicles");
