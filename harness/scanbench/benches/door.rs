@@ -1,4 +1,4 @@
-//! What it costs to ask a detector that is a program of its own: the way there and back at 120,000 points and more.
+//! What it costs to ask a detector that is a program of its own: the way there and back for scans of some 111,000 points.
 //!
 //! `cargo bench -p scanbench --bench door`. Asks a program that answers nothing, and one of our detectors with and without the
 //! door between, in turns; fails if the way there and back takes more than half a millisecond (median over scans of the shortest of
