@@ -21,7 +21,6 @@ use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::vocabulary::task::Task;
 use scans::dataset::Dataset;
 use scans::dataset::scan_selection::ScanSelection;
-use scans::dataset::scan_times::scan_times_s;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 use viewer::run_recording::{RunRecording, RunRecordingOptions};
@@ -102,8 +101,7 @@ fn record(
         on_failure: OnDetectorFailure::Stop,
         interrupted: &AtomicBool::new(false),
     };
-    let times_s = scan_times_s(dataset);
-    let watched = WatchedDataset { dataset, scan_indices, times_s: &times_s, criterion };
+    let watched = WatchedDataset { dataset, scan_indices, criterion };
     let (mut times, mut n_points) = (Vec::new(), 0);
     side_by_side.run(&mut detectors, |results| -> Result<(), Box<dyn std::error::Error>> {
         n_points += results.scan.cloud.len();

@@ -1,5 +1,6 @@
 //! How files are read, and written whole or not at all.
 
+pub mod causes;
 pub mod archive;
 pub mod unfinished;
 pub mod whole_file;

@@ -5,6 +5,7 @@ use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::tables::paper_figures::{PAPER_TABLES, PaperRow, PaperTable, Recordings};
+use crate::tables::table_error::TableError;
 use crate::vocabulary::extent::{Extent, OVERALL};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
@@ -83,57 +84,6 @@ pub struct RateIntervals {
     pub recall: Option<Interval>,
     /// Of 2 TP / (NO + ND).
     pub f_rate: Option<Interval>,
-}
-
-/// Why a report makes no table.
-#[derive(Debug, PartialEq, thiserror::Error)]
-pub enum TableError {
-    /// The report is about a data set that the manifest does not list.
-    #[error("the report has the data set {0:?}, but the manifest does not")]
-    UnknownDataset(String),
-    /// The report is about a detector that the manifest does not list.
-    #[error("the report has the detector {0:?}, but the manifest does not")]
-    UnknownDetector(String),
-    /// A number is missing.
-    #[error("the report has no {metric} of {detector} on {dataset} in the task {task}")]
-    Missing {
-        /// Id of the data set.
-        dataset: String,
-        /// The task.
-        task: Task,
-        /// Name of the detector.
-        detector: String,
-        /// Id of the metric.
-        metric: String,
-    },
-    /// A count is not one.
-    #[error("{metric} of {detector} on {dataset} in the task {task} is {value:?}, which is not a count")]
-    BadCount {
-        /// Id of the data set.
-        dataset: String,
-        /// The task.
-        task: Task,
-        /// Name of the detector.
-        detector: String,
-        /// Id of the metric.
-        metric: String,
-        /// The value.
-        value: Option<f64>,
-    },
-    /// Two detectors were judged by different annotations.
-    #[error("on {dataset}, {first} has {n_first} annotations that count, but {second} has {n_second}")]
-    DifferentAnnotations {
-        /// Id of the data set.
-        dataset: String,
-        /// Name of one detector.
-        first: String,
-        /// NO of it.
-        n_first: u64,
-        /// Name of the other.
-        second: String,
-        /// NO of the other.
-        n_second: u64,
-    },
 }
 
 impl Score {

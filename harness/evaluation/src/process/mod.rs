@@ -1,4 +1,4 @@
-//! Detectors that are programs of their own: `docs/protocol.md`.
+//! Detectors that are programs of their own: `docs/protocol.md`. The way to one and back is called the door.
 
 pub mod problem;
 pub mod message;

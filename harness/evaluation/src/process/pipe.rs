@@ -107,16 +107,15 @@ impl Pipe {
         payload: &mut Vec<u8>,
         deadline: Instant,
     ) -> Result<(), PipeError> {
-        let mut n_missing = n_bytes;
-        loop {
-            let n_taken = n_missing.min(self.buffer.len());
-            payload.extend(self.buffer.drain(..n_taken));
-            n_missing -= n_taken;
-            if n_missing == 0 {
-                return Ok(());
-            }
-            self.read_more(deadline)?;
+        let n_taken = n_bytes.min(self.buffer.len());
+        payload.extend(self.buffer.drain(..n_taken));
+        let mut n_there = payload.len();
+        payload.resize(n_there + n_bytes - n_taken, 0);
+        // Straight to where it belongs: the clock runs.
+        while n_there < payload.len() {
+            n_there += read_some(&self.from, &mut payload[n_there..], deadline)?;
         }
+        Ok(())
     }
 
     /// Whether something waits to be read that nobody has asked for, or the other end is closed.
@@ -137,17 +136,21 @@ impl Pipe {
     }
 
     fn read_more(&mut self, deadline: Instant) -> Result<(), PipeError> {
-        loop {
-            match rustix::io::read(&self.from, &mut self.chunk) {
-                Ok(0) => return Err(PipeError::Closed),
-                Ok(n_read) => {
-                    self.buffer.extend_from_slice(&self.chunk[..n_read]);
-                    return Ok(());
-                }
-                Err(Errno::AGAIN) => wait_for(&self.from, PollFlags::IN, deadline)?,
-                Err(Errno::INTR) => {}
-                Err(error) => return Err(PipeError::Io(error.into())),
-            }
+        let n_read = read_some(&self.from, &mut self.chunk, deadline)?;
+        self.buffer.extend_from_slice(&self.chunk[..n_read]);
+        Ok(())
+    }
+}
+
+/// Reads at least a byte to the begin of `place`, and says how many.
+fn read_some(from: &OwnedFd, place: &mut [u8], deadline: Instant) -> Result<usize, PipeError> {
+    loop {
+        match rustix::io::read(from, &mut *place) {
+            Ok(0) => return Err(PipeError::Closed),
+            Ok(n_read) => return Ok(n_read),
+            Err(Errno::AGAIN) => wait_for(from, PollFlags::IN, deadline)?,
+            Err(Errno::INTR) => {}
+            Err(error) => return Err(PipeError::Io(error.into())),
         }
     }
 }

@@ -44,12 +44,21 @@ pub fn cpu_time_of(pids: &[u32]) -> Option<Duration> {
     is_known.then_some(sum)
 }
 
-/// `cutime` and `cstime` of `/proc/PID/stat`.
+/// When a process started, in ticks since the machine did; `None` if it is gone.
+pub fn start_of(pid: u32) -> Option<u64> {
+    field_of(pid, 22)
+}
+
+/// `cutime` and `cstime`.
 fn ticks_of_ended_children(pid: u32) -> Option<u64> {
+    Some(field_of(pid, 16)? + field_of(pid, 17)?)
+}
+
+/// A number of `/proc/PID/stat`, by its place in the manual, which begins with 1.
+fn field_of(pid: u32, place: usize) -> Option<u64> {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     // The name of the program may hold anything; the fields behind it begin with the third.
-    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
-    Some(fields.get(13)?.parse::<u64>().ok()? + fields.get(14)?.parse::<u64>().ok()?)
+    stat.rsplit_once(')')?.1.split_whitespace().nth(place - 3)?.parse().ok()
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::last_words::LastWords;
 use super::message::{PROTOCOL, Question, line_of};
 use super::pipe::Pipe;
 use super::problem::Ending;
-use super::processes::{cpu_time_of, descendants};
+use super::processes::{cpu_time_of, descendants, start_of};
 use super::supervisor::{CANNOT_START, EXIT, SIGNAL, TOKEN, WARNING};
 
 /// The verb of this program that makes it the supervisor of the command that follows.
@@ -47,8 +47,8 @@ pub struct Program {
     pub pipe: Pipe,
     words: LastWords,
     status: Option<ExitStatus>,
-    // Of the detector, as they were last seen.
-    processes: Vec<u32>,
+    // Of the detector, as they were last seen, with when they started: numbers are given again.
+    processes: Vec<(u32, Option<u64>)>,
 }
 
 static N_STARTED: AtomicU32 = AtomicU32::new(0);
@@ -91,8 +91,9 @@ impl StartedProgram {
 impl Program {
     /// Time on processors of it and all that it has started.
     pub fn cpu_time(&mut self) -> Option<Duration> {
-        self.processes = descendants(self.supervisor.id());
-        cpu_time_of(&self.processes)
+        let processes = descendants(self.supervisor.id());
+        self.processes = processes.iter().map(|&pid| (pid, start_of(pid))).collect();
+        cpu_time_of(&processes)
     }
 
     /// The last lines that it printed so far.
@@ -146,15 +147,17 @@ impl Program {
         let _ = rustix::process::kill_process(Pid::from_child(&self.supervisor), Signal::TERM);
         if self.wait(LONGEST_CLEANING).is_none() {
             let _ = self.supervisor.kill();
-            let _ = self.supervisor.wait();
+            self.status = self.supervisor.wait().ok();
         }
+        self.kill_orphans();
     }
 
     /// Kills what a supervisor left behind that was itself killed, by whomever.
     fn kill_orphans(&mut self) {
         let is_clean = self.status.is_some_and(|it| it.success());
-        for pid in std::mem::take(&mut self.processes) {
-            if let Some(pid) = Pid::from_raw(pid as i32).filter(|_| !is_clean) {
+        for (pid, start) in std::mem::take(&mut self.processes) {
+            let is_orphan = !is_clean && start.is_some() && start_of(pid) == start;
+            if let Some(pid) = Pid::from_raw(pid as i32).filter(|_| is_orphan) {
                 let _ = rustix::process::kill_process(pid, Signal::KILL);
             }
         }

@@ -1,5 +1,6 @@
 //! Who takes part in a run.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use scans::dataset::DatasetDescription;
@@ -36,14 +37,18 @@ impl Entrant {
 
     /// The detector for scans of `dataset`. A sensor whose density is not known is taken for the paper's.
     pub fn begin(&self, dataset: &DatasetDescription) -> Box<dyn RunningDetector> {
-        let of_sensor = self.config.for_sensor(&dataset.sensor);
-        let config = of_sensor.as_ref().unwrap_or(&self.config);
+        let config = &*self.config_for(dataset);
         match &self.chosen {
             ChosenDetector::BuiltIn(listed) => {
                 Box::new(BuiltIn::new(self.name, listed.build(config, dataset.sensor_height_m)))
             }
             ChosenDetector::Foreign(foreign) => foreign.begin(self.name, config, dataset),
         }
+    }
+
+    /// The parameters for its sensor.
+    fn config_for(&self, dataset: &DatasetDescription) -> Cow<'_, RunConfig> {
+        self.config.for_sensor(&dataset.sensor).map_or(Cow::Borrowed(&self.config), Cow::Owned)
     }
 
     /// The same of a detector that left `results` for the scans of `dataset`.
@@ -54,7 +59,7 @@ impl Entrant {
     ) -> Box<dyn RunningDetector> {
         match &self.chosen {
             ChosenDetector::Foreign(foreign) => {
-                let vehicles = foreign.vehicles_of(&self.config, dataset);
+                let vehicles = foreign.vehicles_of(&self.config_for(dataset), dataset);
                 Box::new(ResultsDetector::new(self.name, Some(results), vehicles))
             }
             ChosenDetector::BuiltIn(_) => self.begin(dataset),
@@ -80,8 +85,7 @@ impl Entrant {
         dataset: &DatasetDescription,
         before: Option<BegunConversation>,
     ) -> Result<Box<dyn RunningDetector>, DetectorFailure> {
-        let of_sensor = self.config.for_sensor(&dataset.sensor);
-        let config = of_sensor.as_ref().unwrap_or(&self.config);
+        let config = &*self.config_for(dataset);
         match (&self.chosen, before) {
             (
                 ChosenDetector::Foreign(

@@ -6,6 +6,7 @@ use detector::PointCloud;
 use detector::detector::{DetectorOutput, StageTime};
 use detector::stage_product::{Shape, StageProduct};
 use scans::annotation::LabeledScan;
+use scans::conversion::results::detection_rows::clusters_of_points;
 
 use crate::process::answer::Found;
 use crate::process::conversation::{Answered, Conversation, FIRST_SCAN_LIMIT, Goodbye};
@@ -175,12 +176,7 @@ impl ProcessDetector {
         let objects = objects_of(&found);
         self.products = found.products;
         self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
-        self.clusters.resize(cloud.len(), None);
-        for (detection, cluster) in output.detections.iter().zip(0..) {
-            for &point_idx in detection.point_indices {
-                self.clusters[point_idx as usize] = Some(cluster);
-            }
-        }
+        self.clusters = clusters_of_points(&output.detections, cloud.len());
         Ok(())
     }
 }

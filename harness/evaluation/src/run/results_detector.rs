@@ -1,9 +1,8 @@
 //! A detector that was at work somewhere else: its results are read, and judged as ours are. It has no times.
 
-use std::error::Error;
-
 use detector::stage_product::{Shape, StageProduct};
 use detector::{DetectorOutput, PointCloud};
+use reports::files::causes::with_causes;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::conversion::results::detection_rows::clusters_of_points;
 use scans::foreign::detections::ForeignDetections;
@@ -33,7 +32,7 @@ impl ResultsDetector {
             let problem = "only `scanbench run` judges results of other programs";
             return Err(DetectorProblem::Machine(problem.to_owned()));
         };
-        let found = results.read(scan).map_err(|error| DetectorProblem::Unreadable(in_a_line(&error)))?;
+        let found = results.read(scan).map_err(|error| DetectorProblem::Unreadable(with_causes(&error)))?;
         let mut output = DetectorOutput::default();
         let objects = objects_of(found.unwrap_or_default());
         let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
@@ -82,18 +81,6 @@ impl RunningDetector for ResultsDetector {
         let warnings = self.results.map_or_else(Vec::new, |it| it.warnings());
         warnings.into_iter().map(|it| format!("the detector {:?}: {it}", self.name)).collect()
     }
-}
-
-/// The message of `error` and those of what caused it.
-fn in_a_line(error: &dyn Error) -> String {
-    let mut message = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        message += ": ";
-        message += &error.to_string();
-        cause = error.source();
-    }
-    message
 }
 
 /// What was found as objects: each box, or else each cluster.

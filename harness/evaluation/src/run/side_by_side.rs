@@ -84,6 +84,8 @@ pub struct ScanResults<'a> {
     pub run_idx: usize,
     /// The scan.
     pub scan: &'a LabeledScan,
+    /// When it was taken, in seconds since the first of its drive.
+    pub time_s: f64,
     /// What each detector made of it, in the order of `detectors`.
     pub results: &'a [DetectorScan],
     /// The detectors, which still hold the stage products of this scan.
@@ -165,7 +167,7 @@ impl SideBySide<'_> {
                 let asked = (run_idx, &scan, time_s);
                 let turns = self.detect_all(asked, (detectors, &mut outputs), &mut reference)?;
                 let results = self.results(&scan, (detectors, &outputs), turns);
-                on_scan(ScanResults { run_idx, scan: &scan, results: &results, detectors })?;
+                on_scan(ScanResults { run_idx, scan: &scan, time_s, results: &results, detectors })?;
             }
         }
         Ok(())

@@ -1,7 +1,6 @@
 //! What watches a run, scan by scan.
 
 use scans::annotation::ScanId;
-use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 
 use super::rows::DetectorRows;
@@ -16,8 +15,6 @@ pub struct WatchedDataset<'a> {
     pub dataset: &'a dyn Dataset,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
-    /// When each of all its scans was taken, in seconds since the first of its drive.
-    pub times_s: &'a [f64],
     /// How detections are judged.
     pub criterion: Criterion,
 }
@@ -84,9 +81,8 @@ pub struct Judged {
 impl<'a> JudgedScan<'a> {
     /// Makes the rows of `results`.
     pub fn new(watched: WatchedDataset<'a>, results: &'a ScanResults<'a>) -> Self {
-        let time_s = watched.times_s[watched.scan_indices[results.run_idx]];
         let description = watched.dataset.description();
-        let scan = (results.scan, time_s);
+        let scan = (results.scan, results.time_s);
         let rows =
             results.results.iter().map(|it| DetectorRows::new(description, watched.criterion, scan, it));
         Self { watched, results, rows: rows.collect() }
@@ -120,11 +116,9 @@ pub fn run_watched<E: From<RunError>>(
     on_damage: impl FnMut(&ScanId, DatasetError) -> Result<(), DatasetError>,
     sinks: &mut Sinks<'_, E>,
 ) -> Result<Judged, E> {
-    let times_s = scan_times_s(side_by_side.dataset);
     let watched = WatchedDataset {
         dataset: side_by_side.dataset,
         scan_indices: side_by_side.scan_indices,
-        times_s: &times_s,
         criterion: side_by_side.matching.criterion,
     };
     sinks.iter_mut().try_for_each(|it| it.begin_dataset(&watched))?;

@@ -21,7 +21,8 @@ pub const CONFIGURATION_FILE: &str = "scanbench.toml";
 ///
 /// # Errors
 ///
-/// If there is no such detector, it left results and does not run here, an override names no parameter, or has a value that cannot be worked with.
+/// If there is no such detector, it left results and does not run here, an override names no parameter, or has a value that cannot
+/// be worked with.
 pub fn chosen_detectors(
     arguments: &ConfigArgs,
     names: &[String],
@@ -40,8 +41,8 @@ pub fn chosen_detectors(
     }
 }
 
-/// The same with the detectors of which somebody else left results: those that `left` names, and those of the file. Those of `left` that `names` does not
-/// have come last.
+/// The same with detectors that left results: those that `left` names, and those of the file. Those of `left` that `names` does
+/// not have come last.
 ///
 /// # Errors
 ///
@@ -87,9 +88,9 @@ pub fn built_in_detectors(
     arguments: &ConfigArgs,
     names: &[String],
 ) -> Result<(Vec<ListedDetector>, RunConfig), Failure> {
-    let listed = built_in_named(names, &load(arguments)?)?;
-    let (_, config) = chosen_detectors(arguments, names)?;
-    Ok((listed, config))
+    let config = load(arguments)?;
+    let listed = built_in_named(names, &config)?;
+    Ok((listed, choose(&config, arguments, names)?.1))
 }
 
 /// Judges by the criterion of `matching`, if it names one, whatever the configuration says.

@@ -1,10 +1,11 @@
 //! `scanbench data list`.
 
+use reports::files::causes::with_causes;
 use scans::dataset::class_table::whatever_classes;
 use simulator::open::{OpenOptions, open_dataset};
 
 use crate::cli::CatalogueArgs;
-use crate::commands::failure::{Failure, with_causes};
+use crate::commands::failure::Failure;
 use crate::commands::open_datasets::open_catalogue;
 use crate::commands::standard_streams::print_result;
 

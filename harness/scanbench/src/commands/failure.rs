@@ -18,10 +18,11 @@ use evaluation::sweep::journal::JournalError;
 use evaluation::sweep::quality_pass::SweepError;
 use evaluation::sweep::sweep_plan::SweepPlanError;
 use reports::files::archive::ArchiveError;
+use reports::files::causes::with_causes;
 use reports::numbers::run_report::RunReportError;
 use reports::pages::run_page::PageError;
 use reports::run_folder::run_target::RunDirectoryError;
-use reports::tables::task_table::TableError;
+use reports::tables::table_error::TableError;
 use reports::verdicts::accept::AcceptError;
 use reports::verdicts::comparability::NotComparable;
 use reports::verdicts::tolerances::TolerancesError;
@@ -132,18 +133,6 @@ impl fmt::Display for Failure {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&with_causes(self.reason()))
     }
-}
-
-/// The message of `error` and those of all that caused it, in a line.
-pub fn with_causes(error: &(dyn Error + 'static)) -> String {
-    let mut message = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        message += ": ";
-        message += &error.to_string();
-        cause = error.source();
-    }
-    message
 }
 
 impl From<Usage> for Failure {

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::str::FromStr as _;
 
+use reports::files::causes::with_causes;
 use reports::run_folder::manifest::SkippedScan;
 use scans::annotation::ScanId;
 use scans::dataset::catalogue::read_catalogue;
@@ -18,7 +19,7 @@ use simulator::open::{OpenOptions, open_dataset};
 
 use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
-use crate::commands::failure::{Failure, NothingEvaluated, Usage, with_causes};
+use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
 /// A data set and the scans that are asked for.

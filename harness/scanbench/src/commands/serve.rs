@@ -1,6 +1,5 @@
 //! `scanbench serve`: our own detectors through the door for those of others.
 
-use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::os::unix::fs::FileExt as _;
@@ -26,7 +25,7 @@ pub use evaluation::process::supervisor::supervise;
 ///
 /// # Errors
 ///
-/// If there is no such detector, nobody asks, or a question cannot be understood.
+/// If there is no such detector, nobody asks, or the pipe is lost.
 pub fn serve(arguments: &ServeArgs) -> Result<(), Failure> {
     let served = if arguments.detector == NOTHING {
         None
@@ -163,20 +162,20 @@ impl Server {
     }
 }
 
-/// What was found, as an answer has it. A point that several detections share cannot be told, and is the first one's.
+/// What was found, as an answer has it. Points that detections share, and detections without a point, cannot be told: an error.
 fn result_of(output: &DetectorOutput, n_points: usize) -> Result<(ResultLine, Vec<u8>), String> {
     let detections = &output.detections;
     let mut ids = vec![0_u32; n_points];
     let mut boxes = Vec::new();
     let mut scores = Vec::new();
     let mut classes = Vec::new();
-    let mut told = BTreeSet::new();
     for (detection, id) in detections.iter().zip(1..) {
+        if detection.point_indices.is_empty() {
+            return Err("a detection has no point, which an answer with clusters cannot tell".to_owned());
+        }
         for &point_idx in detection.point_indices {
-            let of_point = &mut ids[point_idx as usize];
-            if *of_point == 0 {
-                *of_point = id;
-                told.insert(id);
+            if std::mem::replace(&mut ids[point_idx as usize], id) != 0 {
+                return Err("detections share a point, which an answer with clusters cannot tell".to_owned());
             }
         }
         let [x_m, y_m, z_m] = detection.bounding_box.center_m;
@@ -189,9 +188,6 @@ fn result_of(output: &DetectorOutput, n_points: usize) -> Result<(ResultLine, Ve
             DetectedClass::Object => AnnotationClass::Misc,
         };
         classes.push(Some(class.name().to_owned()));
-    }
-    if told.last().is_some_and(|it| *it as usize != detections.len()) {
-        return Err("the last detection has no point of its own".to_owned());
     }
     let has_scores = !detections.is_empty() && scores.len() == detections.len();
     let numbers = boxes.iter().chain(scores.iter().filter(|_| has_scores));

@@ -13,7 +13,6 @@ use evaluation::run::side_by_side::SideBySide;
 use evaluation::run::sink::{JudgedScan, WatchedDataset};
 use reports::run_folder::manifest::{DatasetEntry, Manifest};
 use reports::worst::mistakes::{ListedMistake, Mistake};
-use scans::dataset::scan_times::scan_times_s;
 
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::{choose_criterion, chosen_detectors};
@@ -171,7 +170,7 @@ impl RunAgain {
         interrupted: &AtomicBool,
         recording: &mut Recorder,
     ) -> Result<(), Failure> {
-        // Detectors and times of scans of every data set that has had a scan.
+        // Detectors of every data set that has had a scan.
         let mut begun = BTreeMap::new();
         let progress = progress_over_scans(scans.len(), "worst scans");
         for WorstScan { place: [dataset_idx, scan_idx], marks } in scans {
@@ -180,10 +179,10 @@ impl RunAgain {
             let description = opened.dataset.description();
             let config = self.config.for_sensor(&description.sensor).unwrap_or_else(|| self.config.clone());
             let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
-            let (detectors, times_s) = begun.entry(dataset_idx).or_insert_with(|| {
+            let detectors = begun.entry(dataset_idx).or_insert_with(|| {
                 let entrants = self.detectors.iter().map(|it| Entrant::of(it.clone(), &self.config));
                 let built = entrants.map(|it| it.begin(description));
-                (built.collect::<Vec<_>>(), scan_times_s(&*opened.dataset))
+                built.collect::<Vec<_>>()
             });
             let side_by_side = SideBySide {
                 dataset: &*opened.dataset,
@@ -199,7 +198,6 @@ impl RunAgain {
                 let watched = WatchedDataset {
                     dataset: &*opened.dataset,
                     scan_indices: &[scan_idx],
-                    times_s,
                     criterion: config.matching.criterion,
                 };
                 let judged = JudgedScan::new(watched, &results);

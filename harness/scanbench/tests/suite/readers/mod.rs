@@ -1,9 +1,9 @@
 //! The readers of other formats than KITTI's, on real data where they are there and on drawn ones.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::error::Error as _;
 use std::path::Path;
 
+use reports::files::causes::with_causes;
 use scans::dataset::{Dataset, DatasetError};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
@@ -47,12 +47,6 @@ fn check_damaged(path: &Path, parts: &[&str]) {
     };
     let error = try_open(path).and_then(read_all).expect_err("damaged");
     assert!(!error.is_usage_error(), "{error}");
-    let mut message = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        message += ": ";
-        message += &error.to_string();
-        cause = error.source();
-    }
+    let message = with_causes(&error);
     assert!(parts.iter().all(|part| message.contains(part)), "{message}");
 }
