@@ -16,32 +16,67 @@
 /// assert_eq!(cloud.x_m(), [8.0, 8.1]);
 /// assert_eq!(cloud.position_m(1), [8.1, 3.0, -1.2]);
 ///
-/// // Positions alone have intensity 0.
-/// let drawn: PointCloud = [[8.0, 3.0, -1.2], [8.1, 3.0, -1.2]].into_iter().collect();
-/// assert_eq!(drawn.intensity(), [0.0, 0.0]);
+/// // Positions alone have intensity 0, and nothing else.
+/// let mut drawn: PointCloud = [[8.0, 3.0, -1.2], [8.1, 3.0, -1.2]].into_iter().collect();
+/// assert_eq!((drawn.intensity(), drawn.ring()), (&[0.0, 0.0][..], None));
+///
+/// // Rings and times are there for all points or for none.
+/// drawn.set_ring(vec![7, 8]);
+/// assert_eq!(drawn.ring(), Some(&[7, 8][..]));
+/// drawn.push([8.2, 3.0, -1.2], 0.5);
+/// assert_eq!(drawn.ring(), None);
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointCloud {
-    // Invariant: the four columns have the same length.
+    // Invariant: all columns that there are have the same length.
     x_m: Vec<f32>,
     y_m: Vec<f32>,
     z_m: Vec<f32>,
     intensity: Vec<f32>,
+    ring: Option<Vec<u16>>,
+    time_offset_s: Option<Vec<f32>>,
 }
 
 impl PointCloud {
     /// An empty cloud with room for `n_points`.
     pub fn with_capacity(n_points: usize) -> Self {
         let column = || Vec::with_capacity(n_points);
-        Self { x_m: column(), y_m: column(), z_m: column(), intensity: column() }
+        let (ring, time_offset_s) = (None, None);
+        Self { x_m: column(), y_m: column(), z_m: column(), intensity: column(), ring, time_offset_s }
     }
 
-    /// Appends a point; `intensity` is the sensor's own, usually in 0 to 1.
+    /// Appends a point; `intensity` is the sensor's own, usually in 0 to 1. Nobody knows its ring and time, so that the cloud has
+    /// neither any longer.
     pub fn push(&mut self, position_m: [f32; 3], intensity: f32) {
         self.x_m.push(position_m[0]);
         self.y_m.push(position_m[1]);
         self.z_m.push(position_m[2]);
         self.intensity.push(intensity);
+        (self.ring, self.time_offset_s) = (None, None);
+    }
+
+    /// Says which laser saw each point.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many as points. The same holds below.
+    pub fn set_ring(&mut self, ring: Vec<u16>) {
+        assert_eq!(ring.len(), self.len(), "each point has a ring");
+        self.ring = Some(ring);
+    }
+
+    /// Says when each point was measured: seconds after the time of the scan, negative before it.
+    pub fn set_time_offset_s(&mut self, time_offset_s: Vec<f32>) {
+        assert_eq!(time_offset_s.len(), self.len(), "each point has a time");
+        self.time_offset_s = Some(time_offset_s);
+    }
+
+    /// Moves every point to where `place_m` says, in metres; whatever else is known of it stays.
+    pub fn move_points(&mut self, place_m: impl Fn([f32; 3]) -> [f32; 3]) {
+        for point_idx in 0..self.len() {
+            let moved_m = place_m(self.position_m(point_idx));
+            [self.x_m[point_idx], self.y_m[point_idx], self.z_m[point_idx]] = moved_m;
+        }
     }
 
     /// Forgets the points and keeps the memory.
@@ -49,6 +84,7 @@ impl PointCloud {
         for column in [&mut self.x_m, &mut self.y_m, &mut self.z_m, &mut self.intensity] {
             column.clear();
         }
+        (self.ring, self.time_offset_s) = (None, None);
     }
 
     /// Number of points.
@@ -79,6 +115,16 @@ impl PointCloud {
     /// Reflected intensities.
     pub fn intensity(&self) -> &[f32] {
         &self.intensity
+    }
+
+    /// Number of the laser that saw each point, where the data have it.
+    pub fn ring(&self) -> Option<&[u16]> {
+        self.ring.as_deref()
+    }
+
+    /// Seconds from the time of the scan to the measurement of each point, where the data have it; negative before that time.
+    pub fn time_offset_s(&self) -> Option<&[f32]> {
+        self.time_offset_s.as_deref()
     }
 
     /// Position of point `point_idx` in metres.

@@ -69,6 +69,7 @@ pub fn turn(
         moments: Vec::with_capacity(n_pulses),
         ends: Vec::with_capacity(n_pulses),
     };
+    let mut beam_of_point = Vec::with_capacity(n_pulses);
     for ((beam, error), beam_idx) in sensor.beams().zip(errors).zip(0..) {
         let mut rng = beam_rng(beam_idx);
         let mut previous = None;
@@ -89,11 +90,13 @@ pub fn turn(
                 turn.cloud.push(ray.point_at(measured_m).into(), echo.intensity);
                 turn.objects.push(echo.object_idx);
                 turn.moments.push(moment);
+                beam_of_point.push(beam_idx as u16);
             }
             turn.ends.push(end);
             previous = Some(end);
         }
     }
+    turn.cloud.set_ring(beam_of_point);
     turn
 }
 

@@ -279,7 +279,15 @@ mod tests {
     #[test]
     fn a_rolling_scan_differs_from_an_instant_one() {
         let rolling = StreetDrive { shutter: Shutter::Rolling, ..drive() };
-        assert_ne!(open(&rolling).read_scan(1).unwrap().cloud, open(&drive()).read_scan(1).unwrap().cloud);
+        let [rolling, instant] = [&rolling, &drive()].map(|it| open(it).read_scan(1).unwrap().cloud);
+        assert!(rolling.positions_m().ne(instant.positions_m()));
+        assert!(rolling.ring().is_some() && instant.ring().is_some());
+        // A tenth of a second around its middle.
+        let times_s = rolling.time_offset_s().unwrap();
+        let first = times_s.iter().copied().fold(f32::INFINITY, f32::min);
+        let last = times_s.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        assert!((-0.05..-0.045).contains(&first) && (0.045..0.05).contains(&last), "{first} {last}");
+        assert_eq!(instant.time_offset_s(), None);
     }
 
     #[test]

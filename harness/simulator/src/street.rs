@@ -188,8 +188,7 @@ impl Street {
     fn labeled_turn(&self, sensor: &SensorModel, scan_idx: u32, n_moments: u32) -> LabeledScan {
         let moments: Vec<Moment<'_>> = (0..n_moments)
             .map(|moment| {
-                let turned = (moment as f32 + 0.5) / n_moments as f32 - 0.5;
-                self.moment(sensor, (scan_idx as f32 + turned) / sensor.turns_per_second)
+                self.moment(sensor, (scan_idx as f32 + turned(moment, n_moments)) / sensor.turns_per_second)
             })
             .collect();
         let surroundings: Vec<Surroundings<'_>> = moments
@@ -203,11 +202,15 @@ impl Street {
             })
             .collect();
         let errors = beam_errors(sensor, &mut dice(self.kind, self.seed, Dice::BeamErrors));
-        let turn = turn(sensor, &errors, &surroundings, |beam| {
+        let mut turn = turn(sensor, &errors, &surroundings, |beam| {
             let mut rng = dice(self.kind, self.seed, Dice::Pulses);
             rng.set_stream(u64::from(scan_idx) << 32 | u64::from(beam));
             rng
         });
+        if n_moments > 1 {
+            let offset_s = |moment: &usize| turned(*moment as u32, n_moments) / sensor.turns_per_second;
+            turn.cloud.set_time_offset_s(turn.moments.iter().map(offset_s).collect());
+        }
         let annotations = self.annotations(&turn, sensor, &moments);
         let point_regions = vec![PointRegion::Labeled; turn.cloud.len()];
         let id = ScanId { sequence: self.sequence(), index: scan_idx };
@@ -286,6 +289,11 @@ struct Moment<'a> {
     movers: BTreeMap<u32, (Cow<'a, ObjectShape>, Pose)>,
     /// The same, arranged for casting rays.
     moving: Scene,
+}
+
+/// How far the sensor has turned at one of the moments of a turn: a share of it, 0 in its middle.
+fn turned(moment: u32, n_moments: u32) -> f32 {
+    (moment as f32 + 0.5) / n_moments as f32 - 0.5
 }
 
 fn time_s(sensor: &SensorModel, scan_idx: u32) -> f32 {

@@ -13,8 +13,8 @@ use super::message::Column;
 
 /// Columns begin at multiples of this, in bytes.
 const ALIGNMENT: usize = 64;
-/// Columns of a cloud.
-const COLUMNS: [&str; 4] = ["x_m", "y_m", "z_m", "intensity"];
+/// Most columns of a cloud, of at most four bytes each.
+const MOST_COLUMNS: usize = 6;
 /// Where files live in memory; elsewhere they are ordinary ones.
 const IN_MEMORY: &str = "/dev/shm";
 
@@ -41,7 +41,7 @@ impl SharedCloud {
         let path = folder.join(format!("scanbench-{}-{number}", std::process::id()));
         let create = || OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(&path);
         let (entry, file) = Unfinished::begin(Kind::File, create, |_| path.clone())?;
-        let n_bytes = COLUMNS.len() * column_bytes(max_points);
+        let n_bytes = MOST_COLUMNS * column_bytes(max_points);
         let shared = Self { file, max_points, name: Some((path, entry)), bytes: Vec::new() };
         shared.file.set_len(n_bytes.max(1) as u64)?;
         Ok(shared)
@@ -71,16 +71,32 @@ impl SharedCloud {
     /// If the memory cannot be written.
     pub fn write(&mut self, cloud: &PointCloud) -> io::Result<Vec<Column>> {
         debug_assert!(cloud.len() <= self.max_points);
-        let columns = [cloud.x_m(), cloud.y_m(), cloud.z_m(), cloud.intensity()];
         let mut written = Vec::new();
-        for (column_idx, (name, values)) in COLUMNS.into_iter().zip(columns).enumerate() {
-            let offset = column_idx * column_bytes(cloud.len());
-            self.bytes.clear();
-            self.bytes.extend(values.iter().flat_map(|it| it.to_le_bytes()));
-            self.file.write_all_at(&self.bytes, offset as u64)?;
-            written.push(Column { name: name.to_owned(), kind: "f32".to_owned(), offset });
+        let coordinates = [("x_m", cloud.x_m()), ("y_m", cloud.y_m()), ("z_m", cloud.z_m())];
+        let numbers = coordinates.into_iter().chain([("intensity", cloud.intensity())]);
+        for (name, values) in numbers.chain(cloud.time_offset_s().map(|it| ("time_offset_s", it))) {
+            self.write_column((name, "f32"), values.iter().map(|it| it.to_le_bytes()), &mut written)?;
+        }
+        if let Some(ring) = cloud.ring() {
+            self.write_column(("ring", "u16"), ring.iter().map(|it| it.to_le_bytes()), &mut written)?;
         }
         Ok(written)
+    }
+
+    /// Writes the next column, `(name, type)`, behind those that are `written`.
+    fn write_column<const N: usize>(
+        &mut self,
+        (name, kind): (&str, &str),
+        values: impl ExactSizeIterator<Item = [u8; N]>,
+        written: &mut Vec<Column>,
+    ) -> io::Result<()> {
+        // As if all had four bytes: only the last ones have fewer.
+        let offset = written.len() * column_bytes(values.len());
+        self.bytes.clear();
+        self.bytes.extend(values.flatten());
+        self.file.write_all_at(&self.bytes, offset as u64)?;
+        written.push(Column { name: name.to_owned(), kind: kind.to_owned(), offset });
+        Ok(())
     }
 }
 
@@ -102,13 +118,14 @@ mod tests {
     fn points_stand_where_it_is_said() {
         let mut cloud = PointCloud::default();
         (0..17_u8).for_each(|it| cloud.push([it, it + 50, it + 100].map(f32::from), 0.5));
-        let mut shared = SharedCloud::with_room(40).unwrap();
+        let mut shared = SharedCloud::with_room(17).unwrap();
         let path = shared.path().unwrap().to_owned();
         let mapped = File::open(&path).unwrap();
         shared.hide();
         assert!(!path.exists());
         let columns = shared.write(&cloud).unwrap();
-        assert_eq!(columns.iter().map(|it| it.name.as_str()).collect::<Vec<_>>(), COLUMNS);
+        let names = |columns: &[Column]| columns.iter().map(|it| it.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&columns), ["x_m", "y_m", "z_m", "intensity"]);
         for (column, values) in columns.iter().zip([cloud.x_m(), cloud.y_m(), cloud.z_m(), cloud.intensity()])
         {
             assert_eq!(column.offset % ALIGNMENT, 0);
@@ -118,6 +135,16 @@ mod tests {
                 bytes.chunks_exact(4).map(|it| f32::from_le_bytes(it.try_into().unwrap())).collect();
             assert_eq!(read, values);
         }
+        cloud.set_ring((0..17).map(|it| 60_000 + it).collect());
+        cloud.set_time_offset_s(vec![-0.05; 17]);
+        let columns = shared.write(&cloud).unwrap();
+        assert_eq!(names(&columns), ["x_m", "y_m", "z_m", "intensity", "time_offset_s", "ring"]);
+        let [.., time, ring] = &columns[..] else { panic!("{columns:?}") };
+        let mut bytes = [0; 2 * 17];
+        mapped.read_exact_at(&mut bytes, ring.offset as u64).unwrap();
+        assert_eq!((&bytes[32..], ring.kind.as_str()), (&60_016_u16.to_le_bytes()[..], "u16"));
+        mapped.read_exact_at(&mut bytes[..4], time.offset as u64 + 64).unwrap();
+        assert_eq!((&bytes[..4], time.kind.as_str()), (&(-0.05_f32).to_le_bytes()[..], "f32"));
     }
 
     #[test]

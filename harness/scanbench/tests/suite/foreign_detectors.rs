@@ -256,6 +256,20 @@ fn a_served_detector_is_asked_by_every_verb_that_takes_detectors() {
     );
 }
 
+#[test]
+fn lasers_and_times_of_points_are_sent_where_the_data_have_them() {
+    let place = place_with("by-ring-and-time", "");
+    let with = crate::readers::argoverse2::drawn().display().to_string();
+    place.succeed(&["detect", &with, "-d", "odd"]);
+    let without = place.run(&["detect", STREET[0], "--simulated-scans", "1", "-d", "odd"]);
+    assert_eq!(without.exit_code, Some(6), "{}", without.stderr);
+    assert!(
+        without.stderr.contains("ring") && !without.stderr.contains("time_offset_s"),
+        "{}",
+        without.stderr
+    );
+}
+
 /// Not a test unless somebody started it as a detector.
 #[test]
 fn as_a_detector() {
@@ -322,8 +336,18 @@ impl Odd {
                 let ids: Vec<u8> = (1..=scan.n_points)
                     .flat_map(|it| if it <= self.most { it as u32 } else { 0 }.to_le_bytes())
                     .collect();
+                let has =
+                    |name: &str, kind: &str| scan.columns.iter().any(|it| it.name == name && it.kind == kind);
+                if self.behaviour == "by-ring-and-time"
+                    && !(has("ring", "u16") && has("time_offset_s", "f32"))
+                {
+                    self.say(&line_of(&Answer::Error { text: format!("{:?}", scan.columns) }, 0).unwrap());
+                    return true;
+                }
                 let behaviour = self.behaviour.clone();
-                if is_guilty && !["fine", "child", "deaf-to-quit"].contains(&behaviour.as_str()) {
+                if is_guilty
+                    && !["fine", "child", "deaf-to-quit", "by-ring-and-time"].contains(&behaviour.as_str())
+                {
                     let _ = File::create("misbehaved");
                     self.misbehave(&behaviour, line, &ids);
                     // A run that stops leaves the next one as guilty as it was.

@@ -28,7 +28,7 @@ use crate::dataset::mcap::foxglove_scene::SceneUpdate;
 use crate::dataset::mcap::mcap_dataset::own_metadata;
 use crate::dataset::mcap::recorded_cloud::{number_of_region, own_fields};
 use crate::dataset::mcap::topics::ANNOTATION_TOPIC;
-use crate::dataset::packed_points::NumberType;
+use crate::dataset::packed_points::{NumberType, RING, TIME_OFFSET};
 use crate::dataset::points_of_boxes::points_of_boxes;
 
 /// The topic of the clouds.
@@ -245,6 +245,12 @@ fn cloud_of(scan: &LabeledScan, time_ns: u64) -> PointCloud {
     for name in ["x", "y", "z", "intensity"] {
         add_field(name, NumberType::F32);
     }
+    if cloud.ring().is_some() {
+        add_field(RING, NumberType::U16);
+    }
+    if cloud.time_offset_s().is_some() {
+        add_field(TIME_OFFSET, NumberType::F32);
+    }
     if objects.is_some() {
         add_field(own_fields::OBJECT, NumberType::U32);
     }
@@ -255,6 +261,12 @@ fn cloud_of(scan: &LabeledScan, time_ns: u64) -> PointCloud {
     for (point_idx, ([x, y, z], intensity)) in cloud.positions_m().zip(cloud.intensity()).enumerate() {
         for value in [x, y, z, *intensity] {
             data.extend_from_slice(&value.to_le_bytes());
+        }
+        if let Some(rings) = cloud.ring() {
+            data.extend_from_slice(&rings[point_idx].to_le_bytes());
+        }
+        if let Some(times_s) = cloud.time_offset_s() {
+            data.extend_from_slice(&times_s[point_idx].to_le_bytes());
         }
         if let Some(objects) = &objects {
             data.extend_from_slice(&objects[point_idx].to_le_bytes());

@@ -44,18 +44,27 @@ impl FeatherTable {
     ///
     /// [`DatasetError::Io`]; [`DatasetError::Damaged`] if one is missing or the file is no such file.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, DatasetError> {
+        Self::read_some(path, names, &[])
+    }
+
+    /// Reads the columns called `names`, and those of `optional` that there are.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::read`].
+    pub fn read_some(path: &Path, names: &[&str], optional: &[&str]) -> Result<Self, DatasetError> {
         let bytes =
             std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
-        Self::parse(&bytes, names)
+        Self::parse(&bytes, names, optional)
             .map_err(|problem| DatasetError::Damaged { path: path.to_path_buf(), problem })
     }
 
-    /// The columns called `names` in `bytes`. Errors are the rest of a sentence about the file.
+    /// The columns called `names` in `bytes`, and those of `optional` that there are. Errors are the rest of a sentence about the file.
     ///
     /// # Errors
     ///
     /// If one is missing or the file is no such file.
-    pub fn parse(bytes: &[u8], names: &[&str]) -> Result<Self, String> {
+    pub fn parse(bytes: &[u8], names: &[&str], optional: &[&str]) -> Result<Self, String> {
         let footer = footer_of(bytes)?;
         let fields: Vec<Field<'_>> =
             footer.schema().and_then(|it| it.fields()).map(|it| it.iter().collect()).unwrap_or_default();
@@ -67,6 +76,12 @@ impl FeatherTable {
             let field = fields.iter().find(|it| it.name() == Some(name));
             let field = field.ok_or_else(|| format!("has no column {name:?}"))?;
             columns.insert((*name).to_owned(), empty_column(field)?);
+        }
+        let is_optional = |it: &Field<'_>| it.name().is_some_and(|it| optional.contains(&it));
+        for field in fields.iter().filter(|it| is_optional(it)) {
+            if let (Some(name), Ok(column)) = (field.name(), empty_column(field)) {
+                columns.insert(name.to_owned(), column);
+            }
         }
         let mut budget = ByteBudget::of_file(bytes.len());
         let mut n_batch_bytes = 0_usize;

@@ -77,6 +77,25 @@ pub struct PackedPoints<'a> {
 /// The names that the intensity goes by, the first that there is counts.
 const INTENSITY_NAMES: [&str; 4] = ["intensity", "intensities", "reflectivity", "i"];
 
+/// The field that has the number of the laser.
+pub const RING: &str = "ring";
+
+/// The field in which scanbench has seconds after the time of the scan.
+pub const TIME_OFFSET: &str = "time_offset_s";
+
+/// Fields of times after that of the scan, as scanbench, drivers of Velodyne and drivers of Ouster write them, with their unit in
+/// seconds. The type counts as well: a time in another one has a unit that nobody knows.
+const TIME_FIELDS: [(&str, NumberType, f64); 3] =
+    [(TIME_OFFSET, NumberType::F32, 1.0), ("time", NumberType::F32, 1.0), ("t", NumberType::U32, 1e-9)];
+
+/// The field of `fields` that says when a point was measured, after the time of the scan, and its unit in seconds.
+pub fn time_field(fields: &[PackedField]) -> Option<(&PackedField, f64)> {
+    TIME_FIELDS.iter().find_map(|(name, number, unit_s)| {
+        let is_it = |it: &&PackedField| it.name.eq_ignore_ascii_case(name) && it.number == *number;
+        fields.iter().find(is_it).map(|field| (field, *unit_s))
+    })
+}
+
 impl PackedPoints<'_> {
     /// Makes sure that every number lies within the data. Errors are the rest of a sentence about the file.
     ///
@@ -118,7 +137,7 @@ impl PackedPoints<'_> {
         if self.point_step == 0 { 0 } else { self.n_rows * self.n_columns }
     }
 
-    /// The points in metres.
+    /// The points in metres, with their lasers and times where there are [such](time_field) fields.
     ///
     /// # Errors
     ///
@@ -147,7 +166,30 @@ impl PackedPoints<'_> {
                 points.push([x, y, z].map(|field| self.number(point, field)), intensity)?;
             }
         }
+        self.take_lasers_and_times(&self.fields, &mut points)?;
         Ok(points)
+    }
+
+    /// Takes lasers and times into `points`, which are these, by the types that `fields` have.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::column`].
+    pub fn take_lasers_and_times(
+        &self,
+        fields: &[PackedField],
+        points: &mut PositionedPoints,
+    ) -> Result<(), String> {
+        if let Some(of_all) = self.column(RING)? {
+            points.take_rings(&of_all);
+        }
+        if let Some((field, unit_s)) = time_field(fields)
+            && let Some(mut of_all) = self.column(&field.name)?
+        {
+            of_all.iter_mut().for_each(|it| *it *= unit_s);
+            points.take_time_offsets_s(&of_all);
+        }
+        Ok(())
     }
 
     /// The numbers of the field called `name`, if there is one.
@@ -256,6 +298,27 @@ mod tests {
             byte_order,
             data,
         }
+    }
+
+    #[test]
+    fn lasers_and_times_are_taken_from_fields_whose_unit_is_certain() {
+        let times = |name: &str, number: NumberType, value: &[u8]| {
+            let mut point = [0; 22];
+            point[12..12 + value.len()].copy_from_slice(value);
+            point[20..].copy_from_slice(&[1, 2]);
+            let mut fields = xyz(1, 1, 22, &point).fields;
+            fields.extend([field(name, 12, number), field("RING", 20, NumberType::U16)]);
+            let packed = PackedPoints { fields, point_step: 22, ..xyz(1, 1, 22, &point) };
+            let (cloud, _) = packed.positioned().unwrap().into_parts();
+            assert_eq!(cloud.ring(), Some(&[0x0201][..]));
+            cloud.time_offset_s().map(|it| it[0])
+        };
+        assert_eq!(times("time", NumberType::F32, &(-0.25_f32).to_le_bytes()), Some(-0.25));
+        assert_eq!(times("time_offset_s", NumberType::F32, &0.5_f32.to_le_bytes()), Some(0.5));
+        assert_eq!(times("t", NumberType::U32, &50_000_000_u32.to_le_bytes()), Some(0.05));
+        assert_eq!(times("t", NumberType::F32, &0.05_f32.to_le_bytes()), None);
+        assert_eq!(times("time", NumberType::F64, &0.05_f64.to_le_bytes()), None);
+        assert_eq!(times("time", NumberType::F32, &f32::NAN.to_le_bytes()), None);
     }
 
     #[track_caller]

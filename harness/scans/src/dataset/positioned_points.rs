@@ -2,7 +2,7 @@
 //!
 //! A point with a coordinate that is NaN or infinite was not measured. It is left out, and its place in the file is kept, so that whatever the file
 //! says point by point still finds its point. A coordinate that is a number and lies beyond what any sensor sees is damage. An intensity that is no
-//! number becomes 0.
+//! number becomes 0. Numbers of lasers and times are taken where every point with a position has one.
 
 use std::path::Path;
 
@@ -13,6 +13,9 @@ use crate::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanI
 
 /// A coordinate farther from the origin than this, in metres, is damage.
 pub const MAX_COORDINATE_M: f64 = 10_000.0;
+
+/// No point of a scan is measured so many seconds before or after it.
+pub const MAX_TIME_OFFSET_S: f64 = 10.0;
 
 /// Points of a file, taken in its order.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -92,6 +95,25 @@ impl PositionedPoints {
     /// Of values that the file has for all its points, those of the points with a position.
     pub fn values_of_kept<T: Copy>(&self, of_all: &[T]) -> Vec<T> {
         values_of_kept(of_all, &self.left_out)
+    }
+
+    /// Takes numbers of lasers that the file has for all its points. Where one of them is no number of a laser, none is taken.
+    pub fn take_rings(&mut self, of_all: &[f64]) {
+        let ring_of = |it: f64| (it.fract() == 0.0 && (0.0..=65535.0).contains(&it)).then_some(it as u16);
+        let rings: Option<Vec<u16>> = self.values_of_kept(of_all).into_iter().map(ring_of).collect();
+        if let Some(rings) = rings.filter(|it| it.len() == self.cloud.len()) {
+            self.cloud.set_ring(rings);
+        }
+    }
+
+    /// Takes times that the file has for all its points, in seconds after that of the scan. Where one of them is no time within
+    /// [`MAX_TIME_OFFSET_S`], none is taken.
+    pub fn take_time_offsets_s(&mut self, of_all: &[f64]) {
+        let offset_of = |it: f64| (it.abs() <= MAX_TIME_OFFSET_S).then_some(it as f32);
+        let offsets_s: Option<Vec<f32>> = self.values_of_kept(of_all).into_iter().map(offset_of).collect();
+        if let Some(offsets_s) = offsets_s.filter(|it| it.len() == self.cloud.len()) {
+            self.cloud.set_time_offset_s(offsets_s);
+        }
     }
 
     /// The cloud, and the places in the file of the points that are not in it, ascending.
@@ -188,6 +210,25 @@ mod tests {
             points.push([0.0; 3], intensity).unwrap();
         }
         assert_eq!(points.cloud().intensity(), [0.0, 0.0, 0.25]);
+    }
+
+    #[test]
+    fn rings_and_times_are_those_of_the_points_with_a_position_and_of_all_of_them() {
+        let with = |rings: &[f64], times_s: &[f64]| {
+            let mut points = points(&[1.0, f64::NAN, 2.0]).unwrap();
+            points.take_rings(rings);
+            points.take_time_offsets_s(times_s);
+            let (cloud, _) = points.into_parts();
+            (cloud.ring().map(<[u16]>::to_vec), cloud.time_offset_s().map(<[f32]>::to_vec))
+        };
+        assert_eq!(
+            with(&[3.0, f64::NAN, 65535.0], &[-0.5, 1e9, 0.25]),
+            (Some(vec![3, 65535]), Some(vec![-0.5, 0.25]))
+        );
+        for (ring, time_s) in [(1.5, f64::NAN), (-1.0, 11.0), (65536.0, f64::INFINITY), (f64::NAN, -1e300)] {
+            assert_eq!(with(&[3.0, 3.0, ring], &[0.0, 0.0, time_s]), (None, None));
+        }
+        assert_eq!(with(&[3.0], &[]), (None, None));
     }
 
     #[test]

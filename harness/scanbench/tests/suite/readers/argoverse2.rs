@@ -24,6 +24,9 @@ fn sweeps_are_read_in_the_frame_of_the_sensor() {
     assert_eq!(first.cloud, second.cloud);
     assert_eq!((first.cloud.len(), first.cloud.position_m(0)), (204, [9.5, 0.5, -1.0]));
     assert_eq!(first.cloud.intensity()[0], 0.2);
+    let (rings, times_s) = (first.cloud.ring().unwrap(), first.cloud.time_offset_s().unwrap());
+    assert_eq!(rings, (0..204).collect::<Vec<u16>>());
+    assert!((times_s[203] - 203e-9).abs() < 1e-12, "{times_s:?}");
     let [car] = &first.annotations[..] else { panic!("{:?}", first.annotations) };
     assert_eq!(
         (car.class, car.track, &car.point_indices[..]),
@@ -44,6 +47,10 @@ fn boxes_hold_as_many_points_as_the_makers_counted() {
     let folder = test_data!("data/argoverse2");
     let scan = open(&folder).read_scan(0).unwrap();
     assert_eq!(scan.cloud.len(), 100_660);
+    // Two lidars of 32 lasers, and a tenth of a second.
+    assert_eq!(scan.cloud.ring().unwrap().iter().max(), Some(&63));
+    let times_s = scan.cloud.time_offset_s().unwrap();
+    assert!(times_s.iter().all(|it| it.abs() < 0.11) && times_s.iter().any(|it| it.abs() > 0.09));
     // num_interior_pts of the 47 rows of this sweep adds up to this; points are rounded to sixteen bits there and here.
     let counted: usize = scan.annotations.iter().map(|it| it.point_indices.len()).sum();
     assert_eq!(scan.annotations.len(), 47);

@@ -191,10 +191,51 @@ fn a_cloud_of_ros_is_read_whatever_its_layout() {
         // The third point has no position.
         assert!(scan.cloud.positions_m().eq([0, 1, 3].map(|place| POSITIONS_M[place])), "{:?}", scan.cloud);
         assert_eq!((scan.cloud.intensity(), &scan.points_left_out[..]), (&[300.0; 3][..], &[2][..]));
+        assert_eq!((scan.cloud.ring(), scan.cloud.time_offset_s()), (Some(&[0xbb; 3][..]), None));
         // Nobody labelled anything.
         assert_eq!((scan.annotations.len(), scan.point_regions), (0, vec![PointRegion::Outside; 3]));
         assert_eq!(dataset.world_from_sensor(1).unwrap(), None);
     }
+}
+
+#[test]
+fn moments_of_points_are_told_from_the_stamp_in_whatever_unit() {
+    // The points of one row, of which each has its moment as `f64`.
+    let cloud = |stamp_ns: u64, moments: [f64; 2]| {
+        let data: Vec<u8> = moments
+            .iter()
+            .flat_map(|it| {
+                let position = [5.0_f32, 1.0, -1.0].into_iter().flat_map(f32::to_le_bytes);
+                position.chain(it.to_le_bytes()).collect::<Vec<u8>>()
+            })
+            .collect();
+        let mut cdr = Cdr::new(false);
+        cdr.header(stamp_ns, "lidar").u32(1).u32(2).u32(4);
+        for (name, offset, number) in [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("timestamp", 12, 8)] {
+            cdr.text(name).u32(offset).u8(number).u32(1);
+        }
+        cdr.u8(0).u32(20).u32(40).data(&data).u8(0);
+        cdr.bytes
+    };
+    let stamp_s = 1_700_000_000.0;
+    let check = |moments: [f64; 2], expected: Option<[f32; 2]>| {
+        let workplace = Workplace::new();
+        let stamp_ns = 1_700_000_000 * SECOND;
+        let messages = [("/top", CLOUD, "cdr", stamp_ns, cloud(stamp_ns, moments))];
+        let scan = open(&write(&workplace, WriteOptions::new(), &messages)).read_scan(0).unwrap();
+        match (scan.cloud.time_offset_s(), expected) {
+            (Some(found), Some(expected)) => {
+                assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?}");
+            }
+            (found, expected) => assert_eq!((found, expected), (None, None)),
+        }
+    };
+    check([stamp_s - 0.05, stamp_s + 0.05], Some([-0.05, 0.05]));
+    check([1e9 * (stamp_s - 0.05), 1e9 * (stamp_s + 0.05)], Some([-0.05, 0.05]));
+    // Microseconds, since the sensor was switched on, and not at all.
+    check([1e6 * stamp_s; 2], None);
+    check([12.0, 12.1], None);
+    check([stamp_s, f64::NAN], None);
 }
 
 /// Every way to write that readers have to cope with.

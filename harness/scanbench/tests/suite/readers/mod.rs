@@ -8,7 +8,7 @@ use scans::dataset::{Dataset, DatasetError};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
-mod argoverse2;
+pub mod argoverse2;
 mod bounds;
 mod class_names;
 mod commands;

@@ -28,6 +28,7 @@ fn a_scene_is_read_as_it_was_made() {
         ];
         for (found, expected) in scans(&*dataset).iter().zip(scans(&*street).iter().map(boxed)) {
             assert!(found.cloud.positions_m().eq(expected.cloud.positions_m()));
+            assert_eq!(found.cloud.ring().unwrap(), vec![7; found.cloud.len()]);
             assert!(found.annotations.len() == expected.annotations.len());
             for (place, (found, expected)) in found.annotations.iter().zip(&expected.annotations).enumerate()
             {

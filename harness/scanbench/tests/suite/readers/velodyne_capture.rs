@@ -43,8 +43,35 @@ fn revolutions_are_cut_where_the_azimuth_is_0() {
             assert!(scan.point_regions.iter().all(|it| *it == PointRegion::Outside));
             let [x, y, _] = scan.cloud.position_m(0);
             assert!(x > 3.0 && y.abs() < 0.05, "the first points are ahead: {x} {y}");
+            let rings = scan.cloud.ring().unwrap();
+            assert!((0..32).all(|it| rings.contains(&it)) && rings.len() == n_returns(32));
+            // Their clocks stand still, as in captures that were made of something else.
+            assert_eq!(scan.cloud.time_offset_s(), None);
         }
     }
+}
+
+#[test]
+fn points_have_the_times_of_their_packets() {
+    let workplace = Workplace::new();
+    let mut packets = turns(1, HDL_32E);
+    // The hour ends within the first turn.
+    for (number, packet) in (0_u32..).zip(&mut packets) {
+        let micros = (3_600_000_000_u64 - 60_000 + 553 * u64::from(number)) % 3_600_000_000;
+        packet[1200..1204].copy_from_slice(&(micros as u32).to_le_bytes());
+    }
+    write(&workplace.path("a.pcap"), pcap(&packets));
+    let scan = open(&workplace.path("a.pcap")).read_scan(0).unwrap();
+    let times_s = scan.cloud.time_offset_s().unwrap();
+    assert!(times_s.windows(2).all(|it| it[0] < it[1]) && times_s[0] >= 0.0, "{:?}", &times_s[..40]);
+    let n_packets = n_returns(32) as f32 / (12.0 * 32.0);
+    let last_s = times_s[times_s.len() - 1];
+    assert!((last_s - 553e-6 * n_packets).abs() < 0.1 * last_s, "{last_s}");
+
+    // One clock that was set meanwhile.
+    packets[100][1200..1204].copy_from_slice(&7_u32.to_le_bytes());
+    write(&workplace.path("b.pcap"), pcap(&packets));
+    assert_eq!(open(&workplace.path("b.pcap")).read_scan(0).unwrap().cloud.time_offset_s(), None);
 }
 
 #[test]

@@ -198,8 +198,12 @@ impl SensorLogs {
     }
 }
 
+/// The columns of a sweep that say which laser saw a point, and when after the time of the sweep, in nanoseconds.
+const LASER: &str = "laser_number";
+const OFFSET: &str = "offset_ns";
+
 fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<PositionedPoints, DatasetError> {
-    let mut table = FeatherTable::read(path, &["x", "y", "z", "intensity"])?;
+    let mut table = FeatherTable::read_some(path, &["x", "y", "z", "intensity"], &[LASER, OFFSET])?;
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
     let mut take = |name: &str| table.take_numbers(name).map_err(damaged);
     let (x, y, z, intensity) = (take("x")?, take("y")?, take("z")?, take("intensity")?);
@@ -214,6 +218,11 @@ fn read_sweep(path: &Path, car_from_sensor_m: &Vector3<f64>) -> Result<Positione
         let intensity = intensity[point_idx] as f32 / 255.0;
         points.push(position_m.into(), intensity).map_err(damaged)?;
     }
+    let mut take_if_there = |name: &str| table.take_integers(name).unwrap_or_default();
+    let lasers: Vec<f64> = take_if_there(LASER).into_iter().map(|it| it as f64).collect();
+    let offsets_s: Vec<f64> = take_if_there(OFFSET).into_iter().map(|it| it as f64 * 1e-9).collect();
+    points.take_rings(&lasers);
+    points.take_time_offsets_s(&offsets_s);
     points.not_empty(path)
 }
 

@@ -7,7 +7,8 @@ use super::foxglove_messages::decode_cloud;
 use super::ros_messages::point_cloud_2;
 use super::topics::MessageKind;
 use crate::annotation::{Annotation, PointRegion};
-use crate::dataset::packed_points::PackedPoints;
+use crate::dataset::packed_points::{NumberType, PackedField, PackedPoints};
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// The fields of points in which scanbench says what boxes cannot.
 pub mod own_fields {
@@ -58,7 +59,8 @@ impl RecordedCloud {
         stamp_ns: u64,
         frame_from_points: &Isometry3<f64>,
     ) -> Result<Self, String> {
-        let points = packed.positioned()?;
+        let mut points = packed.positioned()?;
+        take_moments(packed, stamp_ns, &mut points)?;
         let of_points = |name: &str| -> Result<Option<Vec<f64>>, String> {
             Ok(packed.column(name)?.map(|of_all| points.values_of_kept(&of_all)))
         };
@@ -70,11 +72,7 @@ impl RecordedCloud {
                 let turned = frame_from_points.rotation * Point3::from([x, y, z].map(f64::from));
                 [turned.x as f32, turned.y as f32, turned.z as f32]
             };
-            let mut all = PointCloud::with_capacity(cloud.len());
-            for (position_m, intensity) in cloud.positions_m().zip(cloud.intensity()) {
-                all.push(turned(position_m), *intensity);
-            }
-            cloud = all;
+            cloud.move_points(turned);
         }
         Ok(Self {
             cloud,
@@ -96,6 +94,29 @@ impl RecordedCloud {
             }
         }
     }
+}
+
+/// Takes times of points that are moments of the clock of `stamp_ns`, in seconds or nanoseconds: what is near the stamp in one of
+/// these units cannot be so in the other.
+fn take_moments(
+    packed: &PackedPoints<'_>,
+    stamp_ns: u64,
+    points: &mut PositionedPoints,
+) -> Result<(), String> {
+    let is_moment = |it: &PackedField| it.name == "timestamp" && it.number == NumberType::F64;
+    if points.cloud().time_offset_s().is_some() || !packed.fields.iter().any(is_moment) || stamp_ns == 0 {
+        return Ok(());
+    }
+    let moments = packed.column("timestamp")?.unwrap_or_default();
+    for unit_s in [1.0, 1e-9] {
+        let stamp = stamp_ns as f64 * 1e-9 / unit_s;
+        let offsets_s: Vec<f64> = moments.iter().map(|it| (it - stamp) * unit_s).collect();
+        points.take_time_offsets_s(&offsets_s);
+        if points.cloud().time_offset_s().is_some() {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// The region that a number stands for in recordings.

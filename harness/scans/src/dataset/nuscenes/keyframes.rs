@@ -180,11 +180,18 @@ fn versions_in(folder: &Path) -> Vec<PathBuf> {
 }
 
 fn parse_scan(path: &Path, bytes: &[u8]) -> Result<PositionedPoints, DatasetError> {
-    PositionedPoints::of_rows(path, bytes, |row: &[u8; N_BYTES_PER_POINT]| {
-        let (values, _) = row.as_chunks::<4>();
-        let [right_m, forward_m, up_m, intensity] =
-            std::array::from_fn(|column| f32::from_le_bytes(values[column]));
+    let mut points = PositionedPoints::of_rows(path, bytes, |row| {
+        let [right_m, forward_m, up_m, intensity, _] = values_of(row);
         // A byte, brought to the range that other sensors have.
         ([forward_m, -right_m, up_m], intensity / 255.0)
-    })
+    })?;
+    let (rows, _) = bytes.as_chunks();
+    let rings: Vec<f64> = rows.iter().map(|row| f64::from(values_of(row)[4])).collect();
+    points.take_rings(&rings);
+    Ok(points)
+}
+
+fn values_of(row: &[u8; N_BYTES_PER_POINT]) -> [f32; 5] {
+    let (values, _) = row.as_chunks::<4>();
+    std::array::from_fn(|column| f32::from_le_bytes(values[column]))
 }

@@ -1,7 +1,7 @@
 //! PCD, the format of the Point Cloud Library: a header in text, then points as text, as rows of bytes, or compressed field by
 //! field.
 
-use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints};
+use crate::dataset::packed_points::{ByteOrder, NumberType, PackedField, PackedPoints, RING, time_field};
 use crate::dataset::positioned_points::PositionedPoints;
 
 /// A point has fewer fields than this.
@@ -152,6 +152,10 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, Stri
         place("z").ok_or_else(|| lacks("z"))?,
     );
     let intensity = place("intensity");
+    let fields: Vec<PackedField> = header.fields.iter().map(|(field, _)| field.clone()).collect();
+    let ring = place(RING);
+    let time = time_field(&fields).and_then(|(field, unit_s)| Some((place(&field.name)?, unit_s)));
+    let (mut rings, mut times_s) = (Vec::new(), Vec::new());
     // Not as many as announced: that is only a claim.
     let mut points = PositionedPoints::default();
     for (line_idx, line) in
@@ -166,7 +170,15 @@ fn parse_text(header: &Header<'_>, data: &[u8]) -> Result<PositionedPoints, Stri
         };
         let intensity = intensity.map_or(Ok(0.0), number)? as f32;
         points.push([number(x)?, number(y)?, number(z)?], intensity)?;
+        if let Some(ring) = ring {
+            rings.push(number(ring)?);
+        }
+        if let Some((time, unit_s)) = time {
+            times_s.push(unit_s * number(time)?);
+        }
     }
+    points.take_rings(&rings);
+    points.take_time_offsets_s(&times_s);
     if points.n_in_file() < header.n_points {
         return Err(format!("announces {} points but has {}", header.n_points, points.n_in_file()));
     }
@@ -238,14 +250,15 @@ fn decompress_lzf(compressed: &[u8], n_plain: usize) -> Result<Vec<u8>, String> 
 mod tests {
     use super::*;
 
-    const HEADER: &str = "# .PCD v0.7\nVERSION 0.7\nFIELDS y x rgb z intensity\nSIZE 4 8 1 4 2\nTYPE F F U F U\n\
-                          COUNT 1 1 3 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n";
+    const HEADER: &str = "# .PCD v0.7\nVERSION 0.7\nFIELDS y x rgb z intensity ring time\nSIZE 4 8 1 4 2 1 4\n\
+                          TYPE F F U F U U F\nCOUNT 1 1 3 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n";
 
     #[track_caller]
     fn check(bytes: &[u8]) {
         let (cloud, _) = parse_pcd(bytes).unwrap().into_parts();
         assert!(cloud.positions_m().eq([[1.5, 2.0, -3.0], [4.0, 5.0, 6.0]]), "{cloud:?}");
         assert_eq!(cloud.intensity(), [7.0, 300.0]);
+        assert_eq!((cloud.ring(), cloud.time_offset_s()), (Some(&[12, 5][..]), Some(&[-0.5, 0.25][..])));
     }
 
     #[track_caller]
@@ -254,13 +267,15 @@ mod tests {
         assert!(problem.contains(part), "{problem}");
     }
 
-    fn columns() -> [Vec<u8>; 5] {
+    fn columns() -> [Vec<u8>; 7] {
         [
             [2.0_f32, 5.0].iter().flat_map(|it| it.to_le_bytes()).collect(),
             [1.5_f64, 4.0].iter().flat_map(|it| it.to_le_bytes()).collect(),
             vec![9; 6],
             [-3.0_f32, 6.0].iter().flat_map(|it| it.to_le_bytes()).collect(),
             [7_u16, 300].iter().flat_map(|it| it.to_le_bytes()).collect(),
+            vec![12, 5],
+            [-0.5_f32, 0.25].iter().flat_map(|it| it.to_le_bytes()).collect(),
         ]
     }
 
@@ -290,7 +305,7 @@ mod tests {
 
     #[test]
     fn points_are_the_same_in_all_encodings() {
-        check(format!("{HEADER}DATA ascii\n2 1.5 9 9 9 -3 7\n\n5 4 9 9 9 6 300\n").as_bytes());
+        check(format!("{HEADER}DATA ascii\n2 1.5 9 9 9 -3 7 12 -0.5\n\n5 4 9 9 9 6 300 5 0.25\n").as_bytes());
         check(&[format!("{HEADER}DATA binary\n").as_bytes(), &rows()].concat());
         check(&compressed());
     }
@@ -298,7 +313,7 @@ mod tests {
     #[test]
     fn what_is_announced_must_be_there() {
         check_refused(
-            format!("{HEADER}DATA ascii\n2 1.5 9 9 9 -3 7\n").as_bytes(),
+            format!("{HEADER}DATA ascii\n2 1.5 9 9 9 -3 7 12 0\n").as_bytes(),
             "announces 2 points but has 1",
         );
         check_refused(format!("{HEADER}DATA ascii\n2 1.5 9 9 9\n").as_bytes(), "point 0 with 5 numbers");
@@ -308,7 +323,7 @@ mod tests {
         );
         check_refused(
             &[format!("{HEADER}DATA binary\n").as_bytes(), &rows()[1..]].concat(),
-            "but has 41 bytes",
+            "but has 51 bytes",
         );
         check_refused(format!("{HEADER}DATA zip\n").as_bytes(), "\"zip\"");
         for data in ["ascii", "binary", "binary_compressed"] {
@@ -327,7 +342,7 @@ mod tests {
         check_refused(format!("{claim}DATA ascii\n").as_bytes(), "announces 4294967295 points but has 0");
         check_refused(
             format!("{}DATA binary\n", HEADER.replace("SIZE 4 8", "SIZE 4")).as_bytes(),
-            "5 fields, but 4 sizes",
+            "7 fields, but 6 sizes",
         );
         let without_x = format!("{}DATA binary\n", HEADER.replace("y x", "y w"));
         check_refused(&[without_x.as_bytes(), &rows()].concat(), "without x");

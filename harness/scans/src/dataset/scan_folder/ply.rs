@@ -101,7 +101,7 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
         offset: place * NumberType::F64.n_bytes(),
         number: NumberType::F64,
     };
-    PackedPoints {
+    let packed = PackedPoints {
         fields: fields.iter().enumerate().map(field).collect(),
         n_columns: n_rows,
         n_rows: 1,
@@ -109,8 +109,10 @@ fn parse_text(fields: &[PackedField], n_points: usize, data: &[u8]) -> Result<Po
         row_step: 0,
         byte_order: ByteOrder::Little,
         data: &rows,
-    }
-    .positioned()
+    };
+    let mut points = packed.positioned()?;
+    packed.take_lasers_and_times(fields, &mut points)?;
+    Ok(points)
 }
 
 #[cfg(test)]
@@ -120,7 +122,7 @@ mod tests {
     fn header(format: &str) -> String {
         format!(
             "ply\nformat {format} 1.0\ncomment drawn\nelement vertex 2\nproperty float x\nproperty double y\n\
-             property uchar intensity\nproperty float32 z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+             property uchar intensity\nproperty float32 z\nproperty uchar ring\nproperty uint t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
         )
     }
 
@@ -131,6 +133,8 @@ mod tests {
                 turn(y.to_le_bytes().to_vec()),
                 vec![intensity],
                 turn(z.to_le_bytes().to_vec()),
+                vec![31],
+                turn(50_000_000_u32.to_le_bytes().to_vec()),
             ]
             .concat()
         };
@@ -145,13 +149,14 @@ mod tests {
     #[test]
     fn points_are_the_same_in_all_formats() {
         for bytes in [
-            [header("ascii").as_bytes(), b"1 2 9 -3\n4 5 200 6\n3 0 1 1\n"].concat(),
+            [header("ascii").as_bytes(), b"1 2 9 -3 31 50000000\n4 5 200 6 31 50000000\n3 0 1 1\n"].concat(),
             [header("binary_little_endian").as_bytes(), &rows(|it| it), &[3; 9]].concat(),
             [header("binary_big_endian").as_bytes(), &rows(reversed)].concat(),
         ] {
             let (cloud, _) = parse_ply(&bytes).unwrap().into_parts();
             assert!(cloud.positions_m().eq([[1.0, 2.0, -3.0], [4.0, 5.0, 6.0]]), "{cloud:?}");
             assert_eq!(cloud.intensity(), [9.0, 200.0]);
+            assert_eq!((cloud.ring(), cloud.time_offset_s()), (Some(&[31; 2][..]), Some(&[0.05; 2][..])));
         }
     }
 
@@ -161,8 +166,8 @@ mod tests {
             let problem = parse_ply(bytes).expect_err("damaged");
             assert!(problem.contains(part), "{problem}");
         };
-        check(&[header("binary_little_endian").as_bytes(), &rows(|it| it)[1..]].concat(), "but has 33 bytes");
-        check(&[header("ascii").as_bytes(), b"1 2 9 -3\n"].concat(), "announces 2 vertices but has 1");
+        check(&[header("binary_little_endian").as_bytes(), &rows(|it| it)[1..]].concat(), "but has 43 bytes");
+        check(&[header("ascii").as_bytes(), b"1 2 9 -3 31 0\n"].concat(), "announces 2 vertices but has 1");
         check(&[header("ascii").as_bytes(), b"1 2 9\n1 2 3 4"].concat(), "vertex 0 without its z");
         check(b"plz", "is not a PLY file");
         check(b"ply\n", "header without end");

@@ -36,6 +36,15 @@ const MAX_STEP: u16 = 300;
 const FAR_M: f32 = 25.04;
 const NEAR_M: [f32; 2] = [2.40, 1.93];
 
+/// Which laser measured a point, and when.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Firing {
+    /// Its place in the table of lasers.
+    pub laser_idx: usize,
+    /// Microseconds after the first lasers of the packet.
+    pub micros: f32,
+}
+
 /// A data packet.
 #[derive(Debug, Clone, Copy)]
 pub struct DataPacket<'a> {
@@ -115,7 +124,14 @@ impl<'a> DataPacket<'a> {
         if step > MAX_STEP { 0.0 } else { f32::from(step) }
     }
 
-    /// Appends the points of the blocks from `first` on, up to without `end`. Measurements without a return are none.
+    /// When its first lasers fired, in microseconds of an hour.
+    pub fn micros_of_hour(&self) -> u32 {
+        let [.., a, b, c, d, _, _] = *self.bytes;
+        u32::from_le_bytes([a, b, c, d])
+    }
+
+    /// Appends the points of the blocks from `first` on, up to without `end`, and what is known of them beside. Measurements without a
+    /// return are none.
     ///
     /// # Errors
     ///
@@ -126,6 +142,7 @@ impl<'a> DataPacket<'a> {
         end: usize,
         lasers: &[Laser],
         points: &mut PositionedPoints,
+        firings: &mut Vec<Firing>,
     ) -> Result<(), String> {
         for block in (first..end.min(N_BLOCKS)).filter(|it| self.is_taken(*it)) {
             let begin = block * N_BLOCK_BYTES;
@@ -134,16 +151,17 @@ impl<'a> DataPacket<'a> {
             let (measurements, _) = self.bytes[begin + 4..begin + N_BLOCK_BYTES].as_chunks::<3>();
             for (place, &[low, high, intensity]) in measurements.iter().enumerate().take(N_MEASUREMENTS) {
                 let distance = u16::from_le_bytes([low, high]);
-                let laser = match self.model {
+                let laser_idx = match self.model {
                     VelodyneModel::Vlp16 => place % 16,
                     VelodyneModel::Hdl32e => place,
                     VelodyneModel::Hdl64e => place + if is_second_bank { N_MEASUREMENTS } else { 0 },
                 };
-                if let (true, Some(laser)) = (distance > 0, lasers.get(laser)) {
+                if let (true, Some(laser)) = (distance > 0, lasers.get(laser_idx)) {
                     let hundredths = azimuth + step * self.share_of_step(place);
                     let azimuth_rad = (hundredths / 100.0).to_radians();
                     let position_m = position_m(laser, azimuth_rad, f32::from(distance) * DISTANCE_STEP_M);
                     points.push(position_m.map(f64::from), f32::from(intensity) / 255.0)?;
+                    firings.push(Firing { laser_idx, micros: self.micros_after_first(block, place) });
                 }
             }
         }
@@ -152,12 +170,23 @@ impl<'a> DataPacket<'a> {
 
     /// When a laser fires, as a share of the time from one column to the next.
     fn share_of_step(&self, place: usize) -> f32 {
-        let micros = match self.model {
+        let [micros, of_column] = self.micros_of(place);
+        micros / of_column
+    }
+
+    /// Microseconds from the first lasers of the packet to this one.
+    fn micros_after_first(&self, block: usize, place: usize) -> f32 {
+        let [micros, of_column] = self.micros_of(place);
+        (block / self.n_blocks_of_column()) as f32 * of_column + micros
+    }
+
+    /// Microseconds from the beginning of a column to a laser, and to the next column.
+    fn micros_of(&self, place: usize) -> [f32; 2] {
+        match self.model {
             VelodyneModel::Vlp16 => [55.296 * (place / 16) as f32 + 2.304 * (place % 16) as f32, 110.592],
             VelodyneModel::Hdl32e => [1.152 * place as f32, 46.08],
             VelodyneModel::Hdl64e => [6.0 * (place / 4) as f32 + 1.2 * (place % 4) as f32, 48.0],
-        };
-        micros[0] / micros[1]
+        }
     }
 }
 
@@ -210,8 +239,32 @@ mod tests {
     fn points(bytes: &[u8; N_PACKET_BYTES]) -> detector::PointCloud {
         let packet = DataPacket::parse(bytes).unwrap();
         let mut points = PositionedPoints::default();
-        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut points).unwrap();
+        let mut firings = Vec::new();
+        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut points, &mut firings).unwrap();
+        assert_eq!(firings.len(), points.n_in_file());
         points.into_parts().0
+    }
+
+    /// The last firing of a packet.
+    fn last_firing(bytes: &[u8; N_PACKET_BYTES]) -> Firing {
+        let packet = DataPacket::parse(bytes).unwrap();
+        let (mut points, mut firings) = (PositionedPoints::default(), Vec::new());
+        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut points, &mut firings).unwrap();
+        *firings.last().unwrap()
+    }
+
+    #[test]
+    fn lasers_fire_one_after_the_other() {
+        let check = |bytes: [u8; N_PACKET_BYTES], laser_idx: usize, micros: f32| {
+            let last = last_firing(&bytes);
+            assert_eq!(last.laser_idx, laser_idx);
+            assert!((last.micros - micros).abs() < 1e-3, "{last:?}");
+        };
+        check(packet([FIRST_BANK; 2], [0x37, 0x22], 40, 5000), 15, 11.0 * 110.592 + 55.296 + 15.0 * 2.304);
+        check(packet([FIRST_BANK; 2], [0x37, 0x21], 10, 5000), 31, 11.0 * 46.08 + 31.0 * 1.152);
+        let mut stamped = packet([FIRST_BANK; 2], [0x37, 0x21], 10, 5000);
+        stamped[N_PACKET_BYTES - 6..N_PACKET_BYTES - 2].copy_from_slice(&1_000_000_u32.to_le_bytes());
+        assert_eq!(DataPacket::parse(&stamped).unwrap().micros_of_hour(), 1_000_000);
     }
 
     #[test]

@@ -29,6 +29,12 @@ const MAX_GAP_NS: u64 = 40_000_000;
 /// A revolution that begins and ends this near to azimuth 0 is whole, in hundredths of a degree.
 const WHOLE_WITHIN: u16 = 500;
 
+/// After so many microseconds the clock of a packet begins again.
+const MICROS_OF_HOUR: u32 = 3_600_000_000;
+
+/// Packets of a sensor follow each other sooner than this; otherwise their clock was set meanwhile, or there is none.
+const MAX_MICROS_BETWEEN_PACKETS: u64 = 1_000_000;
+
 /// An open capture.
 #[derive(Debug)]
 pub struct VelodyneCapture {
@@ -145,6 +151,8 @@ impl VelodyneCapture {
         let damaged = |problem| DatasetError::Damaged { path: self.path.clone(), problem };
         let mut file = File::open(&self.path).map_err(io_error)?;
         let mut points = PositionedPoints::default();
+        let (mut rings, mut offsets_s) = (Vec::new(), Vec::new());
+        let (mut firings, mut clock) = (Vec::new(), PacketClock::default());
         let mut bytes = [0; N_PACKET_BYTES];
         for packet_idx in revolution.first_packet..=revolution.last_packet {
             file.seek(SeekFrom::Start(self.payloads[packet_idx].offset)).map_err(io_error)?;
@@ -153,9 +161,38 @@ impl VelodyneCapture {
             let end = if packet_idx == revolution.last_packet { revolution.end_block } else { N_BLOCKS };
             // Read before, unless the file has changed since.
             let packet = DataPacket::parse(&bytes).map_err(damaged)?;
-            packet.append_points(first, end, &self.lasers, &mut points).map_err(damaged)?;
+            firings.clear();
+            packet.append_points(first, end, &self.lasers, &mut points, &mut firings).map_err(damaged)?;
+            let packet_s = clock.seconds_since_first(packet.micros_of_hour());
+            rings.extend(firings.iter().map(|it| it.laser_idx as f64));
+            offsets_s.extend(firings.iter().map(|it| packet_s + 1e-6 * f64::from(it.micros)));
         }
+        points.take_rings(&rings);
+        points.take_time_offsets_s(&offsets_s);
         points.not_empty(&self.path)
+    }
+}
+
+/// The clocks of the packets of one revolution.
+#[derive(Default)]
+struct PacketClock {
+    first_and_last_micros: Option<[u32; 2]>,
+}
+
+impl PacketClock {
+    /// Seconds from the first packet to this one; not a number where the clock does not go on, as in captures without one.
+    fn seconds_since_first(&mut self, micros_of_hour: u32) -> f64 {
+        let [first, last] = self.first_and_last_micros.unwrap_or([micros_of_hour; 2]);
+        let is_first = self.first_and_last_micros.is_none();
+        self.first_and_last_micros = Some([first, micros_of_hour]);
+        if [first, last, micros_of_hour].iter().any(|it| *it >= MICROS_OF_HOUR) {
+            return f64::NAN;
+        }
+        // The hour may end between two packets.
+        let hour = u64::from(MICROS_OF_HOUR);
+        let since = |earlier: u32| (u64::from(micros_of_hour) + hour - u64::from(earlier)) % hour;
+        let goes_on = is_first || (1..MAX_MICROS_BETWEEN_PACKETS).contains(&since(last));
+        if goes_on { 1e-6 * since(first) as f64 } else { f64::NAN }
     }
 }
 
