@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
 use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -25,7 +26,7 @@ pub struct RunReport {
 /// What a number is about.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Subject {
-    /// Id of the data set; [`OVERALL`](crate::vocabulary::extent::OVERALL) in the rows about all of them.
+    /// Id of the data set; [`OVERALL`] in the rows about all of them.
     pub dataset: String,
     /// The task.
     pub task: Task,
@@ -192,6 +193,20 @@ impl RunReport {
         self.rows.first().map(|it| it.subject.task)
     }
 
+    /// Scans of all data sets that `detector` gave no answer to, and all its scans; `None` if it answered all of them.
+    pub fn failed_scans(&self, task: Task, detector: &str) -> Option<[u64; 2]> {
+        let is_its = |it: &&MetricRow| {
+            let Subject { dataset, task: of_task, detector: of_detector, .. } = &it.subject;
+            it.metric == Metric::FailedScans
+                && (*of_task, of_detector.as_str()) == (task, detector)
+                && dataset != OVERALL
+        };
+        let [n_failed, n_scans] = self.rows.iter().filter(is_its).fold([0, 0], |[n_failed, n_scans], it| {
+            [n_failed + it.value().unwrap_or(0.0) as u64, n_scans + it.n]
+        });
+        (n_failed > 0).then_some([n_failed, n_scans])
+    }
+
     /// The row about `subject` and `metric`, whether of one data set or of all.
     pub fn row(&self, subject: &Subject, metric: &Metric) -> Option<&MetricRow> {
         self.rows.iter().chain(&self.overall).find(|it| it.subject == *subject && it.metric == *metric)
@@ -334,7 +349,6 @@ impl TryFrom<RowRecord> for MetricRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vocabulary::extent::OVERALL;
     use crate::vocabulary::metric::LatencyStatistic;
 
     fn row(metric: Metric, value: Option<f64>, n: u64) -> MetricRow {

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::markup::{Figure, FigureMarkup};
-use super::run_facts::RunFacts;
+use super::run_facts::{FailedDetector, RunFacts};
 use crate::plots::standing_plot::{StandingRow, standing_plot};
 use crate::tables::paper_figures::{PAPER_TABLES, Recordings};
 use crate::verdicts::standing::{Standing, origin_of_run};
@@ -46,6 +46,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 @for standing in &facts.standings { p { (unbroken(&standing.sentence())) } }
                 @if let Some(sentence) = facts.speeds.sentence() { p { (unbroken(&sentence)) } }
             }
+            @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
             (FigureMarkup {
                 file_stem: "standing",
                 title: &format!("{} ({}){}", heading(facts), origin.name(), caveat(facts, "; bars: intervals")),
@@ -62,6 +63,14 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             }.render(files))
         }
     }
+}
+
+fn about_failure(failed: &FailedDetector) -> String {
+    let FailedDetector { detector, first: ((dataset, sequence, scan), reason), n_failed, n_scans } = failed;
+    format!(
+        "{detector} failed at {n_failed} of {n_scans} scans. They count as nothing found. The first was \
+         {dataset} {sequence}/{scan:06}: {reason}."
+    )
 }
 
 /// What is to be said of the intervals, after `before`; nothing if there is nothing to be said.

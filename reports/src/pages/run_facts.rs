@@ -50,8 +50,21 @@ pub(super) struct RunFacts {
     /// All boxes of the scans that a worst mistake is in.
     pub(super) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
     pub(super) points: Option<WorstPoints>,
+    /// Detectors that gave no answer to some scans, in the order of the run.
+    pub(super) failures: Vec<FailedDetector>,
     /// Whether there is a recording for the viewer.
     pub(super) has_recording: bool,
+}
+
+/// A detector that gave no answer to some scans.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FailedDetector {
+    pub(super) detector: String,
+    /// The first of these scans, and why.
+    pub(super) first: (ScanName, String),
+    pub(super) n_failed: u64,
+    /// All its scans.
+    pub(super) n_scans: u64,
 }
 
 /// Rates over range in one task.
@@ -98,15 +111,25 @@ impl RunFacts {
         let mut times_ms: Vec<(String, Vec<f64>)> =
             detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
         let mut first_task = None;
+        let mut failures: BTreeMap<String, (ScanName, String)> = BTreeMap::new();
         each_row(&directory.join(SCANS_CSV), |row: ScanRow| {
             tally.add_scan(&row);
             // Every task has a row about the same detection.
             let is_first = *first_task.get_or_insert(row.task) == row.task;
+            if let Some(reason) = row.numbers().and_then(|it| it.failure.clone()) {
+                let scan = (row.dataset.clone(), row.sequence.clone(), row.scan);
+                failures.entry(row.detector.clone()).or_insert((scan, reason));
+            }
             let times = times_ms.iter_mut().find(|(name, _)| is_first && *name == row.detector);
             if let (Some((_, times)), ScanOutcome::Evaluated(numbers)) = (times, &row.outcome) {
                 times.extend(numbers.latency_ms.filter(|it| *it > 0.0));
             }
         })?;
+        let failed_detector = |name: &String| {
+            let [n_failed, n_scans] = report.failed_scans(report.first_task()?, name)?;
+            Some(FailedDetector { detector: name.clone(), first: failures.remove(name)?, n_failed, n_scans })
+        };
+        let failures = detectors.iter().filter_map(failed_detector).collect();
         for (_, times) in &mut times_ms {
             times.sort_by(f64::total_cmp);
         }
@@ -125,6 +148,7 @@ impl RunFacts {
             stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(&report, &manifest, it))).collect(),
             boxes: boxes_of(&matches, &worst)?,
             points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
+            failures,
             has_recording: directory.join("run.rrd").is_file(),
             times_ms,
             worst,

@@ -141,6 +141,19 @@ mod tests {
     }
 
     #[test]
+    fn failures_are_told_beside_the_verdict() {
+        let html = page(&SampleRun { detectors: &["pca", "odd"], n_failed: 3, ..USUAL }).html;
+        check_holds(
+            &html,
+            &[
+                "But odd failed at 3 of 12 scans, which count as nothing found.",
+                "odd failed at 3 of 12 scans. They count as nothing found. The first was main_road drive/000000: it closed its pipe.",
+            ],
+        );
+        assert!(!page(&USUAL).html.contains("failed"));
+    }
+
+    #[test]
     fn names_from_files_are_text_and_never_markup() {
         let hostile = "<script>alert(1)</script>&\"'";
         let page = page(&SampleRun { datasets: &[hostile], detectors: &[hostile], ..USUAL });

@@ -35,6 +35,8 @@ pub(super) struct SampleRun<'a> {
     pub(super) class: AnnotationClass,
     /// Scans, each of a second of its own.
     pub(super) n_blocks: u32,
+    /// The last detector gave no answer to so many of the first of them.
+    pub(super) n_failed: u32,
 }
 
 /// Three detectors on a simulated street.
@@ -45,6 +47,7 @@ pub(super) const USUAL: SampleRun<'_> = SampleRun {
     knows_false: true,
     class: AnnotationClass::Car,
     n_blocks: 12,
+    n_failed: 0,
 };
 
 const N_OBJECTS: u64 = 10;
@@ -117,7 +120,9 @@ impl SampleRun<'_> {
         self.each(|dataset, (detector_idx, detector), task, scan| {
             let fo = (self.knows_false || task == Task::Vehicles).then_some(1);
             let tp = N_OBJECTS - Self::n_missed(detector_idx);
+            let has_failed = detector_idx + 1 == self.detectors.len() && scan < 10 * self.n_failed;
             let numbers = ScanNumbers {
+                failure: has_failed.then(|| "it closed its pipe".to_owned()),
                 latency_ms: Some(10_f64.powi(detector_idx as i32) * (1.0 + f64::from(scan) / 100.0)),
                 least_latency_ms: Some(10_f64.powi(detector_idx as i32)),
                 reference_ms: Some(0.25),
@@ -182,6 +187,9 @@ impl SampleRun<'_> {
                 let row = |metric, value| {
                     MetricRow::new(subject.clone(), metric, Some(value), u64::from(self.n_blocks))
                 };
+                if self.n_failed > 0 && detector_idx + 1 == self.detectors.len() {
+                    rows.push(row(Metric::FailedScans, f64::from(self.n_failed)));
+                }
                 rows.push(row(Metric::FpsMean, 1000.0 / median_ms));
                 rows.push(row(Metric::Latency(LatencyStatistic::P50), median_ms));
                 rows.push(row(Metric::StageP50("dense_level".to_owned()), median_ms));

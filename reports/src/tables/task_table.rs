@@ -214,20 +214,7 @@ fn foreign(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Option<Str
 
 /// Those of `detectors` that gave no answer to some scans of all data sets.
 fn failures(report: &RunReport, task: Task, detectors: &[String]) -> Vec<(String, [u64; 2])> {
-    let of_detector = |detector: &String| {
-        let is_its = |it: &&MetricRow| {
-            let Subject { dataset, task: of_task, detector: of_detector, .. } = &it.subject;
-            it.metric == Metric::FailedScans
-                && *of_task == task
-                && of_detector == detector
-                && dataset != OVERALL
-        };
-        let rows = report.rows().iter().filter(is_its);
-        let sum = rows.fold([0, 0], |[n_failed, n_scans], it| {
-            [n_failed + it.value().unwrap_or(0.0) as u64, n_scans + it.n]
-        });
-        (sum[0] > 0).then(|| (detector.clone(), sum))
-    };
+    let of_detector = |it: &String| Some((it.clone(), report.failed_scans(task, it)?));
     detectors.iter().filter_map(of_detector).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rows::scan_row::ScanOutcome;
+use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::vocabulary::task::Task;
@@ -106,8 +106,14 @@ fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
         scans
     };
     let (before, now) = (evaluated(baseline), evaluated(run));
+    let gone = detectors_only_in(baseline, run);
+    let whole =
+        gone.iter().map(|it| format!("the detector {it} is only in the earlier run, not in the later one"));
     let missing = before.iter().filter_map(|(subject, scans)| {
         let (detector, task, dataset) = subject;
+        if gone.contains(detector) {
+            return None;
+        }
         match now.get(subject) {
             None => Some(format!("{detector} has no results on {dataset} in the task {task}")),
             Some(theirs) if theirs != scans => Some(format!(
@@ -118,5 +124,14 @@ fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
             Some(_) => None,
         }
     });
-    missing.collect()
+    whole.chain(missing).collect()
+}
+
+/// Detectors with results in `run`, but not in `other`, by name.
+pub fn detectors_only_in(run: &RunArchive, other: &RunArchive) -> Vec<String> {
+    let names = |it: &RunArchive| {
+        let is_evaluated = |row: &&ScanRow| matches!(row.outcome, ScanOutcome::Evaluated(_));
+        it.scans.iter().filter(is_evaluated).map(|row| row.detector.clone()).collect::<BTreeSet<_>>()
+    };
+    names(run).difference(&names(other)).cloned().collect()
 }

@@ -37,6 +37,8 @@ pub struct Place {
     pub value: Option<f64>,
     /// How sure it is.
     pub interval: Option<Interval>,
+    /// Scans that it gave no answer to, and all its scans; `None` if it answered all.
+    pub failed_scans: Option<[u64; 2]>,
 }
 
 /// How long detectors take for a scan.
@@ -67,7 +69,8 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
             .map(|detector| {
                 let row = row(detector, &metric);
                 let (value, interval) = (row.and_then(MetricRow::value), row.and_then(MetricRow::interval));
-                Place { detector: detector.clone(), value, interval }
+                let failed_scans = report.failed_scans(task, detector);
+                Place { detector: detector.clone(), value, interval, failed_scans }
             })
             .collect();
         places.sort_by(|a, b| {
@@ -99,8 +102,20 @@ pub fn speeds(manifest: &Manifest, report: &RunReport) -> Speeds {
 }
 
 impl Standing {
-    /// Who leads, in a sentence.
+    /// Who leads, in a sentence, and another one about each that it names and that gave no answer to some scans.
     pub fn sentence(&self) -> String {
+        let named = self.places.iter().filter(|it| it.value.is_some()).take(2);
+        let failed = named.filter_map(|it| {
+            let [n_failed, n_scans] = it.failed_scans?;
+            let name = &it.detector;
+            Some(format!(
+                " But {name} failed at {n_failed} of {n_scans} scans, which count as nothing found."
+            ))
+        });
+        format!("{}{}", self.sentence_of_rates(), failed.collect::<String>())
+    }
+
+    fn sentence_of_rates(&self) -> String {
         let origin = match self.origin {
             Origin::Recorded => String::new(),
             origin => format!(" ({})", origin.name()),
@@ -237,7 +252,7 @@ mod tests {
 
     fn place(detector: &str, value: Option<f64>) -> Place {
         let interval = value.map(|it| Interval { ends: [it - 0.02, it + 0.01], blocks: drives(12) });
-        Place { detector: detector.to_owned(), value, interval }
+        Place { detector: detector.to_owned(), value, interval, failed_scans: None }
     }
 
     fn standing(values: &[Option<f64>], lead: Option<[f64; 3]>) -> Standing {
@@ -269,6 +284,19 @@ mod tests {
             standing(&[Some(0.7), Some(0.69)], Some([0.01, -0.005, 0.02])).sentence(),
             "Task objects (simulated): no significant difference between grid and tree: F-rate 70.0 % (68.0 to 71.0) and 69.0 % \
              (67.0 to 70.0), a difference of 1.0 points (95 % interval −0.5 to 2.0)."
+        );
+    }
+
+    #[test]
+    fn a_verdict_about_failed_scans_says_so() {
+        let mut failed = standing(&[Some(0.7), Some(0.6), Some(0.1)], Some([0.1, 0.05, 0.12]));
+        failed.places[2].failed_scans = Some([9, 11]);
+        assert!(!failed.sentence().contains("failed"), "{}", failed.sentence());
+        failed.places[1].failed_scans = Some([3, 11]);
+        let said = failed.sentence();
+        assert!(
+            said.contains("grid leads")
+                && said.ends_with(" But tree failed at 3 of 11 scans, which count as nothing found.")
         );
     }
 

@@ -32,6 +32,8 @@ pub enum MissReason {
     PartlyFound,
     /// A detection is good enough, but was needed for another annotation.
     TakenByAnother,
+    /// The detector gave no answer to the scan.
+    DetectorFailed,
 }
 
 /// Why a detection does not count.
@@ -95,6 +97,7 @@ reason_names! {
         Split => "split",
         PartlyFound => "partly found",
         TakenByAnother => "taken by another",
+        DetectorFailed => "detector failed",
     }
     IgnoredDetection {
         OnIgnoredAnnotation => "on ignored annotation",

@@ -108,6 +108,9 @@ impl<'a> Evidence<'a> {
         let Some(&(detection_idx, n_shared)) = parts.iter().max_by_key(|(_, n_shared)| *n_shared) else {
             return match reason {
                 MissReason::NothingThere => format!("not detected: {}", self.losses(annotation_idx)),
+                MissReason::DetectorFailed => {
+                    "the detector failed, and gave no answer to this scan".to_owned()
+                }
                 // By boxes or centres, which need no common point.
                 _ => format!("{}; no detection has any of its points", reason.name()),
             };
@@ -131,7 +134,7 @@ impl<'a> Evidence<'a> {
                 let etc = if parts.len() > MAX_NAMED { ", …" } else { "" };
                 format!("split into {} of {}{etc} points; best {agreement}", parts.len(), sizes.join(", "))
             }
-            MissReason::NothingThere | MissReason::PartlyFound => {
+            MissReason::NothingThere | MissReason::PartlyFound | MissReason::DetectorFailed => {
                 let losses = self.losses(annotation_idx);
                 format!("detection {detection_idx} has {n_shared} of its points; {agreement}; {losses}")
             }

@@ -16,6 +16,17 @@ pub struct Assignment {
     pub found_tall: Vec<FoundTall>,
 }
 
+impl Assignment {
+    /// Says of what was missed, as nothing was found, that the detector gave no answer.
+    pub fn say_that_detector_failed(&mut self) {
+        for outcome in &mut self.annotations {
+            if let AnnotationOutcome::Missed(reason) = outcome {
+                *reason = MissReason::DetectorFailed;
+            }
+        }
+    }
+}
+
 /// A tall annotation that a detection found which had found nothing that counts. Both are ignored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FoundTall {

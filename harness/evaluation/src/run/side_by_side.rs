@@ -259,8 +259,14 @@ impl SideBySide<'_> {
         turns: Vec<Turns>,
     ) -> Vec<DetectorScan> {
         let annotated = &self.dataset.description().annotated;
-        let judge = |output: &DetectorOutput| {
-            let of_task = |&task| assign(scan, &output.detections, task, annotated, &self.matching);
+        let judge = |output: &DetectorOutput, failure: Option<&DetectorFailure>| {
+            let of_task = |&task| {
+                let mut assignment = assign(scan, &output.detections, task, annotated, &self.matching);
+                if failure.is_some() {
+                    assignment.say_that_detector_failed();
+                }
+                assignment
+            };
             Task::ALL.iter().map(of_task).collect()
         };
         let results = detectors.iter().zip(outputs).zip(turns);
@@ -269,8 +275,8 @@ impl SideBySide<'_> {
                 detector: detector.name(),
                 output: output.clone(),
                 times: turns.times,
+                assignments: judge(output, turns.failure.as_ref()),
                 failure: turns.failure,
-                assignments: judge(output),
             })
             .collect()
     }

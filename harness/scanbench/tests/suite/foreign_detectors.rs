@@ -3,6 +3,7 @@
 //! The misbehaving program is this test program itself: asked for the one test [`as_a_detector`], it behaves as its arguments say.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Command, Stdio};
@@ -81,6 +82,18 @@ fn check_misbehaviour(behaviour: &str, expected: &str, n_failed: usize) {
     if n_failed > 0 {
         let note = format!("odd gave no answer to {n_failed} of 11 scans, which count as nothing found.");
         assert!(skipped.stdout.contains(&note), "{behaviour}: {}", skipped.stdout);
+        let told = format!(
+            "odd failed at {n_failed} of 11 scans. They count as nothing found. The first was street-narrow"
+        );
+        assert!(place.read("out/report.html").contains(&told), "{behaviour}: {told}");
+        // Nothing of a failed scan is a mistake about its objects.
+        let matches = place.read("out/matches.csv");
+        let with_reason: BTreeSet<&str> = matches
+            .lines()
+            .filter(|it| it.contains(",detector failed,"))
+            .map(|it| it.splitn(4, ',').nth(2).unwrap())
+            .collect();
+        assert_eq!(with_reason.len(), n_failed, "{behaviour}: {with_reason:?}");
     }
     check_gone(behaviour);
 }

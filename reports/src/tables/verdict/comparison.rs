@@ -8,7 +8,7 @@ use crate::tables::verdict::wording::{
     about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
 };
 use crate::uncertainty::sample::Question;
-use crate::verdicts::comparability::{NotComparable, check_comparable};
+use crate::verdicts::comparability::{NotComparable, check_comparable, detectors_only_in};
 use crate::verdicts::drift::drift;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::vocabulary::extent::OVERALL;
@@ -25,6 +25,8 @@ pub struct Comparison {
     /// Number of scans on which results of a detector changed; `None` where two detectors are compared, of which that is
     /// expected.
     pub n_changed_scans: Option<usize>,
+    /// Detectors that only the later run has.
+    pub new_detectors: Vec<String>,
 }
 
 /// A difference with what it is of.
@@ -77,7 +79,9 @@ pub fn compare_runs(
         }
     }
     let title = "Two runs over the same scans, all data sets together".to_owned();
-    Ok(Comparison { title, differences, n_changed_scans: Some(drift(before, after).len()) })
+    let n_changed_scans = Some(drift(before, after).len());
+    let new_detectors = detectors_only_in(after, before);
+    Ok(Comparison { title, differences, n_changed_scans, new_detectors })
 }
 
 /// Compares detector `second` of `run` with detector `first`, over all data sets together.
@@ -97,7 +101,7 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     }
     let title =
         format!("{first} (before) and {second} (after) on the same scans of one run, all data sets together");
-    Comparison { title, differences, n_changed_scans: None }
+    Comparison { title, differences, n_changed_scans: None, new_detectors: Vec::new() }
 }
 
 fn is_compared(slice: Slice, slices: ComparedSlices) -> bool {
@@ -125,7 +129,10 @@ impl Comparison {
             Some(kind) => about_differences(kind),
             None => "There is only one block of scans, so there is no interval.".to_owned(),
         };
-        [about_numbers].into_iter().chain(about_scans).collect()
+        let about_new = (!self.new_detectors.is_empty()).then(|| {
+            format!("Not compared, because only the later run has it: {}.", self.new_detectors.join(", "))
+        });
+        [about_numbers].into_iter().chain(about_scans).chain(about_new).collect()
     }
 
     fn grid(&self) -> Grid {

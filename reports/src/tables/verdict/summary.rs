@@ -40,6 +40,10 @@ fn first_lines(verdict: &Verdict) -> Vec<String> {
         SpeedComparison::NotCompared { reason } => lines.push(format!("Speed was not compared: {reason}.")),
         SpeedComparison::NotAsked | SpeedComparison::Compared(_) => {}
     }
+    if !verdict.new_detectors.is_empty() {
+        let names = verdict.new_detectors.join(", ");
+        lines.push(format!("Not judged, because only the later run has it: {names}."));
+    }
     if verdict.blocks.are_too_few() {
         lines.push(format!(
             "{}: too few to show a regression. The gate can only fail because results changed.",

@@ -3,7 +3,7 @@
 use crate::numbers::blocks::BlockCount;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
-use crate::verdicts::comparability::{NotComparable, check_comparable};
+use crate::verdicts::comparability::{NotComparable, check_comparable, detectors_only_in};
 use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
@@ -24,6 +24,8 @@ pub struct Verdict {
     pub speed: SpeedComparison,
     /// Scans on which results of a detector changed.
     pub drift: Vec<ScanDrift>,
+    /// Detectors that only the later run has.
+    pub new_detectors: Vec<String>,
 }
 
 /// What a verdict comes to.
@@ -128,6 +130,7 @@ pub fn judge(
             [&baseline.manifest, &run.manifest].map(|it| &it.machine),
         ),
         drift: drift(baseline, run),
+        new_detectors: detectors_only_in(run, baseline),
     })
 }
 

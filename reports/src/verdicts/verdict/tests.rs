@@ -8,6 +8,7 @@ use crate::tables::formats::format::Format as _;
 use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
 use crate::tables::sample;
+use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::gated_speeds::Slowdown;
 use crate::verdicts::tolerances::{QualityRule, SpeedRule};
@@ -221,7 +222,18 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
     );
     run.scans.retain(|it| it.detector == "kd-tree");
     let error = judge(&USUAL.archive(), &run, &tolerances()).unwrap_err();
-    assert!(error.to_string().contains("pca has no results on main_road"), "{error}");
+    assert_eq!(
+        error.to_string(),
+        "the runs cannot be compared: the detector pca is only in the earlier run, not in the later one"
+    );
+
+    // A new one has nothing to be judged by, and is named.
+    let verdict = judge(&run, &USUAL.archive(), &tolerances()).unwrap();
+    let text = Terminal::UNFOLDED.text(&verdict);
+    assert!(text.contains("Not judged, because only the later run has it: pca."), "{text}");
+    let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All).unwrap();
+    let text = Terminal::UNFOLDED.text(&comparison);
+    assert!(text.contains("Not compared, because only the later run has it: pca."), "{text}");
 }
 
 /// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.
