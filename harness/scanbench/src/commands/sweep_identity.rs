@@ -1,8 +1,9 @@
 //! Which sweep it is: everything that decides its results.
 
 use evaluation::metrics::counts::SCORING_VERSION;
-use evaluation::run::config::VehicleModels;
+use evaluation::run::config::{DETECTOR_TABLE, VehicleModels};
 use evaluation::run::detector_list::ChosenDetector;
+use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork};
 use evaluation::sweep::journal::SweepIdentity;
 use evaluation::sweep::sweep_plan::SweepPlan;
 use evaluation::sweep::timing_pass::DETECTIONS_PER_SCAN;
@@ -25,7 +26,8 @@ pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[Opene
         "detectors": plan.detectors.iter().map(ChosenDetector::name).collect::<Vec<_>>(),
         "swept_parameters": plan.parameters(),
         "points": points,
-        "other_parameters": plan.base.resolved,
+        "other_parameters": other_parameters(plan),
+        "detectors_of_others": plan.detectors.iter().filter_map(of_others).collect::<Vec<_>>(),
         "vehicle_models": vehicle_models,
         "matching_criterion": criterion_in_words(plan.base.matching.criterion),
         "data_sets": data_sets,
@@ -34,6 +36,28 @@ pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[Opene
     });
     let Value::Object(identity) = identity else { unreachable!("it is written as one") };
     identity
+}
+
+/// All that is not swept, without the parameters of detectors of others that do not take part.
+fn other_parameters(plan: &SweepPlan) -> Value {
+    let mut parameters = json!(plan.base.resolved);
+    if let Some(of_others) = parameters.get_mut(DETECTOR_TABLE).and_then(Value::as_object_mut) {
+        of_others.retain(|name, _| plan.detectors.iter().any(|it| it.name() == name));
+        if of_others.is_empty() {
+            parameters.as_object_mut().map(|it| it.remove(DETECTOR_TABLE));
+        }
+    }
+    parameters
+}
+
+/// What a detector of others is beside its parameters; `None` of ours.
+fn of_others(detector: &ChosenDetector) -> Option<Value> {
+    let ChosenDetector::Foreign(ForeignDetector { name, work, vehicles, .. }) = detector else { return None };
+    let (command, threads) = match work {
+        ForeignWork::Process(process) => (&process.command[..], process.threads),
+        ForeignWork::Results(_) => (&[][..], 0),
+    };
+    Some(json!({"name": name, "command": command, "threads": threads, "vehicles": vehicles.name()}))
 }
 
 fn data_set(opened: &OpenedDataset) -> Value {

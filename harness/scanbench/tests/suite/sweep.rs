@@ -226,6 +226,19 @@ fn going_on_with_something_else_is_refused() {
 }
 
 #[test]
+fn another_detector_of_scanbench_toml_is_none_of_its_business() {
+    let workplace = Workplace::new();
+    let table = |parameters: &str| format!("[detector.other]\ncommand = [\"true\"]\n{parameters}\n");
+    workplace.write("scanbench.toml", &table("parameters = { b = 1 }"));
+    let mut child = start_long(&workplace, &LONG, 3);
+    child.kill().expect("it runs");
+    child.wait().expect("it ends");
+    workplace.write("scanbench.toml", &table("parameters = { b = 2, c = 3 }"));
+    let went_on = workplace.run(&with(&with(&LONG, &CELLS), &["--timed-scans", "1", "-o", "out"]));
+    assert!(went_on.stderr.starts_with("Continuing with "), "{}", went_on.stderr);
+}
+
+#[test]
 fn the_number_of_threads_changes_no_byte() {
     let (alone, together) = (Workplace::new(), Workplace::new());
     let arguments = with(&STREET, &with(&CELLS, &["--timed-scans", "0", "-o", "out", "--jobs"]));
