@@ -17,6 +17,7 @@ use serde::Serialize;
 
 use super::foxglove_schema::file_descriptor_set;
 use super::scene::{SENSOR_FRAME, entities_of, scene_of};
+use super::stable_summary::{Ending, StableSummary};
 use super::{ConversionError, ScanToWrite, ScanWriter};
 use crate::annotation::{LabeledScan, PointRegion};
 use crate::dataset::data_sheet::DataSheet;
@@ -60,12 +61,13 @@ impl ChunkCompression {
     }
 }
 
-type McapFile = Writer<NoSeek<WholeFile>>;
+type McapFile = Writer<NoSeek<StableSummary<WholeFile>>>;
 
 /// A recording that is being written.
 pub struct McapWriter {
     path: PathBuf,
     writer: McapFile,
+    ending: Ending,
     channels: BTreeMap<String, u16>,
     n_written: u32,
     sheet: DataSheet,
@@ -83,7 +85,7 @@ impl McapWriter {
         compression: ChunkCompression,
         sheet: DataSheet,
     ) -> Result<Self, ConversionError> {
-        let file = WholeFile::create(path)?;
+        let (file, ending) = StableSummary::new(WholeFile::create(path)?);
         let options = WriteOptions::new()
             .compression(compression.method())
             .compression_threads(0)
@@ -91,7 +93,7 @@ impl McapWriter {
             .library(concat!("scanbench ", env!("CARGO_PKG_VERSION")));
         let writer = options.create(NoSeek::new(file)).map_err(refused(path))?;
         let (path, channels) = (path.to_path_buf(), BTreeMap::new());
-        Ok(Self { path, writer, channels, n_written: 0, sheet, scan_ids: Vec::new() })
+        Ok(Self { path, writer, ending, channels, n_written: 0, sheet, scan_ids: Vec::new() })
     }
 
     /// Appends a message in protobuf; its topic is announced if it is the first.
@@ -201,8 +203,10 @@ impl ScanWriter for McapWriter {
         ]);
         let record = Metadata { name: own_metadata::RECORD.to_owned(), metadata };
         self.writer.write_metadata(&record).map_err(&refused)?;
+        self.ending.begin();
         self.writer.finish().map_err(&refused)?;
-        self.writer.into_inner().into_inner().finish()?;
+        let file = self.writer.into_inner().into_inner().finish();
+        file.map_err(|source| refused(McapError::Io(source)))?.finish()?;
         Ok(())
     }
 }

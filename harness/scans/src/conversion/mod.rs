@@ -10,6 +10,7 @@ pub mod error;
 pub mod output_format;
 pub mod foxglove_schema;
 pub mod scene;
+pub mod stable_summary;
 pub mod mcap_writer;
 pub mod whole_folder;
 pub mod kitti_label_line;
