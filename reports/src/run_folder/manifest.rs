@@ -192,6 +192,9 @@ pub struct ForeignEntry {
     /// Where its results were read, if it ran somewhere else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub results: Option<String>,
+    /// SHA-256 of these results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub results_checksum: Option<String>,
     /// What it calls itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reported_name: Option<String>,

@@ -201,6 +201,7 @@ mod tests {
         manifest.detectors[2].foreign = Some(ForeignEntry {
             command: Vec::new(),
             results: Some("results/deep".to_owned()),
+            results_checksum: None,
             reported_name: None,
             version: None,
             threads: None,

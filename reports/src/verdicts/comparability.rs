@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
-use crate::run_folder::manifest::{DatasetEntry, Manifest};
+use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
 use crate::run_folder::run_archive::RunArchive;
 use crate::vocabulary::task::Task;
 
@@ -125,6 +125,29 @@ fn missing_detectors(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
         }
     });
     whole.chain(missing).collect()
+}
+
+/// Checks that the results which detectors left elsewhere are the same files in both runs.
+///
+/// # Errors
+///
+/// [`NotComparable`] with every detector whose files differ.
+pub fn check_same_results(baseline: &RunArchive, run: &RunArchive) -> Result<(), NotComparable> {
+    let differ = detectors_with_other_results(baseline, run);
+    let reason = |it: &String| format!("the results of {it} changed: their checksums differ");
+    let reasons: Vec<String> = differ.iter().map(reason).collect();
+    if reasons.is_empty() { Ok(()) } else { Err(NotComparable { reasons }) }
+}
+
+/// Detectors of both runs that left their results elsewhere, in files that differ.
+pub fn detectors_with_other_results(baseline: &RunArchive, run: &RunArchive) -> Vec<String> {
+    let checksum = |it: &DetectorEntry| it.foreign.as_ref()?.results_checksum.clone();
+    let of_baseline = |name: &str| baseline.manifest.detectors.iter().find(|it| it.name == name);
+    let differs = |it: &&DetectorEntry| {
+        let before = of_baseline(&it.name).and_then(checksum);
+        before.zip(checksum(it)).is_some_and(|(before, now)| before != now)
+    };
+    run.manifest.detectors.iter().filter(differs).map(|it| it.name.clone()).collect()
 }
 
 /// Detectors with results in `run`, but not in `other`, by name.

@@ -11,9 +11,9 @@ use detector::pipeline::foreground_stages::ForegroundStages;
 use detector::pipeline::object_stages::ObjectStages;
 use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, PointCloud};
 use reports::vocabulary::class::AnnotationClass;
+use scans::foreign::points_in_boxes::PointsAlongX;
 
 use crate::matching::eligibility::counts_as_vehicle;
-use crate::run::points_in_boxes::PointsAlongX;
 
 /// An object as a foreign detector tells it.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -6,7 +6,6 @@ pub mod config;
 pub mod detector_list;
 pub mod cpu_time;
 pub mod running_detector;
-pub mod points_in_boxes;
 pub mod found_objects;
 #[cfg(target_os = "linux")]
 pub mod process_detector;

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use evaluation::run::detector_list::DETECTORS;
 use scans::conversion::proposal_format::ProposalFormat;
 
-use super::detect::detector_help;
+use super::detectors::detector_names;
 use super::help_text::{DETECTORS as DETECTORS_HEADING, OUTPUT};
 use super::parameters::ConfigArgs;
 use super::scans::{DamageArgs, DatasetArgs};
@@ -22,7 +22,7 @@ pub struct PrelabelArgs {
     #[command(flatten)]
     pub damage: DamageArgs,
     /// The detector.
-    #[arg(short, long, value_name = "NAME", help = detector_help(), default_value = DETECTORS[0].name)]
+    #[arg(short, long, value_name = "NAME", help = format!("Detector: {}", detector_names().join(", ")), default_value = DETECTORS[0].name)]
     #[arg(help_heading = DETECTORS_HEADING)]
     pub detector: String,
     /// Parameters.

@@ -57,8 +57,8 @@ Examples:
 Clusters are numbered from 1; the column id of the boxes has the same numbers. Points
 of no cluster have 0.";
 
-pub(super) fn detector_help() -> String {
-    format!("Detector: {}", detector_names().join(", "))
+fn detector_help() -> String {
+    format!("Detector: {}, or one of scanbench.toml", detector_names().join(", "))
 }
 
 /// A height from that of the road itself, for clouds that are given from there, to that of a house.

@@ -2,8 +2,11 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use evaluation::run::entrant::Entrant;
+use reports::run_folder::manifest::DetectorEntry;
+use scans::dataset::checksum::sha256;
 use scans::dataset::folder_name::folder_name;
 use scans::dataset::source::DamagePolicy;
 use scans::foreign::foreign_results::{ForeignResults, MissingResults, ResultRequest, open_results};
@@ -14,7 +17,11 @@ use crate::commands::standard_streams::print_detail;
 
 /// Results by the names of detector and data set, until a run takes them.
 #[derive(Default)]
-pub struct OpenedResults(RefCell<BTreeMap<(&'static str, String), ForeignResults>>);
+pub struct OpenedResults {
+    results: RefCell<BTreeMap<(&'static str, String), ForeignResults>>,
+    // By detector, a line for each data set.
+    checksums: BTreeMap<&'static str, String>,
+}
 
 impl OpenedResults {
     /// Opens the results of all `entrants` that left some, for all `datasets`: of each those in the folder of its name, if there is one, or else
@@ -29,7 +36,7 @@ impl OpenedResults {
         missing: MissingResults,
         damage: DamagePolicy,
     ) -> Result<Self, Failure> {
-        let mut opened = BTreeMap::new();
+        let (mut opened, mut checksums) = (BTreeMap::new(), BTreeMap::<_, String>::new());
         for (entrant, path) in entrants.iter().filter_map(|it| Some((it, it.results()?))) {
             for it in datasets {
                 let dataset = &*it.dataset;
@@ -49,14 +56,23 @@ impl OpenedResults {
                     results.format().name(),
                     path.display()
                 ));
+                let _ = writeln!(checksums.entry(entrant.name).or_default(), "{id} {}", results.checksum());
                 opened.insert((entrant.name, id.clone()), results);
             }
         }
-        Ok(Self(RefCell::new(opened)))
+        Ok(Self { results: RefCell::new(opened), checksums })
+    }
+
+    /// `entry` with the checksum of the results of its detector, if it left some.
+    pub fn with_checksum(&self, mut entry: DetectorEntry) -> DetectorEntry {
+        if let Some(foreign) = &mut entry.foreign {
+            foreign.results_checksum = self.checksums.get(entry.name.as_str()).map(sha256);
+        }
+        entry
     }
 
     /// Takes those of `detector` for the data set called `id`, if it left some.
     pub fn take(&self, detector: &'static str, id: &str) -> Option<ForeignResults> {
-        self.0.borrow_mut().remove(&(detector, id.to_owned()))
+        self.results.borrow_mut().remove(&(detector, id.to_owned()))
     }
 }

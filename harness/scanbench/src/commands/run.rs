@@ -55,7 +55,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
     sinks.push(Box::new(arguments.mcap.then(|| McapResults::new(&directory, datasets.len()))));
     sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
-    sinks.push(Box::new(detection_files(&arguments.result_files, datasets.len())?));
+    sinks.push(Box::new(detection_files(&arguments.result_files, &datasets)?));
     let watched = WatchedRun {
         entrants: &entrants,
         results: &results,
@@ -77,7 +77,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         n_warmup: arguments.timing.warmup,
         n_repeats: arguments.repeats,
         config: &config,
-        detectors: entrants.iter().map(detector_entry).collect(),
+        detectors: entrants.iter().map(|it| results.with_checksum(detector_entry(it))).collect(),
         datasets: &datasets,
         started,
     });
@@ -93,12 +93,19 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
 
 fn detection_files(
     arguments: &ResultFilesArgs,
-    n_datasets: usize,
+    datasets: &[OpenedDataset],
 ) -> Result<Option<DetectionFiles>, Failure> {
     let Some((path, format)) = arguments.detections_out.as_deref().zip(arguments.result_format) else {
         return Ok(None);
     };
-    let folder = ResultFolder::create(path, format.output(), n_datasets > 1)?;
+    for OpenedDataset { dataset, scan_indices, .. } in datasets {
+        // Whether a scan is damaged is told when it is its turn.
+        let frames = scan_indices.iter().filter_map(|it| Some((*it, dataset.foreign_frame(*it).ok()?)));
+        if let Some((scan_idx, frame)) = { frames }.next() {
+            format.output().check(&dataset.scan_ids()[scan_idx], &frame)?;
+        }
+    }
+    let folder = ResultFolder::create(path, format.output(), datasets.len() > 1)?;
     Ok(Some(DetectionFiles::new(folder)))
 }
 

@@ -99,6 +99,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
             ForeignEntry {
                 command: process.command.clone(),
                 results: None,
+                results_checksum: None,
                 reported_name: introduction.map(|it| it.name.clone()),
                 version: introduction.and_then(|it| it.version.clone()),
                 threads: Some(process.threads),
@@ -108,6 +109,7 @@ fn foreign_entry(name: &str, foreign: &ForeignDetector, config: &RunConfig) -> D
         ForeignWork::Results(path) => ForeignEntry {
             command: Vec::new(),
             results: Some(path.display().to_string()),
+            results_checksum: None,
             reported_name: None,
             version: None,
             threads: None,

@@ -94,6 +94,14 @@ fn every_option_stands_below_a_heading() {
 }
 
 #[test]
+fn help_says_what_detectors_there_are() {
+    let detect = help("detect --help");
+    assert!(detect.contains("simple-grid, or one of scanbench.toml"), "{detect}");
+    let run = help("run --help").split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(run.contains("Without -d, the default detectors run as well."), "{run}");
+}
+
+#[test]
 fn help_lists_every_verb_and_exit_code() {
     let help = help("--help");
     for line in [

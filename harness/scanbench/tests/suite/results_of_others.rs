@@ -83,6 +83,12 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
         "center_x_m,center_y_m,center_z_m,length_m,width_m,height_m,yaw_rad\n",
     );
     std::fs::create_dir(workplace.path("empty")).unwrap();
+    std::fs::create_dir_all(workplace.path("above/pca/0000")).unwrap();
+    for number in 0..2 {
+        let file = format!("0000/{number:06}.csv");
+        let content = workplace.read("found/0000/000000.csv");
+        workplace.write(&format!("above/pca/{file}"), &content);
+    }
     let names_before = workplace.top_names();
     let check = |arguments: &[&str], exit_code: i32, part: &str| {
         let ended = workplace.run(&[&["run", "street", "-d", "pca"], arguments, &OUTPUT, &["out"]].concat());
@@ -98,6 +104,8 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
         3,
         "it has others: training/calib/0000.txt, training/label_02/0000.txt",
     );
+    check(&["--detections", "a=above"], 2, "has no results in a known format");
+    check(&["--detections", "a=above"], 2, "; folders in it have results, name one of them: \"above/pca\"");
     check(&["--detections", "a"], 2, "write NAME=PATH");
     check(&["--detections", "pca=found"], 2, "has the name of a built-in detector");
     check(&["--detections", "a=found", "--detections", "a=found"], 2, "there is a detector \"a\" already");
@@ -124,6 +132,59 @@ fn what_is_wrong_with_results_ends_the_run_before_it_begins() {
     let ended = workplace.run(&["detect", "street", "--scan", "0", "-d", "a"]);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
     assert!(ended.stderr.contains("which only `scanbench run` judges"), "{}", ended.stderr);
+}
+
+#[test]
+fn what_cannot_be_written_is_told_before_the_first_scan_is_read() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    workplace.write("street/training/velodyne/0000/000000.bin", "damaged");
+    let run = |format: &str| {
+        let arguments = ["run", "street", "-d", "pca", "--detections-out", "x", "--as", format];
+        workplace.run(&[&arguments[..], &OUTPUT, &["out"]].concat())
+    };
+    let ended = run("nuscenes");
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("its data set has no samples of nuScenes"), "{}", ended.stderr);
+    assert_eq!(run("kitti").exit_code, Some(3));
+    assert!(!workplace.path("x").exists());
+}
+
+#[test]
+fn a_gate_refuses_results_of_other_files() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let run = |output: &str| {
+        let arguments = ["run", "street", "-d", "pca", "--detections", "deep=found"];
+        workplace.succeed(&[&arguments[..], &OUTPUT, &[output]].concat());
+    };
+    for number in 0..2 {
+        std::fs::create_dir_all(workplace.path("found")).unwrap();
+        workplace.write(&format!("found/{number:06}.txt"), "");
+    }
+    run("first");
+    run("again");
+    workplace.write("found/000001.txt", "Car -1 -1 0 0 0 1 1 1.5 2 4 0 1 10 0 0.5\n");
+    run("other");
+    workplace.write(
+        "tolerances.toml",
+        "[[quality]]\nmetrics = [\"recall\"]\nslices = [\"all\"]\nabsolute = 0.02\n",
+    );
+    let gate = |run: &str| workplace.run(&["gate", run, "-b", "golden", "-t", "tolerances.toml"]);
+    // Whoever changes the program runs this before there is a commit of it.
+    let manifest = workplace.read("first/manifest.json").replace("\"dirty\": true", "\"dirty\": false");
+    workplace.write("first/manifest.json", &manifest);
+    workplace.succeed(&["baseline", "accept", "first", "-b", "golden", "--why", "the first"]);
+    assert!(gate("again").exit_code != Some(5), "{:#?}", gate("again"));
+    let refused = gate("other");
+    assert_eq!(refused.exit_code, Some(5), "{refused:#?}");
+    assert!(
+        refused.stderr.contains("the results of deep changed: their checksums differ"),
+        "{}",
+        refused.stderr
+    );
+    let compared = workplace.succeed(&["compare", "first", "other"]).stdout;
+    assert!(compared.contains("The results of these changed before they were judged: deep."), "{compared}");
 }
 
 #[test]

@@ -24,8 +24,8 @@ impl DatasetChecksum {
         self.lines.push(format!("scan {name} {n_bytes}\n"));
     }
 
-    /// Adds a label or calibration file by its content.
-    pub fn add_text(&mut self, name: &str, content: &str) {
+    /// Adds a label or calibration file, or one of results, by its content.
+    pub fn add_text(&mut self, name: &str, content: impl AsRef<[u8]>) {
         self.lines.push(format!("text {name} {}\n", sha256(content)));
     }
 

@@ -7,14 +7,18 @@ use super::argoverse2_table::Argoverse2Tables;
 use super::detections::ForeignDetections;
 use super::kitti_text::KittiText;
 use super::nuscenes_json::NuScenesJson;
-use super::own_files::OwnFiles;
+use super::own_files::{self, OwnFiles};
+use super::points_in_boxes::PointsAlongX;
 use super::recorded_detections::{RecordedDetections, split_topic};
 use super::result_files::ResultFiles;
 use super::result_format::{ResultFormat, format_of};
 use super::result_reader::{ResultReader, ResultsOf};
-use super::semantic_labels::SemanticLabels;
+use super::semantic_labels::{self, SemanticLabels};
 use crate::annotation::{LabeledScan, ScanId};
+use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::{ClassRules, ClassTable};
+use crate::dataset::folder_name::folder_name;
+use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::{Dataset, DatasetError};
 
 /// So many names are listed in messages.
@@ -25,6 +29,9 @@ const NEAR_M: f32 = 40.0;
 
 /// More empty boxes than this share, and something is wrong with frames, calibration or times.
 const MAX_EMPTY_SHARE: f64 = 0.5;
+
+/// So many folders are looked into for results where there should be some.
+const MAX_LOOKED_INTO: usize = 20;
 
 /// So many boxes of a scan are looked at for it.
 const MAX_COUNTED: usize = 1000;
@@ -55,6 +62,7 @@ pub struct ForeignResults {
     path: PathBuf,
     format: ResultFormat,
     dataset: String,
+    checksum: String,
     reader: Box<dyn ResultReader>,
     asked: BTreeMap<ScanId, usize>,
     missing: MissingResults,
@@ -70,6 +78,46 @@ pub struct ForeignResults {
 /// [`DatasetError::UnusableResults`] if they are of no known format or cannot belong to the data set; [`DatasetError::MissingResults`] if they
 /// lack scans that are asked for; any other if a file that is read now is damaged, or has classes that nobody knows.
 pub fn open_results(
+    path: &Path,
+    dataset: &dyn Dataset,
+    request: &ResultRequest<'_>,
+) -> Result<ForeignResults, DatasetError> {
+    open_at(path, dataset, request).map_err(|mut error| {
+        let said = match &mut error {
+            DatasetError::UnusableResults { problem, .. } => Some(problem),
+            DatasetError::MissingResults { n_missing, n_asked, first, .. } if n_missing == n_asked => {
+                Some(first)
+            }
+            _ => None,
+        };
+        if let Some(said) = said {
+            let folders = folders_with_results(path, dataset, request);
+            let names: Vec<String> = folders.iter().map(|it| format!("{it:?}")).collect();
+            if !names.is_empty() {
+                said.push_str(&format!("; folders in it have results, name one of them: {}", listed(&names)));
+            }
+        }
+        error
+    })
+}
+
+/// The folders directly in `path` that have what is asked for, as `--detections-out` writes them: one for each detector, and in it one
+/// for each data set.
+fn folders_with_results(path: &Path, dataset: &dyn Dataset, request: &ResultRequest<'_>) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(path).into_iter().flatten().flatten().map(|it| it.path());
+    let mut folders: Vec<PathBuf> = entries.filter(|it| it.is_dir() && !is_hidden(it)).collect();
+    folders.sort();
+    folders.truncate(MAX_LOOKED_INTO);
+    let request = ResultRequest { missing: MissingResults::Refuse, ..*request };
+    let of_dataset = folder_name(&dataset.description().id);
+    let has_all = |it: &PathBuf| {
+        [it.clone(), it.join(&of_dataset)].iter().any(|it| open_at(it, dataset, &request).is_ok())
+    };
+    folders.retain(has_all);
+    folders
+}
+
+fn open_at(
     path: &Path,
     dataset: &dyn Dataset,
     request: &ResultRequest<'_>,
@@ -94,6 +142,7 @@ pub fn open_results(
         path,
         format,
         dataset: dataset.description().id.clone(),
+        checksum: checksum_of(format, &files, dataset, request.scan_indices)?,
         reader,
         asked: request.scan_indices.iter().map(id_of).collect(),
         missing: request.missing,
@@ -109,6 +158,12 @@ impl ForeignResults {
     /// What the format is called on screens.
     pub fn format(&self) -> ResultFormat {
         self.format
+    }
+
+    /// Tells whether other results lie there: as that of a data set, with the content of all files but recordings, of which it has
+    /// the size. Where each scan has files of its own, only those of the scans that are asked for are in it.
+    pub fn checksum(&self) -> &str {
+        &self.checksum
     }
 
     /// Reads what was found in `scan`; `None` if there is nothing for it, and that counts as nothing found.
@@ -192,12 +247,45 @@ impl ForeignResults {
 
     fn count_boxes(&mut self, scan: &LabeledScan, found: &ForeignDetections) {
         let near = found.boxes.iter().filter(|it| it.bounding_box.range_m() < NEAR_M);
+        let mut points = None;
         for it in near.take(MAX_COUNTED) {
+            let points = points.get_or_insert_with(|| PointsAlongX::of(&scan.cloud));
             self.n_near_boxes += 1;
-            let holds_any = scan.cloud.positions_m().any(|position_m| it.bounding_box.contains(position_m));
-            self.n_empty_boxes += usize::from(!holds_any);
+            self.n_empty_boxes += usize::from(!points.is_any_inside(&scan.cloud, &it.bounding_box));
         }
     }
+}
+
+fn checksum_of(
+    format: ResultFormat,
+    files: &ResultFiles,
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
+) -> Result<String, DatasetError> {
+    let of_scans = |endings: &[&str]| {
+        let of_ending = |ending: &&str| {
+            let mut by_scan = files.of_scans(dataset, ending);
+            scan_indices.iter().filter_map(|it| by_scan.remove(it)).collect::<Vec<_>>()
+        };
+        endings.iter().flat_map(of_ending).collect::<Vec<PathBuf>>()
+    };
+    let paths = match format {
+        ResultFormat::SemanticLabels => of_scans(&[semantic_labels::ENDING]),
+        ResultFormat::OwnFiles => of_scans(&own_files::ENDINGS),
+        _ => format.files(files, dataset).into_iter().map(Path::to_path_buf).collect(),
+    };
+    let mut checksum = DatasetChecksum::default();
+    for path in paths {
+        let io_error = |source| DatasetError::Io { path: path.clone(), source };
+        // Empty for a file that was named itself.
+        let name = path.strip_prefix(files.root()).unwrap_or(&path).to_string_lossy().into_owned();
+        if format == ResultFormat::Recording {
+            checksum.add_scan(&name, std::fs::metadata(&path).map_err(io_error)?.len());
+        } else {
+            checksum.add_text(&name, std::fs::read(&path).map_err(io_error)?);
+        }
+    }
+    Ok(checksum.finish())
 }
 
 /// The first of `names`, and how many more there are.

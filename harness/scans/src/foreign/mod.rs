@@ -4,6 +4,7 @@
 //! [`open_results`](foreign_results::open_results) tells the formats apart and checks what they give.
 
 pub mod detections;
+pub mod points_in_boxes;
 pub mod result_files;
 pub mod result_reader;
 pub mod kitti_text;

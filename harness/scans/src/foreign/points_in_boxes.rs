@@ -19,21 +19,19 @@ impl PointsAlongX {
         Self { sorted, n_found: 0 }
     }
 
+    /// Whether any point of the same `cloud` is inside or on `bounding_box`.
+    pub fn is_any_inside(&self, cloud: &PointCloud, bounding_box: &OrientedBox) -> bool {
+        self.near(bounding_box).any(|it| bounding_box.contains(cloud.position_m(it as usize)))
+    }
+
     /// Indices of the points of the same `cloud` inside or on `bounding_box`, ascending.
     ///
     /// # Errors
     ///
     /// If this box and those before hold too many, as the rest of a sentence.
     pub fn inside(&mut self, cloud: &PointCloud, bounding_box: &OrientedBox) -> Result<Vec<u32>, String> {
-        let [length_m, width_m, _] = bounding_box.length_width_height_m;
-        // A little more than half of the diagonal, so that rounding loses nothing.
-        let reach_m = 0.5 * length_m.hypot(width_m) * 1.001 + 0.001;
-        let (low_m, high_m) = (bounding_box.center_m[0] - reach_m, bounding_box.center_m[0] + reach_m);
-        let first = self.sorted.partition_point(|it| it.0 < low_m);
-        let near = self.sorted[first..].iter().take_while(|it| it.0 <= high_m);
-        let inside =
-            near.filter(|(_, point_idx)| bounding_box.contains(cloud.position_m(*point_idx as usize)));
-        let mut inside: Vec<u32> = inside.map(|(_, point_idx)| *point_idx).collect();
+        let is_inside = |it: &u32| bounding_box.contains(cloud.position_m(*it as usize));
+        let mut inside: Vec<u32> = self.near(bounding_box).filter(is_inside).collect();
         inside.sort_unstable();
         self.n_found += inside.len();
         if self.n_found > MOST_POINTS {
@@ -41,13 +39,23 @@ impl PointsAlongX {
         }
         Ok(inside)
     }
+
+    /// Indices of the points between the least and the largest x of a box.
+    fn near(&self, bounding_box: &OrientedBox) -> impl Iterator<Item = u32> + '_ {
+        let [length_m, width_m, _] = bounding_box.length_width_height_m;
+        // A little more than half of the diagonal, so that rounding loses nothing.
+        let reach_m = 0.5 * length_m.hypot(width_m) * 1.001 + 0.001;
+        let (low_m, high_m) = (bounding_box.center_m[0] - reach_m, bounding_box.center_m[0] + reach_m);
+        let first = self.sorted.partition_point(|it| it.0 < low_m);
+        self.sorted[first..].iter().take_while(move |it| it.0 <= high_m).map(|(_, point_idx)| *point_idx)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::annotation::points_inside;
     use proptest::prelude::*;
-    use scans::annotation::points_inside;
 
     proptest! {
         #[test]

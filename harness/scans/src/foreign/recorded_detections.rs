@@ -1,6 +1,6 @@
 //! Detections in an MCAP recording: `foxglove.SceneUpdate` or `vision_msgs/Detection3DArray`, a message for each scan.
 //!
-//! A message belongs to the scan whose time stamp is nearest, at most 50 ms off. Its boxes may be in another frame than the cloud, if the recording of
+//! A message belongs to the scan whose time stamp is nearest, at most 50 ms off, and to no other one. Its boxes may be in another frame than the cloud, if the recording of
 //! the results says how that lies. The score is that of the likeliest hypothesis, or the metadata `score`, `confidence` or `probability` of a scene entity;
 //! an empty class is one that nobody says.
 
@@ -50,6 +50,8 @@ pub struct RecordedDetections {
     channel: Channel,
     by_stamp: BTreeMap<u64, MessagePlace>,
     asked: BTreeMap<usize, ScanFrame>,
+    // By scan, the stamp of its message.
+    stamp_by_scan: BTreeMap<usize, u64>,
 }
 
 /// When a scan was taken, and the frame of its cloud.
@@ -97,7 +99,11 @@ impl RecordedDetections {
         let mut by_stamp = BTreeMap::new();
         for &place in &channel.places {
             let (stamp_ns, _) = messages.read_objects(&channel, place)?;
-            by_stamp.insert(stamp_ns.unwrap_or(place.log_time_ns), place);
+            let stamp_ns = stamp_ns.unwrap_or(place.log_time_ns);
+            if by_stamp.insert(stamp_ns, place).is_some() {
+                let problem = format!("has two messages of results with the time stamp {stamp_ns} ns");
+                return Err(messages.damaged(problem));
+            }
         }
         // That of the clouds in the recording of the results.
         let own_frame = cloud.as_ref().map(|it| frame_of_clouds(&messages, it)).transpose()?.flatten();
@@ -109,23 +115,22 @@ impl RecordedDetections {
         let asked: Option<BTreeMap<usize, ScanFrame>> = of.asked.iter().map(frame_of).collect();
         let has_times = asked.is_some();
         of.require(path, |_| has_times, ("names scans by their times", "has none"))?;
+        let asked = asked.unwrap_or_default();
         Ok(Self {
+            stamp_by_scan: nearest_pairs(&asked, &by_stamp),
             name: path.display().to_string(),
             n_scans: of.dataset.scan_ids().len(),
             classes: of.classes.clone(),
             messages,
             channel,
             by_stamp,
-            asked: asked.unwrap_or_default(),
+            asked,
         })
     }
 
-    /// The results nearest to this time, with theirs.
-    fn nearest(&self, stamp_ns: u64) -> Option<(u64, MessagePlace)> {
-        let before = self.by_stamp.range(..=stamp_ns).next_back();
-        let after = self.by_stamp.range(stamp_ns..).next();
-        let nearest = before.into_iter().chain(after).min_by_key(|(it, _)| it.abs_diff(stamp_ns))?;
-        (nearest.0.abs_diff(stamp_ns) <= MAX_OFFSET_NS).then_some((*nearest.0, *nearest.1))
+    /// The results of this scan.
+    fn place_of(&self, scan_idx: usize) -> Option<MessagePlace> {
+        self.by_stamp.get(self.stamp_by_scan.get(&scan_idx)?).copied()
     }
 
     fn boxes_of(
@@ -171,7 +176,7 @@ impl RecordedDetections {
 
 impl ResultReader for RecordedDetections {
     fn has(&self, scan_idx: usize) -> bool {
-        self.asked.get(&scan_idx).is_some_and(|it| self.nearest(it.stamp_ns).is_some())
+        self.stamp_by_scan.contains_key(&scan_idx)
     }
 
     fn read(
@@ -180,7 +185,7 @@ impl ResultReader for RecordedDetections {
         _scan: &LabeledScan,
     ) -> Result<Option<ForeignDetections>, DatasetError> {
         let Some(scan) = self.asked.get(&scan_idx) else { return Ok(None) };
-        let Some((_, place)) = self.nearest(scan.stamp_ns) else { return Ok(None) };
+        let Some(place) = self.place_of(scan_idx) else { return Ok(None) };
         let (_, objects) = self.messages.read_objects(&self.channel, place)?;
         Ok(Some(ForeignDetections::of_boxes(self.boxes_of(&objects, place, scan)?)))
     }
@@ -190,10 +195,31 @@ impl ResultReader for RecordedDetections {
         if self.asked.len() < self.n_scans {
             return Vec::new();
         }
-        let nearest = self.asked.values().filter_map(|it| self.nearest(it.stamp_ns));
-        let taken: BTreeSet<u64> = nearest.map(|(stamp_ns, _)| stamp_ns).collect();
+        let taken: BTreeSet<u64> = self.stamp_by_scan.values().copied().collect();
         self.by_stamp.keys().filter(|it| !taken.contains(it)).map(|it| format!("{it} ns")).collect()
     }
+}
+
+/// Scans with the stamps of their messages: the nearest two first, then the nearest of the others, as long as any are near enough.
+fn nearest_pairs(
+    asked: &BTreeMap<usize, ScanFrame>,
+    by_stamp: &BTreeMap<u64, MessagePlace>,
+) -> BTreeMap<usize, u64> {
+    let mut pairs = Vec::new();
+    for (&scan_idx, ScanFrame { stamp_ns, .. }) in asked {
+        let (first_ns, last_ns) =
+            (stamp_ns.saturating_sub(MAX_OFFSET_NS), stamp_ns.saturating_add(MAX_OFFSET_NS));
+        let near = by_stamp.range(first_ns..=last_ns);
+        pairs.extend(near.map(|(message_ns, _)| (message_ns.abs_diff(*stamp_ns), scan_idx, *message_ns)));
+    }
+    pairs.sort_unstable();
+    let (mut stamp_by_scan, mut taken) = (BTreeMap::new(), BTreeSet::new());
+    for (_, scan_idx, message_ns) in pairs {
+        if !stamp_by_scan.contains_key(&scan_idx) && taken.insert(message_ns) {
+            stamp_by_scan.insert(scan_idx, message_ns);
+        }
+    }
+    stamp_by_scan
 }
 
 /// The frame of the first cloud.

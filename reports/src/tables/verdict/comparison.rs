@@ -8,7 +8,9 @@ use crate::tables::verdict::wording::{
     about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
 };
 use crate::uncertainty::sample::Question;
-use crate::verdicts::comparability::{NotComparable, check_comparable, detectors_only_in};
+use crate::verdicts::comparability::{
+    NotComparable, check_comparable, detectors_only_in, detectors_with_other_results,
+};
 use crate::verdicts::drift::drift;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::vocabulary::extent::OVERALL;
@@ -27,6 +29,8 @@ pub struct Comparison {
     pub n_changed_scans: Option<usize>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
+    /// Detectors whose results were read from other files than before.
+    pub other_results: Vec<String>,
 }
 
 /// A difference with what it is of.
@@ -81,7 +85,8 @@ pub fn compare_runs(
     let title = "Two runs over the same scans, all data sets together".to_owned();
     let n_changed_scans = Some(drift(before, after).len());
     let new_detectors = detectors_only_in(after, before);
-    Ok(Comparison { title, differences, n_changed_scans, new_detectors })
+    let other_results = detectors_with_other_results(before, after);
+    Ok(Comparison { title, differences, n_changed_scans, new_detectors, other_results })
 }
 
 /// Compares detector `second` of `run` with detector `first`, over all data sets together.
@@ -101,7 +106,13 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     }
     let title =
         format!("{first} (before) and {second} (after) on the same scans of one run, all data sets together");
-    Comparison { title, differences, n_changed_scans: None, new_detectors: Vec::new() }
+    Comparison {
+        title,
+        differences,
+        n_changed_scans: None,
+        new_detectors: Vec::new(),
+        other_results: Vec::new(),
+    }
 }
 
 fn is_compared(slice: Slice, slices: ComparedSlices) -> bool {
@@ -132,7 +143,13 @@ impl Comparison {
         let about_new = (!self.new_detectors.is_empty()).then(|| {
             format!("Not compared, because only the later run has it: {}.", self.new_detectors.join(", "))
         });
-        [about_numbers].into_iter().chain(about_scans).chain(about_new).collect()
+        let about_results = (!self.other_results.is_empty()).then(|| {
+            format!(
+                "The results of these changed before they were judged: {}.",
+                self.other_results.join(", ")
+            )
+        });
+        [about_numbers].into_iter().chain(about_scans).chain(about_new).chain(about_results).collect()
     }
 
     fn grid(&self) -> Grid {

@@ -3,7 +3,9 @@
 use crate::numbers::blocks::BlockCount;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
-use crate::verdicts::comparability::{NotComparable, check_comparable, detectors_only_in};
+use crate::verdicts::comparability::{
+    NotComparable, check_comparable, check_same_results, detectors_only_in,
+};
 use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
@@ -113,6 +115,7 @@ pub fn judge(
     tolerances: &Tolerances,
 ) -> Result<Verdict, JudgeError> {
     check_comparable(baseline, run)?;
+    check_same_results(baseline, run)?;
     let (before, after) = (baseline.tally(), run.tally());
     let draws = before.draw();
     let sides = Sides { before: &before, after: &after, draws: &draws };

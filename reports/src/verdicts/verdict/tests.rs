@@ -4,6 +4,7 @@ use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
+use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
 use crate::tables::formats::format::Format as _;
 use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
@@ -234,6 +235,37 @@ fn a_detector_that_was_not_run_everywhere_is_not_comparable() {
     let comparison = compare_runs(&run, &USUAL.archive(), ComparedSlices::All).unwrap();
     let text = Terminal::UNFOLDED.text(&comparison);
     assert!(text.contains("Not compared, because only the later run has it: pca."), "{text}");
+}
+
+#[test]
+fn results_of_other_files_are_not_gated() {
+    let with = |checksum: &str| {
+        let mut run = USUAL.archive();
+        let foreign = ForeignEntry {
+            command: Vec::new(),
+            results: Some("found".to_owned()),
+            results_checksum: Some(checksum.to_owned()),
+            reported_name: None,
+            version: None,
+            threads: None,
+            vehicles: "size".to_owned(),
+        };
+        let (name, parameters) = ("pca".to_owned(), serde_json::Value::Null);
+        run.manifest.detectors =
+            vec![DetectorEntry { name, parameters, rules: Vec::new(), foreign: Some(foreign) }];
+        run
+    };
+    assert!(judge(&with("a"), &with("a"), &tolerances()).is_ok());
+    assert!(judge(&USUAL.archive(), &with("a"), &tolerances()).is_ok());
+    let error = judge(&with("a"), &with("b"), &tolerances()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the runs cannot be compared: the results of pca changed: their checksums differ"
+    );
+    // What lies between the two is no secret.
+    let comparison = compare_runs(&with("a"), &with("b"), ComparedSlices::All).unwrap();
+    let text = Terminal::UNFOLDED.text(&comparison);
+    assert!(text.contains("The results of these changed before they were judged: pca."), "{text}");
 }
 
 /// `pca` has lost 15 points of F-rate, and rules that name it wrongly have to say so.

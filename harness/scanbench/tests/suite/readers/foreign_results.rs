@@ -156,6 +156,29 @@ fn what_lies_at_the_path_says_which_format_it_is() {
 }
 
 #[test]
+fn other_content_is_seen_by_the_checksum() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 2);
+    let dataset = open(&workplace.path("street"));
+    let checksum = || {
+        let results = try_results(&workplace.path("found"), &*dataset, MissingResults::AreEmpty).unwrap();
+        results.checksum().to_owned()
+    };
+    let bytes = std::fs::read(workplace.path("street/training/velodyne/0000/000000.bin")).unwrap();
+    let mut labels = vec![0_u8; bytes.len() / 4];
+    write(&workplace.path("found/000000.label"), &labels);
+    let before = checksum();
+    assert_eq!(checksum(), before);
+    write(&workplace.path("found/readme.md"), "no result");
+    write(&workplace.path("found/000077.label"), "of no scan that is asked for");
+    assert_eq!(checksum(), before);
+    // Of the same size.
+    labels[2] = 1;
+    write(&workplace.path("found/000000.label"), &labels);
+    assert_ne!(checksum(), before);
+}
+
+#[test]
 fn scans_without_results_are_named_and_so_are_results_without_scans() {
     let workplace = Workplace::new();
     DrawnDataset::objects(workplace.folder(), 13);
@@ -343,6 +366,43 @@ fn detections_of_ros_are_carried_into_the_frame_of_the_cloud() {
         false,
         &["has no results for 3 of 3 scans", "it has others: 1000000000 ns"],
     );
+}
+
+#[test]
+fn a_message_of_results_is_that_of_one_scan() {
+    let millisecond = mcap::SECOND / 1000;
+    let write = |found_ms: &[u64]| {
+        let workplace = Workplace::new();
+        let messages: Vec<mcap::Logged> = found_ms
+            .iter()
+            .map(|it| {
+                let time_ns = mcap::SECOND + it * millisecond;
+                let boxes = mcap::detections(time_ns, "lidar", [*it as f64, 0.0, 0.0], 0.0);
+                ("/found", "vision_msgs/msg/Detection3DArray", "cdr", time_ns, boxes)
+            })
+            .collect();
+        let path = mcap::write(&workplace, ::mcap::WriteOptions::new(), &messages);
+        (workplace, path)
+    };
+    let clouds = Workplace::new();
+    let at = [0, 40, 80].map(|it| mcap::cloud_at(mcap::SECOND + it * millisecond));
+    let dataset = open(&mcap::write(&clouds, ::mcap::WriteOptions::new(), &at));
+    let found_at = |found_ms: &[u64]| -> Vec<Option<f32>> {
+        let (_workplace, path) = write(found_ms);
+        let mut results = try_results(&path, &*dataset, MissingResults::AreEmpty).unwrap();
+        let mut of_scan = |scan_idx| {
+            let found = results.read(&dataset.read_scan(scan_idx).unwrap()).unwrap()?;
+            Some(found.boxes[0].bounding_box.center_m[0])
+        };
+        (0..3).map(&mut of_scan).collect()
+    };
+    assert_eq!(found_at(&[2, 41, 85]), [Some(2.0), Some(41.0), Some(85.0)]);
+    // One that is near all three serves the nearest, and one that is left goes to a scan that is left.
+    assert_eq!(found_at(&[38]), [None, Some(38.0), None]);
+    assert_eq!(found_at(&[38, 45]), [None, Some(38.0), Some(45.0)]);
+    let (_workplace, path) = write(&[0, 40, 40, 80]);
+    let parts = ["has two messages of results with the time stamp 1040000000 ns"];
+    check_refused(&path, &*dataset, false, &parts);
 }
 
 #[test]

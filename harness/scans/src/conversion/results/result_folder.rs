@@ -15,7 +15,7 @@ use super::kitti_results::KittiResults;
 use super::nuscenes_results::NuScenesResults;
 use super::own_results::OwnResults;
 use super::{ResultFile, ResultWriter};
-use crate::annotation::LabeledScan;
+use crate::annotation::{LabeledScan, ScanId};
 use crate::conversion::ConversionError;
 use crate::conversion::kitti_writer::KittiLayout;
 use crate::conversion::whole_folder::WholeFolder;
@@ -23,6 +23,7 @@ use crate::dataset::DatasetDescription;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::folder_name::folder_name;
 use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::positioned_points::PositionedPoints;
 
 /// The formats of results that can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +36,18 @@ pub enum ResultOutput {
     Argoverse2,
     /// What `detect` writes.
     Csv,
+}
+
+impl ResultOutput {
+    /// Makes sure that results of this scan can be written, before anything was found.
+    ///
+    /// # Errors
+    ///
+    /// [`ConversionError::Unwritable`] if the format is not for scans of its data set.
+    pub fn check(self, id: &ScanId, frame: &ForeignFrame) -> Result<(), ConversionError> {
+        let nothing = PositionedPoints::default().labeled_everywhere(id.clone(), Vec::new());
+        writer_of(self, KittiLayout::Tracking).add(&nothing, frame, &Detections::default()).map(drop)
+    }
 }
 
 /// A folder that is being written, and appears when it is complete.
