@@ -95,9 +95,9 @@ fn every_option_stands_below_a_heading() {
 
 #[test]
 fn help_says_what_detectors_there_are() {
-    let detect = help("detect --help");
+    let [detect, run] =
+        ["detect --help", "run --help"].map(|it| help(it).split_whitespace().collect::<Vec<_>>().join(" "));
     assert!(detect.contains("simple-grid, or one of scanbench.toml"), "{detect}");
-    let run = help("run --help").split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(run.contains("Without -d, the default detectors run as well."), "{run}");
 }
 
