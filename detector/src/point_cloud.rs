@@ -59,13 +59,17 @@ impl PointCloud {
     ///
     /// # Panics
     ///
-    /// If there are not as many as points. The same holds below.
+    /// If there are not as many as points.
     pub fn set_ring(&mut self, ring: Vec<u16>) {
         assert_eq!(ring.len(), self.len(), "each point has a ring");
         self.ring = Some(ring);
     }
 
     /// Says when each point was measured: seconds after the time of the scan, negative before it.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many as points.
     pub fn set_time_offset_s(&mut self, time_offset_s: Vec<f32>) {
         assert_eq!(time_offset_s.len(), self.len(), "each point has a time");
         self.time_offset_s = Some(time_offset_s);

@@ -1,6 +1,7 @@
 //! From a path to what another program found in the scans of a data set.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::argoverse2_table::Argoverse2Tables;
@@ -94,7 +95,7 @@ pub fn open_results(
             let folders = folders_with_results(path, dataset, request);
             let names: Vec<String> = folders.iter().map(|it| format!("{it:?}")).collect();
             if !names.is_empty() {
-                said.push_str(&format!("; folders in it have results, name one of them: {}", listed(&names)));
+                let _ = write!(said, "; folders in it have results, name one of them: {}", listed(&names));
             }
         }
         error

@@ -2,6 +2,8 @@
 //!
 //! Where packets carry two returns of every laser, the last is taken.
 
+use std::ops::Range;
+
 use super::calibration_file::DISTANCE_STEP_M;
 use super::laser_table::{Laser, VelodyneModel};
 use crate::dataset::positioned_points::PositionedPoints;
@@ -130,7 +132,7 @@ impl<'a> DataPacket<'a> {
         u32::from_le_bytes([a, b, c, d])
     }
 
-    /// Appends the points of the blocks from `first` on, up to without `end`, and what is known of them beside. Measurements without a
+    /// Appends the points of `blocks`, and what is known of them beside. Measurements without a
     /// return are none.
     ///
     /// # Errors
@@ -138,13 +140,12 @@ impl<'a> DataPacket<'a> {
     /// If a calibration puts a point too far off; the rest of a sentence about the file.
     pub fn append_points(
         &self,
-        first: usize,
-        end: usize,
+        blocks: Range<usize>,
         lasers: &[Laser],
         points: &mut PositionedPoints,
         firings: &mut Vec<Firing>,
     ) -> Result<(), String> {
-        for block in (first..end.min(N_BLOCKS)).filter(|it| self.is_taken(*it)) {
+        for block in (blocks.start..blocks.end.min(N_BLOCKS)).filter(|it| self.is_taken(*it)) {
             let begin = block * N_BLOCK_BYTES;
             let is_second_bank = self.bytes[begin..begin + 2] == SECOND_BANK.to_le_bytes();
             let (azimuth, step) = (f32::from(self.azimuth(block)), self.step(block));
@@ -240,7 +241,7 @@ mod tests {
         let packet = DataPacket::parse(bytes).unwrap();
         let mut points = PositionedPoints::default();
         let mut firings = Vec::new();
-        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut points, &mut firings).unwrap();
+        packet.append_points(0..N_BLOCKS, &lasers_of(packet.model()), &mut points, &mut firings).unwrap();
         assert_eq!(firings.len(), points.n_in_file());
         points.into_parts().0
     }
@@ -249,7 +250,7 @@ mod tests {
     fn last_firing(bytes: &[u8; N_PACKET_BYTES]) -> Firing {
         let packet = DataPacket::parse(bytes).unwrap();
         let (mut points, mut firings) = (PositionedPoints::default(), Vec::new());
-        packet.append_points(0, N_BLOCKS, &lasers_of(packet.model()), &mut points, &mut firings).unwrap();
+        packet.append_points(0..N_BLOCKS, &lasers_of(packet.model()), &mut points, &mut firings).unwrap();
         *firings.last().unwrap()
     }
 

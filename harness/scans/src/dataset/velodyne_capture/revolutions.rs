@@ -162,7 +162,7 @@ impl VelodyneCapture {
             // Read before, unless the file has changed since.
             let packet = DataPacket::parse(&bytes).map_err(damaged)?;
             firings.clear();
-            packet.append_points(first, end, &self.lasers, &mut points, &mut firings).map_err(damaged)?;
+            packet.append_points(first..end, &self.lasers, &mut points, &mut firings).map_err(damaged)?;
             let packet_s = clock.seconds_since_first(packet.micros_of_hour());
             rings.extend(firings.iter().map(|it| it.laser_idx as f64));
             offsets_s.extend(firings.iter().map(|it| packet_s + 1e-6 * f64::from(it.micros)));
