@@ -113,7 +113,7 @@ mod tests {
 
     /// Level road with `extra` points over the cell around (9.0, 3.0); returns that cell's class.
     fn class_with(extra: &[[f32; 3]]) -> SurfaceClass {
-        let params = HierarchicalParams::paper();
+        let params = HierarchicalParams::shipped();
         let mut grid = HierarchicalGrid::new(params.grid.clone());
         let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
         let mut cloud: crate::PointCloud =
@@ -159,7 +159,7 @@ mod tests {
 
     /// The class of a cell that alone is occupied, `x_m` in front of the sensor, by `n_points` one above the other.
     fn class_alone(n_points: usize, x_m: f32, weighted: bool) -> SurfaceClass {
-        let mut params = HierarchicalParams::paper();
+        let mut params = HierarchicalParams::shipped();
         params.density_weighting.enabled = weighted;
         let mut grid = HierarchicalGrid::new(params.grid.clone());
         grid.fill(&(0..n_points).map(|it| [x_m, 0.1, it as f32 * 0.1 - 1.0]).collect());

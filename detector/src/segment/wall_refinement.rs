@@ -319,7 +319,7 @@ mod tests {
 
         /// The class of the cell around `place_m` with walls refined.
         fn class_at(&self, place_m: [f32; 2], enabled: bool) -> SurfaceClass {
-            let mut params = HierarchicalParams::paper();
+            let mut params = HierarchicalParams::shipped();
             params.walls.enabled = enabled;
             let mut grid = HierarchicalGrid::new(params.grid.clone());
             grid.fill(&self.0);

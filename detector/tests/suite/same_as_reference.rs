@@ -10,7 +10,7 @@ use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 
 #[test]
 fn on_drawn_streets() {
-    let mut twins = Twins::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut twins = Twins::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     assert_eq!(twins.check(&main_road(), "the main road"), 3);
     let one_car = DrawnStreet::road().block([4.1, 8.3], [2.1, 3.9], 1.5).cloud();
     assert_eq!(twins.check(&one_car, "one car"), 1);
@@ -26,7 +26,7 @@ fn on_real_scans() {
         test_data!("data/kitti_object/training/velodyne"),
         test_data!("data/semantic_kitti/sequences/00/velodyne"),
     ];
-    let mut twins = Twins::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut twins = Twins::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     for drive in drives {
         // The scans of the object drive are those of the tracking drive, written once more.
         let paths = velodyne_paths(&drive);

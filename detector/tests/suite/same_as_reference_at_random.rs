@@ -11,7 +11,7 @@ const EXTENT_M: f32 = 12.0;
 
 /// Parameters for clouds of few points on a small grid.
 fn params(cell_size_m: f32, xi: u32) -> HierarchicalParams {
-    let mut params = HierarchicalParams::paper();
+    let mut params = HierarchicalParams::shipped();
     params.grid.cell_size_m = cell_size_m;
     params.grid.xi = xi;
     params.grid.extent_m = EXTENT_M;

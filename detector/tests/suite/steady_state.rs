@@ -12,7 +12,7 @@ use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 /// Checks that a detector that has seen `first` allocates nothing on `second`.
 #[track_caller]
 fn check(first: &PointCloud, second: &PointCloud) {
-    let detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     check_detector(detector.clone(), first, second);
     check_detector(detector.with_vehicle_model(vehicle_model()), first, second);
 }
@@ -45,7 +45,7 @@ fn a_drive_seen_before_allocates_nothing() {
     let paths = velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000"));
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
         .with_vehicle_model(vehicle_model());
     let mut output = DetectorOutput::default();
     for scan in &scans {

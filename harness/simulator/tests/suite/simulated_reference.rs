@@ -10,7 +10,7 @@ use crate::reference::twins::Twins;
 fn check(street: &str) {
     let catalogue = built_in_catalogue().expect("the embedded catalogue");
     let dataset = open_dataset(street, &OpenOptions::default(), &catalogue).expect("a street");
-    let mut twins = Twins::new(HierarchicalParams::paper(), dataset.description().sensor_height_m);
+    let mut twins = Twins::new(HierarchicalParams::shipped(), dataset.description().sensor_height_m);
     for position in [0, 7] {
         let scan = dataset.read_scan(position).expect("a scan");
         let n_objects = twins.check(&scan.cloud, &format!("scan {position} of {street}"));

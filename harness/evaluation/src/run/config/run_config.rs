@@ -47,7 +47,7 @@ fn shipped() -> Table {
     let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
     let mut all = parse(PARAMS_TOML);
     all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
-    all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::paper_table()));
+    all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::shipped_table()));
     all.insert(VEHICLE_MODEL.to_owned(), Value::Table(parse(VEHICLE_MODEL_TOML)));
     all
 }
@@ -167,11 +167,11 @@ impl RunConfig {
     fn from_resolved(resolved: Table, vehicle_models: Option<VehicleModels>) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         // A curve that is not given is the sensor's; until that is known, the paper's stands in.
-        let of_paper = HierarchicalParams::paper_table();
+        let of_program = HierarchicalParams::shipped_table();
         let hierarchical = if gives_density_curve(&resolved) {
             table("hierarchical")
         } else {
-            with_density_curve(table("hierarchical"), &of_paper)
+            with_density_curve(table("hierarchical"), &of_program)
         };
         let (hierarchical, matching) = (hierarchical.to_string(), table("matching").to_string());
         let of_others = ["matching", "hierarchical", VEHICLE_MODEL, DETECTOR_TABLE];
@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn nothing_overridden_is_the_standard() {
         let config = resolve("").unwrap();
-        assert_eq!(config.hierarchical, HierarchicalParams::paper());
+        assert_eq!(config.hierarchical, HierarchicalParams::shipped());
         assert_eq!(config.baselines, BaselineParams::shipped());
         let standard =
             MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
