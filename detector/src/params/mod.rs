@@ -1,4 +1,6 @@
-//! The parameters of the hierarchical detector, from one file.
+//! The parameters of the hierarchical detector, from one file; those of the papers' from another.
+
+pub mod paper;
 
 use serde::Deserialize;
 
@@ -73,7 +75,7 @@ pub struct ClusterParams {
 }
 
 /// The text of `params/hierarchical.toml`, which lacks the density curve: that is the sensor's.
-const HIERARCHICAL_TOML: &str = include_str!("hierarchical.toml");
+pub const HIERARCHICAL_TOML: &str = include_str!("hierarchical.toml");
 /// The sensor of the paper, whose density curve stands in where that of the sensor is not known.
 pub const PAPER_SENSOR: &str = "hdl-64e-s2";
 

@@ -1,6 +1,6 @@
 //! The classifier against libsvm, and what it refuses.
 
-use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams, solve_nu_svc};
+use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams, Tolerance, solve_nu_svc};
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
@@ -38,7 +38,7 @@ impl Reference {
     }
 
     fn params(&self, nu: f64) -> NuSvcParams {
-        NuSvcParams { gamma: self.gamma, nu, tolerance: 1e-5, max_steps: 1_000_000 }
+        NuSvcParams { gamma: self.gamma, nu, tolerance: Tolerance::OfMargin(1e-5), max_steps: 1_000_000 }
     }
 }
 
@@ -140,7 +140,7 @@ fn training_twice_gives_the_same_file() {
 #[test]
 fn a_value_that_never_differs_is_harmless() {
     let vectors = [[0.0, 5.0], [0.2, 5.0], [1.0, 5.0], [1.2, 5.0]];
-    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: 1e-6, max_steps: 1000 };
+    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: Tolerance::OfMargin(1e-6), max_steps: 1000 };
     let model = train_svm(
         &vectors,
         &[true, true, false, false],
@@ -154,8 +154,23 @@ fn a_value_that_never_differs_is_harmless() {
 }
 
 #[test]
+fn the_tolerance_of_libraries_ends_sooner() {
+    // Two classes one in the other, so that there is hardly a margin.
+    let vectors: Vec<[f32; 2]> =
+        (0..200).map(|it| [(it as f32 * 0.7).sin(), (it as f32 * 1.3).cos()]).collect();
+    let is_first: Vec<bool> = (0..200).map(|it| it % 3 == 0).collect();
+    let solve = |tolerance| {
+        let params = NuSvcParams { gamma: 1.0, nu: 0.4, tolerance, max_steps: 1_000_000 };
+        solve_nu_svc(&vectors, &is_first, &params).unwrap()
+    };
+    let (to_the_end, sooner) = (solve(Tolerance::OfMargin(1e-4)), solve(Tolerance::OfGradients(0.05)));
+    assert!(sooner.n_steps < to_the_end.n_steps, "{} {}", sooner.n_steps, to_the_end.n_steps);
+    assert!(sooner.objective >= to_the_end.objective);
+}
+
+#[test]
 fn what_cannot_be_trained_is_an_error() {
-    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: 1e-6, max_steps: 1000 };
+    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: Tolerance::OfMargin(1e-6), max_steps: 1000 };
     let solve = |vectors: &[[f32; 1]], is_first: &[bool], params: &NuSvcParams| {
         solve_nu_svc(vectors, is_first, params).unwrap_err()
     };

@@ -1,7 +1,10 @@
 //! Once the first scan has sized the buffers, detecting allocates nothing.
 
+use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
+use detector::params::paper::PaperParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
 use test_data::{needs_test_data, test_data};
 
@@ -15,10 +18,13 @@ fn check(first: &PointCloud, second: &PointCloud) {
     let detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     check_detector(detector.clone(), first, second);
     check_detector(detector.with_vehicle_model(vehicle_model()), first, second);
+    let of_papers =
+        PaperDetector::new(&PaperParams::shipped(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    check_detector(of_papers.with_vehicle_model(PaperModel::shipped()), first, second);
 }
 
 #[track_caller]
-fn check_detector(mut detector: HierarchicalDetector, first: &PointCloud, second: &PointCloud) {
+fn check_detector(mut detector: impl Detector, first: &PointCloud, second: &PointCloud) {
     let mut output = DetectorOutput::default();
     let sizing = allocation_counter::measure(|| detector.detect(first, &mut output));
     assert!(sizing.count_total > 0, "the counter sees nothing");
