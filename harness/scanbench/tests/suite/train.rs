@@ -150,7 +150,10 @@ fn the_detector_of_the_papers_has_a_model_of_eight_values() {
     // It is no model for the other.
     let ended = workplace.run(&["run", "-P", "vehicle_model.directory=model", "-o", "out"]);
     assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
-    assert!(ended.stderr.contains("model.toml: line 16: the model was trained on the features"), "{ended:#?}");
+    assert!(
+        ended.stderr.contains("model.toml: line 16: the model was trained on the features"),
+        "{ended:#?}"
+    );
 }
 
 #[test]
