@@ -18,7 +18,7 @@ from page import checksum
 GROUPS = {
     # Data: what the accepted run uses, and other blocks more of.
     "models": (["detector/src/", "baselines/src/"], []),
-    "parameters": (["detector/src/params/paper.toml", "baselines/src/params/params.toml"], []),
+    "parameters": (["detector/src/params/hierarchical.toml", "detector/src/params/paper.toml", "baselines/src/params/params.toml"], []),
     "datasets": (["datasets.toml", "harness/simulator/src/sensors/"], []),
     # Sources of what the accepted run does not do.
     "ablation": (["harness/evaluation/src/run/ablation.rs", "reports/src/tables/studies/ablation_score.rs"], []),

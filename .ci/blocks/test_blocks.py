@@ -63,7 +63,7 @@ def checkout(test):
         "detector/src/cells.rs": "// Cells.\npub fn cells() {}\n",
         "baselines/src/params/params.toml": "tolerance_m = 0.5\n",
         "detector/src/params/model.toml": "x = 1\n",
-        "detector/src/params/paper.toml": "cell_size_m = 0.6\n",
+        "detector/src/params/hierarchical.toml": "cell_size_m = 0.6\n",
         "datasets.toml": "seed = 1\n",
         "harness/evaluation/src/metrics/counts.rs": "pub const SCORING_VERSION: u32 = 7;\n",
         "harness/evaluation/src/realism/survey.rs": "fn survey() {}\n",
@@ -144,9 +144,9 @@ class Fingerprints(unittest.TestCase):
         changed(root, "detector/src/params/model.toml", "x = 2\n")
         self.assertEqual(fingerprint.fingerprint(root, "parameters"), parameters)
         self.assertNotEqual(fingerprint.fingerprint(root, "models"), models)
-        changed(root, "detector/src/params/paper.toml", "# In metres.\ncell_size_m  = 0.6\n")
+        changed(root, "detector/src/params/hierarchical.toml", "# In metres.\ncell_size_m  = 0.6\n")
         self.assertEqual(fingerprint.fingerprint(root, "parameters"), parameters)
-        changed(root, "detector/src/params/paper.toml", "cell_size_m = 0.7\n")
+        changed(root, "detector/src/params/hierarchical.toml", "cell_size_m = 0.7\n")
         self.assertNotEqual(fingerprint.fingerprint(root, "parameters"), parameters)
 
     def test_a_command_knows_what_decides_its_numbers(self):

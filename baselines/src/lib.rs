@@ -12,7 +12,7 @@
 //! let side = |from_m: f32| steps(from_m, from_m + 4.0).flat_map(|x| steps(-1.7, -0.3).map(move |z| [x, 3.0, z]));
 //! let cloud: PointCloud = side(5.0).chain(side(-9.0)).collect();
 //!
-//! let (params, shared) = (BaselineParams::shipped(), HierarchicalParams::paper());
+//! let (params, shared) = (BaselineParams::shipped(), HierarchicalParams::shipped());
 //! let rivals: [Box<dyn Detector>; 2] = [
 //!     Box::new(PcaDetector::new(params.pca, shared.vehicle_size.clone())),
 //!     Box::new(KdTreeDetector::new(params.kd_tree, shared, 1.73)),

@@ -17,15 +17,15 @@ const SENSOR_HEIGHT_M: f32 = 1.73;
 fn kd_tree(foreground: ForegroundChoice) -> KdTreeDetector {
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = foreground;
-    KdTreeDetector::new(params, HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+    KdTreeDetector::new(params, HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
 }
 
 fn pca() -> PcaDetector {
-    PcaDetector::new(BaselineParams::shipped().pca, HierarchicalParams::paper().vehicle_size)
+    PcaDetector::new(BaselineParams::shipped().pca, HierarchicalParams::shipped().vehicle_size)
 }
 
 fn simple_grid() -> SimpleGridDetector {
-    SimpleGridDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+    SimpleGridDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
 }
 
 fn every_detector() -> [Box<dyn Detector>; 4] {
@@ -139,7 +139,7 @@ fn two_close_cars() -> PointCloud {
 #[test]
 fn what_the_dense_level_separates_the_simple_grid_joins() {
     let cloud = two_close_cars();
-    let mut hierarchical = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut hierarchical = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     check_found(&detected(&mut hierarchical, &cloud), &[([8.0, 2.05], 0.0), ([8.0, 4.25], 0.0)]);
     let joined = detected(&mut simple_grid(), &cloud);
     let n_points: usize = joined.detections.iter().map(|it| it.point_indices.len()).sum();
@@ -152,7 +152,7 @@ fn what_the_dense_level_separates_the_simple_grid_joins() {
 #[test]
 fn the_simple_grid_has_one_level_whatever_the_parameters_say() {
     let detections_with = |xi| {
-        let mut params = HierarchicalParams::paper();
+        let mut params = HierarchicalParams::shipped();
         params.grid.xi = xi;
         detected(&mut SimpleGridDetector::new(params, SENSOR_HEIGHT_M), &two_close_cars()).detections
     };

@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 fn measure(scans: &[Vec<Candidate>]) {
     let mut model = VehicleModel::shipped();
-    let mut raster = ObjectRaster::new(HierarchicalParams::paper().grid.extent_m);
+    let mut raster = ObjectRaster::new(HierarchicalParams::shipped().grid.extent_m);
     let (mut features, mut decisions, mut vectors) = (Vec::new(), Vec::new(), Vec::new());
     let mut sum = 0.0;
     for round in 0..=N_ROUNDS {
@@ -87,7 +87,7 @@ fn candidates_of_scans(folder: &Path) -> std::io::Result<Vec<Vec<Candidate>>> {
         std::fs::read_dir(folder)?.map(|it| Ok(it?.path())).collect::<std::io::Result<_>>()?;
     paths.retain(|path| path.extension().is_some_and(|it| it == "bin"));
     paths.sort();
-    let mut params = HierarchicalParams::paper();
+    let mut params = HierarchicalParams::shipped();
     params.completion.enabled = false;
     let mut detector = HierarchicalDetector::new(params, SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();

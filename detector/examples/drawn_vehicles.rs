@@ -207,7 +207,7 @@ fn between(from_m: [f32; 2], to_m: [f32; 2]) -> impl Iterator<Item = [f32; 2]> {
 ///
 /// If a silhouette is drawn so that it goes around nothing.
 pub fn drawn_vehicles() -> Result<PrototypeLibrary, Box<dyn std::error::Error>> {
-    let params = HierarchicalParams::paper();
+    let params = HierarchicalParams::shipped();
     let mut profile = SideProfile::new(COLUMN_M);
     let prototypes = SILHOUETTES.iter().map(|silhouette| {
         let mut seen_m = silhouette.points_m();

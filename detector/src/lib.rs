@@ -18,7 +18,7 @@
 //! let cloud: PointCloud = road.chain(side(2.0)).chain(side(3.8)).chain(end(4.0)).chain(end(8.0)).collect();
 //!
 //! // A detector and its output are used again for the next scan.
-//! let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), sensor_height_m);
+//! let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), sensor_height_m);
 //! let mut output = DetectorOutput::default();
 //! detector.detect(&cloud, &mut output);
 //!

@@ -26,7 +26,7 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
         let kd_tree = median(N_RUNS, || {
             kd_tree_components(&positions_m, TOLERANCE_M, &mut scratch, &mut labels);
         });
-        let mut grid = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+        let mut grid = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
         let mut output = DetectorOutput::default();
         let grid = median(N_RUNS, || grid.detect(&cloud, &mut output));
         let n = positions_m.len() as f64;

@@ -26,8 +26,8 @@ pub fn measure(out: &mut impl Write) -> std::io::Result<()> {
     )?;
     let mut params = BaselineParams::shipped().kd_tree;
     params.foreground = ForegroundChoice::All;
-    let mut kd_tree = KdTreeDetector::new(params, HierarchicalParams::paper(), SENSOR_HEIGHT_M);
-    let mut grid = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut kd_tree = KdTreeDetector::new(params, HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    let mut grid = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     for scan in SCANS {
         let Some(positions_m) = read_positions(scan, out)? else { continue };

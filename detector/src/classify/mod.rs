@@ -15,3 +15,4 @@ pub mod nu_svm;
 // The vehicle model: features, and the machine that decides by them.
 pub mod object_classifier;
 pub mod vehicle_model;
+pub mod paper_model;

@@ -43,7 +43,7 @@ mod tests {
 
     #[track_caller]
     fn check(length_width_height_m: [f32; 3], expected: DetectedClass) {
-        let params = HierarchicalParams::paper().vehicle_size;
+        let params = HierarchicalParams::shipped().vehicle_size;
         let it = OrientedBox { center_m: [9.0, 0.0, -1.0], length_width_height_m, yaw_rad: 0.3 };
         assert_eq!(size_gate(500, &it, &params), expected, "{length_width_height_m:?}");
         assert_eq!(size_gate(1, &it, &params), DetectedClass::Object);

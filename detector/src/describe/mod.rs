@@ -19,4 +19,6 @@ pub mod trained_file;
 pub mod prototype_library;
 pub mod prototype_file;
 
+// What a classifier sees of an object: the values of the papers, and ours.
+pub mod paper_features;
 pub mod vehicle_features;

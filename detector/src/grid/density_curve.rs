@@ -373,7 +373,7 @@ mod tests {
 
     #[track_caller]
     fn check_refused(key: &str, value: &str, message: &str) {
-        let mut table = HierarchicalParams::paper_table();
+        let mut table = HierarchicalParams::shipped_table();
         let value: toml::Table = format!("it = {value}").parse().unwrap();
         table["density_weighting"]["curve"][key] = value["it"].clone();
         let error: ParamsError = HierarchicalParams::from_toml(&table.to_string()).unwrap_err();

@@ -1,4 +1,6 @@
-//! The parameters of the hierarchical detector, from one file.
+//! The parameters of the hierarchical detector, from one file; those of the papers' from another.
+
+pub mod paper;
 
 use serde::Deserialize;
 
@@ -16,12 +18,12 @@ use crate::segment::ground_segmentation::GroundSegmentationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 
-/// Parameters of every stage. `params/paper.toml` explains the values.
+/// Parameters of every stage. `params/hierarchical.toml` explains the values.
 ///
 /// ```
 /// use detector::params::HierarchicalParams;
 ///
-/// let mut document = HierarchicalParams::paper_table();
+/// let mut document = HierarchicalParams::shipped_table();
 /// document["grid"]["cell_size_m"] = 0.4.into();
 /// assert_eq!(HierarchicalParams::from_toml(&document.to_string())?.grid.cell_size_m, 0.4);
 ///
@@ -72,8 +74,8 @@ pub struct ClusterParams {
     pub min_points: usize,
 }
 
-/// The text of `params/paper.toml`, which lacks the density curve: that is the sensor's.
-const PAPER_TOML: &str = include_str!("paper.toml");
+/// The text of `params/hierarchical.toml`, which lacks the density curve: that is the sensor's.
+pub const HIERARCHICAL_TOML: &str = include_str!("hierarchical.toml");
 /// The sensor of the paper, whose density curve stands in where that of the sensor is not known.
 pub const PAPER_SENSOR: &str = "hdl-64e-s2";
 
@@ -131,14 +133,14 @@ fn as_written(value: f64) -> f64 {
 }
 
 impl HierarchicalParams {
-    /// The parameters of the paper.
-    pub fn paper() -> Self {
-        Self::from_toml(&Self::paper_table().to_string()).expect("the embedded files are tested")
+    /// The parameters that come with the program.
+    pub fn shipped() -> Self {
+        Self::from_toml(&Self::shipped_table().to_string()).expect("the embedded files are tested")
     }
 
-    /// The same as a document: `params/paper.toml` with the density curve of [`PAPER_SENSOR`].
-    pub fn paper_table() -> toml::Table {
-        let mut table: toml::Table = PAPER_TOML.parse().expect("the embedded file is tested");
+    /// The same as a document: `params/hierarchical.toml` with the density curve of [`PAPER_SENSOR`].
+    pub fn shipped_table() -> toml::Table {
+        let mut table: toml::Table = HIERARCHICAL_TOML.parse().expect("the embedded file is tested");
         let curve = DensityCurve::shipped_table(PAPER_SENSOR).expect("it is shipped");
         let weighting = table.get_mut("density_weighting").and_then(toml::Value::as_table_mut);
         weighting.expect("it is in the file").insert("curve".to_owned(), toml::Value::Table(curve));
@@ -211,13 +213,13 @@ mod tests {
 
     #[test]
     fn the_paper_has_cells_of_60_cm_and_three_dense_cells_a_side() {
-        let grid = HierarchicalParams::paper().grid;
+        let grid = HierarchicalParams::shipped().grid;
         assert_eq!((grid.cell_size_m, grid.xi), (0.6, 3));
     }
 
     #[track_caller]
     fn check_refused(from: &str, to: &str, message: &str) {
-        let complete = HierarchicalParams::paper_table().to_string();
+        let complete = HierarchicalParams::shipped_table().to_string();
         assert!(complete.contains(from), "{complete}");
         let error = HierarchicalParams::from_toml(&complete.replacen(from, to, 1)).unwrap_err();
         assert!(error.to_string().contains(message), "{error}");

@@ -32,7 +32,7 @@ use crate::stage_product::StageProduct;
 /// use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 /// use detector::{Detector, Rule};
 ///
-/// let by_size = HierarchicalDetector::new(HierarchicalParams::paper(), 1.73);
+/// let by_size = HierarchicalDetector::new(HierarchicalParams::shipped(), 1.73);
 /// assert!(!by_size.rules().contains(&Rule::Regrouping));
 /// // With a model, which it asks where clusters are to be cut and joined.
 /// let by_model = by_size.with_vehicle_model(VehicleModel::shipped());

@@ -4,3 +4,4 @@ pub mod foreground_stages;
 pub mod vehicle_stages;
 pub mod object_stages;
 pub mod hierarchical_detector;
+pub mod paper_detector;

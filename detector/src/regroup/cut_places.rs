@@ -101,7 +101,7 @@ mod tests {
             yaw_rad: 0.0,
         };
         CutPlaces::default()
-            .find(positions_m, &bounding_box, &HierarchicalParams::paper().regrouping)
+            .find(positions_m, &bounding_box, &HierarchicalParams::shipped().regrouping)
             .to_vec()
     }
 
@@ -113,7 +113,7 @@ mod tests {
             .map(|x| [x, 0.9, 0.0])
             .collect();
         let found = planes(&row, [9.0, 1.8]);
-        assert_eq!(found.len(), HierarchicalParams::paper().regrouping.n_places);
+        assert_eq!(found.len(), HierarchicalParams::shipped().regrouping.n_places);
         assert!(found[0].is_before([3.9, 0.0, 0.0]) && !found[0].is_before([4.7, 0.0, 0.0]), "{found:?}");
         assert!(planes(&row, [4.5, 1.8]).is_empty());
     }

@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn only_neighbours_of_which_none_is_long_may_be_one() {
-        let params = HierarchicalParams::paper().regrouping;
+        let params = HierarchicalParams::shipped().regrouping;
         let may_be_one = |[x_m, length_m]: [f32; 2]| {
             let it = |x_m: f32, length_m: f32| OrientedBox {
                 center_m: [x_m + 0.5 * length_m, 0.0, 0.0],

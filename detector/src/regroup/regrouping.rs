@@ -288,7 +288,7 @@ mod tests {
     /// The lengths and numbers of points of what becomes of objects of these points, each a list.
     fn regrouped(objects: &[Vec<[f32; 3]>], change: impl Fn(&mut RegroupingParams)) -> Vec<(i32, usize)> {
         let HierarchicalParams { regrouping: mut params, vehicle_size: mut sizes, .. } =
-            HierarchicalParams::paper();
+            HierarchicalParams::shipped();
         // Drawings are flat.
         sizes.min_height_m = 0.0;
         change(&mut params);

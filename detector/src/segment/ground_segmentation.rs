@@ -11,25 +11,41 @@ use crate::surface_class::SurfaceClass;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GroundSegmentationParams {
-    /// Cells with fewer points are clutter; the paper has 4 to 8. Where the road itself puts fewer points into a cell,
-    /// that many are enough.
+    /// Cells with fewer points are clutter; the paper has 4 to 8.
     pub min_points: u32,
+    /// Whether fewer points are enough where the road itself puts fewer into a cell. In the paper they are not.
+    pub fewer_far_away: bool,
     /// Highest minus lowest point of a ground cell stays below this, in metres.
     pub max_ground_extent_m: f32,
     /// The mean elevation around a ground cell is within this of the terrain, in metres.
     pub ground_band_m: f32,
-    /// A cell that reaches higher above the ground, or spans more, is tall; in metres.
+    /// Whether a ground cell is within it, too. In the paper its neighbourhood is enough.
+    pub low_itself: bool,
+    /// A cell that reaches higher, or spans more, is tall; in metres.
     pub tall_height_m: f32,
+    /// Above what it reaches higher.
+    pub tall_over: HeightOver,
+}
+
+/// What a height is measured from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HeightOver {
+    /// The ground below the place.
+    Terrain,
+    /// A level road below the sensor, everywhere: as the paper measures heights from the sensor.
+    LevelRoad,
 }
 
 /// The classes of cells.
 ///
 /// The paper calls a cell tall above 1.40 m over the sensor or when it spans 3.10 m. With its sensor at 1.73 m both
-/// are 3.1 m over a level road; we take 3.10 m over the *terrain* for both, so that a climbing road does not turn
-/// its cars into walls.
+/// are 3.1 m over a level road, which is [`HeightOver::LevelRoad`]; over the *terrain* a climbing road does not turn its cars
+/// into walls.
 ///
-/// A fixed number of points would make clutter of what stands far away: at 40 m the road puts a point into every third
-/// cell. So the number follows the weight of the range down to a single point, as all counts do in section 4.
+/// A fixed number of points, as in the paper, makes clutter of what stands far away: at 40 m the road puts a point into every
+/// third cell. With [`GroundSegmentationParams::fewer_far_away`] the number follows the weight of the range down to a single
+/// point, as all counts do in section 4.
 ///
 /// Paper: HG sections 3.1 and 4.
 #[derive(Debug, Clone)]
@@ -45,7 +61,7 @@ impl GroundSegmentation {
         let points_at_weight_1 = weighting.peak_points_per_m2() * grid.cell_size_m * grid.cell_size_m;
         let least_points = |weight: &f32| {
             let expected = (points_at_weight_1 * weight).ceil() as u32;
-            expected.max(1).min(params.min_points)
+            if params.fewer_far_away { expected.max(1).min(params.min_points) } else { params.min_points }
         };
         let least_points_by_metre = weighting.weight_by_metre().iter().map(least_points).collect();
         Self { params, least_points_by_metre }
@@ -67,14 +83,18 @@ impl GroundSegmentation {
             return SurfaceClass::Clutter;
         }
         let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
-        if cell.z_max_m - terrain_m > params.tall_height_m || cell.z_extent_m() > params.tall_height_m {
-            return SurfaceClass::Tall;
-        }
         let flat = cell.z_extent_m() < params.max_ground_extent_m;
         // A ring across the boot of a car far away is flat, and the mean of its neighbourhood is that of the road.
-        let low = cell.z_max_m - terrain_m <= params.ground_band_m;
+        let low = !params.low_itself || cell.z_max_m - terrain_m <= params.ground_band_m;
         if flat && low && (neighborhood_mean_m(grid, cell_idx) - terrain_m).abs() <= params.ground_band_m {
-            SurfaceClass::Ground
+            return SurfaceClass::Ground;
+        }
+        let bottom_m = match params.tall_over {
+            HeightOver::Terrain => terrain_m,
+            HeightOver::LevelRoad => terrain.level_road_m(),
+        };
+        if cell.z_max_m - bottom_m > params.tall_height_m || cell.z_extent_m() > params.tall_height_m {
+            SurfaceClass::Tall
         } else {
             SurfaceClass::Short
         }
@@ -105,19 +125,29 @@ fn neighborhood_mean_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
 mod tests {
     use super::*;
     use crate::params::HierarchicalParams;
+    use crate::params::paper::PaperParams;
 
     fn ground(params: &HierarchicalParams) -> GroundSegmentation {
         let weighting = DensityWeighting::new(&params.density_weighting);
         GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting)
     }
 
+    /// The same as the paper prints it.
+    fn printed() -> HierarchicalParams {
+        PaperParams::shipped().stages(&HierarchicalParams::shipped())
+    }
+
     /// Level road with `extra` points over the cell around (9.0, 3.0); returns that cell's class.
     fn class_with(extra: &[[f32; 3]]) -> SurfaceClass {
-        let params = HierarchicalParams::paper();
+        class_by(&HierarchicalParams::shipped(), 0.0, extra)
+    }
+
+    /// The same on a road that rises by `rise` over run to the front, with other parameters.
+    fn class_by(params: &HierarchicalParams, rise: f32, extra: &[[f32; 3]]) -> SurfaceClass {
         let mut grid = HierarchicalGrid::new(params.grid.clone());
         let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
         let mut cloud: crate::PointCloud =
-            steps().flat_map(|x| steps().map(move |y| [x, y, -1.73])).collect();
+            steps().flat_map(|x| steps().map(move |y| [x, y, rise * x - 1.73])).collect();
         for &position_m in extra {
             cloud.push(position_m, 0.0);
         }
@@ -125,7 +155,7 @@ mod tests {
         let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
         terrain.estimate(&grid);
         let mut classes = Vec::new();
-        ground(&params).segment(&grid, &terrain, &mut classes);
+        ground(params).segment(&grid, &terrain, &mut classes);
         let near = |&&cell_idx: &&u32| {
             let [x, y] = grid.center_m(cell_idx);
             (x - 9.0).abs() <= 0.3 && (y - 3.0).abs() <= 0.3
@@ -157,16 +187,70 @@ mod tests {
         assert_eq!(class_with(&column(1.2, 1.6)), SurfaceClass::Tall);
     }
 
+    #[test]
+    fn as_printed_a_climbing_road_makes_its_cars_tall() {
+        // 0.9 m up, a van of 2.4 m.
+        let van = column(0.1 * 9.0 - 1.73, 0.1 * 9.0 - 1.73 + 2.4);
+        assert_eq!(class_by(&HierarchicalParams::shipped(), 0.1, &van), SurfaceClass::Short);
+        assert_eq!(class_by(&printed(), 0.1, &van), SurfaceClass::Tall);
+        assert_eq!(class_by(&printed(), 0.0, &column(-1.73, 0.67)), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn as_printed_a_flat_cell_is_ground_if_those_around_it_are() {
+        let mut params = HierarchicalParams::shipped();
+        // The boot of a car, and no road below it.
+        let boot: Vec<[f32; 3]> = (0..9).map(|it| [8.8 + 0.05 * it as f32, 3.0, -0.9]).collect();
+        let hole = |params: &HierarchicalParams| class_over_hole(params, &boot);
+        assert_eq!(hole(&params), SurfaceClass::Short);
+        params.ground.low_itself = false;
+        assert_eq!(hole(&params), SurfaceClass::Ground);
+        assert_eq!(hole(&printed()), SurfaceClass::Ground);
+    }
+
+    #[test]
+    fn as_printed_few_points_are_clutter_at_every_range() {
+        let far = |params: &HierarchicalParams, n_points: usize| class_of_lone_cell(params, n_points, 50.0);
+        assert_eq!(far(&printed(), 3), SurfaceClass::Clutter);
+        assert_eq!(far(&printed(), 4), SurfaceClass::Short);
+    }
+
     /// The class of a cell that alone is occupied, `x_m` in front of the sensor, by `n_points` one above the other.
     fn class_alone(n_points: usize, x_m: f32, weighted: bool) -> SurfaceClass {
-        let mut params = HierarchicalParams::paper();
+        let mut params = HierarchicalParams::shipped();
         params.density_weighting.enabled = weighted;
+        class_of_lone_cell(&params, n_points, x_m)
+    }
+
+    fn class_of_lone_cell(params: &HierarchicalParams, n_points: usize, x_m: f32) -> SurfaceClass {
         let mut grid = HierarchicalGrid::new(params.grid.clone());
         grid.fill(&(0..n_points).map(|it| [x_m, 0.1, it as f32 * 0.1 - 1.0]).collect());
         let terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
         let mut classes = Vec::new();
-        ground(&params).segment(&grid, &terrain, &mut classes);
+        ground(params).segment(&grid, &terrain, &mut classes);
         classes[grid.occupied()[0] as usize]
+    }
+
+    /// The class of the cell around (9.0, 3.0) of a level road that has these points there and no others.
+    fn class_over_hole(params: &HierarchicalParams, points_m: &[[f32; 3]]) -> SurfaceClass {
+        let mut grid = HierarchicalGrid::new(params.grid.clone());
+        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
+        let road = steps().flat_map(|x| steps().map(move |y| [x, y, -1.73]));
+        let column_and_row = |[x, y, _]: [f32; 3]| {
+            [x, y].map(|it| ((it + params.grid.extent_m) / params.grid.cell_size_m) as i32)
+        };
+        let hole = column_and_row(points_m[0]);
+        let around = road.filter(|&it| column_and_row(it) != hole);
+        grid.fill(&around.chain(points_m.iter().copied()).collect());
+        let mut terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
+        terrain.estimate(&grid);
+        let mut classes = Vec::new();
+        ground(params).segment(&grid, &terrain, &mut classes);
+        let is_there = |&&cell_idx: &&u32| {
+            let [x, y] = grid.center_m(cell_idx);
+            column_and_row([x, y, 0.0]) == hole
+        };
+        classes[*grid.occupied().iter().find(is_there).unwrap() as usize]
     }
 
     #[test]

@@ -106,6 +106,11 @@ impl Terrain {
         }
     }
 
+    /// Elevation of a level road below the sensor, in metres.
+    pub fn level_road_m(&self) -> f32 {
+        -self.sensor_height_m
+    }
+
     /// Estimates the ground under the scan in `grid`.
     pub fn estimate(&mut self, grid: &HierarchicalGrid) {
         if !self.params.enabled {

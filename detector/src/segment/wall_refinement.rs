@@ -13,6 +13,9 @@ use crate::surface_class::SurfaceClass;
 pub struct WallRefinementParams {
     /// Whether walls are looked for at all.
     pub enabled: bool,
+    /// Whether walls are found as the paper prints it. `min_height_m`, `ceiling_margin_deg` and `max_ground_behind` are not
+    /// used then.
+    pub as_printed: bool,
     /// Least height above the terrain of a cell that may support a wall, in metres: above the roofs of cars.
     pub min_height_m: f32,
     /// How far below the top of the field of view, in degrees, a cell still counts as cut off by it.
@@ -32,6 +35,9 @@ pub struct WallRefinementParams {
 /// tall, or higher than cars and *cut off* by the upper end of the field of view, supports a wall. Segments are
 /// found among the supporting cells, so a row of parked cars makes none however straight it is; the short cells on a
 /// segment become tall whether they support it or not.
+///
+/// With [`WallRefinementParams::as_printed`] segments are found among all tall and short cells. The paper takes each for a
+/// wall, a row of parked cars, too; here enough of its cells have to be tall. Only what lies on it becomes tall.
 ///
 /// Paper: HG section 3.1, refinement by a probabilistic Hough transform, and Fig. 3.
 #[derive(Debug, Clone)]
@@ -78,6 +84,10 @@ impl WallRefinement {
         if !self.params.enabled {
             return;
         }
+        if self.params.as_printed {
+            self.refine_as_printed(grid, classes);
+            return;
+        }
         self.find_supports(grid, terrain, classes);
         let segments = self.lines.find(&self.supports);
         for &segment in segments {
@@ -105,6 +115,32 @@ impl WallRefinement {
         }
         self.spread(grid, classes);
         self.clear_behind(grid, classes);
+    }
+
+    /// Segments among all tall and short cells are walls if enough of them is tall, and their short cells become tall.
+    fn refine_as_printed(&mut self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
+        for &cell_idx in &self.supports {
+            self.is_support[cell_idx as usize] = false;
+        }
+        self.supports.clear();
+        for &cell_idx in grid.occupied() {
+            let class = classes[cell_idx as usize];
+            if matches!(class, SurfaceClass::Tall | SurfaceClass::Short) {
+                self.supports.push(cell_idx);
+                self.is_support[cell_idx as usize] = class == SurfaceClass::Tall;
+            }
+        }
+        for &segment in self.lines.find(&self.supports) {
+            if support_share(segment, grid, &self.is_support) >= self.params.min_support {
+                self.walls.push(segment);
+            }
+        }
+        // After all were judged, so that the order of the segments does not matter.
+        for &segment in &self.walls {
+            for cell_idx in corridor(segment).flatten().filter_map(|it| cell_at(grid, it)) {
+                turn_tall(classes, cell_idx);
+            }
+        }
     }
 
     /// What lies behind a wall is seen through its windows and doors, and stands in no street.
@@ -281,6 +317,7 @@ mod tests {
     use crate::PointCloud;
     use crate::grid::density_weighting::DensityWeighting;
     use crate::params::HierarchicalParams;
+    use crate::params::paper::PaperParams;
     use crate::segment::ground_segmentation::GroundSegmentation;
 
     const SENSOR_HEIGHT_M: f32 = 1.73;
@@ -304,11 +341,16 @@ mod tests {
         }
 
         /// A surface `height_m` high over the line from one point of the ground plan to another.
-        fn surface(mut self, from_m: [f32; 2], to_m: [f32; 2], height_m: f32) -> Self {
+        fn surface(self, from_m: [f32; 2], to_m: [f32; 2], height_m: f32) -> Self {
+            self.seen_up_to(from_m, to_m, height_m, TOP_RISE)
+        }
+
+        /// The same with a topmost beam that rises by `top_rise`.
+        fn seen_up_to(mut self, from_m: [f32; 2], to_m: [f32; 2], height_m: f32, top_rise: f32) -> Self {
             for step in 0..=400 {
                 let share = step as f32 / 400.0;
                 let [x, y] = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
-                let top_m = (height_m - SENSOR_HEIGHT_M).min(TOP_RISE * x.hypot(y));
+                let top_m = (height_m - SENSOR_HEIGHT_M).min(top_rise * x.hypot(y));
                 for level in 0..=8 {
                     let z = -SENSOR_HEIGHT_M + (top_m + SENSOR_HEIGHT_M) * level as f32 / 8.0;
                     self.0.push([x, y, z], 0.0);
@@ -319,8 +361,17 @@ mod tests {
 
         /// The class of the cell around `place_m` with walls refined.
         fn class_at(&self, place_m: [f32; 2], enabled: bool) -> SurfaceClass {
-            let mut params = HierarchicalParams::paper();
+            let mut params = HierarchicalParams::shipped();
             params.walls.enabled = enabled;
+            self.class_by(params, place_m)
+        }
+
+        /// The same as the paper prints it.
+        fn printed_class_at(&self, place_m: [f32; 2]) -> SurfaceClass {
+            self.class_by(PaperParams::shipped().stages(&HierarchicalParams::shipped()), place_m)
+        }
+
+        fn class_by(&self, params: HierarchicalParams, place_m: [f32; 2]) -> SurfaceClass {
             let mut grid = HierarchicalGrid::new(params.grid.clone());
             grid.fill(&self.0);
             let mut terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
@@ -383,6 +434,27 @@ mod tests {
     fn what_hides_no_ground_is_no_wall() {
         let rain = Drawing::open_ground(20.0).surface([-12.0, 9.1], [12.0, 9.1], 12.0);
         assert_eq!(rain.class_at([3.1, 9.1], true), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn as_printed_a_line_with_a_tall_cell_is_a_wall_and_one_without_is_none() {
+        let cars = Drawing::road().surface([-12.0, 4.1], [12.0, 4.1], 1.5);
+        assert_eq!(cars.printed_class_at([3.1, 4.1]), SurfaceClass::Short);
+        // No beam is as high as that this near.
+        let facade = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        assert_eq!(facade.printed_class_at([3.1, 9.1]), SurfaceClass::Short);
+        // A sign over it is.
+        let sign = facade.seen_up_to([-5.4, 9.1], [-4.8, 9.1], 3.5, 1.0);
+        assert_eq!(sign.printed_class_at([3.1, 9.1]), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn as_printed_nothing_becomes_tall_that_is_not_on_the_line() {
+        let street = Drawing::road().seen_up_to([-12.0, 9.1], [12.0, 9.1], 12.0, 1.0);
+        let shop = street.surface([1.5, 12.1], [2.5, 12.1], 1.0).surface([1.5, 10.9], [2.5, 10.9], 1.0);
+        assert_eq!(shop.printed_class_at([2.1, 12.1]), SurfaceClass::Short);
+        assert_eq!(shop.printed_class_at([2.1, 10.9]), SurfaceClass::Short);
+        assert_eq!(shop.class_at([2.1, 12.1], true), SurfaceClass::Tall);
     }
 
     #[test]

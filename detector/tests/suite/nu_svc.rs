@@ -1,6 +1,6 @@
 //! The classifier against libsvm, and what it refuses.
 
-use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams, solve_nu_svc};
+use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams, Tolerance, solve_nu_svc};
 use detector::classify::nu_svm::NuSvm;
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
@@ -38,7 +38,7 @@ impl Reference {
     }
 
     fn params(&self, nu: f64) -> NuSvcParams {
-        NuSvcParams { gamma: self.gamma, nu, tolerance: 1e-5, max_steps: 1_000_000 }
+        NuSvcParams { gamma: self.gamma, nu, tolerance: Tolerance::OfMargin(1e-5), max_steps: 1_000_000 }
     }
 }
 
@@ -140,7 +140,7 @@ fn training_twice_gives_the_same_file() {
 #[test]
 fn a_value_that_never_differs_is_harmless() {
     let vectors = [[0.0, 5.0], [0.2, 5.0], [1.0, 5.0], [1.2, 5.0]];
-    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: 1e-6, max_steps: 1000 };
+    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: Tolerance::OfMargin(1e-6), max_steps: 1000 };
     let model = train_svm(
         &vectors,
         &[true, true, false, false],
@@ -155,7 +155,7 @@ fn a_value_that_never_differs_is_harmless() {
 
 #[test]
 fn what_cannot_be_trained_is_an_error() {
-    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: 1e-6, max_steps: 1000 };
+    let params = NuSvcParams { gamma: 1.0, nu: 0.5, tolerance: Tolerance::OfMargin(1e-6), max_steps: 1000 };
     let solve = |vectors: &[[f32; 1]], is_first: &[bool], params: &NuSvcParams| {
         solve_nu_svc(vectors, is_first, params).unwrap_err()
     };

@@ -2,6 +2,7 @@
 
 use detector::PointCloud;
 use detector::params::HierarchicalParams;
+use detector::segment::ground_segmentation::HeightOver;
 use proptest::prelude::*;
 
 use crate::drawn_street::SENSOR_HEIGHT_M;
@@ -11,7 +12,7 @@ const EXTENT_M: f32 = 12.0;
 
 /// Parameters for clouds of few points on a small grid.
 fn params(cell_size_m: f32, xi: u32) -> HierarchicalParams {
-    let mut params = HierarchicalParams::paper();
+    let mut params = HierarchicalParams::shipped();
     params.grid.cell_size_m = cell_size_m;
     params.grid.xi = xi;
     params.grid.extent_m = EXTENT_M;
@@ -72,11 +73,19 @@ proptest! {
         cell_size_m in prop_oneof![Just(0.6_f32), 0.3_f32..1.5],
         xi in prop_oneof![Just(3_u32), 1_u32..=8],
         is_whole in prop::bool::weighted(0.8),
+        is_printed in any::<bool>(),
     ) {
         let mut params = params(cell_size_m, xi);
         params.terrain.enabled = is_whole;
         params.separation.enabled = is_whole;
         params.completion.enabled = is_whole;
+        if is_printed {
+            params.ground.fewer_far_away = false;
+            params.ground.low_itself = false;
+            params.ground.tall_over = HeightOver::LevelRoad;
+            params.walls.as_printed = true;
+            params.foreground.clearance_m = f32::NEG_INFINITY;
+        }
         let mut twins = Twins::new(params, SENSOR_HEIGHT_M);
         for cloud in &clouds {
             twins.check(cloud, "a random cloud");

@@ -12,7 +12,7 @@ use crate::drawn_street::{SENSOR_HEIGHT_M, main_road};
 
 /// Stage products and detections of `cloud` in words, lengths and angles with two decimals.
 fn described(cloud: &PointCloud) -> String {
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     let mut output = DetectorOutput::default();
     detector.detect(cloud, &mut output);
     let mut text = String::new();

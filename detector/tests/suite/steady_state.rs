@@ -1,7 +1,10 @@
 //! Once the first scan has sized the buffers, detecting allocates nothing.
 
+use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
+use detector::params::paper::PaperParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
 use test_data::{needs_test_data, test_data};
 
@@ -12,13 +15,16 @@ use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
 /// Checks that a detector that has seen `first` allocates nothing on `second`.
 #[track_caller]
 fn check(first: &PointCloud, second: &PointCloud) {
-    let detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     check_detector(detector.clone(), first, second);
     check_detector(detector.with_vehicle_model(vehicle_model()), first, second);
+    let of_papers =
+        PaperDetector::new(&PaperParams::shipped(), &HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
+    check_detector(of_papers.with_vehicle_model(PaperModel::shipped()), first, second);
 }
 
 #[track_caller]
-fn check_detector(mut detector: HierarchicalDetector, first: &PointCloud, second: &PointCloud) {
+fn check_detector(mut detector: impl Detector, first: &PointCloud, second: &PointCloud) {
     let mut output = DetectorOutput::default();
     let sizing = allocation_counter::measure(|| detector.detect(first, &mut output));
     assert!(sizing.count_total > 0, "the counter sees nothing");
@@ -45,7 +51,7 @@ fn a_drive_seen_before_allocates_nothing() {
     let paths = velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000"));
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
         .with_vehicle_model(vehicle_model());
     let mut output = DetectorOutput::default();
     for scan in &scans {

@@ -1,7 +1,7 @@
 //! A vehicle model that has seen nothing but drawings: enough to test what becomes of its decisions.
 
 use detector::OrientedBox;
-use detector::classify::nu_svc_solver::NuSvcParams;
+use detector::classify::nu_svc_solver::{NuSvcParams, Tolerance};
 use detector::classify::svm_training::train_svm;
 use detector::classify::vehicle_model::{N_FEATURES, VehicleModel};
 use detector::describe::prototype_library::PrototypeLibrary;
@@ -34,7 +34,8 @@ pub fn vehicle_model() -> VehicleModel {
             }
         }
     }
-    let params = NuSvcParams { gamma: 0.02, nu: 0.0377, tolerance: 1e-3, max_steps: 100_000 };
+    let params =
+        NuSvcParams { gamma: 0.02, nu: 0.0377, tolerance: Tolerance::OfMargin(1e-3), max_steps: 100_000 };
     let made = Provenance {
         command: "cargo test".to_owned(),
         data: vec!["drawings".to_owned()],

@@ -18,7 +18,7 @@ fn street() -> PointCloud {
 
 #[test]
 fn a_car_is_told_from_a_box_of_its_size() {
-    let by_size = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let by_size = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     let by_model = by_size.clone().with_vehicle_model(vehicle_model());
     let mut found = Vec::new();
     for mut detector in [by_size, by_model] {
@@ -44,7 +44,7 @@ fn a_car_is_told_from_a_box_of_its_size() {
 
 #[test]
 fn what_is_small_for_an_object_is_kept_if_the_model_takes_it_for_a_vehicle() {
-    let mut params = HierarchicalParams::paper();
+    let mut params = HierarchicalParams::shipped();
     params.cluster.min_points = 1_000_000;
     let by_size = HierarchicalDetector::new(params, SENSOR_HEIGHT_M);
     let by_model = by_size.clone().with_vehicle_model(vehicle_model());
@@ -59,7 +59,7 @@ fn what_is_small_for_an_object_is_kept_if_the_model_takes_it_for_a_vehicle() {
 
 /// The street with the products of the detector with a model, and what it found.
 fn products_of_street() -> (PointCloud, Vec<StageProduct>, DetectorOutput) {
-    let mut params = HierarchicalParams::paper();
+    let mut params = HierarchicalParams::shipped();
     // So that detections have the boxes that features were taken from.
     params.completion.enabled = false;
     let mut detector = HierarchicalDetector::new(params, SENSOR_HEIGHT_M).with_vehicle_model(vehicle_model());
@@ -105,7 +105,7 @@ fn what_the_model_looked_at_is_drawn_where_the_object_is() {
 
 #[test]
 fn boxes_are_drawn_as_they_were_fitted_and_clusters_as_they_were_regrouped() {
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
         .with_vehicle_model(vehicle_model());
     // Near enough for one cluster, and cars to the model.
     let hatchback = &PrototypeLibrary::drawn().prototypes()[0].contour_m.clone();
@@ -130,7 +130,7 @@ fn boxes_are_drawn_as_they_were_fitted_and_clusters_as_they_were_regrouped() {
 
 #[test]
 fn every_stage_has_one_name_for_its_time_and_its_products() {
-    let mut detector = HierarchicalDetector::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M)
+    let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)
         .with_vehicle_model(vehicle_model());
     let mut output = DetectorOutput::default();
     detector.detect(&street(), &mut output);

@@ -1,7 +1,7 @@
 //! Sequential minimal optimisation of the dual problem.
 
 use super::super::kernel_rows::KernelRows;
-use super::{NuSvcError, NuSvcParams, NuSvcSolution};
+use super::{NuSvcError, NuSvcParams, NuSvcSolution, Tolerance};
 
 /// The dual problem, and how far it is solved.
 pub(super) struct Problem<'a, const D: usize> {
@@ -71,7 +71,11 @@ impl<'a, const D: usize> Problem<'a, D> {
             let [first, second] = self.classes().map(|class| self.class_state(class));
             let margin = 0.25 * (first.ends.iter().sum::<f64>() + second.ends.iter().sum::<f64>());
             let violation = (first.ends[1] - first.ends[0]).max(second.ends[1] - second.ends[0]);
-            if margin > 0.0 && violation <= params.tolerance * margin {
+            let allowed = match params.tolerance {
+                Tolerance::OfMargin(share) => share * margin,
+                Tolerance::OfGradients(difference) => difference,
+            };
+            if margin > 0.0 && violation <= allowed {
                 return Ok(n_steps);
             }
             let gain = |pair: &Pair| pair.slope * pair.slope / pair.curvature;

@@ -12,10 +12,20 @@ pub struct NuSvcParams {
     pub gamma: f32,
     /// Upper bound of the share of vectors inside the margin, lower bound of the share of support vectors.
     pub nu: f64,
-    /// How far a decision value may be from where it should be; the margin is 1.
-    pub tolerance: f64,
+    /// How far from its end training may stop.
+    pub tolerance: Tolerance,
     /// Steps after which training gives up.
     pub max_steps: usize,
+}
+
+/// How far from its end training may stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tolerance {
+    /// Decision values are so far from where they should be; the margin is 1.
+    OfMargin(f64),
+    /// The gradients of the dual problem are, as the libraries have it; the kernel is at most 1. With small ν and noise this is
+    /// long before the least objective.
+    OfGradients(f64),
 }
 
 /// A trained classifier: `decision(v) = Σ coefficient k(v, vector) − rho`, positive for the first class.
@@ -82,8 +92,8 @@ pub enum NuSvcError {
 ///
 /// The dual problem of Schölkopf et al. 2000, `min ½ αᵀQα` with α within 0 to 1 and `ν n / 2` in either class, by
 /// sequential minimal optimisation: two multipliers of one class at a time, chosen by second-order gain (Fan, Chen, Lin
-/// 2005). The tolerance is relative to the margin: with small ν and noise the margin is so small that a fixed tolerance
-/// ends long before the least objective. The result depends on the order of the vectors, in the last digits, and on
+/// 2005). A tolerance that is relative to the margin is the safe one: with small ν and noise the margin is so small that a fixed
+/// tolerance ends long before the least objective. The result depends on the order of the vectors, in the last digits, and on
 /// nothing else.
 ///
 /// # Errors

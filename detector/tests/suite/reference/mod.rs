@@ -46,7 +46,7 @@ pub struct FoundObject {
 pub fn detect(cloud: &PointCloud, params: &HierarchicalParams, sensor_height_m: f32) -> Found {
     let cells = cells::coarse_cells(cloud, &params.grid);
     let terrain = terrain::Terrain::grown(&cells, params, sensor_height_m);
-    let classes = classes::cell_classes(&cells, &terrain, params);
+    let classes = classes::cell_classes(&cells, &terrain, params, sensor_height_m);
     let classes = walls::refine(cloud, classes, params, sensor_height_m);
     let foreground = foreground::foreground(cloud, &cells, &classes, &terrain, &params.foreground);
     let links = merge::links(cloud, &foreground, &params.merge);

@@ -1,7 +1,9 @@
 //! Holding the detector against the reference.
 
 use detector::params::HierarchicalParams;
+use detector::params::paper::PaperParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::pipeline::paper_detector::PaperDetector;
 use detector::stage_product::{Shape, StageProduct};
 use detector::surface_class::SurfaceClass;
 use detector::{Detector, DetectorOutput, PointCloud};
@@ -12,14 +14,22 @@ use super::{Found, FoundObject};
 pub struct Twins {
     params: HierarchicalParams,
     sensor_height_m: f32,
-    detector: HierarchicalDetector,
+    detector: Box<dyn Detector>,
     output: DetectorOutput,
 }
 
 impl Twins {
     pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
         let detector = HierarchicalDetector::new(params.clone(), sensor_height_m);
-        Self { params, sensor_height_m, detector, output: DetectorOutput::default() }
+        Self { params, sensor_height_m, detector: Box::new(detector), output: DetectorOutput::default() }
+    }
+
+    /// The detector of the papers, and the reference with its readings.
+    pub fn of_papers(sensor_height_m: f32) -> Self {
+        let (params, of_sensor) = (PaperParams::shipped(), HierarchicalParams::shipped());
+        let detector = PaperDetector::new(&params, &of_sensor, sensor_height_m);
+        let params = params.stages(&of_sensor);
+        Self { params, sensor_height_m, detector: Box::new(detector), output: DetectorOutput::default() }
     }
 
     /// Checks that both find the same in `cloud`; the detector has its buffers from the clouds before. Returns the number of objects.

@@ -8,7 +8,7 @@ use reports::numbers::latencies::Latencies;
 
 /// The detector that is measured, with the parameters of the paper.
 pub fn hierarchical(sensor_height_m: f32) -> HierarchicalDetector {
-    HierarchicalDetector::new(HierarchicalParams::paper(), sensor_height_m)
+    HierarchicalDetector::new(HierarchicalParams::shipped(), sensor_height_m)
 }
 
 /// The statistics of durations.

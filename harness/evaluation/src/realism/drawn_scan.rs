@@ -53,7 +53,7 @@ pub fn scan() -> LabeledScan {
 
 /// The stages after they ran on the scan.
 pub fn stages() -> ForegroundStages {
-    let mut stages = ForegroundStages::new(HierarchicalParams::paper(), SENSOR_HEIGHT_M);
+    let mut stages = ForegroundStages::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     stages.run(&cloud(), &mut StageClock::start(), &mut Vec::new());
     stages
 }

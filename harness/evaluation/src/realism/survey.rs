@@ -67,7 +67,7 @@ pub fn survey(
     on_scan: impl Fn() + Sync,
 ) -> Result<Vec<SurveyedScan>, SurveyError> {
     let description = dataset.description();
-    let mut params = HierarchicalParams::paper();
+    let mut params = HierarchicalParams::shipped();
     // What is clutter follows no curve here, which belongs to one sensor.
     params.density_weighting.enabled = false;
     let new_stages = || ForegroundStages::new(params.clone(), description.sensor_height_m);

@@ -1,10 +1,10 @@
-//! The hierarchical detector whole, and without each of its parts.
+//! The hierarchical detector whole, without each of its parts, and built up from what the papers print.
 
 use reports::vocabulary::task::Task;
 
 use crate::run::config::override_option::OverrideOption;
 use crate::run::config::{ConfigError, RunConfig};
-use crate::run::detector_list::ListedDetector;
+use crate::run::detector_list::{ListedDetector, PAPER};
 use crate::run::entrant::Entrant;
 
 /// What the method is judged by: its parts are there to find objects, whatever they are.
@@ -20,7 +20,39 @@ const PARTS: &[(&str, &str)] = &[
     ("without completion", "hierarchical.completion.enabled=false"),
 ];
 
-/// `method` with the parameters of `config`, then without each of its parts in turn, then without all of them.
+/// What the method has beyond the papers, in the order of the stages: what a row adds to those above it, and the overrides
+/// that take it away. Overrides that end in `=` get the value of the same parameter of the papers' detector. The last is missing
+/// here, because with completion it is the whole method.
+const STEPS: &[(&str, &[&str])] = &[
+    (
+        "and cells by the terrain",
+        &[
+            "hierarchical.ground.fewer_far_away=false",
+            "hierarchical.ground.low_itself=false",
+            "hierarchical.ground.tall_over=level_road",
+        ],
+    ),
+    (
+        "and walls by their support",
+        &["hierarchical.walls.as_printed=true", "hierarchical.walls.min_support="],
+    ),
+    ("and points clear of the ground", &["hierarchical.foreground.clearance_m=-inf"]),
+    (
+        "and smaller objects",
+        &[
+            "hierarchical.separation.low_density_share=",
+            "hierarchical.separation.object_density_ratio=",
+            "hierarchical.cluster.min_points=",
+            "hierarchical.cluster.min_vehicle_points=",
+            "hierarchical.vehicle_bounds.enabled=false",
+        ],
+    ),
+    ("and regrouping", &["hierarchical.regrouping.enabled=false"]),
+    ("and completion", &["hierarchical.completion.enabled=false"]),
+];
+
+/// `method` with the parameters of `config`, then without each of its parts in turn, then without all of them; then the
+/// detector of the papers, and `method` with one after another of the steps that lead from it to the whole.
 ///
 /// # Errors
 ///
@@ -34,7 +66,29 @@ pub fn variants(method: ListedDetector, config: &RunConfig) -> Result<Vec<Entran
     let whole = Entrant { name: "whole method", chosen: method.into(), config: config.clone() };
     let lacking = PARTS.iter().map(|part| without(part.0, &[*part]));
     let bare = without("without all of these", PARTS);
-    [Ok(whole)].into_iter().chain(lacking).chain([bare]).collect()
+    let papers = Entrant { name: "the papers", chosen: PAPER.into(), config: config.clone() };
+    let built_up = (1..STEPS.len()).map(|n_taken| {
+        let config = without_steps(&STEPS[n_taken..], config)?;
+        Ok(Entrant { name: STEPS[n_taken - 1].0, chosen: method.into(), config })
+    });
+    [Ok(whole)].into_iter().chain(lacking).chain([bare, Ok(papers)]).chain(built_up).collect()
+}
+
+/// The parameters of `config` without what `steps` add.
+fn without_steps(steps: &[(&str, &[&str])], config: &RunConfig) -> Result<RunConfig, ConfigError> {
+    let of_papers = |switch: &str| {
+        let parameter = match switch.strip_suffix('=')? {
+            "hierarchical.cluster.min_vehicle_points" => "paper.cluster.min_points".to_owned(),
+            same => same.replacen("hierarchical", "paper", 1),
+        };
+        Some(config.value_of(&parameter).expect("the list of steps is tested").to_string())
+    };
+    let switches = steps.iter().flat_map(|(_, undone)| undone.iter());
+    let switches = switches.map(|it| {
+        format!("{it}{}", of_papers(it).unwrap_or_default()).parse().expect("the list of steps is tested")
+    });
+    let switches: Vec<OverrideOption> = switches.collect();
+    config.overridden(&switches, &[])
 }
 
 #[cfg(test)]
@@ -47,7 +101,8 @@ mod tests {
         let config = RunConfig::load(None).unwrap();
         let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
         let variants = variants(method, &config).unwrap();
-        assert_eq!(variants.len(), PARTS.len() + 2);
+        assert_eq!(variants.len(), PARTS.len() + 2 + STEPS.len());
+        let variants = &variants[..PARTS.len() + 2];
         let is_on = |variant: &Entrant, part: &(&str, &str)| {
             let keys = part.1.trim_end_matches("=false").split('.');
             let value =
@@ -60,5 +115,23 @@ mod tests {
             }
         }
         assert!(PARTS.iter().all(|part| !is_on(variants.last().unwrap(), part)));
+    }
+    #[test]
+    fn the_steps_lead_from_the_papers_to_the_whole() {
+        let config = RunConfig::load(None).unwrap();
+        let method = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
+        // Without any, the method has the stages of the papers' detector.
+        let printed = without_steps(STEPS, &config).unwrap();
+        assert_eq!(printed.hierarchical, config.paper.stages(&config.hierarchical));
+        let variants = variants(method, &config).unwrap();
+        let built_up = &variants[PARTS.len() + 2..];
+        assert_eq!((built_up[0].name, built_up[0].chosen.name()), ("the papers", "paper"));
+        for pair in built_up[1..].windows(2) {
+            assert_ne!(pair[0].config.hierarchical, pair[1].config.hierarchical, "{}", pair[1].name);
+        }
+        // The row before the whole lacks the last step alone.
+        let last = without_steps(&STEPS[STEPS.len() - 1..], &config).unwrap();
+        assert_eq!(built_up.last().unwrap().config.hierarchical, last.hierarchical);
+        assert_eq!(without_steps(&[], &config).unwrap().hierarchical, config.hierarchical);
     }
 }

@@ -183,7 +183,7 @@ mod tests {
 
     fn found(objects: Vec<FoundObject>, cloud: &PointCloud) -> Result<DetectorOutput, ObjectProblem> {
         let mut output = DetectorOutput::default();
-        let params = HierarchicalParams::paper();
+        let params = HierarchicalParams::shipped();
         ForeignVehicles::by_size(&params).detections_of(objects, cloud, &mut output)?;
         Ok(output)
     }

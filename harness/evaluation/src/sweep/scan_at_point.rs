@@ -88,6 +88,7 @@ pub fn of_sensor(config: &RunConfig, dataset: &DatasetDescription) -> RunConfig 
 fn grid_of(chosen: &ChosenDetector, config: &RunConfig) -> Option<GridParams> {
     match chosen.table().as_str() {
         "hierarchical" => Some(GridParams { xi: 1, ..config.hierarchical.grid.clone() }),
+        "paper" => Some(GridParams { xi: 1, ..config.paper.grid.clone() }),
         "pca" => {
             let grid = &config.baselines.pca.grid;
             Some(GridParams { cell_size_m: grid.cell_size_m, xi: 1, extent_m: grid.extent_m })

@@ -5,6 +5,7 @@ use detector::classify::nu_svc_solver::{NuSvcError, NuSvcParams};
 use detector::classify::svm_model::SvmModel;
 use detector::classify::svm_training::train_svm;
 use detector::classify::vehicle_model::N_FEATURES;
+use detector::describe::paper_features::{N_PAPER_FEATURES, PaperDescriber};
 use detector::describe::seen_size::may_be_vehicle;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::VehicleDescriber;
@@ -28,6 +29,17 @@ impl CandidateDescriber<N_FEATURES> for VehicleDescriber {
     fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_FEATURES]> {
         let positions_m = candidate.positions_m.iter().copied();
         self.describe(&candidate.bounding_box, &candidate.surroundings, positions_m).map(|it| it.values())
+    }
+}
+
+impl CandidateDescriber<N_PAPER_FEATURES> for PaperDescriber {
+    fn is_looked_at(_: &Candidate) -> bool {
+        true
+    }
+
+    fn values_of(&mut self, candidate: &Candidate) -> Option<[f32; N_PAPER_FEATURES]> {
+        let positions_m = candidate.positions_m.iter().copied();
+        self.describe(&candidate.bounding_box, positions_m).map(|it| it.values())
     }
 }
 

@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn a_row_is_cut_into_cars_and_neighbours_are_joined() {
-        let params = HierarchicalParams::paper().regrouping;
+        let params = HierarchicalParams::shipped().regrouping;
         let cloud: PointCloud = side(10.0).chain(side(14.6)).chain(side(18.8)).collect();
         let cluster = |point_indices| Detection {
             point_indices,

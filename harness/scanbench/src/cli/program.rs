@@ -12,6 +12,7 @@ use super::gaps::GapsArgs;
 use super::gate::{BaselineCommand, GateArgs};
 use super::help_text::{GENERAL, with_details};
 use super::init::InitArgs;
+use super::params::ParamsArgs;
 use super::report::ReportArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
@@ -112,6 +113,8 @@ pub enum Command {
     Boxes(BoxesArgs),
     /// Let a program that speaks the protocol for detectors ask one of ours
     Serve(ServeArgs),
+    /// Print the parameters of detectors, with what they mean
+    Params(ParamsArgs),
     /// Start a detector and leave nothing of it behind.
     #[command(hide = true)]
     Supervise {

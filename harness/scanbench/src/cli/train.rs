@@ -34,7 +34,7 @@ pub struct TrainArgs {
     /// Train on parts and pairs of clusters, too, as regrouping makes them; always for hierarchical
     #[arg(long, help_heading = TRAINING, hide_short_help = true)]
     pub parts_and_pairs: bool,
-    /// Train on objects of any size, even if no vehicle has it; always for pca
+    /// Train on objects of any size, even if no vehicle has it; always for paper and pca
     ///
     /// Run such a model with `-P vehicle_bounds.enabled=false`.
     #[arg(long, help_heading = TRAINING, hide_short_help = true)]
@@ -43,10 +43,10 @@ pub struct TrainArgs {
     #[arg(long, value_name = "N", default_value_t = PROTOTYPES, value_parser = clap::value_parser!(u32).range(1..=20))]
     #[arg(help_heading = TRAINING, hide_short_help = true)]
     pub prototypes: u32,
-    /// Width of the Gaussian kernel, for standardised features [default: 0.054; for pca 0.1078, as in the paper]
+    /// Width of the Gaussian kernel, for standardised features [default: 0.054; for paper and pca 0.1078, as printed]
     #[arg(long, value_name = "X", help_heading = TRAINING)]
     pub gamma: Option<f32>,
-    /// Share of training examples allowed inside the margin [default: 0.12; for pca 0.2; in the paper 0.0377]
+    /// Share of training examples allowed inside the margin [default: 0.12; for paper 0.0377, as printed; for pca 0.2]
     #[arg(long, value_name = "X", help_heading = TRAINING)]
     pub nu: Option<f64>,
     /// Seed of the choice of training examples
@@ -73,8 +73,10 @@ pub struct TrainArgs {
 /// Detectors with a vehicle model of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ModelName {
-    /// Features of shape: box, corner spheres and side profile; kd-tree and simple-grid use this model, too
+    /// Features of shape, size and surroundings; kd-tree and simple-grid use this model, too
     Hierarchical,
+    /// The eight values of the paper: box, corner spheres and side profile
+    Paper,
     /// Features of size, and of the shape of point neighbourhoods
     Pca,
 }
@@ -97,6 +99,7 @@ Examples of other objects are clusters without points of any, and regions cut ou
 random places. Writes model.toml and prototypes.toml, objects.csv with every held-out
 object, importance.csv, curves.csv, curves.svg and manifest.json.
 
-To run the model, give -P vehicle_model.directory=DIR; for pca, which has no
-prototypes.toml, give -P vehicle_model.pca_directory=DIR. The same scans and options
-write the same bytes, except the date in the manifest.";
+To run the model, give -P vehicle_model.directory=DIR; for paper, give
+-P vehicle_model.paper_directory=DIR; for pca, which has no prototypes.toml, give
+-P vehicle_model.pca_directory=DIR. The same scans and options write the same bytes,
+except the date in the manifest.";

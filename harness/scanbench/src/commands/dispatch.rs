@@ -18,6 +18,7 @@ use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::gate::{baseline_accept, gate};
 use crate::commands::init::init;
+use crate::commands::params::params;
 use crate::commands::report::report;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
@@ -63,6 +64,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Selftest(arguments) => selftest(arguments),
         Command::Sweep(arguments) => sweep(arguments),
         Command::Init(arguments) => init(arguments),
+        Command::Params(arguments) => params(arguments),
         Command::Serve(arguments) => serve(arguments),
         Command::Supervise { .. } => unreachable!("it was begun before"),
         Command::Completions { shell } => completions(*shell),

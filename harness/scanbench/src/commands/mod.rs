@@ -24,6 +24,7 @@ pub mod detect;
 pub mod selftest;
 #[cfg(target_os = "linux")]
 pub mod serve;
+pub mod params;
 
 pub mod experiment;
 pub mod gaps;

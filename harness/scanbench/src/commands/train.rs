@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use baselines::pca_features::{PcaDescriber, PcaFeatures};
 use detector::Detector;
 use detector::classify::nu_svc_solver::NuSvcParams;
+use detector::describe::paper_features::{PaperDescriber, PaperFeatures};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
 use detector::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
@@ -39,9 +40,7 @@ use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
 use crate::commands::train_summary::summary;
 
-/// Training ends with decision values this near to where they should be, where the margin is 1; or gives up after so many
-/// steps, which a ν below the share of objects that look like the other class needs.
-const TOLERANCE: f64 = 0.1;
+/// Training gives up after so many steps, which a ν below the share of objects that look like the other class needs.
 const MOST_STEPS: usize = 500_000;
 
 /// Trains a vehicle model, judges it by drives it has not seen, and writes and prints the result.
@@ -55,6 +54,7 @@ pub fn train(arguments: &TrainArgs) -> Result<(), Failure> {
     let started = Timestamp::now();
     let kind = match arguments.detector {
         ModelName::Hierarchical => ModelKind::Hierarchical,
+        ModelName::Paper => ModelKind::Paper,
         ModelName::Pca => ModelKind::Pca,
     };
     let named = claim_named(&arguments.output)?;
@@ -89,6 +89,11 @@ pub fn train(arguments: &TrainArgs) -> Result<(), Failure> {
             let library = training.prototypes()?;
             let named = (VehicleFeatures::NAMES, VehicleDescriber::name(&library));
             training.fit_and_judge(&mut VehicleDescriber::new(library.clone()), named, Some(&library))?
+        }
+        ModelKind::Paper => {
+            let library = training.prototypes()?;
+            let named = (PaperFeatures::NAMES, VehicleDescriber::name(&library));
+            training.fit_and_judge(&mut PaperDescriber::new(library.clone()), named, Some(&library))?
         }
         ModelKind::Pca => {
             let named = (PcaFeatures::NAMES, PcaDescriber::name());
@@ -154,6 +159,7 @@ fn collect_all<'a>(
     config.hierarchical.completion.enabled = false;
     let min_points = match kind {
         ModelKind::Hierarchical => config.hierarchical.cluster.min_points,
+        ModelKind::Paper => config.paper.cluster.min_points,
         ModelKind::Pca => config.baselines.pca.cluster.min_points,
     };
     let clusters = arguments.clusters.as_deref().unwrap_or(kind.detector());
@@ -264,7 +270,7 @@ impl Training<'_> {
         let params = NuSvcParams {
             gamma: self.arguments.gamma.unwrap_or(self.kind.gamma()),
             nu: self.arguments.nu.unwrap_or(self.kind.nu()),
-            tolerance: TOLERANCE,
+            tolerance: self.kind.tolerance(),
             max_steps: MOST_STEPS,
         };
         let model = fit_model(&selected, describer, named, &params, self.settings.made.clone())

@@ -288,8 +288,10 @@ fn a_seed_for_what_is_not_simulated() {
 #[test]
 fn an_unknown_detector() {
     let it = Spoilt::drive();
-    let parts =
-        ["there is no detector \"kdtree\"", "detectors are hierarchical, kd-tree-same-walls, kd-tree, pca"];
+    let parts = [
+        "there is no detector \"kdtree\"",
+        "detectors are hierarchical, paper, kd-tree-same-walls, kd-tree, pca",
+    ];
     it.check("run street -d pca,kdtree -o out", 2, &parts);
 }
 

@@ -17,7 +17,7 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 26] = [
+const VERBS: [&str; 27] = [
     "run",
     "detect",
     "compare",
@@ -42,6 +42,7 @@ const VERBS: [&str; 26] = [
     "robustness",
     "gaps",
     "boxes",
+    "params",
     "init",
     "completions",
 ];
@@ -115,6 +116,7 @@ fn help_lists_every_verb_and_exit_code() {
         "fit-density ",
         "train ",
         "selftest ",
+        "params ",
         "init ",
         "completions ",
     ] {
@@ -172,6 +174,28 @@ fn examples_of_the_help_can_be_copied() {
             let is_read = ended.stderr.contains("cannot read the configuration \"gone.toml\"");
             assert!(is_read && ended.exit_code == Some(2), "{example}: {ended:#?}");
         }
+    }
+}
+
+#[test]
+fn parameters_are_printed_as_a_file_that_is_read_again() {
+    let workplace = Workplace::new();
+    let of_all = workplace.succeed(&["params"]).stdout;
+    for detector in ["hierarchical", "paper", "kd-tree", "pca"] {
+        let printed = workplace.succeed(&["params", detector]).stdout;
+        assert!(of_all.contains(printed.trim_end()), "{printed}");
+        workplace.write("mine.toml", &printed);
+        // Read before what is not there is looked for.
+        let ended = workplace.run(&["detect", "gone.bin", "-c", "mine.toml", "-d", detector]);
+        assert_eq!(ended.exit_code, Some(3), "{ended:#?}");
+    }
+    let of_paper = workplace.succeed(&["params", "paper"]).stdout;
+    assert!(
+        of_paper.contains("[paper.walls.hough]") && of_paper.contains("# paper, section 3.1"),
+        "{of_paper}"
+    );
+    for absent in ["regrouping", "completion", "vehicle_bounds", "hierarchical"] {
+        assert!(!of_paper.contains(absent), "{of_paper}");
     }
 }
 

@@ -223,7 +223,7 @@ fn nothing_is_left_behind_whatever_ends_us() {
 fn what_is_served_finds_the_same() {
     let place = Workplace::new();
     let served = env!("CARGO_BIN_EXE_scanbench");
-    let names = ["hierarchical", "kd-tree", "pca", "simple-grid"];
+    let names = ["hierarchical", "paper", "kd-tree", "pca", "simple-grid"];
     let tables = names.map(|it| format!("[detector.x-{it}]\ncommand = [{served:?}, \"serve\", {it:?}]\n"));
     place.write("scanbench.toml", &tables.concat());
     let both: Vec<String> = names.iter().flat_map(|it| [format!("x-{it}"), (*it).to_owned()]).collect();

@@ -126,6 +126,37 @@ fn a_damaged_model_is_named() {
 }
 
 #[test]
+fn the_detector_of_the_papers_has_a_model_of_eight_values() {
+    let workplace = Workplace::new();
+    // Not the nu of the paper, which takes all steps that training has.
+    let train = ["train", "streets", "--seed", "7", "--simulated-scans", "4", "-d", "paper", "--nu", "0.3"];
+    workplace.succeed(&[&train[..], &["-o", "model"]].concat());
+    let model: toml::Table = workplace.read("model/model.toml").parse().expect("it is TOML");
+    let command = "scanbench train streets --seed 7 --simulated-scans 4 --detector paper --vehicles 3000 --others 1.5 --gamma 0.1078 --nu 0.3";
+    assert_eq!(model["made"]["command"].as_str(), Some(command));
+    assert_eq!(model["svm"]["features"].as_array().map(Vec::len), Some(8));
+    assert_eq!(workplace.read("model/importance.csv").lines().count(), 9);
+    let run = ["run", "street-narrow", "--simulated-scans", "2", "-d", "paper", "--no-rrd"];
+    for (option, name) in [
+        ("vehicle_model.enabled=false", "by-size"),
+        ("vehicle_model.paper_directory=model", "mine"),
+        ("vehicle_model.enabled=true", "shipped"),
+    ] {
+        workplace.succeed(&[&run[..], &["-P", option, "-o", name]].concat());
+    }
+    let [by_size, mine, shipped] =
+        ["by-size", "mine", "shipped"].map(|name| workplace.read(&format!("{name}/matches.csv")));
+    assert!(by_size != mine && mine != shipped && shipped != by_size);
+    // It is no model for the other.
+    let ended = workplace.run(&["run", "-P", "vehicle_model.directory=model", "-o", "out"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(
+        ended.stderr.contains("model.toml: line 16: the model was trained on the features"),
+        "{ended:#?}"
+    );
+}
+
+#[test]
 fn pca_has_a_model_of_its_own() {
     let workplace = Workplace::new();
     workplace.succeed(&[&TRAIN_PCA[..], &["-o", "model"]].concat());
@@ -218,7 +249,7 @@ fn other_data_may_be_judged_by_and_other_clusters_described() {
         &workplace,
         &["streets", "--clusters", "kdtree", "-o", "m"],
         2,
-        "possible values: hierarchical, kd-tree-same-walls, kd-tree, pca",
+        "possible values: hierarchical, paper, kd-tree-same-walls, kd-tree, pca",
     );
 }
 

@@ -1,4 +1,4 @@
-//! On simulated streets the hierarchical detector finds what the reference finds, to the bit.
+//! On simulated streets the hierarchical detector, and that of the papers, find what the reference finds, to the bit.
 
 use detector::params::HierarchicalParams;
 use simulator::catalogue::built_in_catalogue;
@@ -10,11 +10,14 @@ use crate::reference::twins::Twins;
 fn check(street: &str) {
     let catalogue = built_in_catalogue().expect("the embedded catalogue");
     let dataset = open_dataset(street, &OpenOptions::default(), &catalogue).expect("a street");
-    let mut twins = Twins::new(HierarchicalParams::paper(), dataset.description().sensor_height_m);
-    for position in [0, 7] {
-        let scan = dataset.read_scan(position).expect("a scan");
-        let n_objects = twins.check(&scan.cloud, &format!("scan {position} of {street}"));
-        assert!(n_objects > 10, "{n_objects} objects in scan {position} of {street}");
+    let sensor_height_m = dataset.description().sensor_height_m;
+    let ours = Twins::new(HierarchicalParams::shipped(), sensor_height_m);
+    for mut twins in [ours, Twins::of_papers(sensor_height_m)] {
+        for position in [0, 7] {
+            let scan = dataset.read_scan(position).expect("a scan");
+            let n_objects = twins.check(&scan.cloud, &format!("scan {position} of {street}"));
+            assert!(n_objects > 10, "{n_objects} objects in scan {position} of {street}");
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use baselines::params::{BaselineParams, PARAMS_TOML};
 use detector::grid::density_curve::DensityCurve;
 use detector::params::HierarchicalParams;
+use detector::params::paper::PaperParams;
 use scans::dataset::class_table::ClassTable;
 use toml::{Table, Value};
 
@@ -25,6 +26,8 @@ use crate::run::foreign_detector::ForeignDetector;
 pub struct RunConfig {
     /// The hierarchical detector.
     pub hierarchical: HierarchicalParams,
+    /// The detector of the papers, which has the density curve of the hierarchical one.
+    pub paper: PaperParams,
     /// The baselines.
     pub baselines: BaselineParams,
     /// How detections are judged.
@@ -47,7 +50,8 @@ fn shipped() -> Table {
     let parse = |text: &str| text.parse::<Table>().expect("the embedded files are tested");
     let mut all = parse(PARAMS_TOML);
     all.insert("matching".to_owned(), Value::Table(parse(MATCHING_TOML)));
-    all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::paper_table()));
+    all.insert("hierarchical".to_owned(), Value::Table(HierarchicalParams::shipped_table()));
+    all.insert("paper".to_owned(), Value::Table(PaperParams::shipped_table()));
     all.insert(VEHICLE_MODEL.to_owned(), Value::Table(parse(VEHICLE_MODEL_TOML)));
     all
 }
@@ -167,20 +171,23 @@ impl RunConfig {
     fn from_resolved(resolved: Table, vehicle_models: Option<VehicleModels>) -> Result<Self, ValueProblem> {
         let table = |name: &str| resolved[name].as_table().cloned().unwrap_or_default();
         // A curve that is not given is the sensor's; until that is known, the paper's stands in.
-        let of_paper = HierarchicalParams::paper_table();
+        let of_program = HierarchicalParams::shipped_table();
         let hierarchical = if gives_density_curve(&resolved) {
             table("hierarchical")
         } else {
-            with_density_curve(table("hierarchical"), &of_paper)
+            with_density_curve(table("hierarchical"), &of_program)
         };
-        let (hierarchical, matching) = (hierarchical.to_string(), table("matching").to_string());
-        let of_others = ["matching", "hierarchical", VEHICLE_MODEL, DETECTOR_TABLE];
+        let (hierarchical, paper) = (hierarchical.to_string(), table("paper").to_string());
+        let matching = table("matching").to_string();
+        let of_others = ["matching", "hierarchical", "paper", VEHICLE_MODEL, DETECTOR_TABLE];
         let of_baselines = resolved.iter().filter(|(name, _)| !of_others.contains(&name.as_str()));
         let baselines: Table = of_baselines.map(|(name, value)| (name.clone(), value.clone())).collect();
         let baselines = baselines.to_string();
         Ok(Self {
             hierarchical: HierarchicalParams::from_toml(&hierarchical)
                 .map_err(|error| ValueProblem::new(&error, Some("hierarchical"), &hierarchical))?,
+            paper: PaperParams::from_toml(&paper)
+                .map_err(|error| ValueProblem::new(&error, Some("paper"), &paper))?,
             baselines: BaselineParams::from_toml(&baselines)
                 .map_err(|error| ValueProblem::new(&error, None, &baselines))?,
             matching: matching_from(&matching)
@@ -229,7 +236,8 @@ mod tests {
     #[test]
     fn nothing_overridden_is_the_standard() {
         let config = resolve("").unwrap();
-        assert_eq!(config.hierarchical, HierarchicalParams::paper());
+        assert_eq!(config.hierarchical, HierarchicalParams::shipped());
+        assert_eq!(config.paper, PaperParams::shipped());
         assert_eq!(config.baselines, BaselineParams::shipped());
         let standard =
             MatchingParams { criterion: Criterion::POINTS, eligibility: EligibilityParams::STANDARD };
@@ -293,7 +301,7 @@ mod tests {
         );
         check_refused(
             "[hirarchical]",
-            "line 1: unknown parameter hirarchical; parameters are hierarchical, kd_tree, matching, pca, vehicle_model",
+            "line 1: unknown parameter hirarchical; parameters are hierarchical, kd_tree, matching, paper, pca, vehicle_model",
         );
         check_refused(
             "[kd_tree]\ntolerance_m = \"far\"",

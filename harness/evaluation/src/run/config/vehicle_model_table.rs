@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use baselines::pca_vehicle_model::PcaVehicleModel;
+use detector::classify::paper_model::PaperModel;
 use detector::classify::vehicle_model::{VehicleModel, VehicleModelError};
 use detector::params::ParamsError;
 use scans::dataset::checksum::sha256;
@@ -15,6 +16,7 @@ use super::value_problem::ValueProblem;
 pub(super) const VEHICLE_MODEL_TOML: &str = r#"
 enabled = true
 directory = ""
+paper_directory = ""
 pca_directory = ""
 "#;
 
@@ -25,6 +27,8 @@ struct VehicleModelTable {
     enabled: bool,
     /// What `scanbench train` wrote; the model that comes with the program if empty.
     directory: String,
+    /// The same for the detector paper.
+    paper_directory: String,
     /// The same for the detector pca.
     pca_directory: String,
 }
@@ -33,6 +37,7 @@ struct VehicleModelTable {
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleModels {
     by_shape: ModelSource<VehicleModel>,
+    paper: ModelSource<PaperModel>,
     pca: ModelSource<PcaVehicleModel>,
 }
 
@@ -53,14 +58,19 @@ impl VehicleModels {
         self.by_shape.model(VehicleModel::shipped)
     }
 
+    /// That of the detector paper.
+    pub fn paper(&self) -> PaperModel {
+        self.paper.model(PaperModel::shipped)
+    }
+
     /// That of the clusters of the detector pca.
     pub fn pca(&self) -> PcaVehicleModel {
         self.pca.model(PcaVehicleModel::shipped)
     }
 
-    /// What tells these models from others of the same program: a checksum for each, of the first and of pca's.
-    pub fn identity(&self) -> [&str; 2] {
-        [self.by_shape.identity(), self.pca.identity()]
+    /// What tells these models from others of the same program: a checksum for each, of the first, of paper's and of pca's.
+    pub fn identity(&self) -> [&str; 3] {
+        [self.by_shape.identity(), self.paper.identity(), self.pca.identity()]
     }
 }
 
@@ -94,26 +104,24 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
     }
     let by_shape = match table.directory.as_str() {
         "" => ModelSource::Shipped,
-        directory => by_shape_from(&ModelDirectory { parameter: "directory", directory })?,
+        directory => {
+            ModelDirectory { parameter: "directory", directory }.with_prototypes(VehicleModel::from_toml)?
+        }
+    };
+    let paper = match table.paper_directory.as_str() {
+        "" => ModelSource::Shipped,
+        directory => ModelDirectory { parameter: "paper_directory", directory }
+            .with_prototypes(PaperModel::from_toml)?,
     };
     let pca = match table.pca_directory.as_str() {
         "" => ModelSource::Shipped,
         directory => pca_from(&ModelDirectory { parameter: "pca_directory", directory })?,
     };
-    Ok(Some(VehicleModels { by_shape, pca }))
+    Ok(Some(VehicleModels { by_shape, paper, pca }))
 }
 
 const PROTOTYPES: &str = "prototypes.toml";
 const MODEL: &str = "model.toml";
-
-fn by_shape_from(files: &ModelDirectory<'_>) -> Result<ModelSource<VehicleModel>, ValueProblem> {
-    let [prototypes, svm] = [files.read(PROTOTYPES)?, files.read(MODEL)?];
-    let model = VehicleModel::from_toml(&prototypes, &svm).map_err(|error| match error {
-        VehicleModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
-        VehicleModelError::Svm(error) => files.problem(MODEL, &error),
-    })?;
-    Ok(ModelSource::trained(model, &[&prototypes, &svm]))
-}
 
 fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
     let svm = files.read(MODEL)?;
@@ -128,6 +136,19 @@ struct ModelDirectory<'a> {
 }
 
 impl ModelDirectory<'_> {
+    /// The model that `from_toml` makes of prototypes and classifier.
+    fn with_prototypes<M: Clone>(
+        &self,
+        from_toml: fn(&str, &str) -> Result<M, VehicleModelError>,
+    ) -> Result<ModelSource<M>, ValueProblem> {
+        let [prototypes, svm] = [self.read(PROTOTYPES)?, self.read(MODEL)?];
+        let model = from_toml(&prototypes, &svm).map_err(|error| match error {
+            VehicleModelError::Prototypes(error) => self.problem(PROTOTYPES, &error),
+            VehicleModelError::Svm(error) => self.problem(MODEL, &error),
+        })?;
+        Ok(ModelSource::trained(model, &[&prototypes, &svm]))
+    }
+
     fn read(&self, name: &str) -> Result<String, ValueProblem> {
         let path = Path::new(self.directory).join(name);
         std::fs::read_to_string(path).map_err(|error| self.problem(name, &error))
