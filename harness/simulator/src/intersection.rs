@@ -49,9 +49,9 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
     for side in [Side::Left, Side::Right] {
         let [main, crossing] = [&plans.main, &plans.crossing].map(|plan| plan.roadside(side));
         let along_main = [plans.crossed_at_m, crossing.kerb_m, crossing.building_line_m];
-        furnish(&mut world, &plans.main, side, along_main, rng);
+        furnish(&mut world, &plans.main, (side, conditions.avenue), along_main, rng);
         let along_crossing = [0.0, main.kerb_m, main.building_line_m + CORNER_HOUSE_M];
-        furnish(&mut world, &plans.crossing, side, along_crossing, rng);
+        furnish(&mut world, &plans.crossing, (side, conditions.avenue), along_crossing, rng);
     }
     corner_posts(&mut world, &plans, rng);
     traffic(&mut world, &plans, rng);
@@ -114,7 +114,7 @@ fn ground(plans: &Plans, conditions: &StreetConditions, rng: &mut ChaCha8Rng) ->
 fn furnish(
     world: &mut World,
     plan: &RoadPlan,
-    side: Side,
+    (side, avenue): (Side, bool),
     [middle_m, kerb_m, houses_m]: [f32; 3],
     rng: &mut ChaCha8Rng,
 ) {
@@ -132,6 +132,7 @@ fn furnish(
         spacing_m: rng.random_range(3.5..7.5),
         from_kerb_m: 0.6,
         tree_share: rng.random_range(0.1..0.4),
+        avenue,
     };
     let houses = HouseRowParams {
         gap: rng.random_range(0.2..0.7),

@@ -47,7 +47,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
             person_beside: 0.12,
         };
         parked_row(&mut world, &roadside, &parked, rng);
-        furnish(&mut world, &roadside, rng);
+        furnish(&mut world, &roadside, conditions.avenue, rng);
     }
     traffic(&mut world, &lanes, rng);
     world
@@ -74,11 +74,12 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
     plan.ground(shape, conditions, rng)
 }
 
-fn furnish(world: &mut World, roadside: &Roadside, rng: &mut ChaCha8Rng) {
+fn furnish(world: &mut World, roadside: &Roadside, avenue: bool, rng: &mut ChaCha8Rng) {
     let furniture = PavementFurnitureParams {
         spacing_m: rng.random_range(3.5..7.5),
         from_kerb_m: 0.65,
         tree_share: rng.random_range(0.1..0.5),
+        avenue,
     };
     pavement_furniture(world, roadside, &furniture, rng);
     let people = PavementPeopleParams { spacing_m: rng.random_range(8.0..25.0), from_kerb_m: 1.3 };

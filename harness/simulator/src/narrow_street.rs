@@ -37,7 +37,7 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
     };
     let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S);
     for side in [Side::Left, Side::Right] {
-        furnish(&mut world, &plan, side, rng);
+        furnish(&mut world, &plan, (side, conditions.avenue), rng);
     }
     traffic(&mut world, &plan, rng);
     world
@@ -65,7 +65,7 @@ fn ground(plan: &RoadPlan, conditions: &StreetConditions, rng: &mut ChaCha8Rng) 
     plan.ground(shape, conditions, rng)
 }
 
-fn furnish(world: &mut World, plan: &RoadPlan, side: Side, rng: &mut ChaCha8Rng) {
+fn furnish(world: &mut World, plan: &RoadPlan, (side, avenue): (Side, bool), rng: &mut ChaCha8Rng) {
     let roadside = plan.roadside(side);
     let parked = ParkedRowParams {
         parking: plan.parking(side),
@@ -77,6 +77,7 @@ fn furnish(world: &mut World, plan: &RoadPlan, side: Side, rng: &mut ChaCha8Rng)
         spacing_m: rng.random_range(7.0..14.0),
         from_kerb_m: 0.42,
         tree_share: rng.random_range(0.0..0.15),
+        avenue,
     };
     pavement_furniture(world, &roadside, &furniture, rng);
     let people = PavementPeopleParams { spacing_m: rng.random_range(10.0..30.0), from_kerb_m: 0.85 };

@@ -19,7 +19,12 @@ pub struct PavementFurnitureParams {
     pub from_kerb_m: f32,
     /// Share of them that are trees, 0 to 1.
     pub tree_share: f64,
+    /// Whether broad trees stand among them, in a row.
+    pub avenue: bool,
 }
+
+/// The dice of broad trees.
+const AVENUE_STREAM: u64 = 71;
 
 /// Furnishes the pavement of `roadside`.
 pub fn pavement_furniture(
@@ -28,6 +33,12 @@ pub fn pavement_furniture(
     params: &PavementFurnitureParams,
     rng: &mut ChaCha8Rng,
 ) {
+    if params.avenue {
+        // Dice of their own: everything else stands where it would stand without them.
+        let mut apart = rng.clone();
+        apart.set_stream(AVENUE_STREAM);
+        broad_trees(world, roadside, params.from_kerb_m, &mut apart);
+    }
     let [mut along_m, end_m] = roadside.reach_m;
     loop {
         along_m += params.spacing_m * rng.random_range(0.4..1.6);
@@ -41,6 +52,22 @@ pub fn pavement_furniture(
         };
         let from_axis_m = roadside.kerb_m + params.from_kerb_m;
         world.stand(shape, &roadside.facing_road(along_m, from_axis_m));
+    }
+}
+
+/// Plants a row of trees as far from the kerb as everything else; some are missing.
+fn broad_trees(world: &mut World, roadside: &Roadside, from_kerb_m: f32, dice: &mut ChaCha8Rng) {
+    let [mut along_m, end_m] = roadside.reach_m;
+    let spacing_m = dice.random_range(6.0_f32..11.0);
+    loop {
+        along_m += spacing_m * dice.random_range(0.9..1.1);
+        if along_m > end_m {
+            return;
+        }
+        if dice.random_bool(0.85) {
+            let tree = vegetation_shape::broad_tree(dice);
+            world.stand(tree, &roadside.facing_road(along_m, roadside.kerb_m + from_kerb_m));
+        }
     }
 }
 

@@ -47,11 +47,12 @@ pub struct SensorModel {
 }
 
 /// Ids and texts of the descriptions that come with the program.
-pub const EMBEDDED_SENSORS: [(&str, &str); 4] = [
+pub const EMBEDDED_SENSORS: [(&str, &str); 5] = [
     ("hdl-64e-s2", include_str!("sensors/hdl-64e-s2.toml")),
     ("hdl-32e", include_str!("sensors/hdl-32e.toml")),
     ("vlp-16", include_str!("sensors/vlp-16.toml")),
     ("os1-128", include_str!("sensors/os1-128.toml")),
+    ("argoverse2", include_str!("sensors/argoverse2.toml")),
 ];
 
 /// Beams at equal steps of elevation.
@@ -215,7 +216,9 @@ mod tests {
         check_embedded("hdl-32e", 32, [10.67, -30.67]);
         check_embedded("vlp-16", 16, [15.0, -15.0]);
         check_embedded("os1-128", 128, [22.5, -22.5]);
-        assert_eq!(EMBEDDED_SENSORS.len(), 4);
+        // Two, the lower one upside down.
+        check_embedded("argoverse2", 64, [15.0, -15.0]);
+        assert_eq!(EMBEDDED_SENSORS.len(), 5);
         assert_eq!(SensorModel::embedded("hdl-65"), None);
     }
 

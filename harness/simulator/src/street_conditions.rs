@@ -16,6 +16,9 @@ pub struct StreetConditions {
     pub hill_gradient: Option<f32>,
     /// How high kerbs stand, in metres.
     pub kerb_height_m: Option<f32>,
+    /// Whether broad trees stand along the pavements of all roads, whose crowns hang over what is parked there.
+    #[serde(default)]
+    pub avenue: bool,
     /// A truck of this height in metres drives ahead of the sensor.
     pub truck_ahead_height_m: Option<f32>,
 }

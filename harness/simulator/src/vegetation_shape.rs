@@ -14,6 +14,23 @@ pub fn tree(rng: &mut ChaCha8Rng) -> ObjectShape {
     let crown_radius_m = rng.random_range(1.3_f32..2.6);
     let crown_half_height_m = crown_radius_m * rng.random_range(0.8..1.3);
     let trunk_radius_m = rng.random_range(0.08_f32..0.24);
+    tree_with([clear_m, crown_radius_m, crown_half_height_m, trunk_radius_m], rng)
+}
+
+/// A tree of an avenue, whose crown hangs over the road beside it.
+pub fn broad_tree(rng: &mut ChaCha8Rng) -> ObjectShape {
+    let clear_m = rng.random_range(1.8_f32..3.4);
+    let crown_radius_m = rng.random_range(2.5_f32..5.0);
+    let crown_half_height_m = crown_radius_m * rng.random_range(0.4..0.9);
+    let trunk_radius_m = rng.random_range(0.12_f32..0.4);
+    tree_with([clear_m, crown_radius_m, crown_half_height_m, trunk_radius_m], rng)
+}
+
+/// A tree of these sizes: below the crown, radius and half the height of the crown, radius of the trunk.
+fn tree_with(
+    [clear_m, crown_radius_m, crown_half_height_m, trunk_radius_m]: [f32; 4],
+    rng: &mut ChaCha8Rng,
+) -> ObjectShape {
     let lean_m = rng.random_range(-0.15_f32..0.15);
     let leaves = Material::foliage(rng.random_range(0.7..2.0));
     let middle_m = clear_m + crown_half_height_m;

@@ -23,8 +23,8 @@ pub struct Condition {
 /// Turns of the sensor from one scan to the next.
 const TURNS_PER_SCAN: u32 = 30;
 
-/// Every condition, in the order of the table. Nothing is tuned for any of them: detectors learn which sensor it is and how
-/// high it is mounted, and nothing else.
+/// Every condition, in the order of the table. Nothing is tuned on them: detectors learn which sensor it is and how high
+/// it is mounted, and nothing else. The trees of `hierarchical` were trained on other drives under some of them.
 pub const CONDITIONS: &[Condition] = &[
     Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", change: |_| {} },
     Condition { group: "road", name: "level", change: |it| it.conditions = even(0.0) },
@@ -40,11 +40,13 @@ pub const CONDITIONS: &[Condition] = &[
         name: "3.0 m",
         change: |it| it.conditions.truck_ahead_height_m = Some(3.0),
     },
+    Condition { group: "trees", name: "avenue", change: |it| it.conditions.avenue = true },
     Condition { group: "mounted at", name: "1.0 m", change: |it| it.sensor_height_m = Some(1.0) },
     Condition { group: "mounted at", name: "2.5 m", change: |it| it.sensor_height_m = Some(2.5) },
     Condition { group: "sensor", name: "hdl-32e", change: |it| "hdl-32e".clone_into(&mut it.sensor) },
     Condition { group: "sensor", name: "vlp-16", change: |it| "vlp-16".clone_into(&mut it.sensor) },
     Condition { group: "sensor", name: "os1-128", change: |it| "os1-128".clone_into(&mut it.sensor) },
+    Condition { group: "sensor", name: "argoverse2", change: |it| "argoverse2".clone_into(&mut it.sensor) },
     Condition { group: "weather", name: "rain, 10 mm/h", change: |it| it.rain_mm_per_h = Some(10.0) },
     Condition { group: "weather", name: "rain, 50 mm/h", change: |it| it.rain_mm_per_h = Some(50.0) },
     Condition { group: "shutter", name: "rolling", change: |it| it.shutter = Shutter::Rolling },
