@@ -56,6 +56,7 @@ pub mod grid;
 pub mod segment;
 pub mod fit;
 pub mod describe;
+pub mod group;
 pub mod classify;
 pub mod regroup;
 pub mod complete;

@@ -7,6 +7,8 @@ use std::fmt;
 pub enum Rule {
     /// Walls are no foreground.
     Walls,
+    /// Of all groupings that is taken which a trained model likes best; walls are one of its values.
+    BestCut,
     /// A cluster of so few points is kept if a model takes it for a vehicle.
     SmallVehicles {
         /// How few.
@@ -27,6 +29,7 @@ impl fmt::Display for Rule {
             Self::SmallVehicles { min_points } => write!(formatter, "vehicles from {min_points} points"),
             Self::SizeBounds => formatter.write_str("size bounds of vehicles"),
             Self::Regrouping => formatter.write_str("regrouping"),
+            Self::BestCut => formatter.write_str("best cut of a tree of groupings"),
             Self::Completion => formatter.write_str("completion"),
         }
     }

@@ -17,6 +17,16 @@ pub const DENSE_LEVEL: &str = "dense_level";
 pub const MERGE: &str = "merge";
 /// Links are cut along gaps between dense cells.
 pub const SEPARATION: &str = "separation";
+/// The gaps between dense cells are found.
+pub const GAPS: &str = "gaps";
+/// Dense cells are gathered to groups within groups.
+pub const GROUPING: &str = "grouping";
+/// What no gap parts is cut.
+pub const CUTS: &str = "cuts";
+/// What tells whether a group is an object is computed.
+pub const DESCRIPTION: &str = "description";
+/// The groups that are worth most are taken for objects.
+pub const BEST_CUT: &str = "best_cut";
 /// Boxes are fitted to clusters.
 pub const BOXES: &str = "boxes";
 /// What a vehicle model looks at is computed.

@@ -16,3 +16,8 @@ pub mod nu_svm;
 pub mod object_classifier;
 pub mod vehicle_model;
 pub mod paper_model;
+
+// Boosted trees: their use, their file, and what they decide about groups.
+pub mod forest;
+pub mod forest_file;
+pub mod grouping_model;

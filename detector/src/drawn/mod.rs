@@ -7,4 +7,5 @@ pub mod cut_borders;
 pub mod object_cells;
 pub mod point_clusters;
 pub mod fitted_boxes;
+pub mod groups;
 pub mod vehicle_shapes;

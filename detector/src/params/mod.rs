@@ -10,6 +10,10 @@ use crate::describe::seen_size::VehicleBoundsParams;
 use crate::grid::density_curve::{DensityCurve, ImplausibleCurve};
 use crate::grid::density_weighting::DensityWeightingParams;
 use crate::grid::hierarchical_grid::GridParams;
+use crate::group::candidates::CandidatesParams;
+use crate::group::dense_gaps::DenseGapsParams;
+use crate::group::leaf_cuts::LeafCutsParams;
+use crate::group::node_values::NodeBoundsParams;
 use crate::regroup::regrouping_params::RegroupingParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
 use crate::segment::dense_separation::DenseSeparationParams;
@@ -59,8 +63,53 @@ pub struct HierarchicalParams {
     pub vehicle_bounds: VehicleBoundsParams,
     /// Cutting and joining objects by the vehicle model.
     pub regrouping: RegroupingParams,
+    /// The tree of groupings and its best cut.
+    pub grouping: GroupingParams,
     /// Points of objects that are no foreground.
     pub completion: CompletionParams,
+}
+
+/// The tree of groupings and its best cut.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GroupingParams {
+    /// Whether objects are the best cut of a tree of groupings; if not, cells are merged and separated as in the paper.
+    pub enabled: bool,
+    /// What an object costs: one that is expected to have a smaller intersection over union is none.
+    pub object_cost: f32,
+    /// The points that are grouped.
+    pub candidates: CandidatesParams,
+    /// The gaps between them.
+    pub gaps: DenseGapsParams,
+    /// Cuts where there is no gap.
+    pub cuts: LeafCutsParams,
+    /// Which groups are looked at.
+    pub bounds: NodeBoundsParams,
+}
+
+impl GroupingParams {
+    fn validate(&self) -> Result<(), ParamsError> {
+        let GroupingParams { object_cost, candidates, gaps, cuts, bounds, .. } = self;
+        for (name, value, most, allowed) in [
+            ("grouping.object_cost", *object_cost, 1.0_f32, "0 to 1"),
+            ("grouping.candidates.least_free_m", candidates.least_free_m, 100.0, "0 to 100 m"),
+            ("grouping.candidates.free_per_range", candidates.free_per_range, 1.0, "0 to 1"),
+            ("grouping.candidates.highest_foot_m", candidates.highest_foot_m, 100.0, "0 to 100 m"),
+            ("grouping.candidates.highest_top_m", candidates.highest_top_m, 100.0, "0 to 100 m"),
+            ("grouping.gaps.n_rounds", gaps.n_rounds as f32, 20.0, "0 to 20"),
+            ("grouping.gaps.low_density_share", gaps.low_density_share, 1.0, "0 to 1"),
+            ("grouping.cuts.min_length_m", cuts.min_length_m, 100.0, "0 to 100 m"),
+            ("grouping.cuts.min_width_m", cuts.min_width_m, 100.0, "0 to 100 m"),
+            ("grouping.cuts.max_length_m", cuts.max_length_m, 1000.0, "0 to 1000 m"),
+            ("grouping.cuts.min_end_m", cuts.min_end_m, 100.0, "0 to 100 m"),
+            ("grouping.cuts.max_depth", f32::from(cuts.max_depth), 10.0, "0 to 10"),
+            ("grouping.bounds.max_length_m", bounds.max_length_m, 100.0, "0 to 100 m"),
+            ("grouping.bounds.max_width_m", bounds.max_width_m, 100.0, "0 to 100 m"),
+        ] {
+            check_range(name, value.into(), [0.0, most.into()], allowed)?;
+        }
+        Ok(())
+    }
 }
 
 /// Which clusters are objects.
@@ -195,6 +244,7 @@ impl HierarchicalParams {
         ] {
             within(name, value.into(), 0.0, 100.0, "0 to 100")?;
         }
+        self.grouping.validate()?;
         let completion = &self.completion;
         within("completion.growth_m", completion.growth_m.into(), 0.0, 10.0, "0 to 10 m")?;
         within("completion.clearance_m", completion.clearance_m.into(), -10.0, 10.0, "-10 to 10 m")?;

@@ -135,6 +135,7 @@ impl PaperParams {
         params.cluster.min_vehicle_points = self.cluster.min_points;
         params.vehicle_bounds.enabled = false;
         params.regrouping.enabled = false;
+        params.grouping.enabled = false;
         params.completion.enabled = false;
         params
     }
@@ -155,7 +156,8 @@ mod tests {
     #[test]
     fn nothing_that_is_in_no_paper_has_a_parameter() {
         let table = PaperParams::shipped_table();
-        for absent in ["foreground", "vehicle_size", "vehicle_bounds", "regrouping", "completion"] {
+        for absent in ["foreground", "vehicle_size", "vehicle_bounds", "regrouping", "grouping", "completion"]
+        {
             assert!(!table.contains_key(absent), "{absent}");
         }
         let stages = PaperParams::shipped().stages(&HierarchicalParams::shipped());

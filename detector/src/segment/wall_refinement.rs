@@ -77,8 +77,19 @@ impl WallRefinement {
         }
     }
 
-    /// Turns the short cells among `classes` that lie on walls into tall ones.
+    /// Turns the short cells among `classes` that lie on walls, or behind one, into tall ones.
     pub fn refine(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
+        self.refine_on_walls(grid, terrain, classes);
+        self.clear_behind(grid, classes);
+    }
+
+    /// Turns the short cells among `classes` that lie on walls into tall ones.
+    pub fn refine_on_walls(
+        &mut self,
+        grid: &HierarchicalGrid,
+        terrain: &Terrain,
+        classes: &mut [SurfaceClass],
+    ) {
         self.walls.clear();
         self.shadows.clear();
         if !self.params.enabled {
@@ -114,7 +125,6 @@ impl WallRefinement {
             }
         }
         self.spread(grid, classes);
-        self.clear_behind(grid, classes);
     }
 
     /// Segments among all tall and short cells are walls if enough of them is tall, and their short cells become tall.
@@ -146,13 +156,16 @@ impl WallRefinement {
     /// What lies behind a wall is seen through its windows and doors, and stands in no street.
     fn clear_behind(&self, grid: &HierarchicalGrid, classes: &mut [SurfaceClass]) {
         for &cell_idx in grid.occupied() {
-            if classes[cell_idx as usize] == SurfaceClass::Short {
-                let place_m = grid.center_m(cell_idx);
-                if self.shadows.iter().any(|it| it.covers(place_m)) {
-                    classes[cell_idx as usize] = SurfaceClass::Tall;
-                }
+            let is_short = classes[cell_idx as usize] == SurfaceClass::Short;
+            if is_short && self.is_behind_wall(grid.center_m(cell_idx)) {
+                classes[cell_idx as usize] = SurfaceClass::Tall;
             }
         }
+    }
+
+    /// Whether a wall of the latest scan hides this place of the ground plan from the sensor.
+    pub fn is_behind_wall(&self, place_m: [f32; 2]) -> bool {
+        self.shadows.iter().any(|it| it.covers(place_m))
     }
 
     /// Bays, reliefs and side walls: what supports a wall and touches one is wall.

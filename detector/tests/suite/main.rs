@@ -9,6 +9,7 @@ mod trained_on_drawings;
 mod vehicle_model;
 mod stage_products;
 mod steady_state;
+mod tree_of_groupings;
 mod reference;
 mod same_as_reference;
 mod same_as_reference_at_random;

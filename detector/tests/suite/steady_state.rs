@@ -1,10 +1,12 @@
 //! Once the first scan has sized the buffers, detecting allocates nothing.
 
+use detector::classify::grouping_model::GroupingModel;
 use detector::classify::paper_model::PaperModel;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::pipeline::paper_detector::PaperDetector;
+use detector::pipeline::tree_detector::TreeDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
 use test_data::{needs_test_data, test_data};
 
@@ -60,5 +62,19 @@ fn a_drive_seen_before_allocates_nothing() {
     for scan in scans.iter().rev() {
         let steady = allocation_counter::measure(|| detector.detect(scan, &mut output));
         assert_eq!(steady.count_total, 0, "allocations on a scan of {} points", scan.len());
+    }
+}
+
+#[test]
+fn the_tree_of_groupings_allocates_nothing_either() {
+    for (first, second) in [(main_road(), main_road()), (main_road(), PointCloud::default())] {
+        let model = GroupingModel::shipped();
+        let mut detector =
+            TreeDetector::new(HierarchicalParams::shipped(), model, SENSOR_HEIGHT_M).telling_vehicles();
+        let mut output = DetectorOutput::default();
+        detector.detect(&first, &mut output);
+        assert!(!output.detections.is_empty());
+        let steady = allocation_counter::measure(|| detector.detect(&second, &mut output));
+        assert_eq!((steady.count_total, steady.bytes_total), (0, 0), "allocations and their bytes");
     }
 }

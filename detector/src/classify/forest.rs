@@ -1,0 +1,191 @@
+//! Boosted trees, as they decide.
+
+use crate::vector_instructions::{HotLoop, vectorised};
+
+/// Levels of decisions of a tree.
+pub const DEPTH: usize = 5;
+/// Decisions of a tree.
+pub const N_SPLITS: usize = (1 << DEPTH) - 1;
+/// Outcomes of a tree.
+pub const N_LEAVES: usize = 1 << DEPTH;
+
+/// A tree of decisions, all of them equally deep: decision i is followed by 2i + 1 if its value is less than the threshold,
+/// and by 2i + 2 if not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DecisionTree {
+    /// Which value each decision looks at.
+    pub value_of_split: [u8; N_SPLITS],
+    /// What it compares it with.
+    pub thresholds: [f32; N_SPLITS],
+    /// What is added, from the left.
+    pub leaves: [f32; N_LEAVES],
+}
+
+/// A sum of trees over `D` values.
+///
+/// Friedman 2001, *Greedy function approximation: a gradient boosting machine*. Trained elsewhere; here it only decides, the
+/// same to the bit on every machine: it compares, and adds in the order of the trees.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forest<const D: usize> {
+    // Invariant: every decision looks at one of the D values.
+    trees: Vec<DecisionTree>,
+    base: f32,
+}
+
+/// Examples that are led through a tree at the same time.
+const N_ABREAST: usize = 8;
+
+impl<const D: usize> Forest<D> {
+    /// A forest of these trees, whose sum starts at `base`. `None` if a tree looks at a value that there is not.
+    pub fn new(trees: Vec<DecisionTree>, base: f32) -> Option<Self> {
+        let is_sound = trees.iter().all(|it| it.value_of_split.iter().all(|&value| usize::from(value) < D));
+        is_sound.then_some(Self { trees, base })
+    }
+
+    /// The sum for these values. What is not a number is never less than a threshold.
+    pub fn sum(&self, values: &[f32; D]) -> f32 {
+        self.trees.iter().fold(self.base, |sum, tree| sum + tree.leaves[tree.leaf(values)])
+    }
+
+    /// Writes the sum for each of `examples` to `sums`.
+    pub fn sums<'a>(
+        &self,
+        examples: impl ExactSizeIterator<Item = &'a [f32; D]> + Clone,
+        sums: &mut Vec<f32>,
+    ) {
+        sums.clear();
+        sums.resize(examples.len(), self.base);
+        vectorised(Walk { forest: self, examples, sums });
+    }
+
+    /// The trees.
+    pub fn trees(&self) -> &[DecisionTree] {
+        &self.trees
+    }
+
+    /// What the sum starts at.
+    pub fn base(&self) -> f32 {
+        self.base
+    }
+}
+
+impl DecisionTree {
+    /// Where these values lead.
+    #[inline(always)]
+    fn leaf<const D: usize>(&self, values: &[f32; D]) -> usize {
+        let mut place = 0;
+        for _ in 0..DEPTH {
+            place = self.next(place, values);
+        }
+        place - N_SPLITS
+    }
+
+    #[inline(always)]
+    fn next<const D: usize>(&self, place: usize, values: &[f32; D]) -> usize {
+        let is_left = values[usize::from(self.value_of_split[place])] < self.thresholds[place];
+        2 * place + 1 + usize::from(!is_left)
+    }
+}
+
+/// Every example is to be led through every tree.
+struct Walk<'b, const D: usize, I> {
+    forest: &'b Forest<D>,
+    examples: I,
+    sums: &'b mut [f32],
+}
+
+impl<'a, const D: usize, I: ExactSizeIterator<Item = &'a [f32; D]> + Clone> HotLoop for Walk<'_, D, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        // A tree is read once for all examples, and several of these are on their way at a time, so that the processor need not
+        // wait for one of them.
+        for tree in &self.forest.trees {
+            let mut examples = self.examples.clone();
+            for sums in self.sums.chunks_mut(N_ABREAST) {
+                let mut abreast = [None; N_ABREAST];
+                for (it, _) in abreast.iter_mut().zip(&*sums) {
+                    *it = examples.next();
+                }
+                let mut places = [0; N_ABREAST];
+                for _ in 0..DEPTH {
+                    for (place, values) in places.iter_mut().zip(&abreast) {
+                        if let Some(values) = values {
+                            *place = tree.next(*place, values);
+                        }
+                    }
+                }
+                for (sum, place) in sums.iter_mut().zip(places) {
+                    *sum += tree.leaves[place - N_SPLITS];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A tree that counts in binary: whether each of five values is 0.5 and more.
+    fn counting_tree() -> DecisionTree {
+        let mut value_of_split = [0; N_SPLITS];
+        for (split, value) in value_of_split.iter_mut().enumerate() {
+            *value = (split as u32 + 1).ilog2() as u8;
+        }
+        let mut leaves = [0.0; N_LEAVES];
+        for (leaf, sum) in leaves.iter_mut().enumerate() {
+            *sum = leaf as f32;
+        }
+        DecisionTree { value_of_split, thresholds: [0.5; N_SPLITS], leaves }
+    }
+
+    #[test]
+    fn decisions_lead_left_below_the_threshold_and_right_at_it() {
+        let forest = Forest::<5>::new(vec![counting_tree()], 100.0).unwrap();
+        assert_eq!(forest.sum(&[0.0; 5]), 100.0);
+        assert_eq!(forest.sum(&[1.0; 5]), 131.0);
+        assert_eq!(forest.sum(&[0.5, 0.4, 0.6, 0.0, 0.5]), 100.0 + 16.0 + 4.0 + 1.0);
+        assert_eq!(forest.sum(&[f32::NAN, 0.0, 0.0, 0.0, 0.0]), 116.0);
+    }
+
+    #[test]
+    fn a_value_that_there_is_not_is_refused() {
+        assert_eq!(Forest::<4>::new(vec![counting_tree()], 0.0), None);
+    }
+
+    proptest! {
+        #[test]
+        fn the_sum_is_that_of_the_trees_one_after_the_other(
+            trees in prop::collection::vec((
+                prop::collection::vec(0_u8..6, N_SPLITS),
+                prop::collection::vec(-1.0_f32..1.0, N_SPLITS),
+                prop::collection::vec(-1.0_f32..1.0, N_LEAVES),
+            ), 0..30),
+            values in prop::array::uniform6(-1.0_f32..1.0),
+        ) {
+            let trees: Vec<DecisionTree> = trees.into_iter().map(|(value_of_split, thresholds, leaves)| DecisionTree {
+                value_of_split: value_of_split.try_into().unwrap(),
+                thresholds: thresholds.try_into().unwrap(),
+                leaves: leaves.try_into().unwrap(),
+            }).collect();
+            let leaf = |tree: &DecisionTree| {
+                let mut split = 0;
+                while split < N_SPLITS {
+                    let value = values[usize::from(tree.value_of_split[split])];
+                    split = if value < tree.thresholds[split] { 2 * split + 1 } else { 2 * split + 2 };
+                }
+                tree.leaves[split - N_SPLITS]
+            };
+            let expected = trees.iter().fold(0.25, |sum, tree| sum + leaf(tree));
+            let forest = Forest::<6>::new(trees, 0.25).unwrap();
+            prop_assert_eq!(forest.sum(&values), expected);
+            let examples = [values, [0.5; 6], values, [-0.5; 6], values, values, values, values, values, [0.1; 6]];
+            let mut sums = Vec::new();
+            forest.sums(examples.iter(), &mut sums);
+            prop_assert_eq!(sums, examples.map(|it| forest.sum(&it)).to_vec());
+        }
+    }
+}

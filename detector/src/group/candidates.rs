@@ -1,0 +1,369 @@
+//! The points that may belong to objects, with what speaks against it.
+
+use serde::Deserialize;
+
+use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::point_cloud::PointCloud;
+use crate::segment::foreground::ForegroundParams;
+use crate::segment::terrain::Terrain;
+use crate::segment::wall_refinement::WallRefinement;
+use crate::surface_class::SurfaceClass;
+
+/// Tuning of [`Candidates::find`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CandidatesParams {
+    /// So much free height above what stands on the ground parts it from what hangs over it, in metres.
+    pub least_free_m: f32,
+    /// By how much more free height is needed a metre of range.
+    pub free_per_range: f32,
+    /// What begins higher than this above the terrain hangs, in metres.
+    pub highest_foot_m: f32,
+    /// What stands higher than this above the terrain is no candidate, in metres: higher than trucks.
+    pub highest_top_m: f32,
+}
+
+/// Something that speaks against it that the points of a cell are those of an object of the street.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doubt {
+    /// It lies on a wall.
+    OnWall,
+    /// A wall hides it, so that it is seen through a window, or the wall is none.
+    BehindWall,
+    /// It reaches higher than short objects.
+    Tall,
+    /// Something hangs over it.
+    Covered,
+    /// A cell beside it is no candidate since it is too tall.
+    BesideTall,
+}
+
+/// All that speaks against the points of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Doubts(u8);
+
+impl Doubt {
+    /// Each, in the order of the values of groups.
+    pub const ALL: [Self; 5] = [Self::OnWall, Self::BehindWall, Self::Tall, Self::Covered, Self::BesideTall];
+}
+
+impl Doubts {
+    /// Nothing does.
+    pub const NONE: Self = Self(0);
+
+    /// Whether this does.
+    pub fn has(self, doubt: Doubt) -> bool {
+        self.0 & (1 << doubt as u8) != 0
+    }
+
+    fn add(&mut self, doubt: Doubt, holds: bool) {
+        self.0 |= u8::from(holds) << doubt as u8;
+    }
+}
+
+/// The points of what stands on the ground.
+///
+/// A wall is no verdict here: its points are candidates, and [`Self::doubts`] says where they lie.
+#[derive(Debug, Clone)]
+pub struct Candidates {
+    params: CandidatesParams,
+    foreground: ForegroundParams,
+    tall_height_m: f32,
+    // For every cell, of an earlier scan for those that are not occupied.
+    band_m: Vec<[f32; 2]>,
+    doubts: Vec<Doubts>,
+    // For every cell, the place of its column of heights.
+    column_of_cell: Vec<u32>,
+    // Where in steps of [`STEP_M`] above the terrain there are points, for every cell that is looked into.
+    heights: Vec<u64>,
+    looked_into: Vec<u32>,
+    // The terrain below each of these cells, in metres.
+    terrain_m: Vec<f32>,
+    cells: Vec<u32>,
+    tops_m: Vec<f32>,
+    point_indices: Vec<u32>,
+    n_points: usize,
+}
+
+const STEP_M: f32 = 0.1;
+const NOT_LOOKED_INTO: u32 = u32::MAX;
+const NOWHERE_M: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
+impl Candidates {
+    /// No points yet; cells are tall that reach higher above the ground than `tall_height_m`.
+    pub fn new(params: CandidatesParams, foreground: ForegroundParams, tall_height_m: f32) -> Self {
+        Self {
+            params,
+            foreground,
+            tall_height_m,
+            band_m: Vec::new(),
+            doubts: Vec::new(),
+            column_of_cell: Vec::new(),
+            heights: Vec::new(),
+            looked_into: Vec::new(),
+            terrain_m: Vec::new(),
+            cells: Vec::new(),
+            tops_m: Vec::new(),
+            point_indices: Vec::new(),
+            n_points: 0,
+        }
+    }
+
+    /// Looks into the tall ones among the cells: `classes` says before walls were looked for what they are, and a tall cell
+    /// whose highest point hangs over the street becomes a short one.
+    pub fn find_hanging(
+        &mut self,
+        cloud: &PointCloud,
+        grid: &HierarchicalGrid,
+        terrain: &Terrain,
+        classes: &mut [SurfaceClass],
+    ) {
+        self.band_m.resize(classes.len(), NOWHERE_M);
+        self.doubts.resize(classes.len(), Doubts::NONE);
+        self.column_of_cell.resize(classes.len(), NOT_LOOKED_INTO);
+        self.heights.clear();
+        self.looked_into.clear();
+        self.terrain_m.clear();
+        for &cell_idx in grid.occupied() {
+            self.doubts[cell_idx as usize] = Doubts::NONE;
+            self.band_m[cell_idx as usize] = NOWHERE_M;
+            match classes[cell_idx as usize] {
+                SurfaceClass::Tall => {
+                    self.column_of_cell[cell_idx as usize] = self.looked_into.len() as u32;
+                    self.looked_into.push(cell_idx);
+                    self.terrain_m.push(terrain.elevation_m(grid.column_and_row(cell_idx)));
+                }
+                SurfaceClass::Short => {
+                    let low_m = self.cut_of_m(grid, terrain, cell_idx);
+                    self.band_m[cell_idx as usize] = [low_m, f32::INFINITY];
+                }
+                _ => {}
+            }
+        }
+        self.heights.resize(self.looked_into.len(), 0);
+        for (&cell_idx, &z_m) in grid.cell_of_point().iter().zip(cloud.z_m()) {
+            let Some(&column) = self.column_of_cell.get(cell_idx as usize) else { continue };
+            if column != NOT_LOOKED_INTO {
+                let step = ((z_m - self.terrain_m[column as usize]) / STEP_M).clamp(0.0, 63.0) as u32;
+                self.heights[column as usize] |= 1 << step;
+            }
+        }
+        for (column, &cell_idx) in self.looked_into.iter().enumerate() {
+            self.column_of_cell[cell_idx as usize] = NOT_LOOKED_INTO;
+            let terrain_m = self.terrain_m[column];
+            let [x_m, y_m] = grid.center_m(cell_idx);
+            let free_m = self.params.least_free_m + self.params.free_per_range * x_m.hypot(y_m);
+            let [foot_m, top_m, highest_m] = standing_part_m(self.heights[column], free_m);
+            let doubts = &mut self.doubts[cell_idx as usize];
+            if foot_m > self.params.highest_foot_m {
+                doubts.add(Doubt::Covered, true);
+                continue;
+            }
+            if top_m < highest_m {
+                doubts.add(Doubt::Covered, true);
+            }
+            if top_m <= self.tall_height_m {
+                classes[cell_idx as usize] = SurfaceClass::Short;
+            } else {
+                doubts.add(Doubt::Tall, true);
+                if top_m > self.params.highest_top_m {
+                    continue;
+                }
+            }
+            let low_m = self.cut_of_m(grid, terrain, cell_idx);
+            self.band_m[cell_idx as usize] = [low_m, terrain_m + top_m];
+        }
+    }
+
+    /// Replaces the content by the points of the cells that [`Self::find_hanging`] found; `classes` are those after `walls`
+    /// were looked for.
+    pub fn find(
+        &mut self,
+        cloud: &PointCloud,
+        grid: &HierarchicalGrid,
+        classes: &[SurfaceClass],
+        walls: &WallRefinement,
+    ) {
+        self.cells.clear();
+        self.tops_m.clear();
+        for &cell_idx in grid.occupied() {
+            let [low_m, high_m] = self.band_m[cell_idx as usize];
+            let z_max_m = grid.cells()[cell_idx as usize].z_max_m;
+            if low_m < high_m && z_max_m > low_m {
+                let doubts = &mut self.doubts[cell_idx as usize];
+                let is_on_wall = classes[cell_idx as usize] == SurfaceClass::Tall && !doubts.has(Doubt::Tall);
+                doubts.add(Doubt::OnWall, is_on_wall);
+                doubts.add(Doubt::BehindWall, walls.is_behind_wall(grid.center_m(cell_idx)));
+                for neighbor_idx in grid.neighborhood(cell_idx) {
+                    let is_too_tall = classes[neighbor_idx as usize] == SurfaceClass::Tall
+                        && self.band_m[neighbor_idx as usize] == NOWHERE_M;
+                    doubts.add(Doubt::BesideTall, is_too_tall);
+                }
+                self.cells.push(cell_idx);
+                self.tops_m.push(if z_max_m < high_m { z_max_m } else { high_m });
+            }
+        }
+        self.point_indices.resize(self.point_indices.len().max(cloud.len()), 0);
+        let mut n_points = 0;
+        for ((&cell_idx, &z_m), point_idx) in grid.cell_of_point().iter().zip(cloud.z_m()).zip(0..) {
+            let [low_m, high_m] = self.band_m.get(cell_idx as usize).copied().unwrap_or(NOWHERE_M);
+            self.point_indices[n_points] = point_idx;
+            n_points += usize::from(z_m > low_m && z_m <= high_m);
+        }
+        self.n_points = n_points;
+        // Cells whose points lie outside of their bands have none.
+    }
+
+    fn cut_of_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {
+        let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
+        let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
+        let band_m = self.foreground.ground_band_m;
+        lowest_m.clamp(terrain_m - band_m, terrain_m + band_m) + self.foreground.clearance_m
+    }
+
+    /// The coarse cells that may hold candidates, ascending.
+    pub fn cells(&self) -> &[u32] {
+        &self.cells
+    }
+
+    /// How high candidates reach in each of [`Self::cells`], in metres.
+    pub fn tops_m(&self) -> &[f32] {
+        &self.tops_m
+    }
+
+    /// What speaks against a cell of the latest scan.
+    pub fn doubts(&self, cell_idx: u32) -> Doubts {
+        self.doubts[cell_idx as usize]
+    }
+
+    /// Indices of the points in the scan, ascending.
+    pub fn point_indices(&self) -> &[u32] {
+        &self.point_indices[..self.n_points]
+    }
+}
+
+/// Foot and top of what stands lowest in a column of heights, and the top of all, in metres above the terrain.
+fn standing_part_m(heights: u64, free_m: f32) -> [f32; 3] {
+    let n_free = (free_m / STEP_M).round().max(1.0) as u32;
+    let foot = heights.trailing_zeros().min(63);
+    let highest = 63 - heights.leading_zeros().min(63);
+    let mut top = foot;
+    loop {
+        let above = if top >= 63 { 0 } else { heights >> (top + 1) };
+        if above == 0 || above.trailing_zeros() >= n_free {
+            break;
+        }
+        top += 1 + above.trailing_zeros();
+    }
+    [foot as f32 * STEP_M, (top + 1) as f32 * STEP_M, (highest + 1) as f32 * STEP_M]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::density_weighting::DensityWeighting;
+    use crate::params::HierarchicalParams;
+    use crate::segment::ground_segmentation::GroundSegmentation;
+
+    const SENSOR_HEIGHT_M: f32 = 1.73;
+
+    /// A level road with columns of points, each at a place and at heights above the road.
+    fn candidates_of(
+        columns: &[([f32; 2], std::ops::Range<u8>)],
+    ) -> (PointCloud, HierarchicalGrid, Candidates) {
+        let params = HierarchicalParams::shipped();
+        let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
+        let mut cloud: PointCloud =
+            steps().flat_map(|x| steps().map(move |y| [x, y, -SENSOR_HEIGHT_M])).collect();
+        for ([x_m, y_m], decimetres) in columns {
+            for height in decimetres.clone() {
+                cloud.push([*x_m, *y_m, 0.1 * f32::from(height) + 0.05 - SENSOR_HEIGHT_M], 0.0);
+            }
+        }
+        let mut grid = HierarchicalGrid::new(params.grid.clone());
+        grid.fill(&cloud);
+        let mut terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
+        terrain.estimate(&grid);
+        let weighting = DensityWeighting::new(&params.density_weighting);
+        let mut classes = Vec::new();
+        GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting).segment(
+            &grid,
+            &terrain,
+            &mut classes,
+        );
+        let mut candidates = Candidates::new(
+            params.grouping.candidates.clone(),
+            params.foreground.clone(),
+            params.ground.tall_height_m,
+        );
+        candidates.find_hanging(&cloud, &grid, &terrain, &mut classes);
+        let mut walls = WallRefinement::new(params.walls.clone(), &grid);
+        walls.refine_on_walls(&grid, &terrain, &mut classes);
+        candidates.find(&cloud, &grid, &classes, &walls);
+        (cloud, grid, candidates)
+    }
+
+    /// The heights of the candidates above the road, in whole decimetres, and what speaks against the cell of the first.
+    fn found(columns: &[([f32; 2], std::ops::Range<u8>)]) -> (Vec<i32>, Option<Doubts>) {
+        let (cloud, grid, candidates) = candidates_of(columns);
+        let height = |&it: &u32| ((cloud.z_m()[it as usize] + SENSOR_HEIGHT_M) * 10.0) as i32;
+        let first = candidates.point_indices().first();
+        let doubts = first.map(|&it| candidates.doubts(grid.cell_of_point()[it as usize]));
+        (candidates.point_indices().iter().map(height).collect(), doubts)
+    }
+
+    fn only(doubt: Doubt) -> Doubts {
+        let mut doubts = Doubts::NONE;
+        doubts.add(doubt, true);
+        doubts
+    }
+
+    const HERE: [f32; 2] = [9.0, 3.0];
+
+    #[test]
+    fn what_stands_on_the_road_is_a_candidate_and_the_road_is_not() {
+        assert_eq!(found(&[(HERE, 0..15)]), ((2..15).collect(), Some(Doubts::NONE)));
+        assert_eq!(found(&[]).0, []);
+    }
+
+    #[test]
+    fn a_crown_over_a_car_is_no_part_of_it() {
+        let covered = only(Doubt::Covered);
+        assert_eq!(found(&[(HERE, 0..15), (HERE, 24..50)]), ((2..15).collect(), Some(covered)));
+        // Branches that touch the roof hang not.
+        assert_eq!(found(&[(HERE, 0..15), (HERE, 18..70)]).0, []);
+    }
+
+    #[test]
+    fn what_only_hangs_is_no_candidate() {
+        assert_eq!(found(&[(HERE, 32..50)]).0, []);
+    }
+
+    #[test]
+    fn a_truck_is_a_candidate_and_tall_and_a_house_is_none() {
+        let tall = only(Doubt::Tall);
+        assert_eq!(found(&[(HERE, 0..38)]), ((2..38).collect(), Some(tall)));
+        assert_eq!(found(&[(HERE, 0..60)]).0, []);
+    }
+
+    #[test]
+    fn what_stands_at_a_house_knows_it() {
+        let beside = only(Doubt::BesideTall);
+        let (heights, doubts) = found(&[(HERE, 0..10), ([9.6, 3.0], 0..60)]);
+        assert_eq!((heights, doubts), ((2..10).collect(), Some(beside)));
+    }
+
+    #[test]
+    fn the_standing_part_ends_where_it_is_free_above() {
+        let bits = |range: std::ops::Range<u32>| range.fold(0_u64, |bits, step| bits | 1 << step);
+        let check = |heights: u64, expected: [u32; 3]| {
+            let steps = standing_part_m(heights, 0.5).map(|it| (it / STEP_M).round() as u32);
+            assert_eq!(steps, expected, "{heights:b}");
+        };
+        check(bits(0..14), [0, 14, 14]);
+        check(bits(0..14) | bits(19..40), [0, 14, 40]);
+        check(bits(0..14) | bits(18..40), [0, 40, 40]);
+        check(bits(20..64), [20, 64, 64]);
+        check(bits(0..1) | bits(63..64), [0, 1, 64]);
+    }
+}

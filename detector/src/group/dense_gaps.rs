@@ -1,0 +1,270 @@
+//! How far apart the dense cells of a scan are.
+
+use serde::Deserialize;
+
+use crate::grid::density_weighting::DensityWeighting;
+use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use crate::group::candidates::{Candidates, Doubt};
+use crate::group::dense_cells::DenseCells;
+use crate::segment::connected_components::ConnectedComponentsParams;
+use crate::segment::dense_separation::DenseSeparationParams;
+use crate::segment::disjoint_sets::DisjointSets;
+
+/// Tuning of [`DenseGaps::find`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DenseGapsParams {
+    /// Gaps are looked for as wide as twice so many dense cells.
+    pub n_rounds: u32,
+    /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
+    pub low_density_share: f32,
+    /// Dense cells by which neighbours of other height are taken to be farther apart.
+    pub height_steps: u32,
+    /// Dense cells by which a wall is taken to be farther from what is none.
+    pub wall_steps: u32,
+}
+
+/// Levels of gaps are below this; at level 0 the sensor cannot resolve a gap.
+pub const N_LEVELS: usize = 10;
+const NO_LABEL: u32 = u32::MAX;
+
+/// Gaps between dense cells, in reusable buffers.
+#[derive(Debug, Clone)]
+pub struct DenseGaps {
+    params: DenseGapsParams,
+    max_height_difference_m: f32,
+    xi: u32,
+    // Dense cells along a side of the grid.
+    n_along: usize,
+    by_metre: Vec<Expected>,
+    // For every dense cell of the grid: the nearest occupied one, and how far it is.
+    label: Vec<u32>,
+    steps: Vec<u8>,
+    touched: Vec<u32>,
+    front: Vec<u32>,
+    next_front: Vec<u32>,
+    // For every dense cell of a block: where it is in the grid, whether it holds enough points, and its group.
+    at: Vec<u32>,
+    is_conducting: Vec<bool>,
+    home: Vec<u32>,
+    groups: DisjointSets,
+    // For every block.
+    resolved_steps: Vec<u32>,
+    is_on_wall: Vec<bool>,
+    // By level, the groups on both sides.
+    between: [Vec<[u32; 2]>; N_LEVELS],
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Expected {
+    object_points: f32,
+    max_steps: u32,
+}
+
+impl DenseGaps {
+    /// Nothing found yet, in grids of the geometry `grid`. What is near-empty and what no gap follows from the density as in
+    /// `separation`; neighbours are of other height as in `merge`, ψ in the paper.
+    pub fn new(
+        params: DenseGapsParams,
+        (merge, separation): (&ConnectedComponentsParams, &DenseSeparationParams),
+        grid: &GridParams,
+        weighting: &DensityWeighting,
+    ) -> Self {
+        let dense_size_m = grid.cell_size_m / grid.xi as f32;
+        let points_at_weight_1 = weighting.peak_points_per_m2() * dense_size_m * dense_size_m;
+        let expected = |weight: &f32| Expected {
+            object_points: separation.object_density_ratio * points_at_weight_1 * weight,
+            max_steps: (separation.single_gap_points / (points_at_weight_1 * weight)).cbrt().ceil().max(1.0)
+                as u32,
+        };
+        Self {
+            xi: grid.xi,
+            n_along: 0,
+            by_metre: weighting.weight_by_metre().iter().map(expected).collect(),
+            params,
+            max_height_difference_m: merge.max_height_difference_m,
+            label: Vec::new(),
+            steps: Vec::new(),
+            touched: Vec::new(),
+            front: Vec::new(),
+            next_front: Vec::new(),
+            at: Vec::new(),
+            is_conducting: Vec::new(),
+            home: Vec::new(),
+            groups: DisjointSets::default(),
+            resolved_steps: Vec::new(),
+            is_on_wall: Vec::new(),
+            between: Default::default(),
+        }
+    }
+
+    /// Finds the gaps between the candidates in `dense`.
+    pub fn find(&mut self, grid: &HierarchicalGrid, dense: &DenseCells, candidates: &Candidates) {
+        let n_along = (grid.n_columns() * self.xi) as usize;
+        if self.n_along != n_along {
+            self.n_along = n_along;
+            self.label = vec![NO_LABEL; n_along * n_along];
+            self.steps = vec![0; n_along * n_along];
+        }
+        for place in self.touched.drain(..) {
+            self.label[place as usize] = NO_LABEL;
+        }
+        self.place_cells(grid, dense, candidates);
+        self.join_touching(dense, candidates);
+        self.spread(dense, candidates);
+        // What is near-empty belongs to what is nearest.
+        for (dense_idx, heap) in dense.heaps().iter().enumerate() {
+            if heap.n_points > 0 && !self.is_conducting[dense_idx] {
+                let label = self.label[self.at[dense_idx] as usize];
+                self.home[dense_idx] =
+                    if label == NO_LABEL { dense_idx as u32 } else { self.home[label as usize] };
+            }
+        }
+    }
+
+    fn place_cells(&mut self, grid: &HierarchicalGrid, dense: &DenseCells, candidates: &Candidates) {
+        let n_dense = dense.heaps().len();
+        self.at.clear();
+        self.is_conducting.clear();
+        self.resolved_steps.clear();
+        self.is_on_wall.clear();
+        for (block_idx, &cell_idx) in dense.cell_of_block().iter().enumerate() {
+            let [column, row] = grid.column_and_row(cell_idx);
+            let heaps = dense.heaps_of_block(block_idx);
+            let n_occupied = heaps.iter().filter(|it| it.n_points > 0).count().max(1);
+            let mean = heaps.iter().map(|it| it.n_points).sum::<u32>() as f32 / n_occupied as f32;
+            let expected = self.expected(grid, cell_idx);
+            self.resolved_steps.push(expected.max_steps);
+            self.is_on_wall.push(candidates.doubts(cell_idx).has(Doubt::OnWall));
+            let least = (self.params.low_density_share * mean.min(expected.object_points)).max(1.0);
+            for (bit, heap) in heaps.iter().enumerate() {
+                let (across, along) = (bit as u32 % self.xi, bit as u32 / self.xi);
+                let place =
+                    (row * self.xi + along) as usize * self.n_along + (column * self.xi + across) as usize;
+                self.at.push(place as u32);
+                self.is_conducting.push(heap.n_points as f32 >= least);
+            }
+        }
+        self.home.clear();
+        self.home.extend(0..n_dense as u32);
+        self.groups.reset(n_dense);
+        self.front.clear();
+        for dense_idx in 0..n_dense {
+            if self.is_conducting[dense_idx] {
+                let place = self.at[dense_idx];
+                self.label[place as usize] = dense_idx as u32;
+                self.steps[place as usize] = 0;
+                self.touched.push(place);
+                self.front.push(place);
+            }
+        }
+    }
+
+    fn join_touching(&mut self, dense: &DenseCells, candidates: &Candidates) {
+        self.between.iter_mut().for_each(Vec::clear);
+        let n = self.n_along;
+        for dense_idx in 0..self.at.len() as u32 {
+            if !self.is_conducting[dense_idx as usize] {
+                continue;
+            }
+            let place = self.at[dense_idx as usize] as usize;
+            for neighbor in [place + 1, place + n - 1, place + n, place + n + 1] {
+                let other = self.label[neighbor];
+                if other == NO_LABEL {
+                    continue;
+                }
+                let level = self.level(dense, candidates, [dense_idx, other], 1);
+                if level == 0 {
+                    self.groups.join(dense_idx, other);
+                } else {
+                    self.between[level].push([dense_idx, other]);
+                }
+            }
+        }
+        for dense_idx in 0..self.at.len() {
+            if self.is_conducting[dense_idx] {
+                self.home[dense_idx] = self.groups.representative(dense_idx as u32);
+            }
+        }
+        for between in self.between.iter_mut().flatten() {
+            *between = between.map(|it| self.home[it as usize]);
+        }
+    }
+
+    fn level(&self, dense: &DenseCells, candidates: &Candidates, between: [u32; 2], steps: u32) -> usize {
+        let blocks = between.map(|it| dense.block_of_dense(it));
+        let mut penalty = 0;
+        if blocks[0] != blocks[1] {
+            let [a, b] = blocks.map(|it| candidates.tops_m()[it]);
+            if (a - b).abs() >= self.max_height_difference_m {
+                penalty += self.params.height_steps;
+            }
+            if self.is_on_wall[blocks[0]] != self.is_on_wall[blocks[1]] {
+                penalty += self.params.wall_steps;
+            }
+        }
+        let resolved = self.resolved_steps[blocks[0]];
+        (steps.saturating_sub(resolved) + penalty).min(N_LEVELS as u32 - 1) as usize
+    }
+
+    /// Every group grows into the free cells around it, until groups meet.
+    fn spread(&mut self, dense: &DenseCells, candidates: &Candidates) {
+        let n = self.n_along;
+        for round in 0..self.params.n_rounds as u8 {
+            self.next_front.clear();
+            for &place in &self.front {
+                let place = place as usize;
+                let label = self.label[place];
+                let group = self.home[label as usize];
+                for neighbor in [
+                    place - n - 1,
+                    place - n,
+                    place - n + 1,
+                    place - 1,
+                    place + 1,
+                    place + n - 1,
+                    place + n,
+                    place + n + 1,
+                ] {
+                    let other = self.label[neighbor];
+                    if other == NO_LABEL {
+                        self.label[neighbor] = label;
+                        self.steps[neighbor] = round + 1;
+                        self.touched.push(neighbor as u32);
+                        let is_inner = neighbor % n > 0
+                            && neighbor % n < n - 1
+                            && neighbor / n > 0
+                            && neighbor / n < n - 1;
+                        if is_inner {
+                            self.next_front.push(neighbor as u32);
+                        }
+                    } else if self.home[other as usize] != group {
+                        let other_steps = self.steps[neighbor];
+                        if other_steps > round || (other_steps == round && round > 0 && neighbor > place) {
+                            let steps = u32::from(round) + u32::from(other_steps) + 1;
+                            let level = self.level(dense, candidates, [label, other], steps);
+                            self.between[level].push([group, self.home[other as usize]]);
+                        }
+                    }
+                }
+            }
+            std::mem::swap(&mut self.front, &mut self.next_front);
+        }
+    }
+
+    fn expected(&self, grid: &HierarchicalGrid, cell_idx: u32) -> Expected {
+        let [x_m, y_m] = grid.center_m(cell_idx);
+        let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;
+        self.by_metre[metre.min(self.by_metre.len() - 1)]
+    }
+
+    /// What gaps of this level part: representatives of touching groups, some pairs more than once.
+    pub fn between(&self, level: u8) -> &[[u32; 2]] {
+        &self.between[usize::from(level)]
+    }
+
+    /// For every dense cell the representative of its touching group.
+    pub fn group_of_dense(&self) -> &[u32] {
+        &self.home
+    }
+}

@@ -1,0 +1,12 @@
+//! From cells to separate objects, by a tree of groupings.
+
+pub mod candidates;
+pub mod dense_cells;
+pub mod dense_gaps;
+pub mod grouping_tree;
+#[cfg(test)]
+pub mod drawn_trees;
+pub mod leaf_cuts;
+pub mod node_values;
+pub mod best_cut;
+pub mod node_points;

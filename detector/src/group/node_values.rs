@@ -1,0 +1,336 @@
+//! What the groups of a tree look like.
+
+use std::ops::Range;
+
+use crate::describe::surroundings::{ObjectRaster, Surroundings};
+use crate::fit::convex_hull_box::ConvexHullBox;
+use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::group::candidates::{Candidates, Doubt};
+use crate::group::dense_cells::{DenseCells, Heap};
+use crate::group::dense_gaps::N_LEVELS;
+use crate::group::grouping_tree::{GroupingTree, Node};
+use crate::oriented_box::OrientedBox;
+use crate::segment::terrain::Terrain;
+
+/// Number of the values of a node.
+pub const N_NODE_VALUES: usize = NODE_VALUES.len();
+
+/// The names of the values of a node, as in files.
+///
+/// Sizes are those of the box in metres. Shares are of its points, from 0 to 1.
+pub const NODE_VALUES: [&str; 37] = [
+    "log_n_points",
+    // Points lie the wider apart the farther they are.
+    "log_seen_area",
+    // What the sensor would put onto what is seen of the box, if nothing else were there.
+    "log_points_over_expected",
+    "range_m",
+    "length_m",
+    "width_m",
+    "height_m",
+    "bottom_m",
+    "top_m",
+    "mean_height_m",
+    "height_deviation_m",
+    "share_above_0.5_m",
+    "share_above_1.1_m",
+    "share_above_1.4_m",
+    "share_above_2.0_m",
+    "view_cosine",
+    "filled_share",
+    "n_hull_corners",
+    // How it was grouped, and with what it would be.
+    "level",
+    "joined_at",
+    "n_cuts",
+    "n_parts",
+    "largest_part_share",
+    "second_part_share",
+    "share_of_whole",
+    "length_of_whole_m",
+    "width_of_whole_m",
+    "whole_joined_at",
+    "log_n_points_of_whole",
+    // What speaks against an object of the street.
+    "wall_share",
+    "behind_wall_share",
+    "tall_share",
+    "covered_share",
+    "beside_tall_share",
+    // What stands around it.
+    "beyond_ends_share",
+    "occupied_share",
+    "log_n_cells",
+];
+
+/// Which groups may be objects by their size.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NodeBoundsParams {
+    /// Longer groups are not looked at, in metres.
+    pub max_length_m: f32,
+    /// Nor are wider ones, in metres.
+    pub max_width_m: f32,
+    /// Nor those that do not reach so high above the ground, in metres.
+    pub min_top_m: f32,
+}
+
+/// A group that may be an object by its size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DescribedNode {
+    /// Its number in the tree.
+    pub node_idx: u32,
+    /// The box around its cells.
+    pub bounding_box: OrientedBox,
+    /// The ground below it, and what stands around it.
+    pub surroundings: Surroundings,
+    /// As [`NODE_VALUES`] names them.
+    pub values: [f32; N_NODE_VALUES],
+}
+
+/// Describes the nodes of one tree after another.
+#[derive(Debug, Clone, Default)]
+pub struct NodeDescriber {
+    box_fit: ConvexHullBox,
+    order: Vec<u32>,
+    outline_m: Vec<[f32; 2]>,
+    hulls_m: Vec<[f32; 2]>,
+    shapes: Vec<Shape>,
+    described: Vec<DescribedNode>,
+}
+
+/// What is known of every node before it is described.
+#[derive(Debug, Clone, Default)]
+struct Shape {
+    // Of what is too large none is taken.
+    hull: Range<usize>,
+    bounding_box: Option<OrientedBox>,
+    // Cells, and points of cells of which each [`Doubt`] holds.
+    n_cells: u32,
+    n_in_doubt: [u32; 5],
+}
+
+/// Where the nodes are.
+#[derive(Debug, Clone, Copy)]
+pub struct NodePlaces<'a> {
+    /// The grid.
+    pub grid: &'a HierarchicalGrid,
+    /// The ground.
+    pub terrain: &'a Terrain,
+    /// The points.
+    pub candidates: &'a Candidates,
+    /// Their cells.
+    pub dense: &'a DenseCells,
+    /// Where other points are.
+    pub raster: &'a ObjectRaster,
+    /// Number of points of the scan.
+    pub n_points: usize,
+}
+
+/// Wholes larger than this are large, in metres.
+const LARGEST_WHOLE_M: f32 = 30.0;
+
+impl NodeDescriber {
+    /// Describes the nodes of `tree` that may be objects by their size and have `min_points`.
+    pub fn describe(
+        &mut self,
+        tree: &GroupingTree,
+        places: &NodePlaces<'_>,
+        (bounds, min_points): (&NodeBoundsParams, usize),
+    ) {
+        self.find_shapes(tree, places, (bounds, min_points));
+        self.described.clear();
+        for (node, node_idx) in tree.nodes().iter().zip(0..) {
+            let Shape { bounding_box: Some(bounding_box), .. } = self.shapes[node_idx as usize] else {
+                continue;
+            };
+            let [x_m, y_m, z_m] = bounding_box.center_m;
+            let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+            let terrain_m = places.terrain.elevation_m(places.grid.nearest_column_and_row([x_m, y_m]));
+            let is_looked_at = length_m <= bounds.max_length_m
+                && width_m <= bounds.max_width_m
+                && z_m + 0.5 * height_m - terrain_m >= bounds.min_top_m;
+            if is_looked_at {
+                let surroundings = places.raster.around(&bounding_box, terrain_m);
+                let values = self.values(tree, (node, node_idx), &surroundings, places.n_points);
+                self.described.push(DescribedNode { node_idx, bounding_box, surroundings, values });
+            }
+        }
+    }
+
+    /// The nodes that were described, ascending.
+    pub fn described(&self) -> &[DescribedNode] {
+        &self.described
+    }
+
+    fn find_shapes(
+        &mut self,
+        tree: &GroupingTree,
+        places: &NodePlaces<'_>,
+        (bounds, min_points): (&NodeBoundsParams, usize),
+    ) {
+        self.shapes.clear();
+        self.shapes.resize(tree.nodes().len(), Shape::default());
+        self.hulls_m.clear();
+        let most_m = (bounds.max_length_m.hypot(bounds.max_width_m)).max(LARGEST_WHOLE_M);
+        tree.upward(&mut self.order);
+        for &node_idx in &self.order {
+            let node = &tree.nodes()[node_idx as usize];
+            let mut shape = self.sums(tree, node, places);
+            let [across_m, along_m] = [0, 1].map(|axis| node.heap.high_m[axis] - node.heap.low_m[axis]);
+            if across_m.hypot(along_m) <= most_m {
+                self.outline_m.clear();
+                match node.first_child {
+                    None => {
+                        let heaps = tree.cells(node).iter().map(|&it| &places.dense.heaps()[it as usize]);
+                        self.outline_m.extend(heaps.flat_map(Heap::corners_m));
+                    }
+                    Some(_) => {
+                        for part in tree.parts_of(node) {
+                            self.outline_m
+                                .extend_from_slice(&self.hulls_m[self.shapes[part as usize].hull.clone()]);
+                        }
+                    }
+                }
+                let start = self.hulls_m.len();
+                if node.heap.n_points as usize >= min_points {
+                    let outline_m = self.outline_m.iter().copied();
+                    shape.bounding_box = self.box_fit.fit(outline_m, node.heap.z_range_m);
+                    self.hulls_m.extend_from_slice(self.box_fit.hull_m());
+                } else {
+                    // It is not looked at. What it is a part of takes all of it for its outline.
+                    self.hulls_m.extend_from_slice(&self.outline_m);
+                }
+                shape.hull = start..self.hulls_m.len();
+            }
+            self.shapes[node_idx as usize] = shape;
+        }
+    }
+
+    fn sums(&self, tree: &GroupingTree, node: &Node, places: &NodePlaces<'_>) -> Shape {
+        let mut shape = Shape::default();
+        if node.first_child.is_some() {
+            for part in tree.parts_of(node) {
+                let part = &self.shapes[part as usize];
+                shape.n_cells += part.n_cells;
+                for (sum, n) in shape.n_in_doubt.iter_mut().zip(part.n_in_doubt) {
+                    *sum += n;
+                }
+            }
+            return shape;
+        }
+        for &dense_idx in tree.cells(node) {
+            let cell_idx = places.dense.cell_of_block()[places.dense.block_of_dense(dense_idx)];
+            let doubts = places.candidates.doubts(cell_idx);
+            let n_points = places.dense.heaps()[dense_idx as usize].n_points;
+            shape.n_cells += 1;
+            for (sum, doubt) in shape.n_in_doubt.iter_mut().zip(Doubt::ALL) {
+                *sum += if doubts.has(doubt) { n_points } else { 0 };
+            }
+        }
+        shape
+    }
+
+    fn values(
+        &self,
+        tree: &GroupingTree,
+        (node, node_idx): (&Node, u32),
+        surroundings: &Surroundings,
+        n_points_of_scan: usize,
+    ) -> [f32; N_NODE_VALUES] {
+        let shape = &self.shapes[node_idx as usize];
+        let bounding_box = shape.bounding_box.expect("only such are described");
+        let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+        let heap = &node.heap;
+        let n_points = heap.n_points as f32;
+        let share = |n: u32| n as f32 / n_points;
+        let mean_m = heap.height_sum_m / n_points;
+        let variance = (heap.height_squares_m2 / n_points - mean_m * mean_m).max(0.0);
+        let center_above_m = bounding_box.center_m[2] - surroundings.ground_m;
+        let n_beyond_ends = surroundings.n_beyond_ends as f32;
+        let cells_m2 = shape.n_cells as f32 * CELL_M * CELL_M;
+        let [log_seen_area, over_expected, range_m, view_cosine] =
+            seen(&bounding_box, n_points, n_points_of_scan);
+        let above = heap.n_above.map(share);
+        let in_doubt = shape.n_in_doubt.map(share);
+        let mut values = [0.0; N_NODE_VALUES];
+        let of_itself = [
+            n_points.ln(),
+            log_seen_area,
+            over_expected,
+            range_m,
+            length_m,
+            width_m,
+            height_m,
+            center_above_m - 0.5 * height_m,
+            center_above_m + 0.5 * height_m,
+            mean_m,
+            variance.sqrt(),
+            above[0],
+            above[1],
+            above[2],
+            above[3],
+            view_cosine,
+            cells_m2 / ((length_m + CELL_M) * (width_m + CELL_M)),
+            shape.hull.len() as f32,
+        ];
+        let around = [
+            n_beyond_ends / (n_beyond_ends + n_points),
+            surroundings.occupied_share,
+            (shape.n_cells as f32).ln(),
+        ];
+        let grouped = self.grouped(tree, node);
+        let all = of_itself.into_iter().chain(grouped).chain(in_doubt).chain(around);
+        for (value, it) in values.iter_mut().zip(all) {
+            *value = it;
+        }
+        values
+    }
+
+    /// How a node was grouped, and with what it would be.
+    fn grouped(&self, tree: &GroupingTree, node: &Node) -> [f32; 11] {
+        let share = |n: u32| n as f32 / node.heap.n_points as f32;
+        let (mut n_parts, mut largest) = (0, [0; 2]);
+        for part in tree.parts_of(node) {
+            let n = tree.nodes()[part as usize].heap.n_points;
+            n_parts += 1;
+            largest = [n.max(largest[0]), largest[1].max(n.min(largest[0]))];
+        }
+        let whole = node.parent.map(|it| (&tree.nodes()[it as usize], &self.shapes[it as usize]));
+        let of_whole = |axis: usize| {
+            let size_m = |it: &OrientedBox| it.length_width_height_m[axis].min(LARGEST_WHOLE_M);
+            whole.map_or(0.0, |(_, it)| it.bounding_box.as_ref().map_or(LARGEST_WHOLE_M, size_m))
+        };
+        [
+            f32::from(node.level),
+            f32::from(node.joined_at),
+            f32::from(node.n_cuts),
+            n_parts as f32,
+            if n_parts > 0 { share(largest[0]) } else { 1.0 },
+            share(largest[1]),
+            whole.map_or(1.0, |(it, _)| node.heap.n_points as f32 / it.heap.n_points as f32),
+            of_whole(0),
+            of_whole(1),
+            whole.map_or(N_LEVELS as f32, |(it, _)| f32::from(it.joined_at)),
+            whole.map_or(0.0, |(it, _)| (it.heap.n_points as f32).ln()),
+        ]
+    }
+}
+
+/// The logarithm of the area of `n_points` that lie the wider apart the farther they are; the same over what the sensor would put
+/// onto what is seen of the box, if nothing else were there; how far the box is; and the cosine between the line of sight and its
+/// length.
+fn seen(bounding_box: &OrientedBox, n_points: f32, n_points_of_scan: usize) -> [f32; 4] {
+    let [x_m, y_m, _] = bounding_box.center_m;
+    let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
+    let range_m = (x_m * x_m + y_m * y_m).sqrt();
+    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let along = if range_m > 0.0 { ((cos * x_m + sin * y_m) / range_m).abs().min(1.0) } else { 1.0 };
+    let across = (1.0 - along * along).max(0.0).sqrt();
+    let seen_m2 = (length_m * across + width_m * along).max(CELL_M) * height_m.max(CELL_M);
+    let log_seen_area = (n_points * range_m * range_m).max(1.0).ln();
+    [log_seen_area, log_seen_area - (n_points_of_scan as f32 * seen_m2).ln(), range_m, along]
+}
+
+/// The side of dense cells that areas are reckoned with, in metres; and the least length of what is seen.
+const CELL_M: f32 = 0.2;

@@ -1,0 +1,157 @@
+//! From a scan to all groups of points that may be objects.
+
+use crate::describe::surroundings::ObjectRaster;
+use crate::detector::{StageClock, StageTime};
+use crate::grid::density_weighting::DensityWeighting;
+use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::group::candidates::Candidates;
+use crate::group::dense_cells::DenseCells;
+use crate::group::dense_gaps::DenseGaps;
+use crate::group::grouping_tree::GroupingTree;
+use crate::group::leaf_cuts::LeafCuts;
+use crate::group::node_values::{DescribedNode, NodeDescriber, NodePlaces};
+use crate::oriented_box::OrientedBox;
+use crate::params::HierarchicalParams;
+use crate::point_cloud::PointCloud;
+use crate::segment::ground_segmentation::GroundSegmentation;
+use crate::segment::hough_lines::Segment;
+use crate::segment::terrain::Terrain;
+use crate::segment::wall_refinement::WallRefinement;
+use crate::stage;
+use crate::surface_class::SurfaceClass;
+
+/// Grid, terrain, candidates, tree and descriptions of one scan after another. Training and running walk the same trees: these.
+#[derive(Debug, Clone)]
+pub struct GroupingStages {
+    params: HierarchicalParams,
+    grid: HierarchicalGrid,
+    terrain: Terrain,
+    ground: GroundSegmentation,
+    walls: WallRefinement,
+    classes: Vec<SurfaceClass>,
+    candidates: Candidates,
+    dense: DenseCells,
+    gaps: DenseGaps,
+    tree: GroupingTree,
+    cuts: LeafCuts,
+    raster: ObjectRaster,
+    describer: NodeDescriber,
+}
+
+impl GroupingStages {
+    /// Stages for a sensor `sensor_height_m` above the road.
+    pub fn new(params: HierarchicalParams, sensor_height_m: f32) -> Self {
+        let grid = HierarchicalGrid::new(params.grid.clone());
+        let weighting = DensityWeighting::new(&params.density_weighting);
+        Self {
+            terrain: Terrain::new(params.terrain.clone(), &grid, sensor_height_m),
+            ground: GroundSegmentation::new(params.ground.clone(), &params.grid, &weighting),
+            walls: WallRefinement::new(params.walls.clone(), &grid),
+            classes: Vec::new(),
+            candidates: Candidates::new(
+                params.grouping.candidates.clone(),
+                params.foreground.clone(),
+                params.ground.tall_height_m,
+            ),
+            dense: DenseCells::default(),
+            gaps: DenseGaps::new(
+                params.grouping.gaps.clone(),
+                (&params.merge, &params.separation),
+                &params.grid,
+                &weighting,
+            ),
+            tree: GroupingTree::default(),
+            cuts: LeafCuts::default(),
+            raster: ObjectRaster::new(params.grid.extent_m),
+            describer: NodeDescriber::default(),
+            grid,
+            params,
+        }
+    }
+
+    /// Runs the stages on `cloud`.
+    pub fn run(&mut self, cloud: &PointCloud, clock: &mut StageClock, stage_times: &mut Vec<StageTime>) {
+        let Self { params, grid, terrain, candidates, dense, tree, .. } = self;
+        grid.fill(cloud);
+        clock.lap(stage::GRID, stage_times);
+        terrain.estimate(grid);
+        self.ground.segment(grid, terrain, &mut self.classes);
+        candidates.find_hanging(cloud, grid, terrain, &mut self.classes);
+        clock.lap(stage::GROUND, stage_times);
+        self.walls.refine_on_walls(grid, terrain, &mut self.classes);
+        clock.lap(stage::WALLS, stage_times);
+        candidates.find(cloud, grid, &self.classes, &self.walls);
+        clock.lap(stage::FOREGROUND, stage_times);
+        dense.fill(cloud, grid, terrain, candidates);
+        clock.lap(stage::DENSE_LEVEL, stage_times);
+        self.gaps.find(grid, dense, candidates);
+        clock.lap(stage::GAPS, stage_times);
+        tree.build(dense, &self.gaps);
+        clock.lap(stage::GROUPING, stage_times);
+        self.cuts.cut(tree, dense, &params.grouping.cuts);
+        clock.lap(stage::CUTS, stage_times);
+        let positions_m = candidates.point_indices().iter().map(|&it| cloud.position_m(it as usize));
+        self.raster.fill(positions_m);
+        let places =
+            NodePlaces { grid, terrain, candidates, dense, raster: &self.raster, n_points: cloud.len() };
+        let min_points = params.cluster.min_vehicle_points;
+        self.describer.describe(tree, &places, (&params.grouping.bounds, min_points));
+        clock.lap(stage::DESCRIPTION, stage_times);
+    }
+
+    /// The parameters.
+    pub fn params(&self) -> &HierarchicalParams {
+        &self.params
+    }
+
+    /// The grid of the latest scan.
+    pub fn grid(&self) -> &HierarchicalGrid {
+        &self.grid
+    }
+
+    /// The ground under the latest scan.
+    pub fn terrain(&self) -> &Terrain {
+        &self.terrain
+    }
+
+    /// The walls of the latest scan.
+    pub fn walls(&self) -> &[Segment] {
+        self.walls.walls()
+    }
+
+    /// The class of every cell of the latest scan.
+    pub fn cell_classes(&self) -> &[SurfaceClass] {
+        &self.classes
+    }
+
+    /// The points that may belong to objects.
+    pub fn candidates(&self) -> &Candidates {
+        &self.candidates
+    }
+
+    /// Their cells.
+    pub fn dense(&self) -> &DenseCells {
+        &self.dense
+    }
+
+    /// All groupings.
+    pub fn tree(&self) -> &GroupingTree {
+        &self.tree
+    }
+
+    /// The groups that may be objects, ascending.
+    pub fn described(&self) -> &[DescribedNode] {
+        self.describer.described()
+    }
+
+    /// What stands where.
+    pub fn raster(&self) -> &ObjectRaster {
+        &self.raster
+    }
+
+    /// Elevation of the ground below the middle of a box in the latest scan, in metres.
+    pub fn ground_below_m(&self, bounding_box: &OrientedBox) -> f32 {
+        let [x_m, y_m, _] = bounding_box.center_m;
+        self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
+    }
+}

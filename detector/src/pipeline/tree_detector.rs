@@ -1,0 +1,254 @@
+//! The best that we can make of the hierarchical grid.
+
+use std::sync::Arc;
+
+use crate::classify::grouping_model::{GroupingModel, N_VEHICLE_VALUES};
+use crate::classify::size_gate::size_gate;
+use crate::classify::vehicle_model::N_FEATURES;
+use crate::complete::completed_object::{box_with_points, merge_points};
+use crate::complete::completion::Completion;
+use crate::describe::vehicle_features::VehicleDescriber;
+use crate::detection::{DetectedClass, Detection};
+use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
+use crate::drawn::fitted_boxes::fitted_boxes;
+use crate::drawn::groups::{candidate_classes, smallest_groups};
+use crate::drawn::point_clusters::point_clusters;
+use crate::drawn::surfaces::surface_cells;
+use crate::drawn::vehicle_shapes::vehicle_shapes;
+use crate::drawn::walls::wall_segments;
+use crate::fit::convex_hull_box::ConvexHullBox;
+use crate::fit::fitted_objects::FittedObjects;
+use crate::group::best_cut::BestCut;
+use crate::group::node_points::NodePoints;
+use crate::group::node_values::N_NODE_VALUES;
+use crate::params::HierarchicalParams;
+use crate::pipeline::grouping_stages::GroupingStages;
+use crate::point_cloud::PointCloud;
+use crate::rule::Rule;
+use crate::stage;
+use crate::stage_product::{Shape, StageProduct};
+
+/// Objects as the best cut of a tree of groupings of a hierarchical grid's cells.
+///
+/// Grid and terrain are those of the paper (HG section 3). Instead of one decision for every pair of cells (HG 3.2), every gap
+/// gets a strength; what the gaps part, from the weakest on, is a tree, and boosted trees say how well each of its groups is one
+/// object. Disjoint groups with the greatest sum are taken: Hu, Held, Ramanan 2020, *Learning to optimally segment point
+/// clouds*, with the expected intersection over union for the worth of a group. A wall is no verdict but a value.
+#[derive(Debug, Clone)]
+pub struct TreeDetector {
+    grouping: GroupingStages,
+    model: Arc<GroupingModel>,
+    tells_vehicles: bool,
+    // For every described group: what it is expected to be worth.
+    worth: Vec<f32>,
+    worth_of_node: Vec<f32>,
+    best_cut: BestCut,
+    taken: Vec<u32>,
+    // Places of the taken groups among the described ones.
+    places: Vec<u32>,
+    points: NodePoints,
+    box_fit: ConvexHullBox,
+    describer: VehicleDescriber,
+    fitted: FittedObjects,
+    completion: Completion,
+    point_indices: Vec<u32>,
+}
+
+impl TreeDetector {
+    /// A detector for a sensor `sensor_height_m` above the road, which tells vehicles by their size.
+    pub fn new(params: HierarchicalParams, model: Arc<GroupingModel>, sensor_height_m: f32) -> Self {
+        Self {
+            completion: Completion::new(params.completion.clone()),
+            describer: VehicleDescriber::new(model.library.clone()),
+            grouping: GroupingStages::new(params, sensor_height_m),
+            model,
+            tells_vehicles: false,
+            worth: Vec::new(),
+            worth_of_node: Vec::new(),
+            best_cut: BestCut::default(),
+            taken: Vec::new(),
+            places: Vec::new(),
+            points: NodePoints::default(),
+            box_fit: ConvexHullBox::default(),
+            fitted: FittedObjects::default(),
+            point_indices: Vec::new(),
+        }
+    }
+
+    /// The same detector, which tells vehicles by its model.
+    pub fn telling_vehicles(self) -> Self {
+        Self { tells_vehicles: true, ..self }
+    }
+
+    fn cut(&mut self) {
+        let described = self.grouping.described();
+        self.model.objects.sums(described.iter().map(|it| &it.values), &mut self.worth);
+        self.worth_of_node.clear();
+        self.worth_of_node.resize(self.grouping.tree().nodes().len(), f32::NEG_INFINITY);
+        let cost = self.grouping.params().grouping.object_cost;
+        for (it, worth) in described.iter().zip(&self.worth) {
+            self.worth_of_node[it.node_idx as usize] = worth - cost;
+        }
+        let worth_of_node = &self.worth_of_node;
+        self.best_cut.find(self.grouping.tree(), |it| worth_of_node[it as usize], &mut self.taken);
+        let place = |node_idx: &u32| {
+            described
+                .binary_search_by_key(node_idx, |it| it.node_idx)
+                .expect("only what was described is worth anything") as u32
+        };
+        self.places.clear();
+        self.places.extend(self.taken.iter().map(place));
+    }
+
+    fn fit_boxes(&mut self, cloud: &PointCloud) {
+        let Self { grouping, points, fitted, box_fit, .. } = self;
+        let grouped = (grouping.dense(), grouping.tree());
+        points.fill(cloud, grouping.candidates(), grouped, self.taken.iter().copied());
+        fitted.clear();
+        for group in 0..points.n_groups() {
+            let positions_m = points.positions_m(group);
+            let start = fitted.members.len();
+            let point_indices = points.point_indices(group).iter().copied();
+            fitted.members.extend(point_indices.zip(positions_m.iter().copied()));
+            let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
+            let z_range_m = grouping.tree().nodes()[self.taken[group] as usize].heap.z_range_m;
+            let bounding_box = box_fit.fit(outline_m, z_range_m).expect("groups have points");
+            let members = start..fitted.members.len();
+            let object = fitted.object(members, bounding_box, box_fit.hull_m());
+            fitted.objects.push(object);
+        }
+    }
+
+    fn tell_vehicles(&mut self) {
+        let Self { grouping, fitted, describer, model, .. } = self;
+        for (object, &place) in fitted.objects.iter_mut().zip(&self.places) {
+            let node = &grouping.described()[place as usize];
+            let positions_m = fitted.members.positions_m(&object.members).iter().copied();
+            let features = describer.describe(&object.bounding_box, &node.surroundings, positions_m);
+            let values = features.map(|it| vehicle_values(&it.values(), &node.values));
+            object.decision = values.map(|it| model.vehicles.sum(&it));
+        }
+    }
+
+    /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.
+    fn drop_small(&mut self, output: &mut DetectorOutput) {
+        let min_points = self.grouping.params().cluster.min_points;
+        self.fitted.objects.retain(|it| {
+            let n_points = it.members.len();
+            let is_kept = n_points >= min_points || it.decision.is_some_and(|decision| decision > 0.0);
+            if !is_kept {
+                let reason = DropReason::TooFewPoints;
+                output.dropped_clusters.push(DroppedCluster { n_points, reason });
+            }
+            is_kept
+        });
+    }
+
+    fn complete(&mut self, cloud: &PointCloud) {
+        let FittedObjects { objects, members, .. } = &self.fitted;
+        let grouping = &self.grouping;
+        let asked = objects.iter().map(|it| {
+            (&it.bounding_box, grouping.ground_below_m(&it.bounding_box), members.point_indices(&it.members))
+        });
+        self.completion.find(cloud, grouping.grid(), asked);
+    }
+
+    fn report(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        for (object_idx, object) in self.fitted.objects.iter().enumerate() {
+            let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
+            let own = self.fitted.members.point_indices(&object.members);
+            merge_points(own, added.clone(), &mut self.point_indices);
+            let class = match object.decision {
+                Some(decision) if decision > 0.0 => DetectedClass::Vehicle,
+                Some(_) => DetectedClass::Object,
+                None => {
+                    let sizes = &self.grouping.params().vehicle_size;
+                    size_gate(object.members.len(), &object.bounding_box, sizes)
+                }
+            };
+            output.detections.push(Detection {
+                point_indices: &self.point_indices,
+                bounding_box: box_with_points(object.bounding_box, cloud, added),
+                class,
+                score: object.decision,
+            });
+        }
+    }
+}
+
+/// The values that tell vehicles: those of the thing, and those of the group.
+pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
+    let mut values = [0.0; N_VEHICLE_VALUES];
+    values[..features.len()].copy_from_slice(features);
+    values[features.len()..].copy_from_slice(node);
+    values
+}
+
+impl Detector for TreeDetector {
+    fn name(&self) -> &'static str {
+        "hierarchical"
+    }
+
+    fn detect(&mut self, cloud: &PointCloud, output: &mut DetectorOutput) {
+        output.clear();
+        let mut clock = StageClock::start();
+        self.grouping.run(cloud, &mut clock, &mut output.stage_times);
+        self.cut();
+        clock.lap(stage::BEST_CUT, &mut output.stage_times);
+        self.fit_boxes(cloud);
+        clock.lap(stage::BOXES, &mut output.stage_times);
+        if self.tells_vehicles {
+            self.tell_vehicles();
+            clock.lap(stage::CLASSIFICATION, &mut output.stage_times);
+        }
+        self.drop_small(output);
+        self.complete(cloud);
+        self.report(cloud, output);
+        clock.lap(stage::COMPLETION, &mut output.stage_times);
+    }
+
+    fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
+        let FittedObjects { objects, members, .. } = &self.fitted;
+        let (grid, classes) = (self.grouping.grid(), self.grouping.cell_classes());
+        let (candidates, tree) = (self.grouping.candidates(), self.grouping.tree());
+        let cells = surface_cells(grid, |cell_idx| classes[cell_idx as usize]);
+        let above_ground_m = self.grouping.params().walls.min_height_m;
+        let walls = wall_segments(grid, self.grouping.terrain(), self.grouping.walls(), above_ground_m);
+        let points = Shape::LabeledPoints(candidate_classes(grid, classes, candidates));
+        let smallest = smallest_groups(cloud.len(), candidates, self.grouping.dense(), tree);
+        let mut products = vec![
+            StageProduct { stage: stage::WALLS, name: "cells", shape: cells },
+            StageProduct { stage: stage::WALLS, name: "segments", shape: walls },
+            StageProduct { stage: stage::FOREGROUND, name: "points", shape: points },
+            StageProduct { stage: stage::GROUPING, name: "smallest_groups", shape: smallest },
+        ];
+        let own = |group: usize| self.points.point_indices(group).iter().copied();
+        let clusters = point_clusters(cloud.len(), (0..self.points.n_groups()).map(own));
+        products.push(StageProduct { stage: stage::BEST_CUT, name: "clusters", shape: clusters });
+        products.extend(fitted_boxes(&self.fitted, objects));
+        if self.tells_vehicles {
+            let described =
+                objects.iter().map(|it| (it.bounding_box, members.positions_m(&it.members).iter().copied()));
+            products.extend(vehicle_shapes(&self.model.library, described));
+        }
+        let completed = objects.iter().enumerate().map(|(object_idx, object)| {
+            let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
+            members.point_indices(&object.members).iter().copied().chain(added)
+        });
+        let shape = point_clusters(cloud.len(), completed);
+        products.push(StageProduct { stage: stage::COMPLETION, name: "objects", shape });
+        products
+    }
+
+    fn rules(&self) -> Vec<Rule> {
+        let mut rules = vec![Rule::BestCut];
+        let cluster = &self.grouping.params().cluster;
+        if self.tells_vehicles && cluster.min_vehicle_points < cluster.min_points {
+            rules.push(Rule::SmallVehicles { min_points: cluster.min_vehicle_points });
+        }
+        if self.completion.is_enabled() {
+            rules.push(Rule::Completion);
+        }
+        rules
+    }
+}

@@ -1,0 +1,94 @@
+//! What the best cut of a tree of groupings makes of a drawn street.
+
+use std::collections::BTreeSet;
+
+use detector::classify::grouping_model::GroupingModel;
+use detector::params::HierarchicalParams;
+use detector::pipeline::tree_detector::TreeDetector;
+use detector::{DetectedClass, Detector, DetectorOutput, PointCloud, Rule};
+use test_data::{needs_test_data, test_data};
+
+use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
+use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
+
+fn detector(change: impl Fn(&mut HierarchicalParams)) -> TreeDetector {
+    let mut params = HierarchicalParams::shipped();
+    change(&mut params);
+    TreeDetector::new(params, GroupingModel::shipped(), SENSOR_HEIGHT_M).telling_vehicles()
+}
+
+fn found(detector: &mut TreeDetector, cloud: &PointCloud) -> DetectorOutput {
+    let mut output = DetectorOutput::default();
+    detector.detect(cloud, &mut output);
+    output
+}
+
+#[test]
+fn no_point_belongs_to_two_objects_and_each_has_its_worth() {
+    let cloud = main_road();
+    let output = found(&mut detector(|_| ()), &cloud);
+    assert!(!output.detections.is_empty());
+    let mut seen = BTreeSet::new();
+    for detection in output.detections.iter() {
+        assert!(detection.point_indices.is_sorted());
+        assert!(detection.point_indices.iter().all(|&it| seen.insert(it)), "a point is in two");
+        assert_eq!(detection.score.is_some_and(|it| it > 0.0), detection.class == DetectedClass::Vehicle);
+    }
+}
+
+#[test]
+fn the_dearer_an_object_the_fewer_there_are() {
+    let cloud = main_road();
+    let number = |object_cost: f32| {
+        found(&mut detector(|it| it.grouping.object_cost = object_cost), &cloud).detections.len()
+    };
+    let numbers = [0.0, 0.42, 0.8, 1.0].map(number);
+    assert!(numbers.is_sorted_by(|a, b| a >= b), "{numbers:?}");
+    assert!(numbers[0] > numbers[3], "{numbers:?}");
+}
+
+#[test]
+fn the_same_scan_gives_the_same_whatever_came_before() {
+    let (road, other) = (main_road(), DrawnStreet::road().block([4.1, 8.3], [2.1, 3.9], 1.5).cloud());
+    let mut used = detector(|_| ());
+    found(&mut used, &other);
+    found(&mut used, &PointCloud::default());
+    assert_eq!(found(&mut used, &road).detections, found(&mut detector(|_| ()), &road).detections);
+}
+
+#[test]
+fn what_is_no_number_and_what_is_no_scan_is_no_object() {
+    let mut detector = detector(|_| ());
+    let mut cloud = PointCloud::default();
+    for position_m in [[f32::NAN; 3], [f32::INFINITY, 1.0, 0.0], [1e30, 0.0, 0.0], [3.0, 2.0, f32::NAN]] {
+        cloud.push(position_m, 0.0);
+    }
+    assert!(found(&mut detector, &cloud).detections.is_empty());
+    let pile: PointCloud = (0..10_000).map(|_| [5.0, 5.0, -1.0]).collect();
+    found(&mut detector, &pile);
+    assert!(found(&mut detector, &PointCloud::default()).detections.is_empty());
+}
+
+#[test]
+fn it_says_what_it_does_beside_grouping() {
+    let rules = |change: fn(&mut HierarchicalParams)| detector(change).rules();
+    let all = [Rule::BestCut, Rule::SmallVehicles { min_points: 10 }, Rule::Completion];
+    assert_eq!(rules(|_| ()), all);
+    assert_eq!(rules(|it| it.completion.enabled = false), all[..2]);
+}
+
+#[needs_test_data("data/kitti_tracking/training/velodyne/0000")]
+fn on_a_real_drive_no_point_belongs_to_two_objects() {
+    let mut detector = detector(|_| ());
+    for path in velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000")).iter().step_by(5) {
+        let cloud = read_velodyne_bin(path);
+        let output = found(&mut detector, &cloud);
+        let mut is_taken = vec![false; cloud.len()];
+        for detection in output.detections.iter() {
+            for &it in detection.point_indices {
+                assert!(!std::mem::replace(&mut is_taken[it as usize], true), "a point is in two");
+            }
+        }
+        assert!(is_taken.iter().any(|it| *it));
+    }
+}
