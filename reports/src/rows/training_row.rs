@@ -96,6 +96,28 @@ impl ImportanceRow {
     }
 }
 
+/// Whether what a forest expects comes about: a row of `calibration.csv`, for held-out groups of which much the same was
+/// expected.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CalibrationRow {
+    what: String,
+    expected: Fixed<4>,
+    observed: Fixed<4>,
+    n_groups: usize,
+}
+
+impl CsvRow for CalibrationRow {
+    const COLUMNS: &'static [&'static str] = &["what", "expected", "observed", "n_groups"];
+}
+
+impl CalibrationRow {
+    /// The row of `n_groups` groups: `what` was expected of them, and what came about, on average. `what` is `iou`, the
+    /// intersection over union with an object, or `vehicle`, the probability of one.
+    pub fn new(what: &str, [expected, observed]: [f64; 2], n_groups: usize) -> Self {
+        Self { what: what.to_owned(), expected: Fixed(expected), observed: Fixed(observed), n_groups }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

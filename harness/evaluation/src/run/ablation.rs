@@ -13,16 +13,15 @@ pub const TASK: Task = Task::Objects;
 /// The parts that can be switched off, in the order of the stages: what is left, and the override that switches off.
 const PARTS: &[(&str, &str)] = &[
     ("without terrain", "hierarchical.terrain.enabled=false"),
-    ("without wall refinement", "hierarchical.walls.enabled=false"),
+    ("without walls", "hierarchical.walls.enabled=false"),
     ("without distance weighting", "hierarchical.density_weighting.enabled=false"),
-    ("without dense separation", "hierarchical.separation.enabled=false"),
-    ("without regrouping", "hierarchical.regrouping.enabled=false"),
+    ("without tree of groupings", "hierarchical.grouping.enabled=false"),
     ("without completion", "hierarchical.completion.enabled=false"),
 ];
 
 /// What the method has beyond the papers, in the order of the stages: what a row adds to those above it, and the overrides
-/// that take it away. Overrides that end in `=` get the value of the same parameter of the papers' detector. The last is missing
-/// here, because with completion it is the whole method.
+/// that take it away. Overrides that end in `=` get the value of the same parameter of the papers' detector. The last has no
+/// row, because with it the method is whole.
 const STEPS: &[(&str, &[&str])] = &[
     (
         "and cells by the terrain",
@@ -49,6 +48,7 @@ const STEPS: &[(&str, &[&str])] = &[
     ),
     ("and regrouping", &["hierarchical.regrouping.enabled=false"]),
     ("and completion", &["hierarchical.completion.enabled=false"]),
+    ("and the tree of groupings", &["hierarchical.grouping.enabled=false"]),
 ];
 
 /// `method` with the parameters of `config`, then without each of its parts in turn, then without all of them; then the

@@ -4,8 +4,10 @@ use baselines::kd_tree_detector::KdTreeDetector;
 use baselines::pca_detector::PcaDetector;
 use baselines::simple_grid_detector::SimpleGridDetector;
 use detector::Detector;
+use detector::classify::grouping_model::GroupingModel;
 use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::pipeline::paper_detector::PaperDetector;
+use detector::pipeline::tree_detector::TreeDetector;
 
 use crate::run::config::{DETECTOR_TABLE, RunConfig};
 use crate::run::foreign_detector::ForeignDetector;
@@ -43,10 +45,19 @@ pub const DETECTORS: &[ListedDetector] = &[
         table: "hierarchical",
         fixed: &[],
         build: |config, sensor_height_m| {
-            let by_size = HierarchicalDetector::new(config.hierarchical.clone(), sensor_height_m);
+            let params = config.hierarchical.clone();
             match &config.vehicle_models {
-                Some(models) => Box::new(by_size.with_vehicle_model(models.by_shape())),
-                None => Box::new(by_size),
+                Some(models) if params.grouping.enabled => Box::new(
+                    TreeDetector::new(params, models.groupings(), sensor_height_m).telling_vehicles(),
+                ),
+                None if params.grouping.enabled => {
+                    Box::new(TreeDetector::new(params, GroupingModel::shipped(), sensor_height_m))
+                }
+                Some(models) => {
+                    let by_size = HierarchicalDetector::new(params, sensor_height_m);
+                    Box::new(by_size.with_vehicle_model(models.by_shape()))
+                }
+                None => Box::new(HierarchicalDetector::new(params, sensor_height_m)),
             }
         },
     },
@@ -256,8 +267,8 @@ mod tests {
     /// The rules that a detector shows by what it does with `scans`.
     fn rules_seen(detector: &mut dyn Detector, scans: &[LabeledScan], min_points: usize) -> Vec<Rule> {
         let mut output = DetectorOutput::default();
-        let (mut has_walls, mut has_small, mut has_regrouped, mut has_completed) =
-            (false, false, false, false);
+        let (mut has_walls, mut has_best_cut, mut has_small, mut has_regrouped, mut has_completed) =
+            (false, false, false, false, false);
         for scan in scans {
             detector.detect(&scan.cloud, &mut output);
             for product in detector.stage_products(&scan.cloud) {
@@ -280,10 +291,13 @@ mod tests {
             }
             let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
             has_small |= vehicles.into_iter().any(|it| it.point_indices.len() < min_points);
+            has_best_cut |= output.stage_times.iter().any(|it| it.stage == "best_cut");
             has_regrouped |= output.stage_times.iter().any(|it| it.stage == "regrouping");
         }
         let seen = [
-            (has_walls, Rule::Walls),
+            // Walls that are evidence stay.
+            (has_walls && !has_best_cut, Rule::Walls),
+            (has_best_cut, Rule::BestCut),
             (has_small, Rule::SmallVehicles { min_points: 10 }),
             (has_regrouped, Rule::Regrouping),
             (has_completed, Rule::Completion),
@@ -306,7 +320,7 @@ mod tests {
             assert_eq!(rules_seen(&mut *detector, &scans, 15), to_be_seen, "{}", listed.name);
         }
         let expected = [
-            ("hierarchical", 5),
+            ("hierarchical", 3),
             // Walls, which the papers have.
             ("paper", 1),
             ("kd-tree-same-walls", 4),
@@ -330,8 +344,10 @@ mod tests {
             let listed = built_in_named(&["hierarchical".to_owned()], &config).unwrap()[0];
             listed.build(&config.for_sensor(SENSOR).unwrap(), 1.73).rules()
         };
-        assert!(rules(&[]).contains(&Rule::SizeBounds));
-        assert!(!rules(&["hierarchical.vehicle_bounds.enabled=false"]).contains(&Rule::SizeBounds));
+        let greedy = "hierarchical.grouping.enabled=false";
+        assert!(rules(&[greedy]).contains(&Rule::SizeBounds));
+        let without = [greedy, "hierarchical.vehicle_bounds.enabled=false"];
+        assert!(!rules(&without).contains(&Rule::SizeBounds));
     }
 
     #[test]

@@ -23,3 +23,4 @@ pub mod gap_picture;
 pub mod robustness;
 pub mod box_study;
 pub mod ablation;
+pub mod survival;

@@ -11,6 +11,9 @@ pub mod selection;
 pub mod described_object;
 pub mod operating_curves;
 pub mod evaluation;
+pub mod group_examples;
+pub mod boosting;
+pub mod calibration;
 
 /// The last of so many drives is held out.
 pub const HOLD_OUT_EVERY: u32 = 4;

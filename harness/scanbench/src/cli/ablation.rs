@@ -20,6 +20,9 @@ pub struct AblationArgs {
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
+    /// Count the annotated objects that survive each step of the method, instead of leaving its parts out
+    #[arg(long)]
+    pub oracle: bool,
     /// Where the table is written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -33,7 +36,10 @@ Examples:
   scanbench ablation
   scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
   scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
+  scanbench ablation streets --oracle
 
 Runs the whole method and one variant without each part. Writes ablation.csv,
 ablation.md and the files of a run whose detectors are the variants:
-  scanbench compare DIR --detectors 'whole method,without terrain'";
+  scanbench compare DIR --detectors 'whole method,without terrain'
+With --oracle it prints how many annotated objects are still there after each step, which
+bounds what the steps after it can find, and writes oracle.csv and oracle.md.";

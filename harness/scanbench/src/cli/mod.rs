@@ -58,5 +58,5 @@ pub use selftest::SelftestArgs;
 pub use serve::ServeArgs;
 pub use stream::StreamArgs;
 pub use sweep::SweepArgs;
-pub use train::{ModelName, TrainArgs};
+pub use train::{DEFAULT_VEHICLES, ModelName, TrainArgs};
 pub use view::{OutcomeName, ViewArgs};

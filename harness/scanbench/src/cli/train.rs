@@ -24,7 +24,7 @@ pub struct TrainArgs {
     #[arg(help_heading = DETECTORS_HEADING, hide_short_help = true)]
     pub clusters: Option<String>,
     /// Most vehicles to train on
-    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_VEHICLES, value_parser = clap::value_parser!(u32).range(2..=20_000))]
     #[arg(help_heading = TRAINING)]
     pub vehicles: u32,
     /// Most other objects to train on, per vehicle; parts and pairs of clusters come on top
@@ -61,6 +61,9 @@ pub struct TrainArgs {
     /// Scans to take from the data sets of --held-out, written as in --scans
     #[arg(long, value_name = "RANGE", requires = "held_out", help_heading = JUDGING, hide_short_help = true)]
     pub held_out_scans: Option<String>,
+    /// Sensors to simulate, one after the other; only for groupings
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "sensor", help_heading = TRAINING)]
+    pub sensors: Vec<String>,
     /// Hold out the last of every N drives of each data set
     #[arg(long, value_name = "N", default_value_t = HOLD_OUT_EVERY, value_parser = clap::value_parser!(u32).range(2..=1000))]
     #[arg(help_heading = JUDGING)]
@@ -69,6 +72,9 @@ pub struct TrainArgs {
     #[command(flatten)]
     pub output: OutputArgs,
 }
+
+/// Vehicles that a model is trained on, unless more are asked for.
+pub const DEFAULT_VEHICLES: u32 = 3000;
 
 /// Detectors with a vehicle model of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -79,6 +85,8 @@ pub enum ModelName {
     Paper,
     /// Features of size, and of the shape of point neighbourhoods
     Pca,
+    /// Boosted trees over the tree of groupings of hierarchical: what is an object, and what a vehicle
+    Groupings,
 }
 
 fn others_per_vehicle(text: &str) -> Result<f64, String> {

@@ -29,6 +29,7 @@ use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
+use crate::commands::survival_study::survival_study;
 use crate::commands::watched_run::WatchedRun;
 
 /// The method whose parts are left out.
@@ -44,6 +45,9 @@ const ABLATION_MD: &str = "ablation.md";
 ///
 /// If anything asked for is not there, data are damaged, or the output cannot be written; nothing is left behind then.
 pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
+    if arguments.oracle {
+        return survival_study(arguments);
+    }
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
     let (listed, mut config) = built_in_detectors(&arguments.config, &[METHOD.to_owned()])?;
     choose_criterion(&mut config, &arguments.matching);

@@ -23,13 +23,11 @@ use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, PROTOTYPES};
 use jiff::Timestamp;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
-use scans::dataset::Dataset;
 use scans::dataset::class_table::ClassTable;
-use simulator::simulated_street::StreetDrive;
 
-use crate::cli::{DatasetArgs, ModelName, SourceArgs, TrainArgs};
+use crate::cli::{ModelName, TrainArgs};
 use crate::commands::config::warn_of_unknown_sensor;
-use crate::commands::failure::{Failure, NothingEvaluated, Usage};
+use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -38,7 +36,9 @@ use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
+use crate::commands::train_groupings::train_groupings;
 use crate::commands::train_summary::summary;
+use crate::commands::training_data::{held_out_arguments, name_with_seed, nothing, parted};
 
 /// Training gives up after so many steps, which a ν below the share of objects that look like the other class needs.
 const MOST_STEPS: usize = 500_000;
@@ -50,13 +50,21 @@ const MOST_STEPS: usize = 500_000;
 /// If anything asked for is not there, data are damaged or too few, or the output cannot be written; nothing is left
 /// behind then.
 pub fn train(arguments: &TrainArgs) -> Result<(), Failure> {
+    match arguments.detector {
+        ModelName::Hierarchical => train_svm(arguments, ModelKind::Hierarchical),
+        ModelName::Paper => train_svm(arguments, ModelKind::Paper),
+        ModelName::Pca => train_svm(arguments, ModelKind::Pca),
+        ModelName::Groupings => train_groupings(arguments),
+    }
+}
+
+fn train_svm(arguments: &TrainArgs, kind: ModelKind) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let started = Timestamp::now();
-    let kind = match arguments.detector {
-        ModelName::Hierarchical => ModelKind::Hierarchical,
-        ModelName::Paper => ModelKind::Paper,
-        ModelName::Pca => ModelKind::Pca,
-    };
+    if !arguments.sensors.is_empty() {
+        let problem = "--sensors is for --detector groupings; --sensor names one for the others";
+        return Err(Usage(problem.to_owned()).into());
+    }
     let named = claim_named(&arguments.output)?;
     let trained = open_datasets(&arguments.data, &ClassTable::default())?;
     let held_out_arguments = held_out_arguments(arguments);
@@ -109,45 +117,6 @@ pub fn train(arguments: &TrainArgs) -> Result<(), Failure> {
     printed
 }
 
-/// How the data sets to judge by are opened, if there are any. What is said of the simulator is for those trained on.
-fn held_out_arguments(arguments: &TrainArgs) -> Option<DatasetArgs> {
-    (!arguments.held_out.is_empty()).then(|| DatasetArgs {
-        datasets: arguments.held_out.clone(),
-        scans: arguments.held_out_scans.clone(),
-        source: SourceArgs {
-            topic: None,
-            annotation_topic: None,
-            classes: arguments.data.source.classes.clone(),
-            format: arguments.held_out_format.clone(),
-            seed: None,
-            simulated_scans: None,
-            sensor: None,
-            catalogue: arguments.data.source.catalogue.clone(),
-        },
-    })
-}
-
-fn parted(
-    arguments: &TrainArgs,
-    trained: &[OpenedDataset],
-    held_out: &[OpenedDataset],
-) -> Result<HeldOut, Failure> {
-    fn drives(opened: &[OpenedDataset]) -> impl Iterator<Item = (&dyn Dataset, &[usize])> {
-        opened.iter().map(|it| (&*it.dataset, it.scan_indices.as_slice()))
-    }
-    if held_out.is_empty() {
-        let every = arguments.hold_out_every as usize;
-        return HeldOut::every(every, drives(trained)).ok_or_else(|| {
-            let problem = "all scans are of one drive; training and testing need at least two";
-            Usage(problem.to_owned()).into()
-        });
-    }
-    HeldOut::apart(drives(trained), drives(held_out)).map_err(|(dataset, sequence)| {
-        Usage(format!("the drive {sequence} of {dataset} is both in the training data and in --held-out"))
-            .into()
-    })
-}
-
 fn collect_all<'a>(
     opened: &'a [OpenedDataset],
     arguments: &TrainArgs,
@@ -157,6 +126,8 @@ fn collect_all<'a>(
     let mut config = RunConfig::without_vehicle_models()?;
     // Models are asked about objects before these are completed.
     config.hierarchical.completion.enabled = false;
+    // The tree of groupings has models of its own.
+    config.hierarchical.grouping.enabled = false;
     let min_points = match kind {
         ModelKind::Hierarchical => config.hierarchical.cluster.min_points,
         ModelKind::Paper => config.paper.cluster.min_points,
@@ -220,16 +191,9 @@ fn provenance(
         ("--nu", Some(arguments.nu.unwrap_or(kind.nu()).to_string())),
         ("--choice-seed", unless(arguments.choice_seed, CHOICE_SEED)),
     ]);
-    let name = |it: &OpenedDataset| {
-        let description = it.dataset.description();
-        match StreetDrive::of(description) {
-            Some(drive) => format!("{} (simulated, seeds from {})", description.id, drive.seed),
-            None => description.id.clone(),
-        }
-    };
     Provenance {
         command: reproducible_command("train", &arguments.data, &options),
-        data: opened.iter().map(name).collect(),
+        data: opened.iter().map(name_with_seed).collect(),
         seed: arguments.choice_seed,
         split: format!("held out: {}", HeldOut::names(&parted.held_out)),
     }
@@ -297,8 +261,4 @@ impl Training<'_> {
         let trained = TrainedModel { model, library, judged, evaluation };
         Ok((write_files(&self.settings, &trained)?, printed))
     }
-}
-
-fn nothing(reason: &dyn std::fmt::Display) -> NothingEvaluated {
-    NothingEvaluated { reason: reason.to_string() }
 }

@@ -84,7 +84,7 @@ pub fn write_files<const D: usize>(
 }
 
 /// Everything that decides the model.
-fn manifest(settings: &TrainingSettings<'_>) -> serde_json::Value {
+pub(super) fn manifest(settings: &TrainingSettings<'_>) -> serde_json::Value {
     let entries = |opened: &[OpenedDataset], arguments: &DatasetArgs| {
         opened.iter().map(|it| dataset_entry(it, arguments.scans.as_deref())).collect::<Vec<_>>()
     };

@@ -112,14 +112,17 @@ fn parameters_and_sensor_height_change_what_is_found() {
         workplace.succeed(&all).stdout.lines().count() - 1
     };
     assert_eq!(n_found(&[]), 2);
-    assert_eq!(n_found(&["-P", "cluster.min_points=100000"]), 0);
-    workplace.write("mine.toml", "hierarchical.cluster.min_points = 100000");
+    assert_eq!(n_found(&["-P", "cluster.min_points=100000", "-P", "cluster.min_vehicle_points=100000"]), 0);
+    workplace
+        .write("mine.toml", "hierarchical.cluster = { min_points = 100000, min_vehicle_points = 100000 }");
     assert_eq!(n_found(&["-c", "mine.toml"]), 0);
-    assert_eq!(n_found(&["-c", "mine.toml", "-P", "cluster.min_points=10"]), 2);
+    assert_eq!(n_found(&["-c", "mine.toml", "-P", "cluster.min_vehicle_points=10"]), 2);
     // Everything is one component of the kd-tree: the cars stand on the road.
     assert_eq!(n_found(&["-d", "kd-tree", "-P", "foreground=all"]), 1);
     // What it knows is a road at another height, above which it sees no cars.
-    assert_ne!(n_found(&["--sensor-height", "6"]), 2);
+    let boxes =
+        |height: &str| workplace.succeed(&["detect", SCAN, "--boxes", "-", "--sensor-height", height]).stdout;
+    assert_ne!(boxes("6"), boxes("1.73"));
 }
 
 #[test]

@@ -186,7 +186,7 @@ fn runs_that_were_asked_for_other_things_are_not_compared() {
         ("scans", &["--scans", "0..6:2"], "the scans differ: 10 before, 3 now, 3 in common"),
         ("criterion", &["--criterion", "centre"], "the matching criterion changed from"),
         ("range", &["-P", "matching.max_range_m=60"], "the ignored annotations changed from"),
-        ("detectors", &["-d", "pca"], "hierarchical has no results on street-narrow"),
+        ("detectors", &["-d", "pca"], "the detector hierarchical is only in the earlier run"),
         ("sensor", &["--sensor", "hdl-32e", "--scans", "0"], "the data of street-narrow changed"),
     ] {
         run(&workplace, name, options);

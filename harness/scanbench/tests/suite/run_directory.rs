@@ -45,6 +45,7 @@ fn a_run_leaves_its_files_and_nothing_else() {
     workplace.succeed(&["run", "street", "-o", "runs/first"]);
     let mut expected = vec![
         "figures",
+        "figures/precision_recall.svg",
         "figures/range_objects.svg",
         "figures/range_vehicles.svg",
         "figures/stages.svg",

@@ -271,3 +271,50 @@ fn what_cannot_be_trained_leaves_nothing() {
     let too_much = ["streets", "--simulated-scans", "4", "--seed", "7", "--nu", "1.5", "-o", "model"];
     check_refused(&workplace, &too_much, 4, "nu = 1.5");
 }
+
+#[test]
+fn groupings_are_trained_for_several_sensors_and_run() {
+    let workplace = Workplace::new();
+    let train = [
+        "train",
+        "street-narrow",
+        "--simulated-scans",
+        "6",
+        "-d",
+        "groupings",
+        "--sensors",
+        "vlp-16,hdl-32e",
+    ];
+    let ended = workplace.succeed(&[&train[..], &["-o", "model"]].concat());
+    assert!(ended.stdout.contains("Probability of a vehicle"), "{ended:#?}");
+    let forest: toml::Table = workplace.read("model/objects.toml").parse().expect("it is TOML");
+    let command =
+        "scanbench train street-narrow --simulated-scans 6 --detector groupings --sensors vlp-16,hdl-32e";
+    assert_eq!(forest["made"]["command"].as_str(), Some(command));
+    assert!(workplace.read("model/calibration.csv").starts_with("what,expected,observed,n_groups\n"));
+    workplace.succeed(&[&train[..], &["-o", "again"]].concat());
+    for name in ["objects.toml", "vehicles.toml", "prototypes.toml", "calibration.csv"] {
+        assert_eq!(
+            workplace.read(&format!("model/{name}")),
+            workplace.read(&format!("again/{name}")),
+            "{name}"
+        );
+    }
+    let run = ["run", "street-narrow", "--simulated-scans", "2", "-d", "hierarchical", "--no-rrd", "-o"];
+    workplace.succeed(&[&run[..], &["shipped"]].concat());
+    let trained = ["trained", "-P", "vehicle_model.groupings_directory=model"];
+    workplace.succeed(&[&run[..], &trained].concat());
+    assert_ne!(workplace.read("shipped/matches.csv"), workplace.read("trained/matches.csv"));
+}
+
+#[test]
+fn options_of_other_models_say_nothing_about_groupings() {
+    let workplace = Workplace::new();
+    for option in [&["--nu", "0.3"][..], &["--vehicles", "50"], &["--parts-and-pairs"]] {
+        let ended = workplace.run(&[&["train", "streets", "-d", "groupings"], option].concat());
+        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        assert!(ended.stderr.contains(&format!("{} says nothing about --detector groupings", option[0])));
+    }
+    let ended = workplace.run(&["train", "streets", "--sensors", "vlp-16"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+}

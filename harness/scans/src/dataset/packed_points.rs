@@ -186,7 +186,9 @@ impl PackedPoints<'_> {
         if let Some((field, unit_s)) = time_field(fields)
             && let Some(mut of_all) = self.column(&field.name)?
         {
-            of_all.iter_mut().for_each(|it| *it *= unit_s);
+            for it in &mut of_all {
+                *it *= unit_s;
+            }
             points.take_time_offsets_s(&of_all);
         }
         Ok(())

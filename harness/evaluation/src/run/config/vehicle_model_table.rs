@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use baselines::pca_vehicle_model::PcaVehicleModel;
+use detector::classify::grouping_model::{GroupingModel, GroupingModelError};
 use detector::classify::paper_model::PaperModel;
 use detector::classify::vehicle_model::{VehicleModel, VehicleModelError};
 use detector::params::ParamsError;
@@ -18,6 +19,7 @@ enabled = true
 directory = ""
 paper_directory = ""
 pca_directory = ""
+groupings_directory = ""
 "#;
 
 #[derive(Deserialize)]
@@ -31,6 +33,8 @@ struct VehicleModelTable {
     paper_directory: String,
     /// The same for the detector pca.
     pca_directory: String,
+    /// The same for the groupings of the detector hierarchical.
+    groupings_directory: String,
 }
 
 /// What tells vehicles. The models that come with the program are read when a detector first asks for one.
@@ -39,6 +43,7 @@ pub struct VehicleModels {
     by_shape: ModelSource<VehicleModel>,
     paper: ModelSource<PaperModel>,
     pca: ModelSource<PcaVehicleModel>,
+    groupings: ModelSource<Arc<GroupingModel>>,
 }
 
 /// Where a model is from.
@@ -68,9 +73,15 @@ impl VehicleModels {
         self.pca.model(PcaVehicleModel::shipped)
     }
 
-    /// What tells these models from others of the same program: a checksum for each, of the first, of paper's and of pca's.
-    pub fn identity(&self) -> [&str; 3] {
-        [self.by_shape.identity(), self.paper.identity(), self.pca.identity()]
+    /// That of the groupings of the detector hierarchical.
+    pub fn groupings(&self) -> Arc<GroupingModel> {
+        self.groupings.model(GroupingModel::shipped)
+    }
+
+    /// What tells these models from others of the same program: a checksum for each, of the first, of paper's, of pca's and of
+    /// groupings.
+    pub fn identity(&self) -> [&str; 4] {
+        [self.by_shape.identity(), self.paper.identity(), self.pca.identity(), self.groupings.identity()]
     }
 }
 
@@ -117,16 +128,34 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
         "" => ModelSource::Shipped,
         directory => pca_from(&ModelDirectory { parameter: "pca_directory", directory })?,
     };
-    Ok(Some(VehicleModels { by_shape, paper, pca }))
+    let groupings = match table.groupings_directory.as_str() {
+        "" => ModelSource::Shipped,
+        directory => groupings_from(&ModelDirectory { parameter: "groupings_directory", directory })?,
+    };
+    Ok(Some(VehicleModels { by_shape, paper, pca, groupings }))
 }
 
 const PROTOTYPES: &str = "prototypes.toml";
 const MODEL: &str = "model.toml";
+const OBJECTS: &str = "objects.toml";
+const VEHICLES: &str = "vehicles.toml";
 
 fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
     let svm = files.read(MODEL)?;
     let model = PcaVehicleModel::from_toml(&svm).map_err(|error| files.problem(MODEL, &error))?;
     Ok(ModelSource::trained(model, &[&svm]))
+}
+
+fn groupings_from(files: &ModelDirectory<'_>) -> Result<ModelSource<Arc<GroupingModel>>, ValueProblem> {
+    let [prototypes, objects, vehicles] =
+        [files.read(PROTOTYPES)?, files.read(OBJECTS)?, files.read(VEHICLES)?];
+    let model =
+        GroupingModel::from_toml([&prototypes, &objects, &vehicles]).map_err(|error| match error {
+            GroupingModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
+            GroupingModelError::Objects(error) => files.problem(OBJECTS, &error),
+            GroupingModelError::Vehicles(error) => files.problem(VEHICLES, &error),
+        })?;
+    Ok(ModelSource::trained(Arc::new(model), &[&prototypes, &objects, &vehicles]))
 }
 
 /// A directory with what training wrote, and the parameter that names it.

@@ -131,7 +131,7 @@ fn checksum_of(path: &Path, index: &McapIndex) -> Result<String, DatasetError> {
     // Not its name: a recording is the same under any.
     checksum.add_scan("recording", metadata.len());
     let crcs: Vec<String> = index.chunks.iter().map(|chunk| format!("{:08x}\n", chunk.crc)).collect();
-    checksum.add_text("chunks", &crcs.concat());
+    checksum.add_text("chunks", crcs.concat());
     Ok(checksum.finish())
 }
 

@@ -1,0 +1,172 @@
+//! Forests of boosted trees, trained.
+
+use detector::classify::forest::{DEPTH, DecisionTree, Forest, N_LEAVES, N_SPLITS};
+use forust_ml::GradientBooster;
+use forust_ml::data::Matrix;
+use forust_ml::errors::ForustError;
+use forust_ml::gradientbooster::GrowPolicy;
+use forust_ml::objective::ObjectiveType;
+use forust_ml::tree::Tree;
+
+/// How a forest is trained.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoostingParams {
+    /// Number of trees.
+    pub n_trees: usize,
+    /// By how much each tree makes up for what those before it lack.
+    pub learning_rate: f32,
+    /// Least weight of the examples at a leaf: their number for [`Target::Number`], and their variance together for
+    /// [`Target::Yes`].
+    pub least_leaf_weight: f32,
+}
+
+/// What a forest is to tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// A number, with the least squared error.
+    Number,
+    /// The logarithm of the odds that it is 1 and not 0.
+    Yes,
+}
+
+/// A forest that tells `targets` from `examples`, one of the other. The same bytes whatever the number of threads.
+///
+/// # Errors
+///
+/// If there is no example.
+///
+/// # Panics
+///
+/// If there are not as many targets as examples.
+pub fn boost<const D: usize>(
+    examples: &[&[f32; D]],
+    targets: &[f64],
+    target: Target,
+    params: &BoostingParams,
+) -> Result<Forest<D>, ForustError> {
+    assert_eq!(examples.len(), targets.len(), "examples and targets belong together");
+    let columns: Vec<f64> =
+        (0..D).flat_map(|column| examples.iter().map(move |it| f64::from(it[column]))).collect();
+    let matrix = Matrix::new(&columns, examples.len(), D);
+    let objective = match target {
+        Target::Number => ObjectiveType::SquaredLoss,
+        Target::Yes => ObjectiveType::LogLoss,
+    };
+    let mut booster = GradientBooster::default()
+        .set_objective_type(objective)
+        .set_iterations(params.n_trees)
+        .set_learning_rate(params.learning_rate)
+        .set_max_depth(DEPTH)
+        .set_max_leaves(N_LEAVES)
+        .set_min_leaf_weight(params.least_leaf_weight)
+        .set_initialize_base_score(true)
+        .set_allow_missing_splits(false);
+    booster.grow_policy = GrowPolicy::DepthWise;
+    booster.fit_unweighted(&matrix, targets, None)?;
+    let trees = booster.trees.iter().map(even_tree).collect();
+    Ok(Forest::new(trees, booster.base_score as f32).expect("it was trained on these values"))
+}
+
+/// A tree all of whose leaves lie equally deep.
+fn even_tree(trained: &Tree) -> DecisionTree {
+    let mut tree =
+        DecisionTree { value_of_split: [0; N_SPLITS], thresholds: [0.0; N_SPLITS], leaves: [0.0; N_LEAVES] };
+    fill(&mut tree, trained, (0, 0));
+    tree
+}
+
+/// Fills what follows a place of `tree` with what follows a node of `trained`. Below a leaf both sides are that leaf.
+fn fill(tree: &mut DecisionTree, trained: &Tree, (place, node_idx): (usize, usize)) {
+    let node = &trained.nodes[node_idx];
+    if place >= N_SPLITS {
+        tree.leaves[place - N_SPLITS] = node.weight_value;
+        return;
+    }
+    let children = if node.is_leaf {
+        [node_idx, node_idx]
+    } else {
+        tree.value_of_split[place] = node.split_feature as u8;
+        tree.thresholds[place] = not_less(node.split_value);
+        [node.left_child, node.right_child]
+    };
+    for (child, side) in children.into_iter().zip(1..) {
+        fill(tree, trained, (2 * place + side, child));
+    }
+}
+
+/// The least number of single precision that is not less: a value of single precision is less than it if it is less than
+/// `threshold`.
+fn not_less(threshold: f64) -> f32 {
+    let nearest = threshold as f32;
+    if f64::from(nearest) < threshold { nearest.next_up() } else { nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PARAMS: BoostingParams = BoostingParams { n_trees: 20, learning_rate: 0.3, least_leaf_weight: 1.0 };
+
+    /// A grid of examples.
+    fn examples() -> Vec<[f32; 2]> {
+        (0..40).flat_map(|x| (0..40).map(move |y| [x as f32 * 0.1, y as f32 * 0.1])).collect()
+    }
+
+    #[test]
+    fn a_forest_tells_what_it_was_taught() {
+        let examples = examples();
+        let seen: Vec<&[f32; 2]> = examples.iter().collect();
+        let truth = |[x, y]: [f32; 2]| if x > 1.95 { f64::from(y > 1.95) } else { 0.25 };
+        let targets: Vec<f64> = examples.iter().map(|&it| truth(it)).collect();
+        let forest = boost(&seen, &targets, Target::Number, &PARAMS).unwrap();
+        for it in &examples {
+            let error = f64::from(forest.sum(it)) - truth(*it);
+            assert!(error.abs() < 0.02, "{error} at {it:?}");
+        }
+        let is_right: Vec<f64> = examples.iter().map(|it| f64::from(it[0] > 1.95)).collect();
+        let forest = boost(&seen, &is_right, Target::Yes, &PARAMS).unwrap();
+        assert!(examples.iter().all(|it| (forest.sum(it) > 0.0) == (it[0] > 1.95)));
+    }
+
+    #[test]
+    fn it_sums_what_the_trainer_predicts() {
+        let examples = examples();
+        let columns: Vec<f64> =
+            [0, 1].into_iter().flat_map(|axis| examples.iter().map(move |it| f64::from(it[axis]))).collect();
+        let targets: Vec<f64> = examples.iter().map(|[x, y]| f64::from((x * y).sin())).collect();
+        let matrix = Matrix::new(&columns, examples.len(), 2);
+        let mut booster = GradientBooster::default()
+            .set_objective_type(ObjectiveType::SquaredLoss)
+            .set_iterations(10)
+            .set_initialize_base_score(true)
+            .set_allow_missing_splits(false);
+        booster.fit_unweighted(&matrix, &targets, None).unwrap();
+        let trees = booster.trees.iter().map(even_tree).collect();
+        let forest = Forest::<2>::new(trees, booster.base_score as f32).unwrap();
+        for (it, predicted) in examples.iter().zip(booster.predict(&matrix, false)) {
+            assert!((f64::from(forest.sum(it)) - predicted).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_nothing() {
+        let examples = examples();
+        let seen: Vec<&[f32; 2]> = examples.iter().collect();
+        let targets: Vec<f64> = examples.iter().map(|[x, y]| f64::from((3.0 * x * y).sin())).collect();
+        let with_threads = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+            pool.install(|| boost(&seen, &targets, Target::Number, &PARAMS).unwrap())
+        };
+        assert_eq!(with_threads(1), with_threads(3));
+    }
+
+    #[test]
+    fn thresholds_part_the_same_numbers_in_single_precision() {
+        for threshold in [0.1, 0.3, -0.7, 1e-30, 0.5, -1234.5678] {
+            let rounded = not_less(threshold);
+            for value in [rounded.next_down(), rounded, rounded.next_up()] {
+                assert_eq!(value < rounded, f64::from(value) < threshold, "{value} and {threshold}");
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The groups that forests are trained on and judged by.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use detector::classify::grouping_model::N_VEHICLE_VALUES;
+use detector::describe::prototype_library::PrototypeLibrary;
+use detector::describe::vehicle_features::VehicleDescriber;
+use detector::detector::StageClock;
+use detector::fit::convex_hull_box::ConvexHullBox;
+use detector::group::node_values::N_NODE_VALUES;
+use detector::params::HierarchicalParams;
+use detector::pipeline::grouping_stages::GroupingStages;
+use detector::pipeline::tree_detector::vehicle_values;
+use rayon::prelude::*;
+use scans::annotation::{LabeledScan, PointRegion};
+use scans::dataset::Dataset;
+
+use crate::matching::eligibility::{counts_as_vehicle, may_be_vehicle};
+use crate::realism::survey::SurveyError;
+
+/// A group shows an annotated object if their points have this intersection over union.
+pub const LEAST_IOU: f32 = 0.5;
+
+/// A group of a tree, and what the labels say of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupExample {
+    /// The drive it was seen on.
+    pub sequence: String,
+    /// What tells vehicles; what tells objects is the end of it.
+    pub values: [f32; N_VEHICLE_VALUES],
+    /// Its greatest intersection over union with an annotated object, by points; 0 to 1.
+    pub iou: f32,
+    /// Whether it shows a vehicle; `None` if the labels do not say whether what it shows is one.
+    pub is_vehicle: Option<bool>,
+}
+
+impl GroupExample {
+    /// What tells objects.
+    pub fn node_values(&self) -> &[f32; N_NODE_VALUES] {
+        self.values.last_chunk().expect("it is longer")
+    }
+}
+
+/// What every thread looks at its scans with.
+struct Looker {
+    grouping: GroupingStages,
+    describer: VehicleDescriber,
+    box_fit: ConvexHullBox,
+}
+
+/// The groups of the scans `scan_indices` of `dataset` that the detector with `params` would look at, in their order. Those of
+/// which the labels say nothing about half of the points are left out.
+///
+/// `on_scan` is called after every scan, from several threads.
+///
+/// # Errors
+///
+/// [`SurveyError`] if a scan cannot be read (the first such scan), or once `interrupted` is set.
+pub fn collect_groups(
+    dataset: &dyn Dataset,
+    scan_indices: &[usize],
+    (params, library): (&HierarchicalParams, &PrototypeLibrary),
+    interrupted: &AtomicBool,
+    on_scan: impl Fn() + Sync,
+) -> Result<Vec<GroupExample>, SurveyError> {
+    let description = dataset.description();
+    let new_looker = || Looker {
+        grouping: GroupingStages::new(params.clone(), description.sensor_height_m),
+        describer: VehicleDescriber::new(library.clone()),
+        box_fit: ConvexHullBox::default(),
+    };
+    let look = |looker: &mut Looker, &scan_idx: &usize| {
+        if interrupted.load(Ordering::Relaxed) {
+            let (dataset, n_scans) = (description.id.clone(), scan_indices.len());
+            return Err(SurveyError::Interrupted { dataset, n_scans });
+        }
+        let groups = groups_of(&dataset.read_scan(scan_idx)?, looker);
+        on_scan();
+        Ok(groups)
+    };
+    // Collected before it is looked through for errors, so that the first in order is reported.
+    let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_looker, look).collect();
+    let of_scans: Vec<Vec<GroupExample>> = of_scans.into_iter().collect::<Result<_, _>>()?;
+    Ok(of_scans.into_iter().flatten().collect())
+}
+
+fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> Vec<GroupExample> {
+    let Looker { grouping, describer, box_fit } = looker;
+    grouping.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
+    let annotations_of_point = annotations_of_points(scan);
+    let points_of_dense = points_of_dense_cells(grouping);
+    let mut n_shared = vec![0_usize; scan.annotations.len()];
+    let mut found = Vec::new();
+    for node in grouping.described() {
+        let cells = grouping.tree().cells(&grouping.tree().nodes()[node.node_idx as usize]);
+        let mut point_indices: Vec<u32> =
+            cells.iter().flat_map(|&it| points_of_dense[it as usize].iter().copied()).collect();
+        point_indices.sort_unstable();
+        let is_labeled = |&&it: &&u32| scan.point_regions[it as usize] == PointRegion::Labeled;
+        if 2 * point_indices.iter().filter(is_labeled).count() <= point_indices.len() {
+            continue;
+        }
+        n_shared.fill(0);
+        for &point_idx in &point_indices {
+            for &it in &annotations_of_point[point_idx as usize] {
+                n_shared[it as usize] += 1;
+            }
+        }
+        let iou = |annotation_idx: usize| {
+            let (n, n_shared) = (point_indices.len(), n_shared[annotation_idx]);
+            n_shared as f32 / (n + scan.annotations[annotation_idx].point_indices.len() - n_shared) as f32
+        };
+        let best = (0..n_shared.len()).max_by(|&a, &b| iou(a).total_cmp(&iou(b)).then(b.cmp(&a)));
+        let shown = best.filter(|&it| iou(it) >= LEAST_IOU).map(|it| scan.annotations[it].class);
+        let is_vehicle = match shown {
+            Some(class) if may_be_vehicle(class) => None,
+            Some(class) => Some(counts_as_vehicle(class)),
+            None => Some(false),
+        };
+        let positions_m: Vec<[f32; 3]> =
+            point_indices.iter().map(|&it| scan.cloud.position_m(it as usize)).collect();
+        let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
+        let low_m = positions_m.iter().map(|it| it[2]).fold(f32::INFINITY, f32::min);
+        let high_m = positions_m.iter().map(|it| it[2]).fold(f32::NEG_INFINITY, f32::max);
+        let Some(bounding_box) = box_fit.fit(outline_m, [low_m, high_m]) else { continue };
+        let features = describer.describe(&bounding_box, &node.surroundings, positions_m.iter().copied());
+        let Some(features) = features else { continue };
+        found.push(GroupExample {
+            sequence: scan.id.sequence.clone(),
+            values: vehicle_values(&features.values(), &node.values),
+            iou: best.map_or(0.0, iou),
+            is_vehicle,
+        });
+    }
+    found
+}
+
+fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
+    let mut annotations = vec![Vec::new(); scan.cloud.len()];
+    for (annotation, annotation_idx) in scan.annotations.iter().zip(0..) {
+        for &point_idx in &annotation.point_indices {
+            annotations[point_idx as usize].push(annotation_idx);
+        }
+    }
+    annotations
+}
+
+fn points_of_dense_cells(grouping: &GroupingStages) -> Vec<Vec<u32>> {
+    let mut points = vec![Vec::new(); grouping.dense().heaps().len()];
+    let point_indices = grouping.candidates().point_indices();
+    for (&point_idx, &dense_idx) in point_indices.iter().zip(grouping.dense().dense_of_point()) {
+        points[dense_idx as usize].push(point_idx);
+    }
+    points
+}
