@@ -55,9 +55,12 @@ pub struct DenseGaps {
     between: [Vec<[u32; 2]>; N_LEVELS],
 }
 
+/// What is expected of dense cells at one range.
 #[derive(Debug, Clone, Copy)]
 struct Expected {
+    /// Points of a dense cell on an upright object.
     object_points: f32,
+    /// Up to how many steps between occupied dense cells there is no gap between them.
     max_steps: u32,
 }
 
@@ -98,7 +101,8 @@ impl DenseGaps {
         }
     }
 
-    /// Finds the gaps between the candidates in `dense`.
+    /// Finds the gaps between the candidates in `dense`: which groups touch, and by how many steps others are apart, up to twice
+    /// [`DenseGapsParams::n_rounds`]. Groups are those of single linkage, by steps sideways or diagonal.
     pub fn find(&mut self, grid: &HierarchicalGrid, dense: &DenseCells, candidates: &Candidates) {
         let n_along = (grid.n_columns() * self.xi) as usize;
         if self.n_along != n_along {
@@ -160,6 +164,7 @@ impl DenseGaps {
         }
     }
 
+    /// Makes one group of neighbours, unless something else than room is between them.
     fn join_touching(&mut self, dense: &DenseCells, candidates: &Candidates) {
         self.between.iter_mut().for_each(Vec::clear);
         let n = self.n_along;
@@ -191,6 +196,7 @@ impl DenseGaps {
         }
     }
 
+    /// How strongly two dense cells are apart that are `steps` from each other.
     fn level(&self, dense: &DenseCells, candidates: &Candidates, between: [u32; 2], steps: u32) -> usize {
         let blocks = between.map(|it| dense.block_of_dense(it));
         let mut penalty = 0;

@@ -223,12 +223,12 @@ impl GroupingTree {
         self.nodes[leaf as usize].first_child = Some(first);
     }
 
-    /// The nodes.
+    /// The nodes: those that gaps made, then those that were cut.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
     }
 
-    /// How many of the nodes were made by gaps; those that follow were cut.
+    /// The parts of a node, none of a leaf.
     pub fn parts_of(&self, node: &Node) -> impl Iterator<Item = u32> + '_ {
         let next = |&it: &u32| self.nodes[it as usize].next_sibling;
         std::iter::successors(node.first_child, next)

@@ -87,6 +87,27 @@ pub struct GroupingParams {
     pub bounds: NodeBoundsParams,
 }
 
+impl HierarchicalParams {
+    /// Checks that there is room for all dense cells, of which the tree of groupings keeps a plan.
+    fn check_dense_cells(&self) -> Result<(), ParamsError> {
+        let GridParams { cell_size_m, xi, extent_m } = self.grid;
+        let least_m = 2.0 * f64::from(extent_m) * f64::from(xi) / f64::from(MOST_DENSE_CELLS);
+        if self.grouping.enabled && f64::from(cell_size_m) < least_m {
+            return Err(ParamsError::TooLow {
+                name: "grid.cell_size_m",
+                value: as_written(cell_size_m.into()),
+                least: format!(
+                    "{least_m:.3}, as grouping needs it with grid.xi = {xi} and grid.extent_m = {extent_m}"
+                ),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Dense cells along a side of the grid.
+const MOST_DENSE_CELLS: u32 = 12_000;
+
 impl GroupingParams {
     fn validate(&self) -> Result<(), ParamsError> {
         let GroupingParams { object_cost, candidates, gaps, cuts, bounds, .. } = self;
@@ -245,6 +266,7 @@ impl HierarchicalParams {
             within(name, value.into(), 0.0, 100.0, "0 to 100")?;
         }
         self.grouping.validate()?;
+        self.check_dense_cells()?;
         let completion = &self.completion;
         within("completion.growth_m", completion.growth_m.into(), 0.0, 10.0, "0 to 10 m")?;
         within("completion.clearance_m", completion.clearance_m.into(), -10.0, 10.0, "-10 to 10 m")?;
@@ -297,5 +319,17 @@ mod tests {
             "terrain.low_quantile = 1.1 is not within",
         );
         check_refused("cell_size_m = 0.6", "cell_size_m = nan", "grid.cell_size_m = NaN");
+    }
+
+    #[test]
+    fn there_has_to_be_room_for_all_dense_cells() {
+        let mut table = HierarchicalParams::shipped_table();
+        table["grid"]["extent_m"] = 300.0.into();
+        table["grid"]["cell_size_m"] = 0.1.into();
+        let error = HierarchicalParams::from_toml(&table.to_string()).unwrap_err().to_string();
+        let expected = "grid.cell_size_m = 0.1 is less than 0.150, as grouping needs it with grid.xi = 3";
+        assert!(error.starts_with(expected), "{error}");
+        table["grouping"]["enabled"] = false.into();
+        assert!(HierarchicalParams::from_toml(&table.to_string()).is_ok());
     }
 }
