@@ -7,8 +7,9 @@ use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::group::candidates::{Candidates, Doubt};
 use crate::group::dense_cells::DenseCells;
 use crate::segment::connected_components::ConnectedComponentsParams;
-use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::disjoint_sets::DisjointSets;
+use crate::segment::expected_density::ExpectedDensity;
+use crate::segment::separation_params::DenseSeparationParams;
 
 /// Tuning of [`DenseGaps::find`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -36,7 +37,7 @@ pub struct DenseGaps {
     xi: u32,
     // Dense cells along a side of the grid.
     n_along: usize,
-    by_metre: Vec<Expected>,
+    expected: ExpectedDensity,
     // For every dense cell of the grid: the nearest occupied one, and how far it is.
     label: Vec<u32>,
     steps: Vec<u8>,
@@ -55,15 +56,6 @@ pub struct DenseGaps {
     between: [Vec<[u32; 2]>; N_LEVELS],
 }
 
-/// What is expected of dense cells at one range.
-#[derive(Debug, Clone, Copy)]
-struct Expected {
-    /// Points of a dense cell on an upright object.
-    object_points: f32,
-    /// Up to how many steps between occupied dense cells there is no gap between them.
-    max_steps: u32,
-}
-
 impl DenseGaps {
     /// Nothing found yet, in grids of the geometry `grid`. What is near-empty and what no gap follows from the density as in
     /// `separation`; neighbours are of other height as in `merge`, ψ in the paper.
@@ -73,17 +65,10 @@ impl DenseGaps {
         grid: &GridParams,
         weighting: &DensityWeighting,
     ) -> Self {
-        let dense_size_m = grid.cell_size_m / grid.xi as f32;
-        let points_at_weight_1 = weighting.peak_points_per_m2() * dense_size_m * dense_size_m;
-        let expected = |weight: &f32| Expected {
-            object_points: separation.object_density_ratio * points_at_weight_1 * weight,
-            max_steps: (separation.single_gap_points / (points_at_weight_1 * weight)).cbrt().ceil().max(1.0)
-                as u32,
-        };
         Self {
             xi: grid.xi,
             n_along: 0,
-            by_metre: weighting.weight_by_metre().iter().map(expected).collect(),
+            expected: ExpectedDensity::new(separation, grid, weighting),
             params,
             max_height_difference_m: merge.max_height_difference_m,
             label: Vec::new(),
@@ -137,7 +122,7 @@ impl DenseGaps {
             let heaps = dense.heaps_of_block(block_idx);
             let n_occupied = heaps.iter().filter(|it| it.n_points > 0).count().max(1);
             let mean = heaps.iter().map(|it| it.n_points).sum::<u32>() as f32 / n_occupied as f32;
-            let expected = self.expected(grid, cell_idx);
+            let expected = self.expected.of_cell(grid, cell_idx);
             self.resolved_steps.push(expected.max_steps);
             self.is_on_wall.push(candidates.doubts(cell_idx).has(Doubt::OnWall));
             let least = (self.params.low_density_share * mean.min(expected.object_points)).max(1.0);
@@ -256,12 +241,6 @@ impl DenseGaps {
             }
             std::mem::swap(&mut self.front, &mut self.next_front);
         }
-    }
-
-    fn expected(&self, grid: &HierarchicalGrid, cell_idx: u32) -> Expected {
-        let [x_m, y_m] = grid.center_m(cell_idx);
-        let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;
-        self.by_metre[metre.min(self.by_metre.len() - 1)]
     }
 
     /// What gaps of this level part: representatives of touching groups, some pairs more than once.

@@ -16,9 +16,9 @@ use crate::group::leaf_cuts::LeafCutsParams;
 use crate::group::node_values::NodeBoundsParams;
 use crate::regroup::regrouping_params::RegroupingParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
-use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::foreground::ForegroundParams;
 use crate::segment::ground_segmentation::GroundSegmentationParams;
+use crate::segment::separation_params::DenseSeparationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 

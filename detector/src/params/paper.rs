@@ -5,9 +5,9 @@ use serde::Deserialize;
 use super::{HierarchicalParams, ParamsError};
 use crate::grid::hierarchical_grid::GridParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
-use crate::segment::dense_separation::DenseSeparationParams;
 use crate::segment::ground_segmentation::{GroundSegmentationParams, HeightOver};
 use crate::segment::hough_lines::HoughParams;
+use crate::segment::separation_params::DenseSeparationParams;
 use crate::segment::terrain::TerrainParams;
 use crate::segment::wall_refinement::WallRefinementParams;
 

@@ -1,26 +1,12 @@
 //! Blobs of several objects, cut where their dense cells are empty.
 
-use serde::Deserialize;
-
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
 use crate::segment::dense_level::DenseLevel;
 use crate::segment::dense_reach::DenseReach;
 use crate::segment::disjoint_sets::DisjointSets;
-
-/// Tuning of [`DenseSeparation::separate`].
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DenseSeparationParams {
-    /// Whether blobs are cut at all; otherwise each stays one object, as a grid without dense cells leaves it.
-    pub enabled: bool,
-    /// A dense cell with less than this share of the points it could be expected to hold is near-empty.
-    pub low_density_share: f32,
-    /// What upright objects hold, as a multiple of what all points together put into a dense cell at their range.
-    pub object_density_ratio: f32,
-    /// Where all points together put this many into a dense cell, a single empty dense cell separates.
-    pub single_gap_points: f32,
-}
+use crate::segment::expected_density::ExpectedDensity;
+use crate::segment::separation_params::DenseSeparationParams;
 
 /// Decides for every dense cell which object it belongs to.
 ///
@@ -31,15 +17,14 @@ pub struct DenseSeparationParams {
 ///
 /// Both what is near-empty and how many empty dense cells in a row are a gap follow from the weight of the range. A
 /// dense cell could be expected to hold what the others of its coarse cell do on average, but not more than upright objects
-/// hold at that range. The density falls with about the cube of the range, over level ground, where the sensor's rays
-/// fan out in proportion to the range: so its cube root tells how far apart neighbouring points of one surface may lie.
+/// hold at that range ([`ExpectedDensity`]).
 ///
 /// Paper: HG section 3.2, third step, Fig. 4, and section 4.
 #[derive(Debug, Clone)]
 pub struct DenseSeparation {
     params: DenseSeparationParams,
     reach: DenseReach,
-    by_metre: Vec<Expected>,
+    expected: ExpectedDensity,
     // The part, and after all links the object, of every dense cell.
     object_of_dense: Vec<u32>,
     first_part_of_block: Vec<u32>,
@@ -49,31 +34,14 @@ pub struct DenseSeparation {
     cut_links: Vec<[u32; 2]>,
 }
 
-/// What is expected of dense cells at one range.
-#[derive(Debug, Clone, Copy)]
-struct Expected {
-    /// Points of a dense cell on an upright object.
-    object_points: f32,
-    /// Up to how many steps between occupied dense cells there is no gap between them.
-    max_steps: u32,
-}
-
 /// Marks dense cells without points.
 pub const NO_OBJECT: u32 = u32::MAX;
 
 impl DenseSeparation {
     /// Nothing separated yet, in grids of the geometry `grid`.
     pub fn new(params: DenseSeparationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
-        let dense_size_m = grid.cell_size_m / grid.xi as f32;
-        let points_at_weight_1 = weighting.peak_points_per_m2() * dense_size_m * dense_size_m;
-        // Multiplying what is expected by the weight is dividing all counts by it.
-        let expected = |weight: &f32| Expected {
-            object_points: params.object_density_ratio * points_at_weight_1 * weight,
-            max_steps: (params.single_gap_points / (points_at_weight_1 * weight)).cbrt().ceil().max(1.0)
-                as u32,
-        };
         Self {
-            by_metre: weighting.weight_by_metre().iter().map(expected).collect(),
+            expected: ExpectedDensity::new(&params, grid, weighting),
             params,
             reach: DenseReach::new(grid.xi),
             object_of_dense: Vec::new(),
@@ -151,7 +119,7 @@ impl DenseSeparation {
             let n_points = dense.n_points_of_block(block_idx as u32);
             let first_part = self.cells_of_part.len();
             self.first_part_of_block.push(first_part as u32);
-            let expected = self.expected(grid, cell_idx);
+            let expected = self.expected.of_cell(grid, cell_idx);
             let occupied = occupied(n_points, self.params.low_density_share, expected.object_points);
             self.reach.push_groups(occupied, expected.max_steps, &mut self.cells_of_part);
             let parts = &self.cells_of_part[first_part..];
@@ -176,7 +144,7 @@ impl DenseSeparation {
     fn join_touching(&mut self, grid: &HierarchicalGrid, blocks: [u32; 2], cells: [u32; 2]) -> bool {
         let [from, to] = cells.map(|cell_idx| grid.column_and_row(cell_idx));
         let steps = [to[0] as i32 - from[0] as i32, to[1] as i32 - from[1] as i32];
-        let max_steps = self.expected(grid, cells[0]).max_steps;
+        let max_steps = self.expected.of_cell(grid, cells[0]).max_steps;
         let mut any = false;
         for part in self.parts_of_block(blocks[0]) {
             for neighbor in self.parts_of_block(blocks[1]) {
@@ -188,12 +156,6 @@ impl DenseSeparation {
             }
         }
         any
-    }
-
-    fn expected(&self, grid: &HierarchicalGrid, cell_idx: u32) -> Expected {
-        let [x_m, y_m] = grid.center_m(cell_idx);
-        let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;
-        self.by_metre[metre.min(self.by_metre.len() - 1)]
     }
 }
 

@@ -1,0 +1,47 @@
+//! What dense cells may be expected to hold, by their range.
+
+use crate::grid::density_weighting::DensityWeighting;
+use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use crate::segment::separation_params::DenseSeparationParams;
+
+/// What is expected of dense cells at one range.
+#[derive(Debug, Clone, Copy)]
+pub struct Expected {
+    /// Points of a dense cell on an upright object.
+    pub object_points: f32,
+    /// Up to how many steps between occupied dense cells there is no gap between them.
+    pub max_steps: u32,
+}
+
+/// The same at every range.
+///
+/// The density falls with about the cube of the range, over level ground, where the sensor's rays fan out in proportion to the
+/// range: so its cube root tells how far apart neighbouring points of one surface may lie.
+///
+/// Paper: HG section 4.
+#[derive(Debug, Clone)]
+pub struct ExpectedDensity {
+    by_metre: Vec<Expected>,
+}
+
+impl ExpectedDensity {
+    /// Of dense cells of grids of the geometry `grid`.
+    pub fn new(params: &DenseSeparationParams, grid: &GridParams, weighting: &DensityWeighting) -> Self {
+        let dense_size_m = grid.cell_size_m / grid.xi as f32;
+        let points_at_weight_1 = weighting.peak_points_per_m2() * dense_size_m * dense_size_m;
+        // Multiplying what is expected by the weight is dividing all counts by it.
+        let expected = |weight: &f32| Expected {
+            object_points: params.object_density_ratio * points_at_weight_1 * weight,
+            max_steps: (params.single_gap_points / (points_at_weight_1 * weight)).cbrt().ceil().max(1.0)
+                as u32,
+        };
+        Self { by_metre: weighting.weight_by_metre().iter().map(expected).collect() }
+    }
+
+    /// Of the dense cells of a coarse cell.
+    pub fn of_cell(&self, grid: &HierarchicalGrid, cell_idx: u32) -> Expected {
+        let [x_m, y_m] = grid.center_m(cell_idx);
+        let metre = (x_m * x_m + y_m * y_m).sqrt() as usize;
+        self.by_metre[metre.min(self.by_metre.len() - 1)]
+    }
+}
