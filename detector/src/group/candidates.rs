@@ -148,6 +148,11 @@ impl Candidates {
                 self.heights[column as usize] |= 1 << step;
             }
         }
+        self.part_columns(grid, terrain, classes);
+    }
+
+    /// Parts what stands from what hangs over it in every cell that was looked into.
+    fn part_columns(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
         for (column, &cell_idx) in self.looked_into.iter().enumerate() {
             self.column_of_cell[cell_idx as usize] = NOT_LOOKED_INTO;
             let terrain_m = self.terrain_m[column];
@@ -211,7 +216,6 @@ impl Candidates {
             n_points += usize::from(z_m > low_m && z_m <= high_m);
         }
         self.n_points = n_points;
-        // Cells whose points lie outside of their bands have none.
     }
 
     fn cut_of_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {

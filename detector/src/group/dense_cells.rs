@@ -4,6 +4,7 @@ use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::group::candidates::Candidates;
 use crate::point_cloud::PointCloud;
 use crate::segment::terrain::Terrain;
+use crate::vector_instructions::{greater, lesser};
 
 /// Heights above the ground that points are counted above, in metres: a car's bumper, bonnet and windows end at the first
 /// three, more or less, and people at the last.
@@ -139,11 +140,6 @@ impl DenseCells {
         &self.cell_of_block
     }
 
-    /// Dense cells in a block, ξ².
-    pub fn n_per_block(&self) -> usize {
-        self.n_per_block
-    }
-
     /// What there is over each dense cell, those without candidates included.
     pub fn heaps(&self) -> &[Heap] {
         &self.heaps
@@ -164,5 +160,3 @@ impl DenseCells {
         &self.dense_of_point
     }
 }
-
-use crate::vector_instructions::{greater, lesser};

@@ -144,11 +144,6 @@ impl GroupingStages {
         self.describer.described()
     }
 
-    /// What stands where.
-    pub fn raster(&self) -> &ObjectRaster {
-        &self.raster
-    }
-
     /// Elevation of the ground below the middle of a box in the latest scan, in metres.
     pub fn ground_below_m(&self, bounding_box: &OrientedBox) -> f32 {
         let [x_m, y_m, _] = bounding_box.center_m;

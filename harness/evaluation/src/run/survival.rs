@@ -17,9 +17,7 @@ use crate::matching::eligibility::{EligibilityParams, counts_as_vehicle, exclusi
 use crate::realism::survey::SurveyError;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ListedDetector;
-
-/// A group or a detection shows an annotated object if their points have this intersection over union.
-const LEAST_IOU: f64 = 0.5;
+use crate::training::group_examples::{LEAST_IOU, annotations_of_points, points_of_dense_cells};
 
 /// How many objects there are, and how many survive each step.
 #[derive(Debug, Clone, Copy, Default)]
@@ -98,27 +96,20 @@ fn survivors_of(
     output: &DetectorOutput,
 ) -> Vec<(&'static str, Survivors)> {
     let exclusions = exclusions(scan, Task::Objects, Criterion::POINTS, &EligibilityParams::STANDARD);
-    let mut annotations_of_point = vec![Vec::new(); scan.cloud.len()];
-    for (annotation, annotation_idx) in scan.annotations.iter().zip(0..) {
-        for &point_idx in &annotation.point_indices {
-            annotations_of_point[point_idx as usize].push(annotation_idx);
-        }
-    }
+    let annotations_of_point = annotations_of_points(scan);
+    let points_of_dense = points_of_dense_cells(stages);
     let mut survivors = vec![Survivors { objects: 1, ..Survivors::default() }; scan.annotations.len()];
     let mut n_candidates = vec![0; scan.annotations.len()];
-    let mut points_of_dense = vec![Vec::new(); stages.dense().heaps().len()];
-    let candidates = stages.candidates().point_indices();
-    for (&point_idx, &dense_idx) in candidates.iter().zip(stages.dense().dense_of_point()) {
-        points_of_dense[dense_idx as usize].push(point_idx);
+    for &point_idx in stages.candidates().point_indices() {
         for &it in &annotations_of_point[point_idx as usize] {
-            n_candidates[it] += 1;
+            n_candidates[it as usize] += 1;
         }
     }
     for ((it, n), annotation) in survivors.iter_mut().zip(n_candidates).zip(&scan.annotations) {
         it.candidates = usize::from(2 * n >= annotation.point_indices.len());
     }
     let shown_by = |point_indices: &mut dyn Iterator<Item = u32>| {
-        let mut n_shared: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut n_shared: BTreeMap<u32, usize> = BTreeMap::new();
         let mut n_points = 0;
         for point_idx in point_indices {
             n_points += 1;
@@ -126,11 +117,11 @@ fn survivors_of(
                 *n_shared.entry(it).or_default() += 1;
             }
         }
-        let is_shown = |&(it, n): &(usize, usize)| {
-            let n_annotated = scan.annotations[it].point_indices.len();
-            n as f64 >= LEAST_IOU * (n_points + n_annotated - n) as f64
+        let is_shown = |&(it, n): &(u32, usize)| {
+            let n_annotated = scan.annotations[it as usize].point_indices.len();
+            n as f32 >= LEAST_IOU * (n_points + n_annotated - n) as f32
         };
-        n_shared.into_iter().filter(is_shown).map(|(it, _)| it).collect::<Vec<_>>()
+        n_shared.into_iter().filter(is_shown).map(|(it, _)| it as usize).collect::<Vec<_>>()
     };
     let mut described = stages.described().iter().map(|it| it.node_idx).peekable();
     for (node, node_idx) in stages.tree().nodes().iter().zip(0..) {

@@ -135,7 +135,8 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> Vec<GroupExample> {
     found
 }
 
-fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
+/// The annotations that each point of a scan lies on, ascending.
+pub fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
     let mut annotations = vec![Vec::new(); scan.cloud.len()];
     for (annotation, annotation_idx) in scan.annotations.iter().zip(0..) {
         for &point_idx in &annotation.point_indices {
@@ -145,7 +146,8 @@ fn annotations_of_points(scan: &LabeledScan) -> Vec<Vec<u32>> {
     annotations
 }
 
-fn points_of_dense_cells(grouping: &GroupingStages) -> Vec<Vec<u32>> {
+/// The points of each dense cell of the latest scan that `grouping` saw, ascending.
+pub fn points_of_dense_cells(grouping: &GroupingStages) -> Vec<Vec<u32>> {
     let mut points = vec![Vec::new(); grouping.dense().heaps().len()];
     let point_indices = grouping.candidates().point_indices();
     for (&point_idx, &dense_idx) in point_indices.iter().zip(grouping.dense().dense_of_point()) {

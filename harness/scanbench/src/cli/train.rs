@@ -99,7 +99,8 @@ Examples:
   scanbench train training-streets --scans 0..300:6 -o model
   scanbench train ~/data/kitti_tracking -o model
   scanbench train training-streets --seed 3000 --scans 0..300:6 --nu 0.3 --gamma 0.1078
-  scanbench train training-streets --scans 0..300:6 --held-out ~/data/kitti_tracking -d pca";
+  scanbench train training-streets --scans 0..300:6 --held-out ~/data/kitti_tracking -d pca
+  scanbench train training-streets --scans 0..300:6 -d groupings --sensors vlp-16,os1-128";
 
 const TRAIN_DETAILS: &str = "\
 Examples of vehicles are clusters that match an annotated car, van, truck or bus.
@@ -110,4 +111,9 @@ object, importance.csv, curves.csv, curves.svg and manifest.json.
 To run the model, give -P vehicle_model.directory=DIR; for paper, give
 -P vehicle_model.paper_directory=DIR; for pca, which has no prototypes.toml, give
 -P vehicle_model.pca_directory=DIR. The same scans and options write the same bytes,
-except the date in the manifest.";
+except the date in the manifest.
+
+Groupings are trained on all groups of every scan: how well each fits an annotated object,
+and whether it shows a vehicle. Writes objects.toml, vehicles.toml, prototypes.toml,
+calibration.csv and manifest.json; run them with
+-P vehicle_model.groupings_directory=DIR.";

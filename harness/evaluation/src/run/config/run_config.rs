@@ -177,6 +177,7 @@ impl RunConfig {
         } else {
             with_density_curve(table("hierarchical"), &of_program)
         };
+        check_is_read(&hierarchical, &of_program)?;
         let (hierarchical, paper) = (hierarchical.to_string(), table("paper").to_string());
         let matching = table("matching").to_string();
         let of_others = ["matching", "hierarchical", "paper", VEHICLE_MODEL, DETECTOR_TABLE];
@@ -198,6 +199,31 @@ impl RunConfig {
             resolved,
         })
     }
+}
+
+/// What only the way without the tree of groupings reads.
+const NOT_WITH_GROUPING: [(&str, Option<&str>); 3] =
+    [("regrouping", None), ("separation", Some("enabled")), ("separation", Some("low_density_share"))];
+
+/// Refuses other values than `shipped` ones of parameters that nobody reads: they would change nothing.
+fn check_is_read(hierarchical: &Table, shipped: &Table) -> Result<(), ValueProblem> {
+    let is_on = hierarchical.get("grouping").and_then(|it| it.get("enabled")).and_then(Value::as_bool);
+    if is_on != Some(true) {
+        return Ok(());
+    }
+    for (table, parameter) in NOT_WITH_GROUPING {
+        let value = |all: &Table| {
+            let table = all.get(table).cloned();
+            parameter.map_or(table.clone(), |it| table.as_ref().and_then(|table| table.get(it)).cloned())
+        };
+        if value(hierarchical) != value(shipped) {
+            let keys = ["hierarchical", table].into_iter().chain(parameter).map(str::to_owned).collect();
+            let problem =
+                " is read only without the tree of groupings: set hierarchical.grouping.enabled = false, too";
+            return Err(ValueProblem { keys, problem: problem.to_owned() });
+        }
+    }
+    Ok(())
 }
 
 fn vehicle_models_of(all: &Table) -> Result<Option<VehicleModels>, ValueProblem> {
@@ -231,6 +257,20 @@ mod tests {
 
     fn resolve(text: &str) -> Result<RunConfig, ConfigError> {
         RunConfig::resolve(text, Path::new("mine.toml"))
+    }
+
+    #[test]
+    fn what_nobody_reads_with_the_tree_of_groupings_is_refused() {
+        for unread in
+            ["regrouping.n_places = 3", "separation.enabled = false", "separation.low_density_share = 0.4"]
+        {
+            let error = resolve(&format!("hierarchical.{unread}")).unwrap_err().to_string();
+            assert!(error.contains("read only without the tree of groupings"), "{unread}: {error}");
+            let greedy = format!("hierarchical.{unread}\nhierarchical.grouping.enabled = false");
+            assert!(resolve(&greedy).is_ok(), "{unread}");
+        }
+        assert!(resolve("hierarchical.separation.single_gap_points = 2.0").is_ok());
+        assert!(resolve("hierarchical.regrouping.n_places = 2").is_ok());
     }
 
     #[test]
