@@ -1,6 +1,8 @@
 """What a recording holds, as Rerun's own reader sees it: the entities of every detector, and a row for each scan.
 
 rows.py FILE N_SCANS DETECTOR,DETECTOR...
+
+`greedy` is the detector hierarchical with `grouping.enabled=false`.
 """
 
 import sys
@@ -9,33 +11,39 @@ from collections import Counter
 from rerun.experimental import RrdReader
 
 # What each detector draws at every scan, below world/sensor/detectors/NAME.
+DESCRIBED = [
+    "segments/walls/segments",
+    "contours/boxes/hulls",
+    "contours/boxes/rectangles",
+    "boxes/boxes/boxes",
+    "spheres/features/corner_spheres",
+    "contours/features/convex_profiles",
+    "contours/features/concave_profiles",
+    "contours/features/nearest_prototypes",
+]
 PRODUCTS = {
-    "hierarchical": [
-        "segments/walls/segments",
+    "hierarchical": DESCRIBED,
+    "greedy": [
+        *DESCRIBED,
         "links/merge/links/link\\ kept",
         "links/merge/links/link\\ cut",
         "object_cells/separation/dense_cells",
         "segments/separation/cuts",
-        "contours/boxes/hulls",
-        "contours/boxes/rectangles",
-        "boxes/boxes/boxes",
-        "spheres/features/corner_spheres",
-        "contours/features/convex_profiles",
-        "contours/features/concave_profiles",
-        "contours/features/nearest_prototypes",
     ],
     "kd-tree": ["contours/boxes/hulls", "boxes/boxes/boxes", "spheres/features/corner_spheres"],
     "pca": ["contours/boxes/rectangles", "boxes/boxes/boxes"],
 }
-CELLS = {"hierarchical": "walls", "kd-tree": "walls", "pca": "foreground"}
+CELLS = {"hierarchical": "walls", "greedy": "walls", "kd-tree": "walls", "pca": "foreground"}
 CLASSES = {
     "hierarchical": ["ground", "tall", "short\\ object", "clutter"],
+    "greedy": ["ground", "tall", "short\\ object", "clutter"],
     "kd-tree": ["ground", "tall", "short\\ object", "clutter"],
     "pca": ["ground", "short\\ object"],
 }
 # Columns of the points.
 LABELS = {
-    "hierarchical": ["foreground:points", "separation:clusters", "regrouping:regrouped_clusters"],
+    "hierarchical": ["foreground:points", "grouping:smallest_groups", "best_cut:clusters"],
+    "greedy": ["foreground:points", "separation:clusters", "regrouping:regrouped_clusters"],
     "kd-tree": ["foreground:points", "components:dropped_clusters", "components:clusters"],
     "pca": ["foreground:points", "components:dropped_clusters", "components:clusters"],
 }
@@ -74,13 +82,14 @@ def check(path, n_scans, detectors):
     for entity in ["scan/points", "scan/annotations"]:
         expect(f"/world/sensor/{entity}", n_scans)
     expect("/legend/scan", n_scans)
-    for detector in detectors:
+    for drawn in detectors:
+        detector = "hierarchical" if drawn == "greedy" else drawn
         root = f"/world/sensor/detectors/{detector}"
-        for product in PRODUCTS[detector]:
+        for product in PRODUCTS[drawn]:
             expect(f"{root}/{product}", n_scans)
-        for surface in CLASSES[detector]:
-            expect(f"{root}/cells/{CELLS[detector]}/cells/{surface}", n_scans)
-        for column in LABELS[detector]:
+        for surface in CLASSES[drawn]:
+            expect(f"{root}/cells/{CELLS[drawn]}/cells/{surface}", n_scans)
+        for column in LABELS[drawn]:
             n = rows[f"/world/sensor/scan/points {detector}:{column}"]
             if n != n_scans:
                 problems.append(f"the points have {n} rows of {detector}:{column}, not {n_scans}")

@@ -70,7 +70,10 @@ def problem_of(kind, title, outcomes, image):
     if kind == "3D":
         if len(colors) < 60 or n_drawn < 0.02 * n_pixels:
             return f"{len(colors)} colours, {n_drawn} of {n_pixels} pixels drawn"
-        absent = [it for it in outcomes if n_near(colors, OUTCOMES[it], 12) < 40]
+        shown = {it for it in outcomes if n_near(colors, OUTCOMES[it], 12) >= 40}
+        # A good detector has nothing false in one scan, or nothing missed.
+        wanted = [{"matched"}, {"missed", "false"}] if outcomes else []
+        absent = [" or ".join(sorted(it)) for it in wanted if not it & shown]
         return f"nothing {' and nothing '.join(absent)}" if absent else None
     if kind == "TextLog":
         # At the first scan the missed ones fill the view, and the false ones are below it.
