@@ -14,6 +14,8 @@ pub struct TerrainParams {
     pub block_cells: u32,
     /// Steepest road, as rise over run.
     pub max_slope: f32,
+    /// By how much the ground may rise above its continuation from nearer to the sensor, as rise over run.
+    pub max_bend: f32,
     /// Highest sudden step, such as a kerb, in metres.
     pub max_step_m: f32,
     /// Share of the flat cells of a block that lie below its elevation: low, so that roofs and bonnets do not count.
@@ -27,7 +29,10 @@ pub struct TerrainParams {
 /// Elevation of the ground over blocks of coarse cells.
 ///
 /// It grows outward from below the sensor, whose height above the road is known, so that a flat roof cannot pass for
-/// the ground however many points it has, and a road may climb at [`TerrainParams::max_slope`].
+/// the ground however many points it has. The ground that is known so far goes on as a plane, up to
+/// [`TerrainParams::max_slope`]. What lies flat is ground if it is near that plane: it may fall away from it as steeply as a
+/// road, for the nearer side of it may have been no ground, and rise above it by little, or the ground would climb over bonnets and
+/// hedges. Where nothing flat is seen the plane goes on, but not above the lowest things.
 ///
 /// Paper: VM section 3, "globally estimated digital terrain map".
 #[derive(Debug, Clone)]
@@ -38,13 +43,15 @@ pub struct Terrain {
     n_block_columns: usize,
     // Block numbers, nearest to the sensor first.
     outward: Vec<u32>,
+    // The blocks around the sensor, which hides the ground there.
+    below_sensor: Vec<bool>,
     elevation_m: Vec<f32>,
     knowledge: Vec<Knowledge>,
     // Where the centres of cells lie between those of blocks, by column or row.
     places: Vec<Place>,
-    // Mean elevations of the flat cells, with room for all cells of each block, and how many they are.
-    flat_m: Vec<f32>,
-    n_flat: Vec<u32>,
+    // Mean elevations of the flat cells, and the lowest ones of all cells.
+    flat_m: BlockElevations,
+    lowest_m: BlockElevations,
 }
 
 /// What is known so far of a block.
@@ -52,15 +59,72 @@ pub struct Terrain {
 struct Knowledge {
     /// Blocks that were seen speak louder than those that were guessed.
     weight: f32,
-    /// Weight times elevation.
-    weighted_m: f32,
+    /// How much it says of how the ground goes on.
+    plane_weight: f32,
     /// Blocks since the last one that was seen, 0 where it was.
     n_unseen: u16,
 }
 
 impl Knowledge {
     /// Adds nothing to a sum and is never the least.
-    const NONE: Self = Self { weight: 0.0, weighted_m: 0.0, n_unseen: u16::MAX };
+    const NONE: Self = Self { weight: 0.0, plane_weight: 0.0, n_unseen: u16::MAX };
+    const SEEN: Self = Self { weight: 1.0, plane_weight: 1.0, n_unseen: 0 };
+
+    fn unseen(n_unseen: u16, plane_weight: f32) -> Self {
+        Self { weight: 1.0 / f32::from(1 + n_unseen), plane_weight, n_unseen }
+    }
+}
+
+/// Planes go through blocks that are no farther away than this, sideways and lengthwise.
+const REACH: usize = 3;
+const WINDOW: usize = 2 * REACH + 1;
+/// A block that is so near to its neighbours, in metres, goes on as they do.
+const LEVEL_M: f32 = 0.1;
+/// What a block that was not seen says of how the ground goes on, over that of a seen one: one with nothing flat in it, and one
+/// with something lower than the plane.
+const GUESSED_WEIGHT: f32 = 0.25;
+const LOWERED_WEIGHT: f32 = 0.2;
+/// Planes lean towards the level by so much, in square metres.
+const LEVELLING_M2: f32 = 2.0;
+/// From as many seen blocks on the plane through them is sure.
+const N_SURE: u32 = 6;
+/// Without them the ground may rise above it by so much more.
+const UNSURE_BEND: f32 = 1.75;
+/// Share of the cells of a block that lie below what bounds its ground from above, and the fewest points of such a cell: drops of
+/// rain and mirror images are single points.
+const LOWEST_QUANTILE: f32 = 0.25;
+const LOWEST_MIN_POINTS: u32 = 3;
+
+/// Some elevations of each block.
+#[derive(Debug, Clone)]
+struct BlockElevations {
+    // With room for all cells of each block.
+    room: usize,
+    elevations_m: Vec<f32>,
+    n: Vec<u32>,
+}
+
+impl BlockElevations {
+    fn new(n_blocks: usize, room: usize) -> Self {
+        Self { room, elevations_m: vec![0.0; n_blocks * room], n: vec![0; n_blocks] }
+    }
+
+    fn push(&mut self, block_idx: usize, elevation_m: f32) {
+        let n = &mut self.n[block_idx];
+        self.elevations_m[block_idx * self.room + *n as usize] = elevation_m;
+        *n += 1;
+    }
+
+    fn quantile_m(&mut self, block_idx: usize, share: f32) -> Option<f32> {
+        let n = self.n[block_idx] as usize;
+        if n == 0 {
+            return None;
+        }
+        let elevations_m = &mut self.elevations_m[block_idx * self.room..][..n];
+        let rank = (share * n as f32) as usize;
+        let (_, elevation_m, _) = elevations_m.select_nth_unstable_by(rank.min(n - 1), f32::total_cmp);
+        Some(*elevation_m)
+    }
 }
 
 /// Where a cell's centre lies along one axis.
@@ -79,29 +143,38 @@ impl Terrain {
     /// A terrain for grids of the geometry of `grid`, under a sensor `sensor_height_m` above the road.
     pub fn new(params: TerrainParams, grid: &HierarchicalGrid, sensor_height_m: f32) -> Self {
         let n_inner = grid.n_columns().div_ceil(params.block_cells);
-        let n_block_columns = n_inner as usize + 2;
+        let n_block_columns = n_inner as usize + 2 * REACH;
         let n_blocks = n_block_columns * n_block_columns;
         let block_cells = i64::from(params.block_cells);
         // Distances in half cells, so that they are whole numbers and the order is exact.
-        let from_middle = |step: u32| (2 * i64::from(step) - 1) * block_cells - i64::from(grid.n_columns());
+        let from_middle = |step: u32| {
+            (2 * (i64::from(step) - REACH as i64) + 1) * block_cells - i64::from(grid.n_columns())
+        };
         let squared_distance = |block_idx: u32| {
             let n = n_block_columns as u32;
             let (across, along) = (from_middle(block_idx % n), from_middle(block_idx / n));
             across * across + along * along
         };
-        let inner = |row: u32| (1..=n_inner).map(move |column| row * n_block_columns as u32 + column);
-        let mut outward: Vec<u32> = (1..=n_inner).flat_map(inner).collect();
+        let inner_steps = || REACH as u32..REACH as u32 + n_inner;
+        let inner = |row: u32| inner_steps().map(move |column| row * n_block_columns as u32 + column);
+        let mut outward: Vec<u32> = inner_steps().flat_map(inner).collect();
         outward.sort_by_key(|&block_idx| (squared_distance(block_idx), block_idx));
+        let is_below_sensor = |block_idx: u32| {
+            let n = n_block_columns as u32;
+            from_middle(block_idx % n).abs() <= block_cells && from_middle(block_idx / n).abs() <= block_cells
+        };
+        let room = (params.block_cells * params.block_cells) as usize;
         Self {
             sensor_height_m,
             n_block_columns,
             outward,
+            below_sensor: (0..n_blocks as u32).map(is_below_sensor).collect(),
             // A level road until a scan is seen.
             elevation_m: vec![-sensor_height_m; n_blocks],
             knowledge: vec![Knowledge::NONE; n_blocks],
             places: (0..grid.n_columns()).map(|step| Place::of(step, params.block_cells, n_inner)).collect(),
-            flat_m: vec![0.0; n_blocks * (params.block_cells * params.block_cells) as usize],
-            n_flat: vec![0; n_blocks],
+            flat_m: BlockElevations::new(n_blocks, room),
+            lowest_m: BlockElevations::new(n_blocks, room),
             params,
         }
     }
@@ -117,21 +190,45 @@ impl Terrain {
             self.elevation_m.fill(-self.sensor_height_m);
             return;
         }
-        self.gather_flat_cells(grid);
+        self.gather_elevations(grid);
         self.knowledge.fill(Knowledge::NONE);
         let block_size_m = self.params.block_cells as f32 * grid.params().cell_size_m;
         for order in 0..self.outward.len() {
             let block_idx = self.outward[order] as usize;
-            let (expected_m, n_unseen) = self.expectation(block_idx);
-            let rise_m = self.params.max_slope * block_size_m * f32::from(n_unseen + 1);
-            let tolerance_m = self.params.max_step_m + rise_m;
-            let seen_m = self.low_flat_elevation_m(block_idx);
-            let accepted_m = seen_m.filter(|seen_m| (seen_m - expected_m).abs() <= tolerance_m);
-            let elevation_m = accepted_m.unwrap_or(expected_m);
-            let n_unseen = if accepted_m.is_some() { 0 } else { n_unseen + 1 };
-            let weight = 1.0 / f32::from(1 + n_unseen);
-            self.knowledge[block_idx] = Knowledge { weight, weighted_m: weight * elevation_m, n_unseen };
+            let (elevation_m, knowledge) = self.look_at(block_idx, block_size_m);
             self.elevation_m[block_idx] = elevation_m;
+            self.knowledge[block_idx] = knowledge;
+        }
+    }
+
+    /// Elevation of a block whose neighbours towards the sensor are known.
+    fn look_at(&mut self, block_idx: usize, block_size_m: f32) -> (f32, Knowledge) {
+        let (level_m, n_unseen) = self.level_with_neighbors(block_idx);
+        let seen_m = self.flat_m.quantile_m(block_idx, self.params.low_quantile);
+        if seen_m.is_none() && self.below_sensor[block_idx] {
+            return (-self.sensor_height_m, Knowledge::SEEN);
+        }
+        if let Some(seen_m) = seen_m.filter(|it| (it - level_m).abs() <= LEVEL_M) {
+            return (seen_m, Knowledge::SEEN);
+        }
+        let lowest_m = self.lowest_m.quantile_m(block_idx, LOWEST_QUANTILE);
+        if seen_m.is_none() && lowest_m.is_none() {
+            return (level_m, Knowledge::unseen(n_unseen + 1, 0.0));
+        }
+        let (expected_m, is_sure) = self.plane_through_neighbors(block_idx, block_size_m).unwrap_or((level_m, false));
+        let away_m = block_size_m * f32::from(n_unseen + 1);
+        let bend = self.params.max_bend * if is_sure { 1.0 } else { UNSURE_BEND };
+        let highest_m = expected_m + self.params.max_step_m + bend * away_m;
+        let deepest_m = expected_m - self.params.max_step_m - self.params.max_slope * away_m;
+        if let Some(seen_m) = seen_m.filter(|it| (deepest_m..=highest_m).contains(it)) {
+            return (seen_m, Knowledge::SEEN);
+        }
+        match lowest_m.filter(|it| (deepest_m..expected_m).contains(it)) {
+            Some(lowest_m) => (lowest_m, Knowledge::unseen(n_unseen + 1, LOWERED_WEIGHT)),
+            None => {
+                let plane_weight = GUESSED_WEIGHT / f32::from(n_unseen + 2);
+                (expected_m, Knowledge::unseen(n_unseen + 1, plane_weight))
+            }
         }
     }
 
@@ -147,14 +244,15 @@ impl Terrain {
         low_m + y.share * (high_m - low_m)
     }
 
-    /// What the neighbours that are already known say, and for how many blocks they have not seen the ground.
-    fn expectation(&self, block_idx: usize) -> (f32, u16) {
+    /// What the neighbours that are already known have for an elevation, and for how many blocks they have not seen the ground.
+    fn level_with_neighbors(&self, block_idx: usize) -> (f32, u16) {
         let n = self.n_block_columns;
         let (mut sum_m, mut weight_sum, mut fewest_unseen) = (0.0, 0.0, u16::MAX);
         for first in [block_idx - n - 1, block_idx - 1, block_idx + n - 1] {
             // The block itself is not known yet.
-            for it in &self.knowledge[first..first + 3] {
-                sum_m += it.weighted_m;
+            let known = self.knowledge[first..first + 3].iter().zip(&self.elevation_m[first..first + 3]);
+            for (it, elevation_m) in known {
+                sum_m += it.weight * elevation_m;
                 weight_sum += it.weight;
                 fewest_unseen = fewest_unseen.min(it.n_unseen);
             }
@@ -162,30 +260,109 @@ impl Terrain {
         if weight_sum > 0.0 { (sum_m / weight_sum, fewest_unseen) } else { (-self.sensor_height_m, 0) }
     }
 
-    fn gather_flat_cells(&mut self, grid: &HierarchicalGrid) {
-        let room = (self.params.block_cells * self.params.block_cells) as usize;
-        self.n_flat.fill(0);
+    /// Where the plane through the blocks around that are already known has this one, and whether they are enough to be sure.
+    ///
+    /// Twice by least squares: what lies above the first plane counts little in the second one, for it may be no ground, and what
+    /// lies below it counts more.
+    fn plane_through_neighbors(&self, block_idx: usize, block_size_m: f32) -> Option<(f32, bool)> {
+        let mut known = [KnownBlock::default(); WINDOW * WINDOW];
+        let (mut n_known, mut n_seen) = (0, 0);
+        for row in 0..WINDOW {
+            let first = block_idx - REACH + row * self.n_block_columns - REACH * self.n_block_columns;
+            for column in 0..WINDOW {
+                let plane_weight = self.knowledge[first + column].plane_weight;
+                if plane_weight > 0.0 {
+                    let [across, along] = [column, row].map(|it| it as f32 - REACH as f32);
+                    known[n_known] = KnownBlock {
+                        offset_m: [block_size_m * across, block_size_m * along],
+                        elevation_m: self.elevation_m[first + column],
+                        weight: plane_weight / (1.0 + (across * across + along * along) / 3.0),
+                    };
+                    n_known += 1;
+                    n_seen += u32::from(plane_weight == 1.0);
+                }
+            }
+        }
+        let known = &mut known[..n_known];
+        let first = Plane::through(known, self.params.max_slope)?;
+        for it in known.iter_mut() {
+            let above_m = it.elevation_m - first.elevation_m(it.offset_m);
+            let tolerated_m = self.params.max_step_m * if above_m > 0.0 { 1.0 } else { 3.0 };
+            let ratio = above_m / tolerated_m;
+            it.weight /= 1.0 + ratio * ratio;
+        }
+        let second = Plane::through(known, self.params.max_slope)?;
+        Some((second.elevation_m([0.0, 0.0]), n_seen >= N_SURE))
+    }
+
+    fn gather_elevations(&mut self, grid: &HierarchicalGrid) {
+        self.flat_m.n.fill(0);
+        self.lowest_m.n.fill(0);
         for &cell_idx in grid.occupied() {
             let cell = &grid.cells()[cell_idx as usize];
+            let [x, y] = grid.column_and_row(cell_idx).map(|step| self.places[step as usize].block);
+            let block_idx = y as usize * self.n_block_columns + x as usize;
             if cell.n_points >= self.params.min_points && cell.z_extent_m() < self.params.flat_extent_m {
-                let [x, y] = grid.column_and_row(cell_idx).map(|step| self.places[step as usize].block);
-                let block_idx = y as usize * self.n_block_columns + x as usize;
-                self.flat_m[block_idx * room + self.n_flat[block_idx] as usize] = cell.z_mean_m();
-                self.n_flat[block_idx] += 1;
+                self.flat_m.push(block_idx, cell.z_mean_m());
+            }
+            if cell.n_points >= LOWEST_MIN_POINTS {
+                self.lowest_m.push(block_idx, cell.z_min_m);
             }
         }
     }
+}
 
-    fn low_flat_elevation_m(&mut self, block_idx: usize) -> Option<f32> {
-        let n_flat = self.n_flat[block_idx] as usize;
-        if n_flat == 0 {
+/// A block that a plane goes through.
+#[derive(Debug, Clone, Copy, Default)]
+struct KnownBlock {
+    /// From the block that is asked for.
+    offset_m: [f32; 2],
+    elevation_m: f32,
+    weight: f32,
+}
+
+/// The ground as it goes on.
+#[derive(Debug, Clone, Copy)]
+struct Plane {
+    middle_m: [f32; 3],
+    slope: [f32; 2],
+}
+
+impl Plane {
+    /// The plane with the least squares to `known`, no steeper than `max_slope`; `None` if they have no weight.
+    fn through(known: &[KnownBlock], max_slope: f32) -> Option<Self> {
+        let (mut weight_sum, mut sums_m) = (0.0, [0.0; 3]);
+        for it in known {
+            let [x_m, y_m] = it.offset_m;
+            weight_sum += it.weight;
+            for (sum_m, value_m) in sums_m.iter_mut().zip([x_m, y_m, it.elevation_m]) {
+                *sum_m += it.weight * value_m;
+            }
+        }
+        if weight_sum <= 0.0 {
             return None;
         }
-        let room = (self.params.block_cells * self.params.block_cells) as usize;
-        let flat_m = &mut self.flat_m[block_idx * room..][..n_flat];
-        let rank = (self.params.low_quantile * n_flat as f32) as usize;
-        let (_, elevation_m, _) = flat_m.select_nth_unstable_by(rank.min(n_flat - 1), f32::total_cmp);
-        Some(*elevation_m)
+        let middle_m = sums_m.map(|it| it / weight_sum);
+        let (mut xx, mut yy, mut xy, mut xz, mut yz) = (LEVELLING_M2, LEVELLING_M2, 0.0, 0.0, 0.0);
+        for it in known {
+            let (x_m, y_m) = (it.offset_m[0] - middle_m[0], it.offset_m[1] - middle_m[1]);
+            let z_m = it.elevation_m - middle_m[2];
+            xx += it.weight * x_m * x_m;
+            yy += it.weight * y_m * y_m;
+            xy += it.weight * x_m * y_m;
+            xz += it.weight * x_m * z_m;
+            yz += it.weight * y_m * z_m;
+        }
+        let determinant = xx * yy - xy * xy;
+        let slope = [(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant];
+        let steepness = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
+        let share = if steepness > max_slope { max_slope / steepness } else { 1.0 };
+        Some(Self { middle_m, slope: slope.map(|it| share * it) })
+    }
+
+    fn elevation_m(&self, offset_m: [f32; 2]) -> f32 {
+        let [x_m, y_m] = [0, 1].map(|axis| offset_m[axis] - self.middle_m[axis]);
+        self.middle_m[2] + self.slope[0] * x_m + self.slope[1] * y_m
     }
 }
 
@@ -196,7 +373,9 @@ impl Place {
         let before = (position.max(0.0) as u32).min(last);
         let share = (position - before as f32).clamp(0.0, 1.0);
         // Behind the frame.
-        Self { block: step / block_cells + 1, before: before + 1, behind: (before + 1).min(last) + 1, share }
+        let [block, before, behind] =
+            [step / block_cells, before, (before + 1).min(last)].map(|it| it + REACH as u32);
+        Self { block, before, behind, share }
     }
 }
 
@@ -212,6 +391,7 @@ mod tests {
             enabled: true,
             block_cells: 5,
             max_slope: 0.15,
+            max_bend: 0.04,
             max_step_m: 0.15,
             low_quantile: 0.25,
             flat_extent_m: 0.25,

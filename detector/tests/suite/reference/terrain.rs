@@ -17,6 +17,8 @@ struct Block {
     elevation_m: f32,
     /// Blocks since the last one that was seen.
     n_unseen: u16,
+    /// How much it says of the ground farther away.
+    plane_weight: f32,
 }
 
 impl Terrain {
@@ -28,7 +30,7 @@ impl Terrain {
         let n_columns = (2.0 * params.grid.extent_m / params.grid.cell_size_m) as i32 + 1 + 2;
         let block_cells = params.terrain.block_cells as i32;
         let n_block_columns = (n_columns + block_cells - 1) / block_cells;
-        let flat_m = flat_elevations_m(cells, &params.terrain);
+        let [flat_m, lowest_m] = elevations_m(cells, &params.terrain);
         let from_middle = |step: i32| i64::from((2 * step + 1) * block_cells - n_columns);
         let blocks =
             (0..n_block_columns).flat_map(|row| (0..n_block_columns).map(move |column| Cell { row, column }));
@@ -40,20 +42,79 @@ impl Terrain {
         let mut terrain = Self { block_cells, n_block_columns, blocks: BTreeMap::new() };
         let block_size_m = params.terrain.block_cells as f32 * params.grid.cell_size_m;
         for block in outward {
-            let (expected_m, n_unseen) = terrain.expectation(block).unwrap_or((-sensor_height_m, 0));
-            let rise_m = params.terrain.max_slope * block_size_m * f32::from(n_unseen + 1);
-            let tolerance_m = params.terrain.max_step_m + rise_m;
-            let seen_m = flat_m.get(&block).map(|it| low_quantile(it, params.terrain.low_quantile));
-            let it = match seen_m {
-                _ if !params.terrain.enabled => Block { elevation_m: -sensor_height_m, n_unseen: 0 },
-                Some(elevation_m) if (elevation_m - expected_m).abs() <= tolerance_m => {
-                    Block { elevation_m, n_unseen: 0 }
-                }
-                _ => Block { elevation_m: expected_m, n_unseen: n_unseen + 1 },
+            let from_sensor = [block.column, block.row].map(|it| from_middle(it).abs());
+            let place = Place {
+                is_below_sensor: from_sensor.iter().all(|it| *it <= i64::from(block_cells)),
+                seen_m: flat_m.get(&block).map(|it| low_quantile(it, params.terrain.low_quantile)),
+                lowest_m: lowest_m.get(&block).map(|it| low_quantile(it, 0.25)),
+                block,
+            };
+            let it = match params.terrain.enabled {
+                true => terrain.looked_at(&place, &params.terrain, (block_size_m, sensor_height_m)),
+                false => Block { elevation_m: -sensor_height_m, n_unseen: 0, plane_weight: 0.0 },
             };
             terrain.blocks.insert(block, it);
         }
         terrain
+    }
+
+    fn looked_at(
+        &self,
+        place: &Place,
+        params: &TerrainParams,
+        (block_size_m, sensor_height_m): (f32, f32),
+    ) -> Block {
+        let seen = |elevation_m: f32| Block { elevation_m, n_unseen: 0, plane_weight: 1.0 };
+        let (level_m, n_unseen) = self.expectation(place.block).unwrap_or((-sensor_height_m, 0));
+        let n_unseen_here = n_unseen + 1;
+        match (place.seen_m, place.lowest_m) {
+            (None, _) if place.is_below_sensor => return seen(-sensor_height_m),
+            (Some(seen_m), _) if (seen_m - level_m).abs() <= 0.1 => return seen(seen_m),
+            (None, None) => {
+                return Block { elevation_m: level_m, n_unseen: n_unseen_here, plane_weight: 0.0 };
+            }
+            _ => {}
+        }
+        let (expected_m, n_seen) = self.plane(place.block, params, block_size_m).unwrap_or((level_m, 0));
+        let away_m = block_size_m * f32::from(n_unseen_here);
+        let bend = params.max_bend * if n_seen >= 6 { 1.0 } else { 1.75 };
+        let highest_m = expected_m + params.max_step_m + bend * away_m;
+        let deepest_m = expected_m - params.max_step_m - params.max_slope * away_m;
+        match (place.seen_m, place.lowest_m) {
+            (Some(it), _) if it >= deepest_m && it <= highest_m => seen(it),
+            (_, Some(it)) if it >= deepest_m && it < expected_m => {
+                Block { elevation_m: it, n_unseen: n_unseen_here, plane_weight: 0.2 }
+            }
+            _ => {
+                let plane_weight = 0.25 / f32::from(n_unseen_here + 1);
+                Block { elevation_m: expected_m, n_unseen: n_unseen_here, plane_weight }
+            }
+        }
+    }
+
+    /// Elevation of the plane through the known blocks around, and how many of them were seen.
+    fn plane(&self, block: Cell, params: &TerrainParams, block_size_m: f32) -> Option<(f32, usize)> {
+        let mut known: Vec<([f32; 3], f32)> = Vec::new();
+        let mut n_seen = 0;
+        for (across, along) in (-3..=3).flat_map(|along| (-3..=3).map(move |across| (across, along))) {
+            let Some(it) = self.blocks.get(&Cell { row: block.row + along, column: block.column + across })
+            else {
+                continue;
+            };
+            if it.plane_weight > 0.0 {
+                let (across, along) = (across as f32, along as f32);
+                let weight = it.plane_weight / (1.0 + (across * across + along * along) / 3.0);
+                known.push(([block_size_m * across, block_size_m * along, it.elevation_m], weight));
+                n_seen += usize::from(it.n_unseen == 0);
+            }
+        }
+        let plane_m = plane_through(&known, params.max_slope)?;
+        for ([x_m, y_m, z_m], weight) in &mut known {
+            let above_m = *z_m - plane_m(*x_m, *y_m);
+            let ratio = above_m / (params.max_step_m * if above_m > 0.0 { 1.0 } else { 3.0 });
+            *weight /= 1.0 + ratio * ratio;
+        }
+        plane_through(&known, params.max_slope).map(|plane_m| (plane_m(0.0, 0.0), n_seen))
     }
 
     /// Mean of the neighbours known so far, those that were seen counting most, and the fewest blocks that one of them is unseen.
@@ -85,18 +146,58 @@ impl Terrain {
     }
 }
 
-/// Mean elevations of the flat cells of each block.
-fn flat_elevations_m(cells: &BTreeMap<Cell, CellPoints>, params: &TerrainParams) -> BTreeMap<Cell, Vec<f32>> {
+/// What is seen of a block.
+struct Place {
+    block: Cell,
+    is_below_sensor: bool,
+    seen_m: Option<f32>,
+    lowest_m: Option<f32>,
+}
+
+/// The plane with the least squares, which leans towards the level.
+fn plane_through(known: &[([f32; 3], f32)], max_slope: f32) -> Option<impl Fn(f32, f32) -> f32 + use<>> {
+    let sum = |value: &dyn Fn(&[f32; 3]) -> f32| {
+        known.iter().fold(0.0, |sum, (at_m, weight)| sum + weight * value(at_m))
+    };
+    let weights = sum(&|_| 1.0);
+    if weights <= 0.0 {
+        return None;
+    }
+    let [x_m, y_m, z_m] = [0, 1, 2].map(|axis| sum(&|at_m| at_m[axis]) / weights);
+    let product = |a: usize, b: usize, start: f32| {
+        let middle_m = [x_m, y_m, z_m];
+        known.iter().fold(start, |sum, (at_m, weight)| {
+            sum + weight * (at_m[a] - middle_m[a]) * (at_m[b] - middle_m[b])
+        })
+    };
+    let (xx, yy, xy) = (product(0, 0, 2.0), product(1, 1, 2.0), product(0, 1, 0.0));
+    let (xz, yz) = (product(0, 2, 0.0), product(1, 2, 0.0));
+    let determinant = xx * yy - xy * xy;
+    let slope = [(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant];
+    let steepness = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
+    let share = if steepness > max_slope { max_slope / steepness } else { 1.0 };
+    let slope = slope.map(|it| share * it);
+    Some(move |to_x_m: f32, to_y_m: f32| z_m + slope[0] * (to_x_m - x_m) + slope[1] * (to_y_m - y_m))
+}
+
+/// Mean elevations of the flat cells of each block, and the lowest ones of all its cells of three points or more.
+fn elevations_m(
+    cells: &BTreeMap<Cell, CellPoints>,
+    params: &TerrainParams,
+) -> [BTreeMap<Cell, Vec<f32>>; 2] {
     let block_cells = params.block_cells as i32;
-    let mut flat_m: BTreeMap<Cell, Vec<f32>> = BTreeMap::new();
+    let [mut flat_m, mut lowest_m] = [BTreeMap::<Cell, Vec<f32>>::new(), BTreeMap::new()];
     for (cell, points) in cells {
-        let is_seen = points.point_indices.len() >= params.min_points as usize;
-        if is_seen && points.z_extent_m() < params.flat_extent_m {
-            let block = Cell { row: cell.row / block_cells, column: cell.column / block_cells };
+        let n_points = points.point_indices.len();
+        let block = Cell { row: cell.row / block_cells, column: cell.column / block_cells };
+        if n_points >= params.min_points as usize && points.z_extent_m() < params.flat_extent_m {
             flat_m.entry(block).or_default().push(points.z_mean_m());
         }
+        if n_points >= 3 {
+            lowest_m.entry(block).or_default().push(points.z_min_m());
+        }
     }
-    flat_m
+    [flat_m, lowest_m]
 }
 
 fn low_quantile(values: &[f32], share: f32) -> f32 {
