@@ -82,11 +82,12 @@ pub struct TooFewRings {
 }
 
 /// Sensors and the curves that come with the detector, as `scanbench fit-density` wrote them from simulated scans.
-const SHIPPED: [(&str, &str); 4] = [
+const SHIPPED: [(&str, &str); 5] = [
     ("hdl-64e-s2", include_str!("../params/density/hdl-64e-s2.toml")),
     ("hdl-32e", include_str!("../params/density/hdl-32e.toml")),
     ("vlp-16", include_str!("../params/density/vlp-16.toml")),
     ("os1-128", include_str!("../params/density/os1-128.toml")),
+    ("argoverse2", include_str!("../params/density/argoverse2.toml")),
 ];
 
 impl DensityCurve {

@@ -215,7 +215,8 @@ impl Terrain {
         if seen_m.is_none() && lowest_m.is_none() {
             return (level_m, Knowledge::unseen(n_unseen + 1, 0.0));
         }
-        let (expected_m, is_sure) = self.plane_through_neighbors(block_idx, block_size_m).unwrap_or((level_m, false));
+        let (expected_m, is_sure) =
+            self.plane_through_neighbors(block_idx, block_size_m).unwrap_or((level_m, false));
         let away_m = block_size_m * f32::from(n_unseen + 1);
         let bend = self.params.max_bend * if is_sure { 1.0 } else { UNSURE_BEND };
         let highest_m = expected_m + self.params.max_step_m + bend * away_m;

@@ -47,5 +47,6 @@ pub mod object_pair;
 pub mod simulated_street;
 pub mod catalogue;
 pub mod open;
+pub mod recognised_sensor;
 
 pub use street::{EgoPose, SIMULATOR_VERSION, Street, StreetKind};

@@ -1,8 +1,10 @@
 //! From what the user names to an open data set, simulated or on disk.
 
+use nalgebra::Isometry3;
 use scans::dataset::class_table::ClassRules;
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mcap::topics::TopicChoice;
+use scans::dataset::mounting::Mounting;
 use scans::dataset::open::{ReadOptions, open_recorded};
 use scans::dataset::source::DamagePolicy;
 use scans::dataset::{Dataset, DatasetError};
@@ -19,8 +21,12 @@ pub struct OpenOptions {
     pub seed: Option<u64>,
     /// The number of scans of a simulation.
     pub n_simulated_scans: Option<u32>,
-    /// The sensor of a simulation: an id, or the path of a description.
+    /// The sensor: an id, or the path of a description.
     pub sensor: Option<String>,
+    /// Height of the sensor above the road, in metres.
+    pub sensor_height_m: Option<f32>,
+    /// From the frame of the files to that of the sensor; nothing for a simulation.
+    pub sensor_from_file: Option<Isometry3<f64>>,
     /// The topics of a recording; the catalogue's or the only ones are taken else.
     pub topics: TopicChoice,
     /// What becomes of damaged parts that others do not depend on.
@@ -32,8 +38,10 @@ pub struct OpenOptions {
 impl OpenOptions {
     /// What of it concerns data sets on disk.
     pub fn of_files(&self) -> ReadOptions {
-        let Self { format, topics, damage, classes, .. } = self.clone();
-        ReadOptions { format, topics, damage, classes }
+        let Self { format, topics, damage, classes, sensor, sensor_height_m, sensor_from_file, .. } =
+            self.clone();
+        let mounting = Mounting { sensor, sensor_height_m, sensor_from_file };
+        ReadOptions { format, topics, damage, classes, mounting }
     }
 }
 
@@ -82,6 +90,7 @@ fn open_drive(
         seed: options.seed.unwrap_or(drive.seed),
         n_scans: options.n_simulated_scans.unwrap_or(drive.n_scans),
         sensor: options.sensor.clone().unwrap_or_else(|| drive.sensor.clone()),
+        sensor_height_m: options.sensor_height_m.or(drive.sensor_height_m),
         ..drive.clone()
     };
     open_simulated_street(id, &drive)

@@ -46,6 +46,9 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
                 @for standing in &facts.standings { p { (unbroken(&standing.sentence())) } }
                 @if let Some(sentence) = facts.speeds.sentence() { p { (unbroken(&sentence)) } }
             }
+            @for entry in &facts.manifest.datasets {
+                @for doubt in &entry.doubts { p.failed role="note" { (entry.id) ": " (doubt) } }
+            }
             @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
             (FigureMarkup {
                 file_stem: "standing",

@@ -8,3 +8,4 @@ pub mod match_row;
 pub mod box_row;
 pub mod cluster_of_point;
 pub mod training_row;
+pub mod agreement_row;

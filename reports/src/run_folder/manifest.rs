@@ -97,10 +97,36 @@ pub struct DatasetEntry {
     pub sensor_height_m: f32,
     /// The sensor: its id, or the file that describes it.
     pub sensor: String,
+    /// What the scans themselves say of the sensor; `None` where nobody asked them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seen: Option<SeenMounting>,
+    /// Why the frame of the scans is doubtful, a sentence each. No verdict rests on such a data set.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
     /// Its licence, where known.
     pub licence: Option<String>,
     /// What a simulation was asked for besides its seed; `None` for what was recorded.
     pub simulation: Option<Simulation>,
+}
+
+/// Sensor and mounting as the first scans show them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeenMounting {
+    /// Beams, and the elevations of the lowest and the highest in degrees.
+    pub n_beams: Option<u32>,
+    /// The lowest and the highest.
+    pub elevations_deg: Option<[f64; 2]>,
+    /// The known sensor that has such beams.
+    pub sensor: Option<String>,
+    /// The axis that points up: `z` as it should be.
+    pub up_axis: Option<String>,
+    /// Height of the origin above the ground in metres.
+    pub height_m: Option<f64>,
+    /// Angle between the ground's upright and the axis z, in degrees.
+    pub tilt_deg: Option<f64>,
+    /// Which of it the run went by, since nobody said otherwise: `sensor`, `density`, `height`, `tilt`.
+    pub taken: Vec<String>,
 }
 
 impl DatasetEntry {
@@ -288,6 +314,8 @@ mod tests {
                 checksum: None,
                 n_scans: 40,
                 skipped_scans: Vec::new(),
+                seen: None,
+                doubts: Vec::new(),
                 n_points_left_out: 0,
                 classes: BTreeMap::new(),
                 selection: Some("0..80:2".to_owned()),

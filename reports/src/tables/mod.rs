@@ -17,3 +17,4 @@ pub mod formats;
 
 #[cfg(test)]
 pub(crate) mod sample;
+pub mod agreement_table;

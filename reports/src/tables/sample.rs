@@ -62,6 +62,8 @@ fn dataset(id: &str) -> DatasetEntry {
         checksum: None,
         n_scans: 20,
         skipped_scans: Vec::new(),
+        seen: None,
+        doubts: Vec::new(),
         n_points_left_out: 0,
         classes: std::collections::BTreeMap::new(),
         selection: None,

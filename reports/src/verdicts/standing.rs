@@ -26,6 +26,8 @@ pub struct Standing {
     pub places: Vec<Place>,
     /// What lies between the first and the second.
     pub lead: Option<PairedDifference>,
+    /// Data sets whose frame is doubtful.
+    pub doubtful: Vec<String>,
 }
 
 /// What one detector reached.
@@ -83,9 +85,13 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
             };
             paired_difference(&sample(&second.detector)?, &sample(&places[0].detector)?, &metric)
         });
-        Standing { task, origin: origin_of_run(manifest), metric, places, lead }
+        Standing { task, origin: origin_of_run(manifest), metric, places, lead, doubtful: doubtful(manifest) }
     };
     tally.tasks().iter().map(standing).collect()
+}
+
+fn doubtful(manifest: &Manifest) -> Vec<String> {
+    manifest.datasets.iter().filter(|it| !it.doubts.is_empty()).map(|it| it.id.clone()).collect()
 }
 
 /// How long the detectors of a run take, over all its data sets together.
@@ -128,6 +134,9 @@ impl Standing {
         let defined: Vec<&Place> = self.places.iter().filter(|it| it.value.is_some()).collect();
         match (&defined[..], &self.lead) {
             ([], _) => format!("{about}{metric} is undefined."),
+            _ if !self.doubtful.is_empty() => {
+                format!("{about}no verdict, since the frame of {} is doubtful.", self.doubtful.join(", "))
+            }
             ([only], _) => format!(
                 "{about}{} has {} {}{}.",
                 only.detector,
@@ -266,7 +275,7 @@ mod tests {
             least_effect: None,
         });
         let (task, origin, metric) = (Task::Objects, Origin::Simulated, Metric::FRate);
-        Standing { task, origin, metric, places, lead }
+        Standing { task, origin, metric, places, lead, doubtful: Vec::new() }
     }
 
     #[test]
@@ -322,6 +331,16 @@ mod tests {
             "{}",
             alone.sentence()
         );
+    }
+
+    #[test]
+    fn of_a_doubtful_frame_nobody_leads() {
+        let mut doubtful = standing(&[Some(0.7), Some(0.6)], Some([0.1, 0.05, 0.12]));
+        doubtful.doubtful = vec!["mine".to_owned()];
+        let expected = "Task objects (simulated): no verdict, since the frame of mine is doubtful.";
+        assert_eq!(doubtful.sentence(), expected);
+        doubtful.places.truncate(1);
+        assert_eq!(doubtful.sentence(), expected);
     }
 
     #[test]

@@ -181,10 +181,7 @@ fn plane_through(known: &[([f32; 3], f32)], max_slope: f32) -> Option<impl Fn(f3
 }
 
 /// Mean elevations of the flat cells of each block, and the lowest ones of all its cells of three points or more.
-fn elevations_m(
-    cells: &BTreeMap<Cell, CellPoints>,
-    params: &TerrainParams,
-) -> [BTreeMap<Cell, Vec<f32>>; 2] {
+fn elevations_m(cells: &BTreeMap<Cell, CellPoints>, params: &TerrainParams) -> [BTreeMap<Cell, Vec<f32>>; 2] {
     let block_cells = params.block_cells as i32;
     let [mut flat_m, mut lowest_m] = [BTreeMap::<Cell, Vec<f32>>::new(), BTreeMap::new()];
     for (cell, points) in cells {

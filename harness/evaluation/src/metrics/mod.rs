@@ -5,3 +5,4 @@ pub mod box_errors;
 pub mod median_interval;
 pub mod segmentation_quality;
 pub mod pair_separation;
+pub mod agreement;

@@ -20,9 +20,6 @@ pub struct DetectArgs {
     /// Scan of the data set: `0000/000110`, or `110` if only one drive has that number
     #[arg(long, value_name = "ID", help_heading = DATA)]
     pub scan: Option<String>,
-    /// Height of the sensor above the road in metres [default: the data set's; 1.73 for a file]
-    #[arg(long, value_name = "M", value_parser = sensor_height_m, help_heading = DATA)]
-    pub sensor_height: Option<f32>,
     /// How the data set is opened.
     #[command(flatten)]
     pub source: SourceArgs,
@@ -59,10 +56,4 @@ of no cluster have 0.";
 
 fn detector_help() -> String {
     format!("Detector: {}, or one of scanbench.toml", detector_names().join(", "))
-}
-
-/// A height from that of the road itself, for clouds that are given from there, to that of a house.
-fn sensor_height_m(text: &str) -> Result<f32, String> {
-    let height_m: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=100.0).contains(&height_m) { Ok(height_m) } else { Err("not within 0 to 100 m".to_owned()) }
 }

@@ -62,9 +62,18 @@ pub struct SourceArgs {
     /// Number of scans of simulated data sets [default: the catalogue's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), hide_short_help = true)]
     pub simulated_scans: Option<u32>,
-    /// Sensor of simulated data sets.
+    /// Sensor.
     #[arg(long, value_name = "SENSOR", help = sensor_help())]
     pub sensor: Option<String>,
+    /// Height of the sensor above the road in metres [default: the catalogue's, or as the scans show it]
+    #[arg(long, value_name = "M", value_parser = sensor_height_m, hide_short_help = true)]
+    pub sensor_height: Option<f32>,
+    /// File with the transform from the frame of recorded files to the sensor's: x forward, y left, z up
+    ///
+    /// A matrix of 4 × 4 or 3 × 4 numbers row by row, or x y z and a quaternion x y z w, or x y z roll pitch yaw as ROS has them;
+    /// in metres and radians. Points and boxes are moved by it.
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    pub transform: Option<PathBuf>,
     /// Where ids are looked up.
     #[command(flatten)]
     pub catalogue: CatalogueArgs,
@@ -118,7 +127,13 @@ impl DamageArgs {
 
 pub(super) fn sensor_help() -> String {
     let ids = EMBEDDED_SENSORS.map(|(id, _)| format!("`{id}`")).join(", ");
-    format!("Sensor of simulated data sets: {ids}, or a TOML file")
+    format!("Sensor [default: the catalogue's, or as the scans show it]: {ids}, or a TOML file")
+}
+
+/// A height from that of the road itself, for clouds that are given from there, to that of a house.
+fn sensor_height_m(text: &str) -> Result<f32, String> {
+    let height_m: f32 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.0..=100.0).contains(&height_m) { Ok(height_m) } else { Err("not within 0 to 100 m".to_owned()) }
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use scans::dataset::source::DamagePolicy;
 use crate::cli::AblationArgs;
 use crate::commands::config::{built_in_detectors, choose_criterion};
 use crate::commands::failure::Failure;
+use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{ids_of, open_datasets};
 use crate::commands::opened_results::OpenedResults;
@@ -51,8 +52,8 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
     let (listed, mut config) = built_in_detectors(&arguments.config, &[METHOD.to_owned()])?;
     choose_criterion(&mut config, &arguments.matching);
+    let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
     let variants = variants(listed[0], &config)?;
-    let datasets = open_datasets(&arguments.data, &config.classes)?;
     let unnamed = format!("{}-ablation-{}", compact_utc(started), ids_of(&datasets));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let progress = RunProgress::new();
@@ -69,6 +70,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
         on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
+        goes_on_without_labels: false,
     };
     watched.run(sinks)?;
     let manifest = run_manifest(RunSettings {

@@ -12,6 +12,7 @@ use scans::dataset::source::DamagePolicy;
 
 use crate::cli::CheckArgs;
 use crate::commands::failure::Failure;
+use crate::commands::first_look::doubts_of;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
@@ -39,6 +40,7 @@ pub fn data_check(arguments: &CheckArgs) -> Result<(), Failure> {
         let is_interrupted = || interrupted.load(Ordering::Relaxed);
         let (scans, damage) = check(opened, is_interrupted)?;
         let mut report = CheckReport::of(opened.dataset.description(), &scans);
+        report.add_doubts(&doubts_of(opened));
         // Of a part of the scans only this part is looked at.
         let is_whole = damage.is_none() && opened.scan_indices.len() == opened.dataset.scan_ids().len();
         if is_whole {

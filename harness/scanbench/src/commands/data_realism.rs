@@ -77,6 +77,8 @@ fn against(arguments: &RealismArgs) -> DatasetArgs {
             seed: None,
             simulated_scans: None,
             sensor: None,
+            sensor_height: None,
+            transform: None,
             catalogue: arguments.data.source.catalogue.clone(),
         },
     }

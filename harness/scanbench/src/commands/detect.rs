@@ -16,6 +16,7 @@ use scans::dataset::positioned_points::values_of_file;
 use crate::cli::DetectArgs;
 use crate::commands::config::{chosen_detectors, warn_of_unknown_sensor};
 use crate::commands::failure::{Failure, Usage};
+use crate::commands::first_look::look_at_scan;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_scan::{OpenedScan, open_scan};
 use crate::commands::result_file::{Destination, write_results};
@@ -30,12 +31,13 @@ pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let destinations = Destinations::new(arguments)?;
     let names = std::slice::from_ref(&arguments.detector);
-    let (detectors, config) = chosen_detectors(&arguments.config, names)?;
+    let (detectors, mut config) = chosen_detectors(&arguments.config, names)?;
     destinations.check()?;
     let mut scan =
         open_scan(&arguments.input, arguments.scan.as_deref(), &arguments.source, &config.classes)?;
-    let description = &mut scan.description;
-    description.sensor_height_m = arguments.sensor_height.unwrap_or(description.sensor_height_m);
+    let stated = scan.stated;
+    look_at_scan(&mut scan, stated, &mut config);
+    let description = &scan.description;
     warn_of_unknown_sensor(&config, &description.sensor);
     let mut detector = Entrant::of(detectors[0].clone(), &config).begin(description);
     let result = detect_repeatedly(&mut *detector, &scan.scan, arguments.repeat as usize, interrupted)?;
@@ -112,7 +114,7 @@ impl Destinations {
 }
 
 fn summary(opened: &OpenedScan, detector: &str, result: &SingleScan) -> String {
-    let OpenedScan { name, scan, description } = opened;
+    let OpenedScan { name, scan, description, .. } = opened;
     let detections = &result.output.detections;
     let n_in_clusters: usize = detections.iter().map(|it| it.point_indices.len()).sum();
     let n_vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle).count();

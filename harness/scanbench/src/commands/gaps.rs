@@ -66,6 +66,7 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
         on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
+        goes_on_without_labels: false,
     };
     watched.run(sinks)?;
     write_numbers(&directory, &manifest(arguments, &asked, &pairs, &datasets), &tally)?;

@@ -9,17 +9,21 @@ use reports::run_folder::manifest::SkippedScan;
 use scans::annotation::ScanId;
 use scans::dataset::catalogue::read_catalogue;
 use scans::dataset::class_table::{ClassRules, ClassTable};
+use scans::dataset::data_sheet::DataSheet;
 use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mcap::topics::TopicChoice;
+use scans::dataset::mounting::read_transform;
 use scans::dataset::scan_selection::ScanSelection;
 use scans::dataset::source::DamagePolicy;
-use scans::dataset::{Dataset, DatasetError};
+use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 use simulator::catalogue::{Catalogue, built_in_catalogue};
 use simulator::open::{OpenOptions, open_dataset};
+use simulator::simulated_street::sensor_named;
 
 use crate::cli::{DatasetArgs, SourceArgs};
 use crate::commands::counted_dataset::{CountedDataset, PointsLeftOut};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
+use crate::commands::frame_facts::{FirstLook, Stated};
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
 /// A data set and the scans that are asked for.
@@ -34,6 +38,10 @@ pub struct OpenedDataset {
     pub points_left_out: PointsLeftOut,
     /// What the user said names of classes in its labels stand for.
     pub classes: ClassTable,
+    /// Who says how its sensor is mounted.
+    pub stated: Stated,
+    /// What its first scans show, once they have been looked at.
+    pub first_look: FirstLook,
 }
 
 impl OpenedDataset {
@@ -46,6 +54,8 @@ impl OpenedDataset {
             skipped: RefCell::default(),
             points_left_out,
             classes: ClassTable::default(),
+            stated: Stated::ALL,
+            first_look: FirstLook::default(),
         }
     }
 
@@ -183,6 +193,7 @@ pub fn open_datasets_past_damage(
             ));
             SkippedScan { scan: "all that follow".to_owned(), reason: reason.to_owned() }
         });
+        let stated = stated(name, &catalogue, &arguments.source, dataset.description())?;
         let (dataset, points_left_out) = CountedDataset::new(dataset);
         opened.push(OpenedDataset {
             dataset: Box::new(dataset),
@@ -190,13 +201,39 @@ pub fn open_datasets_past_damage(
             skipped: RefCell::new(left_out.into_iter().collect()),
             points_left_out,
             classes: options.of_files().classes_of(name, &catalogue).table,
+            stated,
+            first_look: FirstLook::default(),
         });
     }
     // What was simulated and written to disk is what it is.
     if opened.iter().all(|it| it.dataset.description().root.is_some()) {
         refuse_simulation(&arguments.source)?;
     }
+    // And what is simulated on the fly has no frame of files.
+    if opened.iter().all(|it| it.dataset.description().root.is_none()) && arguments.source.transform.is_some()
+    {
+        return Err(Usage("--transform is only for recorded data sets, and none is given".to_owned()).into());
+    }
     Ok(opened)
+}
+
+/// Who says how the sensor of the data set `name` is mounted: options, the catalogue, or a data sheet beside the scans.
+///
+/// # Errors
+///
+/// If the data sheet is damaged.
+pub fn stated(
+    name: &str,
+    catalogue: &Catalogue,
+    source: &SourceArgs,
+    description: &DatasetDescription,
+) -> Result<Stated, Failure> {
+    let folder = description.root.as_deref().filter(|it| it.is_dir());
+    let has_sheet = folder.map(DataSheet::in_folder).transpose()?.flatten().is_some();
+    if has_sheet || catalogue.ids().any(|it| it == name) {
+        return Ok(Stated::ALL);
+    }
+    Ok(Stated::by_options(source))
 }
 
 /// How data sets are to be opened; `source` has the last word over `of_config` about names of classes.
@@ -205,6 +242,9 @@ pub fn open_datasets_past_damage(
 ///
 /// If there is no such format.
 pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenOptions, Failure> {
+    if let Some(sensor) = &source.sensor {
+        sensor_named(sensor)?;
+    }
     let mut own = ClassTable::default();
     source.classes.iter().for_each(|it| own.insert(&it.name, it.class));
     Ok(OpenOptions {
@@ -213,6 +253,8 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenO
         seed: source.seed,
         n_simulated_scans: source.simulated_scans,
         sensor: source.sensor.clone(),
+        sensor_height_m: source.sensor_height,
+        sensor_from_file: source.transform.as_deref().map(read_transform).transpose()?,
         topics: TopicChoice { cloud: source.topic.clone(), annotations: source.annotation_topic.clone() },
         damage: DamagePolicy::Refuse,
     })
@@ -224,11 +266,8 @@ pub fn open_options(source: &SourceArgs, of_config: &ClassTable) -> Result<OpenO
 ///
 /// [`Usage`] if `source` says how to simulate.
 pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
-    let for_simulated = [
-        ("--seed", source.seed.is_some()),
-        ("--simulated-scans", source.simulated_scans.is_some()),
-        ("--sensor", source.sensor.is_some()),
-    ];
+    let for_simulated =
+        [("--seed", source.seed.is_some()), ("--simulated-scans", source.simulated_scans.is_some())];
     match for_simulated.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => {
             let problem = format!("{option} is only for simulated data sets, and none is given");

@@ -15,7 +15,8 @@ use simulator::open::open_dataset;
 
 use crate::cli::SourceArgs;
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation};
+use crate::commands::frame_facts::Stated;
+use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation, stated};
 
 /// A scan without ground truth.
 pub struct OpenedScan {
@@ -25,6 +26,8 @@ pub struct OpenedScan {
     pub scan: LabeledScan,
     /// The data set that it is of, or that its file would make; with the height of the sensor as far as the files say.
     pub description: DatasetDescription,
+    /// Who says how its sensor is mounted.
+    pub stated: Stated,
 }
 
 /// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says about names of classes.
@@ -69,7 +72,8 @@ pub fn open_scan(
     let simulated = if description.is_simulated() { " (simulated)" } else { "" };
     let name = format!("{}{simulated}, scan {}", description.id, scan.id);
     let scan = LabeledScan { annotations: Vec::new(), ..scan };
-    Ok(OpenedScan { name, scan, description: description.clone() })
+    let stated = stated(input, &catalogue, source, description)?;
+    Ok(OpenedScan { name, scan, description: description.clone(), stated })
 }
 
 fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<OpenedScan, Failure> {
@@ -79,7 +83,7 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
     }
     refuse_simulation(source)?;
     let (cloud, points_left_out) = read_scan_file(Path::new(input))?.points.into_parts();
-    let scan = LabeledScan {
+    let mut scan = LabeledScan {
         id: ScanId { sequence: input.to_owned(), index: 0 },
         annotations: Vec::new(),
         point_regions: vec![PointRegion::Outside; cloud.len()],
@@ -87,7 +91,7 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
         points_left_out,
         cloud,
     };
-    let description = DatasetDescription {
+    let mut description = DatasetDescription {
         id: input.to_owned(),
         format: "file".to_owned(),
         root: None,
@@ -98,7 +102,11 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
         checksum: None,
         simulation: None,
     };
-    Ok(OpenedScan { name: input.to_owned(), scan, description })
+    let mounting = open_options(source, &ClassTable::default())?.of_files().mounting;
+    mounting.describe(&mut description);
+    mounting.move_scan(&mut scan);
+    let stated = Stated::by_options(source);
+    Ok(OpenedScan { name: input.to_owned(), scan, description, stated })
 }
 
 /// The place among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.

@@ -59,6 +59,7 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
         on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
+        goes_on_without_labels: false,
     };
     watched.run(sinks)?;
     let numbers = write_numbers(&directory, &manifest(arguments, &asked, &datasets), &tally)?;

@@ -4,10 +4,15 @@ use std::path::Path;
 
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
+use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::tally::Tally;
+use reports::rows::agreement_row::AgreementRow;
+use reports::run_folder::manifest::DatasetEntry;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
+use reports::tables::agreement_table::AgreementOfDetectors as AgreementOfDetectorsTable;
 use reports::tables::formats::format::Format as _;
+use reports::tables::formats::markdown::Markdown;
 use reports::tables::formats::terminal::Terminal;
 use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
 use reports::vocabulary::task::Task;
@@ -16,6 +21,7 @@ use scans::conversion::results::result_folder::ResultFolder;
 use crate::cli::{ResultFilesArgs, RunArgs};
 use crate::commands::config::{choose_criterion, chosen_with_results};
 use crate::commands::failure::Failure;
+use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::opened_results::OpenedResults;
@@ -25,6 +31,7 @@ use crate::commands::recorder::{self, Recorder, RecordingPlan, serve_until_inter
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::run_numbers::{RunNumbers, write_numbers};
+use crate::commands::sinks::agreement_of_detectors::AgreementOfDetectors;
 use crate::commands::sinks::detection_files::DetectionFiles;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
@@ -44,15 +51,17 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     choose_criterion(&mut config, &arguments.matching);
     let named = claim_named(&arguments.output)?;
     let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+    let datasets = look_first_at_all(datasets, &mut config);
     let entrants: Vec<Entrant> = chosen.into_iter().map(|it| Entrant::of(it, &config)).collect();
     let (missing, damage) = (arguments.foreign.missing_detections.rule(), arguments.damage.policy());
     let results = OpenedResults::open(&entrants, &datasets, missing, damage)?;
     let unnamed = format!("{}-{}", compact_utc(started), ids_of(&datasets));
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
     let progress = RunProgress::new();
-    let (mut tally, mut served) = (Tally::default(), None);
+    let (mut tally, mut served, mut agreement) = (Tally::default(), None, Vec::new());
     let recorder = begin_recording(arguments, &entrants, &datasets, &directory)?;
     let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
+    sinks.push(Box::new(AgreementOfDetectors::new(&mut agreement)));
     sinks.push(Box::new(arguments.mcap.then(|| McapResults::new(&directory, datasets.len()))));
     sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
     sinks.push(Box::new(detection_files(&arguments.result_files, &datasets)?));
@@ -67,6 +76,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         on_failure: arguments.on_detector_failure.rule(),
         interrupted,
         progress: &progress,
+        goes_on_without_labels: true,
     };
     if let Err(failure) = watched.run(sinks) {
         let has_rows = !tally.datasets().is_empty();
@@ -82,13 +92,27 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         started,
     });
     let numbers = write_numbers(&directory, &manifest, &tally)?;
+    let is_compared = |it: &DatasetEntry| agreement.iter().any(|row| row.dataset == it.id);
+    let is_scored = !manifest.datasets.iter().all(is_compared);
+    let agreement = write_agreement(&directory, &agreement)?;
     let written = directory.finish()?;
-    let standings = standings(&tally, &manifest, &numbers.report);
-    print(&numbers, (&standings, &speeds(&manifest, &numbers.report)), &written)?;
+    let standings = if is_scored { standings(&tally, &manifest, &numbers.report) } else { Vec::new() };
+    print(&numbers, (&standings, &speeds(&manifest, &numbers.report)), (is_scored, agreement), &written)?;
     if let Some(served) = served {
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
+}
+
+/// Writes how far detectors agree where nothing is labelled, and returns the table; `None` if everything is.
+fn write_agreement(directory: &RunDirectory, rows: &[AgreementRow]) -> Result<Option<String>, Failure> {
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    let table = AgreementOfDetectorsTable { rows };
+    directory.write_file("agreement.csv", &to_csv_bytes(rows)?)?;
+    directory.write_file("table_agreement.md", Markdown.text(&table).as_bytes())?;
+    Ok(Some(Terminal { width: Some(result_width()) }.text(&table)))
 }
 
 fn detection_files(
@@ -148,12 +172,14 @@ fn begin_recording(
 fn print(
     numbers: &RunNumbers,
     (standings, speeds): (&[Standing], &Speeds),
+    (is_scored, agreement): (bool, Option<String>),
     finished: &Path,
 ) -> Result<(), Failure> {
     let terminal = Terminal { width: Some(result_width()) };
-    let tables = numbers.tables.iter().map(|it| terminal.text(it));
+    let tables = numbers.tables.iter().filter(|_| is_scored).map(|it| terminal.text(it));
     let sentences = standings.iter().map(Standing::sentence).chain(speeds.sentence());
-    let texts = tables.chain([terminal.text(&numbers.times), terminal.sentences(sentences)]);
+    let last = [terminal.text(&numbers.times), terminal.sentences(sentences)];
+    let texts = tables.chain(agreement).chain(last);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));

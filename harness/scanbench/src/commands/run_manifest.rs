@@ -159,6 +159,8 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         checksum: description.checksum.clone(),
         n_scans: opened.scan_indices.len() as u64,
         skipped_scans: opened.skipped.borrow().clone(),
+        seen: opened.first_look.seen.clone(),
+        doubts: opened.first_look.doubts.iter().map(ToString::to_string).collect(),
         classes: opened.classes.written(),
         n_points_left_out: opened.points_left_out.sum().map_or(0, |(n_points, ..)| n_points as u64),
         selection: selection.map(str::to_owned),

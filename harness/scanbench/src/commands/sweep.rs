@@ -23,6 +23,7 @@ use scans::dataset::source::DamagePolicy;
 use crate::cli::{ConfigArgs, SweepArgs};
 use crate::commands::config::{choose_criterion, chosen_detectors, warn_of_unknown_sensor};
 use crate::commands::failure::{Failure, NothingEvaluated};
+use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::{interruption_flag, set_last_words};
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets_past_damage};
 use crate::commands::progress::progress_over_results;
@@ -92,12 +93,16 @@ pub fn sweep(arguments: &SweepArgs) -> Result<(), Failure> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(arguments: &'a SweepArgs, plan: SweepPlan, started: Timestamp) -> Result<Self, Failure> {
+    fn new(arguments: &'a SweepArgs, mut plan: SweepPlan, started: Timestamp) -> Result<Self, Failure> {
         let policy = arguments.damage.policy();
         let mut datasets = open_datasets_past_damage(&arguments.data, policy, &plan.base.classes)?;
         if policy == DamagePolicy::Skip {
             // Threads take scans in any order, so that it has to be known before which there are.
             datasets.iter_mut().try_for_each(OpenedDataset::leave_out_damaged)?;
+        }
+        let datasets = look_first_at_all(datasets, &mut plan.base);
+        for point in &mut plan.points {
+            point.config.own_curves.clone_from(&plan.base.own_curves);
         }
         for opened in &datasets {
             warn_of_unknown_sensor(&plan.base, &opened.dataset.description().sensor);

@@ -21,6 +21,8 @@ pub fn held_out_arguments(arguments: &TrainArgs) -> Option<DatasetArgs> {
             seed: None,
             simulated_scans: None,
             sensor: None,
+            sensor_height: None,
+            transform: None,
             catalogue: arguments.data.source.catalogue.clone(),
         },
     })

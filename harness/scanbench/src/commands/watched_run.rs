@@ -38,6 +38,8 @@ pub struct WatchedRun<'a> {
     pub interrupted: &'a AtomicBool,
     /// How far it is.
     pub progress: &'a RunProgress,
+    /// Whether there is something to be seen in data sets without labels.
+    pub goes_on_without_labels: bool,
 }
 
 impl WatchedRun<'_> {
@@ -87,9 +89,16 @@ impl WatchedRun<'_> {
             print_diagnostic(format_args!("warning: {warning}"));
         }
         opened.warn_of_points_left_out();
-        if judged.n_annotations == 0 {
+        if judged.n_labels == 0 && self.goes_on_without_labels {
+            print_diagnostic(format_args!(
+                "warning: {:?} has no labels: nothing is scored, and detectors are compared with one another",
+                description.id
+            ));
+        } else if judged.n_annotations == 0 {
+            let why: String =
+                opened.first_look.doubts.iter().map(|it| format!("; its frame is doubtful: {it}")).collect();
             let reason = format!(
-                "none of the {} scans of {:?} has an annotation that counts",
+                "none of the {} scans of {:?} has an annotation that counts{why}",
                 judged.n_scans, description.id
             );
             return Err(NothingEvaluated { reason }.into());

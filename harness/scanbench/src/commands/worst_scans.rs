@@ -17,6 +17,7 @@ use reports::worst::mistakes::{ListedMistake, Mistake};
 use crate::cli::{Cli, Command, RunArgs, StreamArgs, ViewArgs};
 use crate::commands::config::{choose_criterion, chosen_detectors};
 use crate::commands::failure::{Failure, Usage};
+use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
@@ -118,6 +119,7 @@ impl RunAgain {
         }
         let datasets =
             open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+        let datasets = look_first_at_all(datasets, &mut config);
         for opened in &datasets {
             let id = &opened.dataset.description().id;
             let found = dataset_entry(opened, arguments.data.scans.as_deref());

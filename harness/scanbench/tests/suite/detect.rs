@@ -41,10 +41,10 @@ fn drive() -> Workplace {
 fn both_forms_of_the_clusters_say_the_same_and_the_boxes_count_them() {
     let workplace = drive();
     // By size, because the drawn cars are blocks, which the trained model takes for none.
-    let by_size = ["-P", "vehicle_model.enabled=false"];
+    let by_size = ["-P", "vehicle_model.enabled=false", "--sensor", "hdl-64e-s2"];
     let written = ["detect", SCAN, "-o", "clusters.csv", "--boxes", "boxes.csv"];
     let csv = workplace.succeed(&[&written[..], &by_size].concat());
-    let binary = workplace.succeed(&["detect", SCAN, "-o", "clusters.u32"]);
+    let binary = workplace.succeed(&["detect", SCAN, "-o", "clusters.u32", "--sensor", "hdl-64e-s2"]);
     let clusters = read_clusters(&workplace.read("clusters.csv"));
     let in_binary = read_u32(&workplace.path("clusters.u32"));
     assert!(clusters.iter().map(|it| it.unwrap_or(0)).eq(in_binary));

@@ -118,9 +118,12 @@ fn check_refused(workplace: &Workplace, arguments: &[&str], exit_code: i32, part
 fn what_cannot_be_fitted_leaves_nothing() {
     let (workplace, drawn) = drive();
     check_refused(&workplace, &["nowhere"], 2, "nowhere");
+    let other =
+        "street = \"street-narrow\"\nseed = 1\nn_scans = 1\nturns_per_scan = 1\nsensor = \"vlp-16\"\n";
+    workplace.write("catalogue.toml", &format!("[simulated.other]\n{other}"));
     check_refused(
         &workplace,
-        &["street", "street-narrow", "--sensor", "vlp-16"],
+        &["street", "other", "--catalogue", "catalogue.toml"],
         2,
         "of several sensors (hdl-64e-s2, vlp-16)",
     );

@@ -7,6 +7,7 @@ mod program;
 mod bad_input;
 mod command_line;
 mod detect;
+mod first_look;
 mod ablation;
 mod experiments;
 mod layers;

@@ -3,16 +3,12 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use super::empty_boxes::{EmptyBoxes, NEAR_M};
+use super::frame_doubt::FrameDoubt;
 use super::scan_facts::{RANGES_M, ScanFacts, ring_areas_m2};
 use crate::annotation::ScanId;
 use crate::dataset::shown_name::shown;
 use crate::dataset::{AnnotatedClasses, DatasetDescription};
-
-/// Boxes nearer than this should hold points, in metres.
-const NEAR_M: f32 = 40.0;
-
-/// More empty boxes than this share, and something is wrong with frames, calibration or times.
-const MAX_EMPTY_SHARE: f64 = 0.5;
 
 /// The ground may be this far from where the height of the sensor puts it, in metres.
 const GROUND_TOLERANCE_M: f32 = 0.5;
@@ -61,6 +57,12 @@ impl CheckReport {
     /// Adds what may be wrong with labels and names as a whole, see [`Dataset::oddities`](crate::dataset::Dataset::oddities).
     pub fn add_oddities(&mut self, oddities: impl IntoIterator<Item = String>) {
         self.warnings.extend(oddities.into_iter().map(|it| shown(&it).into_owned()));
+    }
+
+    /// Adds what is doubtful about the frame beyond heights and boxes, which all scans tell of.
+    pub fn add_doubts<'a>(&mut self, doubts: impl IntoIterator<Item = &'a FrameDoubt>) {
+        let is_told = |it: &&FrameDoubt| matches!(it, FrameDoubt::Height { .. } | FrameDoubt::EmptyBoxes(_));
+        self.warnings.extend(doubts.into_iter().filter(|it| !is_told(it)).map(ToString::to_string));
     }
 
     fn line(&mut self, name: &'static str, value: String) {
@@ -132,11 +134,11 @@ impl CheckReport {
         self.line("ground", format!("at z = {median_m:.2} m, 4 to 12 m from the sensor"));
         let expected_m = -description.sensor_height_m;
         if (median_m - expected_m).abs() > GROUND_TOLERANCE_M {
-            self.warnings.push(format!(
-                "the ground is at z = {median_m:.2} m, but expected at {expected_m:.2} m, because the sensor is {} m above the \
-                 road: check that z is up, that the origin is at the sensor, and sensor_height_m",
-                description.sensor_height_m
-            ));
+            let doubt = FrameDoubt::Height {
+                seen_m: -f64::from(median_m),
+                said_m: description.sensor_height_m.into(),
+            };
+            self.warnings.push(doubt.to_string());
         }
     }
 
@@ -161,12 +163,9 @@ impl CheckReport {
             let (median, empty) = (n_points[n_points.len() / 2], share(n_empty, near.len()));
             format!("{median} in the median box nearer than {NEAR_M} m; {empty} are empty")
         });
-        if n_empty as f64 > MAX_EMPTY_SHARE * near.len() as f64 {
-            self.warnings.push(format!(
-                "{n_empty} of {} boxes nearer than {NEAR_M} m contain no point: the labels and scans may differ in \
-                 frame or time",
-                near.len()
-            ));
+        let boxes = EmptyBoxes { n_near: near.len(), n_empty };
+        if boxes.are_most() {
+            self.warnings.push(FrameDoubt::EmptyBoxes(boxes).to_string());
         }
     }
 
@@ -337,7 +336,7 @@ mod tests {
     fn ground_at_another_height_tells_of_a_wrong_origin() {
         check(
             |it| facts(it).ground_z_m = Some(-0.3),
-            Some("z = -0.30 m, but expected at -1.70 m, because the sensor is 1.7 m above the road"),
+            Some("0.30 m below the origin, but the sensor is said to be 1.7 m above the road"),
         );
     }
 

@@ -45,6 +45,11 @@ impl DatasetFormat {
         Self::ScanFolder,
     ];
 
+    /// Whether data in this format are of one benchmark, whose sensor is known.
+    pub fn is_of_benchmark(self) -> bool {
+        !matches!(self, Self::Mcap | Self::VelodynePcap | Self::ScanFolder)
+    }
+
     /// The name used on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {

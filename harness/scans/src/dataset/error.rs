@@ -39,6 +39,14 @@ pub enum DatasetError {
         /// What is wrong with it.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// A file that should say where a sensor is does not.
+    #[error("{path:?} {}", shown(problem))]
+    Transform {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, as the rest of a sentence about it.
+        problem: String,
+    },
     /// The format asked for is not the catalogue's.
     #[error("the catalogue says that {id:?} is {catalogued}, so it cannot be read as {asked_for}")]
     FormatContradictsCatalogue {
@@ -331,6 +339,7 @@ impl DatasetError {
                 | Self::UnknownFormat { .. }
                 | Self::UnknownSensor { .. }
                 | Self::Sensor { .. }
+                | Self::Transform { .. }
                 | Self::FormatContradictsCatalogue { .. }
                 | Self::UnrecognizedFormat { .. }
                 | Self::SeveralDatasets { .. }

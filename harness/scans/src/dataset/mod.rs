@@ -32,6 +32,7 @@ pub mod data_sheet;
 pub mod dataset_format;
 pub mod source;
 pub mod foreign_frame;
+pub mod mounting;
 pub mod folder_name;
 
 // The formats, a folder each.

@@ -21,6 +21,7 @@ use super::kitti::tracking::open_kitti_tracking;
 use super::kitti_raw::drives::open_kitti_raw;
 use super::mcap::mcap_dataset::open_mcap;
 use super::mcap::topics::TopicChoice;
+use super::mounting::Mounting;
 use super::nuscenes::keyframes::{
     NUSCENES_CLASSES, NUSCENES_SENSOR, NUSCENES_SENSOR_HEIGHT_M, open_nuscenes,
 };
@@ -43,6 +44,8 @@ pub struct ReadOptions {
     pub damage: DamagePolicy,
     /// What the names of classes in labels stand for, as the user says; has the last word over the catalogue.
     pub classes: ClassRules,
+    /// How the sensor is mounted, as the user says; has the last word.
+    pub mounting: Mounting,
 }
 
 impl ReadOptions {
@@ -70,7 +73,7 @@ pub fn open_recorded<S>(
 ) -> Result<Box<dyn Dataset>, DatasetError> {
     let dataset = open_named(id_or_path, options, catalogue)?;
     check_names(&*dataset)?;
-    Ok(dataset)
+    Ok(options.mounting.clone().of(dataset))
 }
 
 /// Makes sure that scans can be told apart, and that the names of data set and drives can be shown.

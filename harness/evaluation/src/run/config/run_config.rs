@@ -1,5 +1,6 @@
 //! The parameters of everything that takes part in a run.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use baselines::params::{BaselineParams, PARAMS_TOML};
@@ -38,6 +39,8 @@ pub struct RunConfig {
     pub classes: ClassTable,
     /// Detectors that are not built in, as the file tells of them.
     pub foreign: Vec<ForeignDetector>,
+    /// Density curves of sensors that none is shipped for, learned from the scans that are run.
+    pub own_curves: BTreeMap<String, DensityCurve>,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
 }
@@ -84,11 +87,12 @@ impl RunConfig {
     }
 
     /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
-    /// detector. A curve that the file gives stays.
+    /// detector nor is among [`Self::own_curves`]. A curve that the file gives stays.
     pub fn for_sensor(&self, sensor: &str) -> Option<Self> {
         let mut config = self.clone();
         if !gives_density_curve(&self.resolved) {
-            config.hierarchical.density_weighting.curve = DensityCurve::shipped(sensor)?;
+            config.hierarchical.density_weighting.curve =
+                DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(sensor).cloned())?;
         }
         Some(config)
     }
@@ -124,7 +128,8 @@ impl RunConfig {
         let mut resolved = self.resolved.clone();
         options.apply(&mut resolved)?;
         let config = self.changed_to(resolved).map_err(|problem| options.value_error(problem))?;
-        Ok(Self { classes: self.classes.clone(), foreign: self.foreign.clone(), ..config })
+        let (classes, foreign) = (self.classes.clone(), self.foreign.clone());
+        Ok(Self { classes, foreign, own_curves: self.own_curves.clone(), ..config })
     }
 
     /// The full name of the parameter that `option` names, by the rules of [`Self::overridden`].
@@ -195,6 +200,7 @@ impl RunConfig {
                 .map_err(|error| ValueProblem::new(&error, Some("matching"), &matching))?,
             vehicle_models,
             classes: ClassTable::default(),
+            own_curves: BTreeMap::new(),
             foreign: Vec::new(),
             resolved,
         })

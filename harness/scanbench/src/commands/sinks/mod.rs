@@ -8,3 +8,4 @@ pub mod of_every_run;
 pub mod mcap_results;
 pub mod detection_files;
 pub mod rerun_recording;
+pub mod agreement_of_detectors;

@@ -1,0 +1,260 @@
+//! A look at the first scans of recorded data, before anything is run on them: is the frame as it should be, and which sensor took them?
+
+use std::borrow::Cow;
+
+use detector::PointCloud;
+use detector::grid::density_curve::{CurveOrigin, DensityCurve};
+use detector::grid::ring_density::RingCounts;
+use evaluation::run::config::RunConfig;
+use nalgebra::Isometry3;
+use reports::run_folder::manifest::SeenMounting;
+use scans::annotation::LabeledScan;
+use scans::data_check::empty_boxes::EmptyBoxes;
+use scans::data_check::frame_doubt::FrameDoubt;
+use scans::data_check::seen_ground::{SeenGround, UpAxis};
+use scans::dataset::DatasetDescription;
+use scans::dataset::dataset_format::DatasetFormat;
+use scans::dataset::mounting::Mounting;
+use simulator::recognised_sensor::SeenBeams;
+
+use crate::commands::frame_facts::{FirstLook, Stated};
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::open_scan::OpenedScan;
+use crate::commands::standard_streams::{print_detail, print_diagnostic};
+
+/// So many scans are looked at, from first to last.
+const N_SCANS: usize = 5;
+/// Points of a scan that are looked at.
+const ENOUGH_POINTS: usize = 300_000;
+/// Heights that are this far from what they are said to be are in doubt, in metres.
+const DOUBTFUL_HEIGHT_M: f64 = 0.5;
+/// A height is taken from the scans if it differs by more than this from that of the format's benchmark, in metres.
+const OTHER_HEIGHT_M: f64 = 0.25;
+/// A steeper tilt is levelled if nobody said how the sensor is mounted, in degrees.
+const LEVELLED_TILT_DEG: f64 = 2.0;
+/// A steeper tilt is in doubt, in degrees.
+const DOUBTFUL_TILT_DEG: f64 = 4.0;
+/// An origin that is lower lies on the ground, in metres.
+const ON_GROUND_M: f64 = 0.2;
+
+/// Looks at `opened` unless it is simulated, says what was seen and what is doubtful, and goes by what was seen where nobody has
+/// said otherwise: the sensor with its density curve, its height and its tilt.
+pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
+    if opened.dataset.description().is_simulated() {
+        return opened;
+    }
+    let scans = first_scans(&opened);
+    let clouds: Vec<&PointCloud> = scans.iter().map(|it| &it.cloud).collect();
+    let mut look = Look::new(opened.dataset.description(), opened.stated, &clouds);
+    look.take(config, &clouds);
+    look.doubt_boxes(&scans);
+    let (mounting, first_look) = look.told();
+    OpenedDataset { dataset: mounting.of(opened.dataset), first_look, ..opened }
+}
+
+/// The same for all of `opened`.
+pub fn look_first_at_all(opened: Vec<OpenedDataset>, config: &mut RunConfig) -> Vec<OpenedDataset> {
+    opened.into_iter().map(|it| look_first(it, config)).collect()
+}
+
+/// The same for a single scan.
+pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunConfig) {
+    if opened.description.is_simulated() {
+        return;
+    }
+    let clouds = [&opened.scan.cloud];
+    let mut look = Look::new(&opened.description, stated, &clouds);
+    look.take(config, &clouds);
+    let (mounting, _) = look.told();
+    mounting.describe(&mut opened.description);
+    mounting.move_scan(&mut opened.scan);
+}
+
+/// What is doubtful about the frame of `opened`, whatever can be taken from the scans.
+pub fn doubts_of(opened: &OpenedDataset) -> Vec<FrameDoubt> {
+    if opened.dataset.description().is_simulated() {
+        return Vec::new();
+    }
+    let scans = first_scans(opened);
+    let clouds: Vec<&PointCloud> = scans.iter().map(|it| &it.cloud).collect();
+    let mut look = Look::new(opened.dataset.description(), Stated::ALL, &clouds);
+    look.take_ground();
+    look.doubts
+}
+
+/// As many points of `cloud` as are enough to look at: every second, or third, and so on, of larger ones.
+fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
+    if cloud.len() <= ENOUGH_POINTS {
+        return Cow::Borrowed(cloud);
+    }
+    let step = cloud.len().div_ceil(ENOUGH_POINTS);
+    Cow::Owned(cloud.positions_m().step_by(step).collect())
+}
+
+/// Some scans from first to last. What cannot be read is told by the run itself.
+fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
+    let n = opened.scan_indices.len();
+    let places = (0..n.min(N_SCANS)).map(|it| opened.scan_indices[it * n / n.min(N_SCANS)]);
+    places.filter_map(|it| opened.dataset.read_scan(it).ok()).collect()
+}
+
+/// The beams in the frame of the scans, which is the sensor's. If no known sensor has these, it may be that the points were turned
+/// after they were taken, and the sensor stood upright.
+fn seen_beams(clouds: &[&PointCloud], ground: Option<&(UpAxis, SeenGround)>) -> Option<SeenBeams> {
+    let seen = SeenBeams::of(clouds.iter().copied(), &Isometry3::identity())?;
+    let upright = || SeenBeams::of(clouds.iter().copied(), &ground?.1.levelling());
+    match seen.sensor() {
+        None => upright().filter(|it| it.sensor().is_some()).or(Some(seen)),
+        Some(_) => Some(seen),
+    }
+}
+
+/// What has been seen so far, and what follows from it.
+struct Look {
+    id: String,
+    is_benchmark: bool,
+    stated: Stated,
+    sensor: String,
+    said_height_m: f64,
+    ground: Option<(UpAxis, SeenGround)>,
+    seen: SeenMounting,
+    mounting: Mounting,
+    doubts: Vec<FrameDoubt>,
+}
+
+impl Look {
+    fn new(description: &DatasetDescription, stated: Stated, clouds: &[&PointCloud]) -> Self {
+        let thinned: Vec<Cow<'_, PointCloud>> = clouds.iter().map(|it| thinned(it)).collect();
+        let clouds: Vec<&PointCloud> = thinned.iter().map(|it| &**it).collect();
+        let ground = SeenGround::with_axis(&clouds);
+        let beams = seen_beams(&clouds, ground.as_ref());
+        // Not minus zero.
+        let round = |value: f64, unit: f64| (value / unit).round() * unit + 0.0;
+        Self {
+            id: description.id.clone(),
+            is_benchmark: description.format.parse().is_ok_and(DatasetFormat::is_of_benchmark),
+            stated,
+            sensor: description.sensor.clone(),
+            said_height_m: description.sensor_height_m.into(),
+            ground,
+            seen: SeenMounting {
+                n_beams: beams.map(|it| it.n_beams as u32),
+                elevations_deg: beams.map(|it| it.elevations_deg.map(|it| round(it.into(), 0.1))),
+                sensor: beams.and_then(|it| it.sensor()).map(str::to_owned),
+                up_axis: ground.map(|(axis, _)| axis.name().to_owned()),
+                height_m: ground.map(|(_, it)| round(it.height_m, 0.01)),
+                tilt_deg: ground.filter(|it| it.0 == UpAxis::Z).map(|(_, it)| round(it.tilt_deg(), 0.1)),
+                taken: Vec::new(),
+            },
+            mounting: Mounting::default(),
+            doubts: Vec::new(),
+        }
+    }
+
+    fn take(&mut self, config: &mut RunConfig, clouds: &[&PointCloud]) {
+        self.take_sensor(config, clouds);
+        self.take_ground();
+    }
+
+    /// The known sensor with such beams; and the density of these very scans for one that has no curve.
+    fn take_sensor(&mut self, config: &mut RunConfig, clouds: &[&PointCloud]) {
+        let mut sensor = self.sensor.clone();
+        if !self.stated.sensor {
+            match &self.seen.sensor {
+                Some(seen) => sensor.clone_from(seen),
+                // The sensors of benchmarks are known.
+                None if self.is_benchmark || self.seen.n_beams.is_none() => {}
+                None => sensor = format!("unknown sensor of {}", self.id),
+            }
+        }
+        if config.for_sensor(&sensor).is_none() {
+            let (datasets, seeds, command) = (vec![self.id.clone()], Vec::new(), String::new());
+            let origin = CurveOrigin { sensor: sensor.clone(), datasets, seeds, command };
+            let counts: Vec<RingCounts> = clouds.iter().map(|it| RingCounts::of(it)).collect();
+            if let Ok(curve) = DensityCurve::fit(&counts, origin) {
+                config.own_curves.insert(sensor.clone(), curve);
+                self.seen.taken.push("density".to_owned());
+            }
+        }
+        if sensor != self.sensor {
+            self.mounting.sensor = Some(sensor);
+            self.seen.taken.insert(0, "sensor".to_owned());
+        }
+    }
+
+    /// Height and tilt, or what is doubtful about them.
+    fn take_ground(&mut self) {
+        let Some((axis, ground)) = self.ground else {
+            self.doubts.push(FrameDoubt::NoGround);
+            return;
+        };
+        let height_m = ground.height_m;
+        if axis != UpAxis::Z {
+            self.doubts.push(FrameDoubt::Axis(axis));
+            return;
+        }
+        let off_m = (height_m - self.said_height_m).abs();
+        let is_as_said = self.stated.height && off_m <= DOUBTFUL_HEIGHT_M;
+        if height_m < ON_GROUND_M && !is_as_said {
+            self.doubts.push(FrameDoubt::OnGround(self.seen.height_m.unwrap_or(0.0)));
+            return;
+        }
+        if !self.stated.height && off_m > OTHER_HEIGHT_M {
+            self.mounting.sensor_height_m = self.seen.height_m.map(|it| it as f32);
+            self.seen.taken.push("height".to_owned());
+        } else if off_m > DOUBTFUL_HEIGHT_M {
+            self.doubts.push(FrameDoubt::Height { seen_m: height_m, said_m: self.said_height_m });
+        }
+        let tilt_deg = ground.tilt_deg();
+        let is_stated = self.stated.height || self.stated.transform;
+        if !is_stated && tilt_deg > LEVELLED_TILT_DEG {
+            self.mounting.sensor_from_file = Some(ground.levelling());
+            self.seen.taken.push("tilt".to_owned());
+        } else if tilt_deg > DOUBTFUL_TILT_DEG {
+            self.doubts.push(FrameDoubt::Tilt(tilt_deg));
+        }
+    }
+
+    fn doubt_boxes(&mut self, scans: &[LabeledScan]) {
+        let boxes = EmptyBoxes::of(scans);
+        self.doubts.extend(boxes.are_most().then_some(FrameDoubt::EmptyBoxes(boxes)));
+    }
+
+    /// What is gone by and what was seen, once both are said.
+    fn told(self) -> (Mounting, FirstLook) {
+        let sentence = format!("{}: {}", self.id, self.sentence());
+        if self.seen.taken.is_empty() && self.doubts.is_empty() {
+            print_detail(sentence);
+        } else {
+            print_diagnostic(sentence);
+        }
+        for doubt in &self.doubts {
+            print_diagnostic(format_args!("warning: the frame of {:?} is doubtful: {doubt}", self.id));
+        }
+        (self.mounting, FirstLook { seen: Some(self.seen), doubts: self.doubts })
+    }
+
+    /// What was seen, and what of it is gone by.
+    fn sentence(&self) -> String {
+        let seen = &self.seen;
+        let beams = seen.n_beams.zip(seen.elevations_deg).map_or_else(
+            || "too few points to tell beams".to_owned(),
+            |(n, [low, high])| {
+                let sensor = seen.sensor.as_deref().map_or_else(String::new, |it| format!(" as {it} has"));
+                format!("{n} beams from {low:.1} to {high:.1} degrees{sensor}")
+            },
+        );
+        let ground = match (seen.height_m, seen.tilt_deg) {
+            (Some(height_m), Some(tilt_deg)) => {
+                format!(", {height_m:.2} m above ground that is tilted by {tilt_deg:.1} degrees")
+            }
+            _ => String::new(),
+        };
+        let taken = match seen.taken.split_last() {
+            None => String::new(),
+            Some((only, [])) => format!("; {only} taken from the scans"),
+            Some((last, rest)) => format!("; {} and {last} taken from the scans", rest.join(", ")),
+        };
+        format!("{beams}{ground}{taken}")
+    }
+}

@@ -1,0 +1,40 @@
+//! What is known of the frame of a data set, and who says so.
+
+use reports::run_folder::manifest::SeenMounting;
+use scans::data_check::frame_doubt::FrameDoubt;
+
+use crate::cli::SourceArgs;
+
+/// What the first scans of a data set show.
+#[derive(Debug, Clone, Default)]
+pub struct FirstLook {
+    /// Sensor and mounting; `None` for what is simulated.
+    pub seen: Option<SeenMounting>,
+    /// Why its frame is doubtful.
+    pub doubts: Vec<FrameDoubt>,
+}
+
+/// Who says how the sensor is mounted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stated {
+    /// Which sensor it is.
+    pub sensor: bool,
+    /// How high it is.
+    pub height: bool,
+    /// How the frame of the files lies to the sensor.
+    pub transform: bool,
+}
+
+impl Stated {
+    /// Everything is.
+    pub const ALL: Self = Self { sensor: true, height: true, transform: true };
+
+    /// What the options of the command line say.
+    pub fn by_options(source: &SourceArgs) -> Self {
+        Self {
+            sensor: source.sensor.is_some(),
+            height: source.sensor_height.is_some(),
+            transform: source.transform.is_some(),
+        }
+    }
+}

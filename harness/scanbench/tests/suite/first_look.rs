@@ -1,0 +1,147 @@
+//! What the first scans of recorded data show: the sensor, how it is mounted, and whether the frame is as it should be.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::program::Workplace;
+
+/// Simulated scans of `sensor`, `height_m` above the road, as if they were recorded: no file says where they come from.
+fn recorded(sensor: &str, height_m: &str) -> Workplace {
+    let workplace = Workplace::new();
+    let simulate =
+        ["data", "simulate", "street-main-road", "--scans", "0..2", "--to", "semantic-kitti", "-o", "robot"];
+    workplace.succeed(&[&simulate[..], &["--sensor", sensor, "--sensor-height", height_m]].concat());
+    std::fs::remove_file(workplace.path("robot/scanbench.json")).unwrap();
+    workplace
+}
+
+/// Rewrites all clouds below `folder`.
+fn move_points(folder: &Path, place_m: &dyn Fn([f32; 3]) -> [f32; 3]) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            move_points(&path, place_m);
+        } else if path.extension().is_some_and(|it| it == "bin") {
+            let mut bytes = std::fs::read(&path).unwrap();
+            for point in bytes.as_chunks_mut::<16>().0 {
+                let at = |axis: usize| f32::from_le_bytes(point[4 * axis..4 * axis + 4].try_into().unwrap());
+                let moved_m = place_m([at(0), at(1), at(2)]);
+                for (axis, value_m) in moved_m.into_iter().enumerate() {
+                    point[4 * axis..4 * axis + 4].copy_from_slice(&value_m.to_le_bytes());
+                }
+            }
+            std::fs::write(&path, bytes).unwrap();
+        }
+    }
+}
+
+/// Runs, and returns what is printed and what the manifest says of the data set.
+fn run(workplace: &Workplace, options: &[&str]) -> (String, Value) {
+    let run = ["run", "robot", "-d", "pca,hierarchical", "--no-rrd", "-o", "out", "--overwrite"];
+    let ended = workplace.succeed(&[&run[..], options].concat());
+    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    (format!("{}{}", ended.stdout, ended.stderr), manifest["datasets"][0].clone())
+}
+
+fn f_rate(workplace: &Workplace) -> f64 {
+    let report: Value = serde_json::from_str(&workplace.read("out/report.json")).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let is_it = |it: &&Value| {
+        it["detector"] == "hierarchical"
+            && it["task"] == "objects"
+            && it["slice"] == "all"
+            && it["metric"] == "f_rate"
+    };
+    rows.iter().find(is_it).unwrap()["value"].as_f64().unwrap()
+}
+
+#[test]
+fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
+    let workplace = recorded("vlp-16", "0.9");
+    let (said, entry) = run(&workplace, &[]);
+    assert!(said.contains("16 beams from -15.0 to 15.0 degrees as vlp-16 has"), "{said}");
+    assert_eq!((&entry["sensor"], &entry["seen"]["sensor"]), (&"vlp-16".into(), &"vlp-16".into()));
+    assert!((entry["sensor_height_m"].as_f64().unwrap() - 0.9).abs() < 0.1, "{entry}");
+    assert_eq!(entry["seen"]["taken"], serde_json::json!(["sensor", "height"]));
+    let upright = f_rate(&workplace);
+    let (sin, cos) = 8_f32.to_radians().sin_cos();
+    move_points(&workplace.path("robot"), &|[x, y, z]| [x, cos * y - sin * z, sin * y + cos * z]);
+    let (said, entry) = run(&workplace, &[]);
+    assert!(said.contains("height and tilt taken from the scans"), "{said}");
+    assert!((entry["seen"]["tilt_deg"].as_f64().unwrap() - 8.0).abs() < 0.5, "{entry}");
+    assert!((f_rate(&workplace) - upright).abs() < 0.08, "{} and {upright}", f_rate(&workplace));
+    assert!(!said.contains("no verdict"), "{said}");
+}
+
+#[test]
+fn no_verdict_rests_on_a_frame_that_points_elsewhere_and_a_transform_mends_it() {
+    let workplace = recorded("hdl-64e-s2", "1.73");
+    let (said, entry) = run(&workplace, &[]);
+    assert!(!said.contains("doubtful") && entry["doubts"].is_null(), "{said}");
+    let upright = f_rate(&workplace);
+    // A camera's frame: x right, y down, z forward.
+    move_points(&workplace.path("robot"), &|[x, y, z]| [-y, -z, x]);
+    let (said, entry) = run(&workplace, &[]);
+    assert!(
+        said.contains("warning: the frame of \"robot\" is doubtful: the axis that points up is -y, not z"),
+        "{said}"
+    );
+    assert!(said.contains("Task objects: no verdict, since the frame of robot is doubtful."), "{said}");
+    assert_eq!(entry["doubts"].as_array().unwrap().len(), 1);
+    assert!(workplace.read("out/report.html").contains("the axis that points up is -y"));
+    let checked = workplace.succeed(&["data", "check", "robot"]).stdout;
+    assert!(checked.contains("the axis that points up is -y, not z"), "{checked}");
+    workplace.write("mounting.txt", "# sensor from camera\n0 0 1 0\n-1 0 0 0\n0 -1 0 0\n");
+    let (said, entry) = run(&workplace, &["--transform", "mounting.txt"]);
+    assert!(!said.contains("doubtful") && entry["doubts"].is_null(), "{said}");
+    assert_eq!(f_rate(&workplace), upright);
+}
+
+#[test]
+fn what_options_say_is_doubted_but_gone_by() {
+    let workplace = recorded("hdl-64e-s2", "1.73");
+    let (said, entry) = run(&workplace, &["--sensor-height", "3", "--sensor", "vlp-16"]);
+    assert!(said.contains("but the sensor is said to be 3 m above the road"), "{said}");
+    assert_eq!((entry["sensor_height_m"].as_f64(), &entry["sensor"]), (Some(3.0), &"vlp-16".into()));
+    workplace.write("bad.txt", "1 2 3\n");
+    for (option, value, problem) in [
+        ("--transform", "bad.txt", "\"bad.txt\" has 3 numbers, not 16 or 12"),
+        ("--transform", "none.txt", "cannot read \"none.txt\""),
+        ("--sensor", "vlp-17", "there is no sensor \"vlp-17\""),
+    ] {
+        let ended = workplace.run(&["run", "robot", option, value, "-o", "other"]);
+        assert!(ended.stderr.contains(problem), "{}", ended.stderr);
+        assert!(!workplace.path("other").exists());
+    }
+    let ended = workplace.run(&["run", "street-narrow", "--transform", "bad.txt", "-o", "other"]);
+    assert!(ended.stderr.contains("has 3 numbers"), "{}", ended.stderr);
+}
+
+#[test]
+fn scans_without_labels_are_run_and_detectors_are_compared() {
+    let workplace = recorded("hdl-64e-s2", "1.73");
+    let drive = std::fs::read_dir(workplace.path("robot/sequences")).unwrap().next().unwrap().unwrap().path();
+    std::fs::rename(drive.join("velodyne"), workplace.path("clouds")).unwrap();
+    let run = ["run", "clouds", "-d", "pca,kd-tree,hierarchical", "--no-rrd", "-o", "out"];
+    let ended = workplace.succeed(&run);
+    assert!(ended.stderr.contains("\"clouds\" has no labels: nothing is scored"), "{}", ended.stderr);
+    assert!(
+        ended.stdout.contains("how far detectors agree") && !ended.stdout.contains("F-rate"),
+        "{}",
+        ended.stdout
+    );
+    let rows = workplace.read("out/agreement.csv");
+    let rows: Vec<Vec<&str>> = rows.lines().skip(1).map(|it| it.split(',').collect()).collect();
+    // Two tasks, three detectors, each with two others.
+    assert_eq!(rows.len(), 12);
+    for row in &rows {
+        let [n_detections, n_other, n_both] = [5, 6, 7].map(|column| row[column].parse::<u64>().unwrap());
+        assert!(n_both <= n_detections.min(n_other), "{row:?}");
+        let back = rows.iter().find(|it| (it[1], it[2], it[3]) == (row[1], row[3], row[2])).unwrap();
+        assert_eq!([back[5], back[6], back[7]], [row[6], row[5], row[7]]);
+    }
+    assert!(rows.iter().any(|it| it[7] != "0"), "{rows:?}");
+    assert!(workplace.read("out/report.html").contains("clouds"));
+}

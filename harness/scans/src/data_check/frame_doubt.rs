@@ -1,0 +1,63 @@
+//! What may be wrong with the frame of scans and labels.
+
+use std::fmt;
+
+use super::empty_boxes::{EmptyBoxes, NEAR_M};
+use super::seen_ground::UpAxis;
+
+/// Why the frame of a data set is doubtful, and what to try.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrameDoubt {
+    /// There is no ground around the origin.
+    NoGround,
+    /// Another axis than z points up.
+    Axis(UpAxis),
+    /// The origin is so high above the ground, in metres, where no sensor is.
+    OnGround(f64),
+    /// The ground is elsewhere than the height of the sensor puts it.
+    Height {
+        /// How high the origin is above the ground, in metres.
+        seen_m: f64,
+        /// How high it is said to be.
+        said_m: f64,
+    },
+    /// The ground is tilted by so many degrees.
+    Tilt(f64),
+    /// Most boxes hold no point.
+    EmptyBoxes(EmptyBoxes),
+}
+
+impl fmt::Display for FrameDoubt {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoGround => write!(
+                formatter,
+                "no ground is seen around the origin; see with `scanbench view` whether z is up"
+            ),
+            Self::Axis(axis) => write!(
+                formatter,
+                "the axis that points up is {}, not z: give the turn to x forward, y left, z up with --transform",
+                axis.name()
+            ),
+            Self::OnGround(seen_m) => write!(
+                formatter,
+                "the origin is {seen_m:.2} m above the ground, where no sensor is: move it to the sensor with --transform"
+            ),
+            Self::Height { seen_m, said_m } => write!(
+                formatter,
+                "the ground is {seen_m:.2} m below the origin, but the sensor is said to be {} m above the road: correct \
+                 it with --sensor-height {seen_m:.2}, or move the origin to the sensor with --transform",
+                *said_m as f32
+            ),
+            Self::Tilt(tilt_deg) => write!(
+                formatter,
+                "the ground is tilted by {tilt_deg:.1} degrees in the frame of the scans: level it with --transform"
+            ),
+            Self::EmptyBoxes(EmptyBoxes { n_near, n_empty }) => write!(
+                formatter,
+                "{n_empty} of {n_near} boxes nearer than {NEAR_M} m contain no point: the labels and scans may differ in \
+                 frame or time"
+            ),
+        }
+    }
+}
