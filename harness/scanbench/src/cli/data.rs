@@ -5,9 +5,9 @@ use clap::{Args, Subcommand};
 use super::data_check::{CheckArgs, HashArgs};
 use super::data_convert::{CONVERT_EXAMPLES, ConvertArgs, SIMULATE_EXAMPLES};
 use super::data_prelabel::PrelabelArgs;
-use super::help_text::JUDGING;
+use super::help_text::{DATA, JUDGING};
 use super::output::OutputArgs;
-use super::scans::{CatalogueArgs, DatasetArgs};
+use super::scans::{CatalogueArgs, DatasetArgs, SourceArgs};
 
 /// The verbs of `scanbench data`.
 #[derive(Debug, Subcommand)]
@@ -15,6 +15,8 @@ pub enum DataCommand {
     /// List the data sets of the catalogue, and which are on this machine
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
+    /// Write an entry for a data set into a catalogue of your own
+    Add(AddArgs),
     /// Check scans and annotations, and print what may be wrong
     Check(Box<CheckArgs>),
     /// Print checksums of data sets, or write them into a catalogue
@@ -30,6 +32,33 @@ pub enum DataCommand {
     /// Compare the statistics of two data sets, such as simulated and recorded
     Realism(Box<RealismArgs>),
 }
+
+/// Arguments of `scanbench data add`.
+#[derive(Debug, Args)]
+#[command(after_help = ADD_EXAMPLES)]
+pub struct AddArgs {
+    /// Path of the data set
+    #[arg(value_name = "PATH")]
+    pub path: String,
+    /// Its id in the catalogue [default: the name of the folder]
+    #[arg(long, value_name = "ID", help_heading = DATA)]
+    pub id: Option<String>,
+    /// Its licence
+    #[arg(long, value_name = "TEXT", help_heading = DATA)]
+    pub licence: Option<String>,
+    /// How it is opened.
+    #[command(flatten)]
+    pub source: SourceArgs,
+}
+
+const ADD_EXAMPLES: &str = "\
+Examples:
+  scanbench data add ~/data/robot --catalogue mine.toml
+  scanbench data add ~/data/robot --id robot-yard --sensor vlp-16 --catalogue mine.toml
+  scanbench run robot-yard --catalogue mine.toml
+
+Looks at the first scans. Sensor and height are written as they show them, unless the
+options say otherwise. The file is made if it is not there; nothing in it is changed.";
 
 /// Arguments of `scanbench data realism`.
 #[derive(Debug, Args)]

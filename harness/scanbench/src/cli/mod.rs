@@ -36,7 +36,7 @@ pub use self::scans::{CatalogueArgs, DatasetArgs, SourceArgs};
 pub use ablation::AblationArgs;
 pub use boxes::BoxesArgs;
 pub use compare::CompareArgs;
-pub use data::{DataCommand, RealismArgs};
+pub use data::{AddArgs, DataCommand, RealismArgs};
 pub use data_check::{CheckArgs, HashArgs};
 pub use data_convert::ConvertArgs;
 pub use data_prelabel::PrelabelArgs;

@@ -6,6 +6,7 @@ use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::boxes::boxes;
 use crate::commands::compare::compare;
+use crate::commands::data_add::data_add;
 use crate::commands::data_check::data_check;
 use crate::commands::data_convert::{data_convert, data_simulate};
 use crate::commands::data_hash::data_hash;
@@ -45,6 +46,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Detect(arguments) => detect(arguments),
         Command::Ablation(arguments) => ablation(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
+        Command::Data(DataCommand::Add(arguments)) => data_add(arguments),
         Command::Data(DataCommand::Check(arguments)) => data_check(arguments),
         Command::Data(DataCommand::Hash(arguments)) => data_hash(arguments),
         Command::Data(DataCommand::Convert(arguments)) => data_convert(arguments),

@@ -37,6 +37,7 @@ pub mod sweep_identity;
 pub mod sweep_files;
 pub mod sweep;
 pub mod data_list;
+pub mod data_add;
 pub mod data_check;
 pub mod data_hash;
 pub mod data_convert;

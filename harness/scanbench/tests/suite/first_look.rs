@@ -145,3 +145,25 @@ fn scans_without_labels_are_run_and_detectors_are_compared() {
     assert!(rows.iter().any(|it| it[7] != "0"), "{rows:?}");
     assert!(workplace.read("out/report.html").contains("clouds"));
 }
+
+#[test]
+fn a_data_set_is_added_to_a_catalogue_as_its_scans_show_it() {
+    let workplace = recorded("vlp-16", "0.9");
+    let add = ["data", "add", "robot", "--catalogue", "mine.toml"];
+    let added = workplace.succeed(&[&add[..], &["--licence", "ours"]].concat()).stdout;
+    assert!(added.contains("[recorded.robot]") && added.contains("sensor = \"vlp-16\""), "{added}");
+    let again = workplace.run(&add);
+    assert!(again.exit_code == Some(2) && again.stderr.contains("has \"robot\" already"), "{again:#?}");
+    let before = workplace.read("mine.toml");
+    workplace.succeed(&[&add[..], &["--id", "high", "--sensor-height", "2"]].concat());
+    assert!(workplace.read("mine.toml").starts_with(&before));
+    let run = ["run", "high", "robot", "--catalogue", "mine.toml", "-d", "pca", "--no-rrd", "-o", "out"];
+    let said = workplace.succeed(&run).stderr;
+    assert!(
+        said.contains("the frame of \"high\" is doubtful") && !said.contains("\"robot\" is doubtful"),
+        "{said}"
+    );
+    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    assert_eq!(manifest["datasets"][1]["licence"], "ours");
+    assert_eq!(manifest["datasets"][0]["sensor_height_m"].as_f64(), Some(2.0));
+}

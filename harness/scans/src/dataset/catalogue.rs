@@ -64,10 +64,10 @@ pub struct CatalogueEntry {
     pub sensor_height_m: f32,
     /// The sensor; that of KITTI unless the entry names one.
     pub sensor: String,
-    /// Its licence.
-    pub licence: String,
-    /// Where to get it.
-    pub url: String,
+    /// Its licence, where known.
+    pub licence: Option<String>,
+    /// Where to get it, if anywhere.
+    pub url: Option<String>,
     /// The checksum its files must have, as [`checksum`](super::checksum) describes it.
     pub checksum: Option<String>,
     /// What names of classes in its labels stand for.
@@ -174,6 +174,7 @@ pub fn parse_catalogue<S: SimulatedEntry>(name: &str, text: &str) -> Result<Cata
     }
     for (id, entry) in written.recorded {
         let checked = checked_id(&id, &source)?;
+        let entry = complete(&id, entry, &source)?;
         if catalogue.simulated.contains_key(&checked) {
             return Err(
                 source.error(id.span().start, format!("a simulated data set has the id {checked:?} already"))
@@ -209,16 +210,35 @@ fn checked_id(id: &Spanned<String>, source: &CatalogueText<'_>) -> Result<String
 #[serde(deny_unknown_fields, bound(deserialize = "S: DeserializeOwned"))]
 struct WrittenCatalogue<S> {
     #[serde(default)]
-    recorded: BTreeMap<Spanned<String>, WrittenEntry>,
+    recorded: BTreeMap<Spanned<String>, WrittenFields>,
     #[serde(default)]
     simulated: BTreeMap<Spanned<String>, Spanned<S>>,
     #[serde(default)]
     groups: BTreeMap<Spanned<String>, Spanned<Vec<String>>>,
 }
 
-/// An entry as it is written, with the positions of what can be wrong.
+/// An entry as it is written, of which fields may be missing, with the positions of what can be wrong.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct WrittenFields {
+    format: Option<DatasetFormat>,
+    root: Option<Spanned<String>>,
+    sequences: Option<Spanned<BTreeSet<String>>>,
+    scans: Option<Spanned<BTreeSet<u32>>>,
+    topic: Option<Spanned<String>>,
+    annotation_topic: Option<Spanned<String>>,
+    annotated_classes: Option<AnnotatedClasses>,
+    sensor_height_m: Option<Spanned<f32>>,
+    #[serde(default = "kitti_sensor")]
+    sensor: String,
+    licence: Option<String>,
+    url: Option<String>,
+    checksum: Option<Spanned<String>>,
+    #[serde(default)]
+    classes: BTreeMap<String, Spanned<String>>,
+}
+
+/// An entry that lacks nothing.
 struct WrittenEntry {
     format: DatasetFormat,
     root: Spanned<String>,
@@ -228,13 +248,59 @@ struct WrittenEntry {
     annotation_topic: Option<Spanned<String>>,
     annotated_classes: AnnotatedClasses,
     sensor_height_m: Spanned<f32>,
-    #[serde(default = "kitti_sensor")]
     sensor: String,
-    licence: String,
-    url: String,
+    licence: Option<String>,
+    url: Option<String>,
     checksum: Option<Spanned<String>>,
-    #[serde(default)]
     classes: BTreeMap<String, Spanned<String>>,
+}
+
+/// `written`, if it lacks nothing that is needed; all that it lacks is named at once.
+fn complete(
+    id: &Spanned<String>,
+    written: WrittenFields,
+    source: &CatalogueText<'_>,
+) -> Result<WrittenEntry, DatasetError> {
+    let WrittenFields {
+        sequences,
+        scans,
+        topic,
+        annotation_topic,
+        sensor,
+        licence,
+        url,
+        checksum,
+        classes,
+        ..
+    } = written;
+    match (written.format, written.root, written.annotated_classes, written.sensor_height_m) {
+        (Some(format), Some(root), Some(annotated_classes), Some(sensor_height_m)) => Ok(WrittenEntry {
+            format,
+            root,
+            sequences,
+            scans,
+            topic,
+            annotation_topic,
+            annotated_classes,
+            sensor_height_m,
+            sensor,
+            licence,
+            url,
+            checksum,
+            classes,
+        }),
+        (format, root, annotated_classes, sensor_height_m) => {
+            let fields = [
+                ("format", format.is_none()),
+                ("root", root.is_none()),
+                ("annotated_classes", annotated_classes.is_none()),
+                ("sensor_height_m", sensor_height_m.is_none()),
+            ];
+            let missing: Vec<&str> = fields.into_iter().filter(|it| it.1).map(|it| it.0).collect();
+            let problem = format!("[recorded.{}] lacks {}", id.get_ref(), missing.join(", "));
+            Err(source.error(id.span().start, problem))
+        }
+    }
 }
 
 fn kitti_sensor() -> String {
@@ -272,8 +338,13 @@ fn entry_from_written(
         let problem = format!("checksum {:?} is not 64 lower-case hexadecimal digits", checksum.get_ref());
         return Err(source.error(checksum.span().start, problem));
     }
-    let texts = [("sensor", &written.sensor), ("licence", &written.licence), ("url", &written.url)];
-    if let Some((field, text)) = texts.into_iter().find(|(_, it)| !it.chars().all(is_printable)) {
+    let texts = [
+        ("sensor", Some(&written.sensor)),
+        ("licence", written.licence.as_ref()),
+        ("url", written.url.as_ref()),
+    ];
+    let mut said = texts.into_iter().filter_map(|(field, text)| Some((field, text?)));
+    if let Some((field, text)) = said.find(|(_, it)| !it.chars().all(is_printable)) {
         let problem = format!("{field} {text:?} has a control character");
         return Err(source.error(written.root.span().start, problem));
     }
@@ -400,8 +471,8 @@ url = "https://example.org"
             annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car, AnnotationClass::Van]),
             sensor_height_m: 1.8,
             sensor: "hdl-64e-s2".to_owned(),
-            licence: "mine".to_owned(),
-            url: "https://example.org".to_owned(),
+            licence: Some("mine".to_owned()),
+            url: Some("https://example.org".to_owned()),
             checksum: None,
             classes: ClassTable::default(),
         };
@@ -413,6 +484,16 @@ url = "https://example.org"
         let text = ENTRY.replace(r#"["van", "car"]"#, r#""every-object""#);
         let catalogue = parse(&text).unwrap();
         assert_eq!(catalogue.recorded["my-drive"].annotated, AnnotatedClasses::EveryObject);
+    }
+
+    #[test]
+    fn licence_and_url_may_be_left_out_and_all_that_is_missing_is_named_at_once() {
+        let text = ENTRY.replace("licence = \"mine\"\nurl = \"https://example.org\"\n", "");
+        let entry = &parse(&text).unwrap().recorded["my-drive"];
+        assert_eq!((&entry.licence, &entry.url), (&None, &None));
+        let error = parse("\n[recorded.mine]\nformat = \"mcap\"\n").expect_err("much is missing");
+        let expected = "my.toml, line 2: [recorded.mine] lacks root, annotated_classes, sensor_height_m";
+        assert_eq!(error.to_string(), expected);
     }
 
     #[test]

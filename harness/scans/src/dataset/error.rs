@@ -4,6 +4,11 @@ use std::path::PathBuf;
 
 use super::shown_name::shown;
 
+/// Where to download, after everything else.
+fn download(url: Option<&str>) -> String {
+    url.map_or_else(String::new, |it| format!(" (download: {it})"))
+}
+
 /// Why labelled scans cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetError {
@@ -102,17 +107,17 @@ pub enum DatasetError {
         problem: String,
     },
     /// The root of a catalogued data set depends on a variable without a value.
-    #[error("the folder of {id:?} is not known: set {variable} to it (download: {url})")]
+    #[error("the folder of {id:?} is not known: set {variable} to it{}", download(url.as_deref()))]
     UnsetVariable {
         /// The data set.
         id: String,
         /// The environment variable.
         variable: String,
-        /// Where to get the data.
-        url: String,
+        /// Where to get the data, if anywhere.
+        url: Option<String>,
     },
     /// A catalogued data set is not where the catalogue says.
-    #[error("{id:?} is not at {root:?}: {remedy} (download: {url})")]
+    #[error("{id:?} is not at {root:?}: {remedy}{}", download(url.as_deref()))]
     MissingRoot {
         /// The data set.
         id: String,
@@ -120,8 +125,8 @@ pub enum DatasetError {
         root: PathBuf,
         /// What to change.
         remedy: String,
-        /// Where to get the data.
-        url: String,
+        /// Where to get the data, if anywhere.
+        url: Option<String>,
     },
     /// The data are not those of the catalogue.
     #[error("{id:?} has checksum {found}, the catalogue says {expected}")]

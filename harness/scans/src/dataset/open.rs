@@ -144,7 +144,7 @@ fn open_catalogued(
         annotated: entry.annotated.clone(),
         sensor_height_m: entry.sensor_height_m,
         sensor: entry.sensor.clone(),
-        licence: Some(entry.licence.clone()),
+        licence: entry.licence.clone(),
         stated_by: StatedBy::Catalogue,
         labeled_region: LabeledRegion::Camera,
         simulation: None,
