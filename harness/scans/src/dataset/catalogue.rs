@@ -343,8 +343,8 @@ fn entry_from_written(
         ("licence", written.licence.as_ref()),
         ("url", written.url.as_ref()),
     ];
-    let mut said = texts.into_iter().filter_map(|(field, text)| Some((field, text?)));
-    if let Some((field, text)) = said.find(|(_, it)| !it.chars().all(is_printable)) {
+    let said = texts.into_iter().filter_map(|(field, text)| Some((field, text?)));
+    if let Some((field, text)) = { said }.find(|(_, it)| !it.chars().all(is_printable)) {
         let problem = format!("{field} {text:?} has a control character");
         return Err(source.error(written.root.span().start, problem));
     }

@@ -51,7 +51,7 @@ fn what_the_camera_sees_is_labelled_and_drives_without_tracklets_are_not() {
     let scan = open(workplace.folder()).read_scan(0).unwrap();
     assert!(scan.annotations.is_empty() && scan.point_regions.iter().all(|it| *it == PointRegion::Outside));
     let ended = workplace.run(&["run", ".", "-d", "pca", "--no-rrd"]);
-    assert_eq!(ended.exit_code, Some(4), "{ended:#?}");
+    assert!(ended.exit_code == Some(0) && ended.stderr.contains("has no labels"), "{ended:#?}");
 }
 
 #[test]
