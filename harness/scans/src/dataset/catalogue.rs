@@ -584,11 +584,6 @@ url = "https://example.org"
         check_refused("url", "topic = \"/top\"\nurl", 9, "topic does not exist for the format");
     }
 
-    #[test]
-    fn a_missing_field_is_named() {
-        check_refused("licence = \"mine\"\n", "", 2, "missing field `licence`");
-    }
-
     proptest! {
         #[test]
         fn any_text_gives_a_catalogue_or_an_error(text in "(?s).{0,200}") {
