@@ -24,7 +24,7 @@ use scans::dataset::scan_selection::ScanSelection;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 use viewer::run_recording::{RunRecording, RunRecordingOptions};
-use viewer::{FirstTab, Opening, StreamOptions, ViewerChoice};
+use viewer::{FirstTab, Opening, PointChoice, StreamOptions, ViewerChoice};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Cargo starts benchmarks in the folder of their package; paths are meant from the root.
@@ -84,7 +84,7 @@ fn record(
                 has_poses: false,
                 at_the_start: false,
             },
-            max_points: None,
+            points: PointChoice::default(),
         },
         elsewhere: None,
         every: 1,

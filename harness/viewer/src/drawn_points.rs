@@ -1,8 +1,25 @@
 //! Which points of a scan are drawn.
 
+use std::collections::HashSet;
+
 use detector::PointCloud;
 
-/// The points of one scan that are drawn: all that have a place, or fewer spread evenly over the scan.
+/// How many of the points of a scan are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PointChoice {
+    /// The first in each cube of [`CUBE_M`]: where a sensor's points lie closer, nobody sees more with all of them.
+    #[default]
+    OneOfEachCube,
+    /// All.
+    All,
+    /// At most so many, spread evenly over the scan.
+    AtMost(usize),
+}
+
+/// The side of these cubes, in metres.
+pub const CUBE_M: f32 = 0.1;
+
+/// The points of one scan that are drawn: all that have a place, or fewer.
 ///
 /// Positions and all columns of labels have to agree in them.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -12,13 +29,23 @@ pub struct DrawnPoints {
 }
 
 impl DrawnPoints {
-    /// At most `max_points` of `cloud`, in scan order; a viewer has no place for NaN and infinity.
-    pub fn choose(cloud: &PointCloud, max_points: Option<usize>) -> Self {
+    /// Those of `cloud` that `choice` takes, in scan order; a viewer has no place for NaN and infinity.
+    pub fn choose(cloud: &PointCloud, choice: PointChoice) -> Self {
         let finite = |&point_idx: &u32| cloud.position_m(point_idx as usize).iter().all(|it| it.is_finite());
         let mut indices: Vec<u32> = (0..cloud.len() as u32).filter(finite).collect();
-        if let Some(n_drawn) = max_points.filter(|it| *it < indices.len()) {
-            let n_finite = indices.len();
-            indices = (0..n_drawn).map(|place| indices[place * n_finite / n_drawn]).collect();
+        match choice {
+            PointChoice::AtMost(n_drawn) if n_drawn < indices.len() => {
+                let n_finite = indices.len();
+                indices = (0..n_drawn).map(|place| indices[place * n_finite / n_drawn]).collect();
+            }
+            PointChoice::All | PointChoice::AtMost(_) => {}
+            PointChoice::OneOfEachCube => {
+                let mut taken = HashSet::with_capacity(indices.len());
+                let cube = |point_idx: u32| {
+                    cloud.position_m(point_idx as usize).map(|it| (it / CUBE_M).floor() as i32)
+                };
+                indices.retain(|&it| taken.insert(cube(it)));
+            }
         }
         Self { indices, n_points_of_scan: cloud.len() }
     }
@@ -44,24 +71,32 @@ mod tests {
     use super::*;
 
     #[track_caller]
-    fn check(max_points: Option<usize>, expected: &[usize]) {
+    fn check(choice: PointChoice, expected: &[usize]) {
         let with_hole = |it: usize| if it == 3 { f32::NAN } else { it as f32 };
         let cloud: PointCloud = (0..9).map(|it| [with_hole(it), 0.0, 0.0]).collect();
-        let drawn = DrawnPoints::choose(&cloud, max_points);
+        let drawn = DrawnPoints::choose(&cloud, choice);
         assert_eq!(drawn.indices().collect::<Vec<_>>(), expected);
         assert_eq!((drawn.n_drawn(), drawn.n_points_of_scan()), (expected.len(), 9));
     }
 
     #[test]
     fn points_without_a_place_are_left_out() {
-        check(None, &[0, 1, 2, 4, 5, 6, 7, 8]);
-        check(Some(8), &[0, 1, 2, 4, 5, 6, 7, 8]);
+        check(PointChoice::All, &[0, 1, 2, 4, 5, 6, 7, 8]);
+        check(PointChoice::AtMost(8), &[0, 1, 2, 4, 5, 6, 7, 8]);
     }
 
     #[test]
     fn fewer_points_are_spread_over_the_scan() {
-        check(Some(4), &[0, 2, 5, 7]);
-        check(Some(3), &[0, 2, 6]);
-        check(Some(0), &[]);
+        check(PointChoice::AtMost(4), &[0, 2, 5, 7]);
+        check(PointChoice::AtMost(3), &[0, 2, 6]);
+        check(PointChoice::AtMost(0), &[]);
+    }
+
+    #[test]
+    fn the_first_point_in_each_cube_is_drawn() {
+        let at =
+            [[0.01, 0.01, 0.01], [0.09, 0.01, 0.01], [-0.01, 0.01, 0.01], [0.05, 0.02, 0.11], [f32::NAN; 3]];
+        let drawn = DrawnPoints::choose(&at.into_iter().collect(), PointChoice::OneOfEachCube);
+        assert_eq!(drawn.indices().collect::<Vec<_>>(), [0, 2, 3]);
     }
 }

@@ -33,6 +33,7 @@ mod drive_frame;
 pub mod run_recording;
 pub mod sweep_recording;
 
+pub use drawn_points::PointChoice;
 pub use error::StreamError;
 pub use recording_axis::RecordingAxis;
 pub use scan_views::{DetectorView, ScanView, TaskView};

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use reports::vocabulary::task::Task;
 
+use super::drawn_points::PointChoice;
 use super::viewer::ViewerChoice;
 
 /// Where a recording goes and how it opens.
@@ -17,8 +18,8 @@ pub struct StreamOptions {
     pub viewer: ViewerChoice,
     /// How it opens.
     pub opening: Opening,
-    /// No more points of a scan are drawn than this.
-    pub max_points: Option<usize>,
+    /// Which points of a scan are drawn.
+    pub points: PointChoice,
 }
 
 /// Which tab of a recording is in front when it is opened.

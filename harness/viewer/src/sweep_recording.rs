@@ -17,6 +17,7 @@ use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::DatasetDescription;
 
+use super::drawn_points::PointChoice;
 use super::recording_axis::RecordingAxis;
 use super::run_recording::{RecordingError, task_views};
 use super::scan_views::{DetectorView, ScanView};
@@ -48,7 +49,7 @@ pub fn record_sweep(
         file: directory.path_of(SWEEP_RRD),
         viewer: ViewerChoice::None,
         opening: Opening { shown_task, first_tab: FirstTab::Compare, has_poses: false, at_the_start: true },
-        max_points: None,
+        points: PointChoice::All,
     };
     let detectors: Vec<&str> = plan.detectors.iter().map(ChosenDetector::name).collect();
     let of_dataset = Extent::Dataset(description.id.clone());

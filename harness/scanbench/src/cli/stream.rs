@@ -1,6 +1,7 @@
 //! What is streamed to Rerun.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 
@@ -43,12 +44,33 @@ pub struct StreamArgs {
     /// Record only every Nth scan; all are evaluated
     #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub rerun_every: u32,
-    /// Record at most N points of a scan; detectors get all
+    /// Record at most N points of a scan, or `all` [default: one in each cube of 10 cm]; detectors get all
     #[arg(long, hide_short_help = true, value_name = "N")]
-    pub rerun_points: Option<usize>,
+    pub rerun_points: Option<RecordedPoints>,
     /// Tab that the recording opens with
     #[arg(long, hide_short_help = true, value_enum, value_name = "TAB", default_value = "compare")]
     pub blueprint: TabName,
+}
+
+/// How many points of a scan are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code, reason = "read by the viewer, where there is one")]
+pub enum RecordedPoints {
+    /// All.
+    All,
+    /// At most so many.
+    AtMost(usize),
+}
+
+impl FromStr for RecordedPoints {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "all" => Ok(Self::All),
+            _ => text.parse().map(Self::AtMost).map_err(|_| "neither a number nor `all`".to_owned()),
+        }
+    }
 }
 
 /// Tabs of a recording by name.

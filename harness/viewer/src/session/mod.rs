@@ -10,7 +10,7 @@ use rerun::{EntityPath, RecordingStream, RecordingStreamBuilder};
 use scans::annotation::LabeledScan;
 
 use super::blueprint::{RecordingLayout, send_blueprint};
-use super::drawn_points::DrawnPoints;
+use super::drawn_points::{DrawnPoints, PointChoice};
 use super::error::StreamError;
 use super::log_mistakes::log_mistakes;
 use super::log_outcomes::log_outcomes;
@@ -58,7 +58,7 @@ pub struct Stream {
     detectors: Vec<DetectorState>,
     axis: RecordingAxis,
     opening: Opening,
-    max_points: Option<usize>,
+    points: PointChoice,
     drawn_points: DrawnPoints,
     is_laid_out: bool,
     n_held_back: u32,
@@ -135,7 +135,7 @@ impl Stream {
             detectors,
             axis,
             opening: options.opening,
-            max_points: options.max_points,
+            points: options.points,
             drawn_points: DrawnPoints::default(),
             is_laid_out: false,
             n_held_back: 0,
@@ -172,7 +172,7 @@ impl Stream {
         }
         self.n_held_back += 1;
         self.set_step(view.step)?;
-        self.drawn_points = DrawnPoints::choose(&view.scan.cloud, self.max_points);
+        self.drawn_points = DrawnPoints::choose(&view.scan.cloud, self.points);
         log_scan(&self.recording, view, &self.drawn_points)?;
         if self.opening.has_poses {
             log_pose(&self.recording, view.world_from_sensor.as_ref(), view.drive_m)?;

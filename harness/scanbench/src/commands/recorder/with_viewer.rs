@@ -6,10 +6,10 @@ use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
 use viewer::run_recording::{RecordingError, RunRecording, RunRecordingOptions};
 use viewer::sweep_recording;
-use viewer::{FirstTab, Opening, StreamError, StreamOptions, ViewerChoice};
+use viewer::{FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice};
 
 use super::RecordingPlan;
-use crate::cli::stream::{StreamArgs, TabName};
+use crate::cli::stream::{RecordedPoints, StreamArgs, TabName};
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_diagnostic;
 
@@ -59,7 +59,11 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
             file: plan.default_file.clone(),
             viewer,
             opening,
-            max_points: arguments.rerun_points,
+            points: match arguments.rerun_points {
+                None => PointChoice::OneOfEachCube,
+                Some(RecordedPoints::All) => PointChoice::All,
+                Some(RecordedPoints::AtMost(n)) => PointChoice::AtMost(n),
+            },
         },
         elsewhere: arguments.save_rrd.clone().flatten(),
         every: arguments.rerun_every,

@@ -25,7 +25,10 @@ use rerun::log::Chunk;
 use scans::annotation::{Annotation, LabeledArea, LabeledScan, PointRegion, ScanId};
 
 use super::super::{Stream, StreamEnding};
-use crate::{DetectorView, FirstTab, Opening, ScanView, StreamError, StreamOptions, TaskView, ViewerChoice};
+use crate::{
+    DetectorView, FirstTab, Opening, PointChoice, ScanView, StreamError, StreamOptions, TaskView,
+    ViewerChoice,
+};
 
 pub const N_POINTS: usize = 6;
 
@@ -119,7 +122,7 @@ pub fn options(folder: &Path, viewer: ViewerChoice) -> StreamOptions {
         has_poses: true,
         at_the_start: false,
     };
-    StreamOptions { name, file, viewer, opening, max_points: None }
+    StreamOptions { name, file, viewer, opening, points: PointChoice::All }
 }
 
 /// Logs `scan` at its index, one metre further on than the one before.

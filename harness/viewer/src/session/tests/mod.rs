@@ -130,7 +130,8 @@ fn poses_marks_counts_and_mistakes_are_logged_scan_by_scan() {
 #[test]
 fn fewer_points_are_drawn_than_there_are_if_so_asked() {
     let folder = tempfile::tempdir().unwrap();
-    let options = StreamOptions { max_points: Some(2), ..options(folder.path(), ViewerChoice::None) };
+    let options =
+        StreamOptions { points: PointChoice::AtMost(2), ..options(folder.path(), ViewerChoice::None) };
     let mut stream = Stream::open(&options, &["grid"]).unwrap();
     let scan = scan(0);
     log_scan(&mut stream, &scan).unwrap();
