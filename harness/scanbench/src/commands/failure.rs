@@ -25,7 +25,7 @@ use reports::run_folder::run_target::RunDirectoryError;
 use reports::tables::table_error::TableError;
 use reports::verdicts::accept::AcceptError;
 use reports::verdicts::comparability::NotComparable;
-use reports::verdicts::tolerances::TolerancesError;
+use reports::verdicts::tolerances_file::TolerancesError;
 use reports::verdicts::verdict::{Conclusion, JudgeError};
 use scans::conversion::ConversionError;
 use scans::dataset::DatasetError;

@@ -1,24 +1,23 @@
-//! `scanbench gate` and `scanbench baseline`.
+//! `scanbench gate`.
 
 use std::io::Write as _;
 use std::path::Path;
 
-use jiff::Timestamp;
 use reports::files::whole_file::write_whole;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::formats::terminal::Terminal;
-use reports::verdicts::accept::{Acceptance, Succession, TOLERANCES_TOML, accept, run_of_baseline};
-use reports::verdicts::tolerances::{Tolerances, TolerancesError};
+use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
+use reports::verdicts::tolerances::Tolerances;
+use reports::verdicts::tolerances_file::TolerancesError;
 use reports::verdicts::verdict::{Conclusion, Verdict, judge};
 
-use crate::cli::{AcceptArgs, GateArgs};
+use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
-use crate::commands::provenance::utc_day;
-use crate::commands::standard_streams::{print_bytes, print_diagnostic};
+use crate::commands::standard_streams::print_bytes;
 
 /// The file that GitHub shows as the summary of a job.
 const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
@@ -30,8 +29,8 @@ const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 /// [`GateClosed`] if the run is worse or results changed; and if it cannot be compared, or something cannot be read or written.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
-    let tolerances = tolerances(arguments, directory)?;
-    let baseline = open_run(&run_of_baseline(directory))?;
+    let baseline = open_baseline(directory)?;
+    let tolerances = tolerances(arguments, &baseline)?;
     let run = open_run(&arguments.run)?;
     let verdict = judge(&baseline, &run, &tolerances)?;
     if let Some(output) = &arguments.output {
@@ -47,10 +46,24 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     }
 }
 
-fn tolerances(arguments: &GateArgs, baseline: &Path) -> Result<Tolerances, TolerancesError> {
+fn open_baseline(directory: &Path) -> Result<RunArchive, Failure> {
+    if !directory.is_dir() {
+        return Err(Usage(format!(
+            "there is no baseline {}; name a run with --baseline, or make one: scanbench baseline init RUN -o ci",
+            directory.display()
+        ))
+        .into());
+    }
+    open_run(&run_of_baseline(directory))
+}
+
+/// Those of the command line, else those beside the baseline, else the built-in ones.
+fn tolerances(arguments: &GateArgs, baseline: &RunArchive) -> Result<Tolerances, TolerancesError> {
+    let beside = arguments.baseline.baseline.join(TOLERANCES_TOML);
     match &arguments.tolerances {
         Some(path) => Tolerances::read(path),
-        None => Tolerances::read(&baseline.join(TOLERANCES_TOML)),
+        None if beside.exists() => Tolerances::read(&beside),
+        None => Ok(Tolerances::built_in(baseline)),
     }
 }
 
@@ -74,27 +87,4 @@ fn append(path: &Path, text: &str) -> Result<(), Failure> {
     written.map_err(|error| {
         Failure::usage(format!("cannot write {}, the file that {STEP_SUMMARY} names", path.display()), error)
     })
-}
-
-/// Makes a run the one that others are judged by.
-///
-/// # Errors
-///
-/// If no reason is given, the run cannot be made again or is no successor of the one accepted before, or something cannot be read
-/// or written.
-pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
-    if arguments.why.trim().is_empty() {
-        return Err(Usage("--why is empty; say why the scores changed".to_owned()).into());
-    }
-    let run = open_run(&arguments.run)?;
-    let directory = &arguments.baseline.baseline;
-    let acceptance = Acceptance {
-        date: &utc_day(Timestamp::now()),
-        why: &arguments.why,
-        succession: if arguments.new_baseline { Succession::Anew } else { Succession::Comparable },
-    };
-    let line = accept(&run, directory, acceptance)?;
-    print_bytes(format!("{line}\n").as_bytes())?;
-    print_diagnostic(format_args!("Baseline: {}", directory.display()));
-    Ok(())
 }

@@ -178,6 +178,93 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
     assert!(n_rows("golden/run/matches.csv") < n_rows("better/matches.csv"));
 }
 
+/// What `baseline init` writes is about the detectors and tasks of the run, gates it, and names what a changed run did.
+#[test]
+fn a_first_baseline_gates_the_run_that_it_was_made_of() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &["-P", "pca.cluster.min_points=15"]);
+    let ended = workplace.succeed(&["baseline", "init", "first", "-o", "a b/ci/"]);
+    assert!(ended.stdout.contains("mv 'a b/ci'/scanbench.yml .github/workflows/"), "{ended:#?}");
+    let names: Vec<String> = ["run/manifest.json", "SCORES.md", "tolerances.toml", "scanbench.yml"]
+        .map(|it| format!("a b/ci/{it}"))
+        .into();
+    assert!(names.iter().all(|it| workplace.path(it).is_file()), "{:?}", workplace.names());
+    let tolerances = workplace.read("a b/ci/tolerances.toml");
+    for part in ["detectors = [\"hierarchical\", \"pca\"]", "tasks = [\"objects\", \"vehicles\"]", "[speed]"]
+    {
+        assert!(tolerances.contains(part), "no {part} in\n{tolerances}");
+    }
+    assert!(tolerances.lines().any(|it| it.starts_with("# Recall, TP / NO")), "{tolerances}");
+    let workflow = workplace.read("a b/ci/scanbench.yml");
+    let again = "\n          scanbench run street-narrow --simulated-scans 20 ";
+    assert!(workflow.contains(again), "{workflow}");
+    assert!(workflow.contains(" -P pca.cluster.min_points=15 -o runs/gate\n"), "{workflow}");
+    assert!(workflow.contains("scanbench gate runs/gate --baseline 'a b/ci' -o verdict\n"), "{workflow}");
+    let ended = workplace.succeed(&["gate", "first", "--baseline", "a b/ci"]);
+    assert!(ended.stdout.starts_with("PASSED") && !ended.stdout.contains("built in"), "{ended:#?}");
+    let ended = workplace.run(&["baseline", "init", "first", "-o", "a b/ci"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("run\" exists; name another folder"), "{ended:#?}");
+}
+
+#[test]
+fn a_first_baseline_is_written_whole_or_not_at_all() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &["--scans", "0..2:2"]);
+    edit(&workplace, "first/manifest.json", "\"dirty\": false", "\"dirty\": true");
+    let names = workplace.names();
+    let is_of_a_commit = workplace.read("first/manifest.json").contains("\"dirty\"");
+    if is_of_a_commit {
+        let ended = workplace.run(&["baseline", "init", "first", "-o", "deep/ci"]);
+        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    }
+    let ended = workplace.run(&["baseline", "init", "nowhere", "-o", "deep/ci"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert_eq!(workplace.names(), names);
+}
+
+/// Any run is a baseline. What is tolerated is printed then, because it stands in no file.
+#[test]
+fn built_in_tolerances_are_printed() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &[]);
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    let ended = workplace.succeed(&["gate", "first", "--baseline", "first"]);
+    let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("Tolerances: built in,") && said.contains("f_rate, recall, precision,"), "{said}");
+    assert!(said.contains("; time: 50 %."), "{said}");
+    let ended = workplace.run(&["gate", "worse", "--baseline", "first"]);
+    assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+    let ended = workplace.run(&["gate", "first"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(
+        ended.stderr.contains("there is no baseline reports/golden; name a run with --baseline"),
+        "{ended:#?}"
+    );
+}
+
+/// What is wrong in the file, and what is wrong for these runs, with file and line.
+#[test]
+fn all_problems_of_a_file_are_told_at_once() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &["--scans", "0..2:2"]);
+    let bad = "[[quality]]\nmetrics = [\"f_rat\"]\nslices = [\"al\"]\nabsolute = 0.9\n\n[sped]\n";
+    workplace.write("bad.toml", bad);
+    let ended = workplace.run(&["gate", "first", "--baseline", "first", "-t", "bad.toml"]);
+    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""), "{ended:#?}");
+    let lines: Vec<&str> = ended.stderr.lines().collect();
+    assert_eq!(
+        lines,
+        [
+            "error: bad tolerances \"bad.toml\", 4 problems:",
+            "  line 6: unknown field `sped`; did you mean \"speed\"?",
+            "  line 1, [[quality]] 1: there is no `relative`",
+            "  line 1, [[quality]] 1: there is no slice \"al\" in either run; did you mean \"all\"?",
+            "  line 2, [[quality]] 1: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
+        ]
+    );
+}
+
 #[test]
 fn runs_that_were_asked_for_other_things_are_not_compared() {
     let workplace = accepted();

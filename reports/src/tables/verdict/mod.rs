@@ -1,5 +1,6 @@
 //! What verdicts say, before a format lays it out.
 
 pub(crate) mod wording;
+pub(crate) mod tolerated;
 pub mod comparison;
 pub mod summary;

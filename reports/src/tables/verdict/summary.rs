@@ -3,6 +3,7 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
+use crate::tables::verdict::tolerated::about_tolerances;
 use crate::tables::verdict::wording::{
     about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
 };
@@ -10,6 +11,7 @@ use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
+use crate::verdicts::tolerances::Origin;
 use crate::verdicts::verdict::{Conclusion, Verdict};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
@@ -39,6 +41,9 @@ fn first_lines(verdict: &Verdict) -> Vec<String> {
     match &verdict.speed {
         SpeedComparison::NotCompared { reason } => lines.push(format!("Speed was not compared: {reason}.")),
         SpeedComparison::NotAsked | SpeedComparison::Compared(_) => {}
+    }
+    if verdict.tolerances.origin == Origin::BuiltIn {
+        lines.push(about_tolerances(&verdict.tolerances));
     }
     if !verdict.new_detectors.is_empty() {
         let names = verdict.new_detectors.join(", ");

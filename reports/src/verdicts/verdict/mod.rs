@@ -10,7 +10,8 @@ use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
 use crate::verdicts::gated_speeds::SpeedComparison;
-use crate::verdicts::tolerances::{RuleProblems, Tolerances};
+use crate::verdicts::rule_problems::RuleProblems;
+use crate::verdicts::tolerances::Tolerances;
 use crate::vocabulary::extent::OVERALL;
 
 /// What came of a gate.
@@ -28,6 +29,8 @@ pub struct Verdict {
     pub drift: Vec<ScanDrift>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
+    /// What it was judged by.
+    pub tolerances: Tolerances,
 }
 
 /// What a verdict comes to.
@@ -50,7 +53,7 @@ pub enum JudgeError {
     #[error(transparent)]
     NotComparable(#[from] NotComparable),
     /// The tolerances are not about these runs.
-    #[error("bad tolerances")]
+    #[error(transparent)]
     Rules(#[from] RuleProblems),
 }
 
@@ -108,14 +111,18 @@ impl Verdict {
 ///
 /// # Errors
 ///
-/// [`JudgeError`] if the runs cannot be compared, or a rule of `tolerances` names what neither has or decides about nothing.
+/// [`JudgeError`] if the runs cannot be compared, or with all that is wrong with `tolerances`: what their file has, rules that name
+/// what neither run has, rules that decide about nothing.
 pub fn judge(
     baseline: &RunArchive,
     run: &RunArchive,
     tolerances: &Tolerances,
 ) -> Result<Verdict, JudgeError> {
-    check_comparable(baseline, run)?;
-    check_same_results(baseline, run)?;
+    let comparable = check_comparable(baseline, run).and_then(|()| check_same_results(baseline, run));
+    if comparable.is_err() {
+        RuleProblems::check(tolerances.path(), tolerances.problems.clone())?;
+    }
+    comparable?;
     let (before, after) = (baseline.tally(), run.tally());
     let draws = before.draw();
     let sides = Sides { before: &before, after: &after, draws: &draws };
@@ -134,6 +141,7 @@ pub fn judge(
         ),
         drift: drift(baseline, run),
         new_detectors: detectors_only_in(run, baseline),
+        tolerances: tolerances.clone(),
     })
 }
 

@@ -12,7 +12,8 @@ use crate::tables::sample;
 use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::gated_speeds::Slowdown;
-use crate::verdicts::tolerances::{QualityRule, SpeedRule};
+use crate::verdicts::rule_problems::RuleProblem;
+use crate::verdicts::tolerances::{Origin, QualityRule, SpeedRule};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
@@ -101,13 +102,20 @@ fn texts(names: &[&str]) -> Vec<String> {
 fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
     let metrics = metrics.iter().map(|it| Metric::from_id(it).unwrap()).collect();
     let slices = texts(slices);
-    QualityRule { metrics, slices, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
+    QualityRule { line: None, metrics, slices, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
+}
+
+/// These rules, without times.
+fn held_to(quality: Vec<QualityRule>) -> Tolerances {
+    let origin = Origin::File("tolerances.toml".into());
+    Tolerances { origin, quality, speed: None, problems: Vec::new() }
 }
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.
 fn tolerances() -> Tolerances {
-    let speed = SpeedRule { reference: SPEED_REFERENCE.to_owned(), detectors: None, relative: 0.25 };
-    Tolerances { quality: vec![rule(&["recall"], &["all"])], speed: Some(speed) }
+    let reference = SPEED_REFERENCE.to_owned();
+    let speed = SpeedRule { line: None, reference, detectors: None, relative: 0.25 };
+    Tolerances { speed: Some(speed), ..held_to(vec![rule(&["recall"], &["all"])]) }
 }
 
 fn judged(run: &SampleScans<'_>) -> Verdict {
@@ -285,7 +293,7 @@ fn speed_is_held_of_the_detectors_that_its_rule_names() {
     assert!(all.len() > 1 && all.iter().any(|it| it == "pca"), "{all:?}");
     assert_eq!(held(Some(&["pca"])), ["pca"]);
     let Err(JudgeError::Rules(problems)) = speeds_of(Some(&["pcaa"])) else { panic!("no such detector") };
-    let said = "[speed]: there is no detector \"pcaa\" in either run; did you mean \"pca\"?";
+    let said = "bad tolerances \"tolerances.toml\": [speed]: there is no detector \"pcaa\" in either run; did you mean \"pca\"?";
     assert_eq!(problems.to_string(), said);
 }
 
@@ -293,9 +301,11 @@ fn speed_is_held_of_the_detectors_that_its_rule_names() {
 fn rules_about_nothing_are_refused_all_at_once() {
     let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 2, ..USUAL }.archive();
     let problem = |rules: Vec<QualityRule>| {
-        let tolerances = Tolerances { quality: rules, speed: None };
+        let tolerances = held_to(rules);
         match judge(&USUAL.archive(), &worse, &tolerances) {
-            Err(JudgeError::Rules(problems)) => problems.to_string(),
+            Err(JudgeError::Rules(RuleProblems { problems, .. })) => {
+                problems.iter().map(RuleProblem::to_string).collect::<Vec<_>>().join("; ")
+            }
             other => panic!("{other:?}"),
         }
     };
@@ -330,8 +340,7 @@ fn rules_about_nothing_are_refused_all_at_once() {
 
 #[test]
 fn a_beginning_that_stands_for_some_slices_is_no_mistake() {
-    let tolerances =
-        Tolerances { quality: vec![rule(&["recall", "f_rate"], &["all", "range/*"])], speed: None };
+    let tolerances = held_to(vec![rule(&["recall", "f_rate"], &["all", "range/*"])]);
     let verdict = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap();
     let of_pca: Vec<String> = verdict
         .metrics
@@ -353,7 +362,7 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
         (&unknown, &USUAL, &rule(&["f_rate"], &["a*"]), Missing::InBaseline),
         (&unknown, &unknown, &of_task, Missing::InBoth),
     ] {
-        let tolerances = Tolerances { quality: vec![named.clone()], speed: None };
+        let tolerances = held_to(vec![named.clone()]);
         let verdict = judge(&before.archive(), &after.archive(), &tolerances).unwrap();
         assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
         assert!(verdict.metrics.iter().all(|it| it.difference == Err(missing)), "{verdict:?}");
@@ -365,7 +374,7 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
         );
     }
     // Of no named task, and nowhere else either: the rule is about nothing.
-    let tolerances = Tolerances { quality: vec![rule(&["f_rate"], &["all"])], speed: None };
+    let tolerances = held_to(vec![rule(&["f_rate"], &["all"])]);
     let Err(JudgeError::Rules(problems)) = judge(&unknown.archive(), &unknown.archive(), &tolerances) else {
         panic!("it has no effect");
     };
@@ -382,4 +391,157 @@ fn a_missing_number_is_no_regression_but_a_regression_goes_first() {
     assert_eq!((verdict.n(Finding::Incomparable), verdict.n(Finding::Regression)), (2, 1));
     let metrics = verdict.metrics.iter().map(|it| it.metric.clone()).collect::<Vec<_>>();
     assert_eq!(metrics, [Metric::Recall, Metric::FRate, Metric::Recall, Metric::FRate]);
+}
+
+fn read_back(text: &str) -> Tolerances {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tolerances.toml");
+    std::fs::write(&path, text).unwrap();
+    Tolerances::read(&path).unwrap()
+}
+
+/// `kd-tree` and `pca` have one task and no boxes, and `pca` was not timed.
+#[test]
+fn built_in_tolerances_are_about_exactly_what_the_baseline_has() {
+    let mut run = USUAL.archive();
+    for row in run.scans.iter_mut().filter(|it| it.detector == "pca") {
+        if let ScanOutcome::Evaluated(numbers) = &mut row.outcome {
+            numbers.least_latency_ms = None;
+        }
+    }
+    let tolerances = Tolerances::built_in(&run);
+    insta::assert_snapshot!(tolerances.annotated(), @r#"
+    # How much worse than the accepted run a number may become before `scanbench gate` fails.
+    #
+    # A rule is about its metrics, in its slices (a * at the end stands for anything), tasks and detectors. The first rule
+    # that is about a number decides. Tolerated is the larger of `absolute`, in the unit of the metric, and `relative`, a
+    # share of the accepted value. A number fails only if its whole 95 % interval is worse than that. What no rule is about
+    # is not judged: delete what does not matter to you.
+
+    # F-rate, 2 TP / (NO + ND): one number for how much is found and how much of it is right. 1 is perfect.
+    # TP: found, NO: annotations that count, ND: detections that count. absolute = 0.01 is one point of a hundred.
+    [[quality]]
+    metrics = ["f_rate"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # Recall, TP / NO: the share of the annotated objects that is found.
+    [[quality]]
+    metrics = ["recall"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # Precision, TP / ND: the share of the detections that is right.
+    [[quality]]
+    metrics = ["precision"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # The share of the annotated objects that is torn into several detections.
+    [[quality]]
+    metrics = ["over_segmentation"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # How far the points of an object are spread over several detections: an entropy, in nats. 0 is not at all.
+    [[quality]]
+    metrics = ["ose_per_object"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.02
+    relative = 0.1
+
+    # Recall of parts of the objects: by class, by distance in metres, by number of points, by what hides them.
+    [[quality]]
+    metrics = ["recall"]
+    slices = ["class/*", "range/*", "points/*"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.02
+    relative = 0.0
+
+    # Time: that of a detector divided by that of `grid-write`, a plain write of a grid on the same scans, timed in turns with it.
+    # relative = 0.5 is half as slow again. It can be 0.1 if both runs are made with --repeats 5 on a machine with nothing else to do.
+    # Times are compared only between runs on the same processor.
+    [speed]
+    reference = "grid-write"
+    detectors = ["kd-tree"]
+    relative = 0.5
+    "#);
+    let verdict = judge(&run, &run, &tolerances).unwrap();
+    assert_eq!(verdict.conclusion(), Conclusion::Same);
+    // They are printed.
+    insta::assert_snapshot!(Terminal::UNFOLDED.text(&verdict).lines().nth(1).unwrap(), @r"
+    Tolerances: built in, because the baseline has no tolerances.toml. f_rate, recall, precision, over_segmentation: 1.00 points; ose_per_object: 0.02 nats or 10 %; recall of class/*, range/*, points/*: 2.00 points; time: 50 %.
+    ");
+    // The file says the same.
+    let mut read = read_back(&tolerances.annotated());
+    assert!(read.problems.is_empty(), "{:?}", read.problems);
+    read.origin = Origin::BuiltIn;
+    read.speed.as_mut().unwrap().line = None;
+    read.quality.iter_mut().for_each(|it| it.line = None);
+    assert_eq!(read, tolerances);
+    // Nothing false can be known: there is no rule about precision, and nothing is missing.
+    let unknown = SampleScans { fo: None, ms_of: None, ..USUAL }.archive();
+    let tolerances = Tolerances::built_in(&unknown);
+    assert!(!tolerances.metrics().contains(&Metric::Precision) && tolerances.speed.is_none());
+    assert_eq!(judge(&unknown, &unknown, &tolerances).unwrap().conclusion(), Conclusion::Same);
+}
+
+/// What the file has, what there is not in the runs, and what has no effect are told together; a rule that is wrong in one way is
+/// not said to have no effect as well.
+#[test]
+fn problems_of_the_file_and_of_the_runs_are_told_together() {
+    let tolerances = read_back(
+        r#"
+[[quality]]
+metrics = ["recal"]
+slices = ["all"]
+tasks = ["vehicles"]
+absolute = 2.0
+relative = 0.0
+
+[[quality]]
+metrics = ["recall"]
+slices = ["al"]
+detectors = ["pcaa"]
+absolute = 0.01
+relative = 0.0
+
+[[quality]]
+metrics = ["precision", "recall"]
+slices = ["class/*"]
+absolute = 0.01
+relative = 0.0
+
+[speed]
+reference = "grid-write"
+detectors = ["nobody"]
+relative = 1.5
+"#,
+    );
+    let error = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap_err().to_string();
+    let said = error.lines().skip(1).collect::<Vec<_>>().join("\n");
+    insta::assert_snapshot!(said, @r#"
+    line 2, [[quality]] 1: there is no task "vehicles" in either run; choose from objects
+    line 3, [[quality]] 1: there is no metric "recal"; did you mean "recall"?
+    line 9, [[quality]] 2: there is no detector "pcaa" in either run; did you mean "pca"?
+    line 9, [[quality]] 2: there is no slice "al" in either run; did you mean "all"?
+    line 16, [[quality]] 3: the rule has no effect on precision of "class/*": neither run has it, or an earlier rule applies
+    line 22, [speed]: there is no detector "nobody" in either run; choose from kd-tree, pca
+    line 25, [speed]: relative = 1.5 tolerates 150 %; it must be less than 1, which is 100 %
+    "#);
 }
