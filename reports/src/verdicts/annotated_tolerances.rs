@@ -13,6 +13,9 @@ const HEAD: &str = "\
 # that is about a number decides. Tolerated is the larger of `absolute`, in the unit of the metric, and `relative`, a
 # share of the accepted value. A number fails only if its whole 95 % interval is worse than that. What no rule is about
 # is not judged: delete what does not matter to you.
+
+# Detection is deterministic. If the outcome of any object changed though no number is surely worse, \"fail\" ends with exit
+# code 101, and \"warn\" passes and says what changed. `scanbench gate --allow-drift` has the last word.
 ";
 
 impl Tolerances {
@@ -20,6 +23,7 @@ impl Tolerances {
     pub fn annotated(&self) -> String {
         let sizes = Sizes::built_in();
         let mut text = HEAD.to_owned();
+        writeln!(text, "drift = {}", quoted(self.drift.name())).expect("a string takes all");
         for rule in &self.quality {
             text.push('\n');
             text.push_str(&comment(&meaning(rule, &sizes)));

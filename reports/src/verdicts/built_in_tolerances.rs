@@ -5,7 +5,7 @@ use serde::Deserialize;
 use crate::numbers::tally::Tally;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::{Draw, Question};
-use crate::verdicts::tolerances::{Origin, QualityRule, SpeedRule, Tolerances, is_meant};
+use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule, Tolerances, is_meant};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
 use crate::vocabulary::slice::Slice;
@@ -79,7 +79,7 @@ impl Tolerances {
         let of_slices = numbers.rules_about_slices(&sizes.slices);
         let quality = of_metrics.chain(of_slices).collect();
         let speed = numbers.speed_rule(&sizes.speed);
-        Self { origin: Origin::BuiltIn, quality, speed, problems: Vec::new() }
+        Self { origin: Origin::BuiltIn, quality, speed, drift: DriftRule::Fail, problems: Vec::new() }
     }
 }
 

@@ -16,6 +16,8 @@ pub struct Tolerances {
     pub quality: Vec<QualityRule>,
     /// The rule about times; without it they are not gated.
     pub speed: Option<SpeedRule>,
+    /// The rule about results that changed.
+    pub drift: DriftRule,
     /// What is wrong with the file. A judge refuses it, together with what is wrong for the runs.
     pub problems: Vec<RuleProblem>,
 }
@@ -27,6 +29,15 @@ pub enum Origin {
     BuiltIn,
     /// From this file.
     File(PathBuf),
+}
+
+/// What becomes of a run whose results changed though no number is surely worse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriftRule {
+    /// It fails: somebody has to look at it, and accept it.
+    Fail,
+    /// It passes, and what changed is told.
+    Warn,
 }
 
 /// How much worse some metrics may become.
@@ -92,6 +103,24 @@ impl Tolerances {
         metrics.sort();
         metrics.dedup();
         metrics
+    }
+}
+
+impl DriftRule {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Fail, Self::Warn];
+
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fail => "fail",
+            Self::Warn => "warn",
+        }
+    }
+
+    /// The rule of this name; `None` if there is none.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|it| it.name() == name)
     }
 }
 

@@ -8,11 +8,11 @@ use toml::de::{DeTable, DeValue};
 
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{Origin, QualityRule, SpeedRule, Tolerances};
+use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule, Tolerances};
 use crate::vocabulary::metric::{Direction, Metric, SPEED_REFERENCE};
 use crate::vocabulary::task::Task;
 
-const TOP_FIELDS: [&str; 2] = ["quality", "speed"];
+const TOP_FIELDS: [&str; 3] = ["drift", "quality", "speed"];
 const QUALITY_FIELDS: [&str; 6] = ["metrics", "slices", "tasks", "detectors", "absolute", "relative"];
 const SPEED_FIELDS: [&str; 3] = ["reference", "detectors", "relative"];
 
@@ -49,14 +49,28 @@ impl Tolerances {
         let table = DeTable::parse(&text)
             .map_err(|problem| TolerancesError::Toml { path: path.to_path_buf(), problem: problem.into() })?;
         let mut top = Section::new(&text, RuleTable::Top, 0, Some(table.get_ref()));
+        let drift = drift_rule(&mut top);
         let quality = quality_rules(&mut top);
         let speed = top.take("speed").and_then(|it| {
             let is_table = top.is_a(it, "a table", |value| value.is_table());
             is_table.then(|| speed_rule(Section::of_value(&text, RuleTable::Speed, it), &mut top.problems))
         });
         let problems = top.finish(&TOP_FIELDS);
-        Ok(Self { origin: Origin::File(path.to_path_buf()), quality, speed, problems })
+        Ok(Self { origin: Origin::File(path.to_path_buf()), quality, speed, drift, problems })
     }
+}
+
+/// A run whose results changed fails unless the file says otherwise.
+fn drift_rule(top: &mut Section<'_>) -> DriftRule {
+    let name = top.fields.contains_key("drift").then(|| {
+        let known = |it: &str| {
+            DriftRule::from_name(it)
+                .is_none()
+                .then(|| format!("drift = {it:?} means nothing; it is \"fail\" or \"warn\""))
+        };
+        top.text("drift", known)
+    });
+    name.flatten().and_then(|it| DriftRule::from_name(&it)).unwrap_or(DriftRule::Fail)
 }
 
 fn quality_rules(top: &mut Section<'_>) -> Vec<QualityRule> {

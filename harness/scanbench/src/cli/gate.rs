@@ -28,6 +28,17 @@ pub struct GateArgs {
     /// TOML file with the tolerated losses [default: `tolerances.toml` of the baseline; built-in ones if there is none]
     #[arg(short, long, value_name = "FILE", help_heading = JUDGING)]
     pub tolerances: Option<PathBuf>,
+    /// Let results change if no number is worse; `=false` lets them fail whatever the tolerances say
+    #[arg(
+        long,
+        value_name = "BOOL",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "true",
+        hide_possible_values = true,
+        help_heading = JUDGING
+    )]
+    pub allow_drift: Option<bool>,
     /// Directory for gate.json, gate.md, junit.xml, custom-smaller-is-better.json and bencher.json
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
@@ -37,16 +48,17 @@ const GATE_EXAMPLES: &str = "\
 Examples:
   scanbench gate runs/after --baseline runs/before
   scanbench gate runs/latest --baseline ci -o verdict
-  scanbench gate runs/latest --baseline ci --tolerances strict.toml
+  scanbench gate runs/latest --baseline ci --tolerances strict.toml --allow-drift
 
 Exit codes:
-  0    no regression, no result changed
+  0    passed: nothing is worse, and no result changed, or that is allowed
   2    something is wrong with the tolerances; all of it is told
   5    the runs cannot be compared, or a number is missing
-  100  regression: a number is worse than tolerated, with its whole 95 % interval
-  101  no regression, but results of scans changed
+  100  a number is worse than tolerated, with its whole 95 % interval
+  101  nothing is worse, but results changed; --allow-drift, or drift = \"warn\"
+       in the tolerances, lets that pass
 
-With fewer than ten blocks of scans, no regression can be shown; 101 still can. Times
+With fewer than ten blocks of scans, nothing can be shown to be worse. Times
 are compared only between runs on the same processor; make both with --repeats 5. On
 GitHub, the verdict is added to the summary of the job.";
 

@@ -67,8 +67,8 @@ Exit codes:
   4    nothing was evaluated
   5    the runs cannot be compared
   6    a detector of scanbench.toml failed
-  100  regression
-  101  no regression, but results changed
+  100  worse than the baseline
+  101  not worse, but results changed
   130  interrupted; 143 if by SIGTERM";
 
 /// The verbs.

@@ -10,9 +10,9 @@ use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::formats::terminal::Terminal;
 use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
-use reports::verdicts::tolerances::Tolerances;
+use reports::verdicts::tolerances::{DriftRule, Tolerances};
 use reports::verdicts::tolerances_file::TolerancesError;
-use reports::verdicts::verdict::{Conclusion, Verdict, judge};
+use reports::verdicts::verdict::{Verdict, judge};
 
 use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
@@ -30,7 +30,10 @@ const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
     let baseline = open_baseline(directory)?;
-    let tolerances = tolerances(arguments, &baseline)?;
+    let mut tolerances = tolerances(arguments, &baseline)?;
+    if let Some(is_allowed) = arguments.allow_drift {
+        tolerances.drift = if is_allowed { DriftRule::Warn } else { DriftRule::Fail };
+    }
     let run = open_run(&arguments.run)?;
     let verdict = judge(&baseline, &run, &tolerances)?;
     if let Some(output) = &arguments.output {
@@ -41,7 +44,7 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     }
     print_bytes(Terminal::UNFOLDED.text(&verdict).as_bytes())?;
     match verdict.conclusion() {
-        Conclusion::Same => Ok(()),
+        passed if passed.is_pass() => Ok(()),
         closed => Err(GateClosed(closed).into()),
     }
 }

@@ -72,11 +72,11 @@ fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) 
 #[test]
 fn a_run_is_as_good_as_itself_and_as_its_repetition() {
     let workplace = accepted();
-    check_gate(&workplace, "first", 0, "PASSED. ");
+    check_gate(&workplace, "first", 0, "PASSED\n");
     run(&workplace, "again", &["--jobs", "1", "--warmup", "0", "-d", "pca,hierarchical"]);
-    let ended = check_gate(&workplace, "again", 0, "Changed scan results: 0.");
+    let ended = check_gate(&workplace, "again", 0, "No result changed.");
     assert!(!ended.stdout.contains("inconclusive\n"), "{}", ended.stdout);
-    check_gate(&workplace, "golden/run", 0, "PASSED. ");
+    check_gate(&workplace, "golden/run", 0, "PASSED\n");
 }
 
 /// The street of any seed against itself, run again: nothing may ever be reported.
@@ -92,12 +92,12 @@ fn twenty_streets_run_twice_report_nothing() {
         let arguments = ["gate", "twice", "-b", "once", "-t", "tolerances.toml"];
         let ended = workplace.succeed(&arguments);
         assert!(
-            ended.stdout.contains(" regressions: 0, inconclusive: 0, missing: 0. Changed scan results: 0."),
+            ended.stdout.contains(" worse: 0, inconclusive: 0, missing: 0. No result changed."),
             "{}",
             ended.stdout
         );
         assert!(
-            ended.stdout.contains("Only 2 blocks of scans: too few to show a regression."),
+            ended.stdout.contains("Only 2 blocks of scans: too few to show that anything is worse."),
             "{}",
             ended.stdout
         );
@@ -133,12 +133,14 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
 fn what_is_surely_worse_is_a_regression() {
     let workplace = accepted();
     run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
-    check_gate(&workplace, "worse", 100, "FAILED: regression. ");
+    check_gate(&workplace, "worse", 100, "FAILED: worse\n");
+    let ended = workplace.run(&["gate", "worse", "-b", "golden", "--allow-drift"]);
+    assert_eq!(ended.exit_code, Some(100), "a loss is one, whatever is allowed: {ended:#?}");
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     assert_eq!(verdict["conclusion"], "regression");
     let junit = workplace.read("verdict/junit.xml");
     assert!(junit.contains("type=\"regression\"") && junit.contains("type=\"drift\""), "{junit}");
-    assert!(workplace.read("verdict/gate.md").starts_with("**FAILED: regression. "));
+    assert!(workplace.read("verdict/gate.md").starts_with("**FAILED: worse**\n"));
     let smaller: Value =
         serde_json::from_str(&workplace.read("verdict/custom-smaller-is-better.json")).expect("JSON");
     let is_f_rate = |it: &&Value| it["name"] == "objects/hierarchical/1 - f_rate";
@@ -163,10 +165,27 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         ended
     };
     accept("worse", "nothing better\nyet");
-    check_gate(&workplace, "better", 101, "FAILED: results changed. ");
+    check_gate(&workplace, "better", 101, "FAILED: results changed\n");
+    let tolerances = workplace.read("golden/tolerances.toml");
+    for (drift, option, exit_code) in [
+        ("", "--allow-drift", 0),
+        ("drift = \"warn\"\n", "-q", 0),
+        ("drift = \"fail\"\n", "--allow-drift", 0),
+        ("drift = \"fail\"\n", "-q", 101),
+        ("drift = \"warn\"\n", "--allow-drift=false", 101),
+    ] {
+        workplace.write("golden/tolerances.toml", &format!("{drift}{tolerances}"));
+        let ended = workplace.run(&["gate", "better", "-b", "golden", option]);
+        assert_eq!(ended.exit_code, Some(exit_code), "{drift} {option}: {ended:#?}");
+        let headline = ended.stdout.lines().next().unwrap_or_default();
+        assert_eq!(headline.ends_with(" scans (allowed)"), exit_code == 0, "{headline}");
+        let error = if exit_code == 0 { "" } else { "error: gate FAILED: results changed\n" };
+        assert_eq!(ended.stderr, error, "{drift} {option}");
+    }
+    workplace.write("golden/tolerances.toml", &tolerances);
     let ended = accept("better", "smaller clusters are objects too");
     assert!(ended.stdout.contains(" → ") && ended.stdout.contains("objects: hierarchical "), "{ended:#?}");
-    check_gate(&workplace, "better", 0, "PASSED. ");
+    check_gate(&workplace, "better", 0, "PASSED\n");
     let history = workplace.read("golden/SCORES.md");
     let lines: Vec<&str> = history.lines().filter(|it| it.starts_with("- ")).collect();
     assert_eq!(lines.len(), 2, "{history}");
@@ -327,7 +346,7 @@ fn the_summary_of_a_job_is_added_to() {
     command.env("GITHUB_STEP_SUMMARY", workplace.path("summary.md"));
     assert!(command.output().expect("it runs").status.success());
     let summary = workplace.read("summary.md");
-    assert!(summary.starts_with("before\n**PASSED. "), "{summary}");
+    assert!(summary.starts_with("before\n**PASSED**\n"), "{summary}");
     assert!(summary.contains("| objects | pca | all | f_rate"), "{summary}");
 }
 
@@ -392,7 +411,7 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
         check_gate(&workplace, "worse", 2, expected);
     }
     workplace.write("golden/tolerances.toml", &rule("\"f_rate\"", all, "tasks = [\"objects\"]"));
-    check_gate(&workplace, "worse", 100, "FAILED: regression. ");
+    check_gate(&workplace, "worse", 100, "FAILED: worse\n");
 }
 
 #[test]
@@ -410,7 +429,7 @@ fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
     workplace.write("unknown/scans.csv", &(lines.join("\n") + "\n"));
     let expected = "f_rate of all, hierarchical, objects, street-narrow: missing in the run.";
     let ended = check_gate(&workplace, "unknown", 5, expected);
-    assert!(ended.stdout.starts_with("FAILED: numbers are missing."), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("FAILED: numbers are missing\n"), "{}", ended.stdout);
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     assert_eq!(verdict["conclusion"], "incomparable");
 }
@@ -426,7 +445,7 @@ fn of_few_blocks_nothing_is_surely_worse() {
     let ended = workplace.run(&["gate", "worse", "-b", "once", "-t", "tolerances.toml"]);
     assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
     for part in [
-        "Only 9 blocks of scans: too few to show a regression.",
+        "Only 9 blocks of scans: too few to show that anything is worse.",
         "inconclusive: only 9 blocks of scans",
         "§ from fewer than 10 blocks",
     ] {
@@ -466,19 +485,19 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     });
     assert_eq!(text.lines().next().expect("a head").split(',').nth(10), Some("least_latency_ms"));
     workplace.write("slower/scans.csv", &slower.collect::<String>());
-    let ended = check_gate(&workplace, "slower", 100, "FAILED: regression. ");
-    assert!(ended.stdout.contains(" regressions: 1,"), "{}", ended.stdout);
+    let ended = check_gate(&workplace, "slower", 100, "FAILED: worse\n");
+    assert!(ended.stdout.contains(" worse: 1,"), "{}", ended.stdout);
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     let slowdown = verdict["speeds"][1]["slowdown"].as_f64().expect("a number");
     assert!((slowdown - 0.5).abs() < 0.01 && verdict["speeds"][1]["detector"] == "pca", "{verdict}");
     // On another processor that says nothing, and the verdict says so at once.
     edit(&workplace, "slower/manifest.json", "\"cpu_model\": \"", "\"cpu_model\": \"Another ");
-    let ended = check_gate(&workplace, "slower", 0, "PASSED. ");
-    let second = ended.stdout.lines().nth(1).expect("a line");
+    let ended = check_gate(&workplace, "slower", 0, "PASSED\n");
+    let third = ended.stdout.lines().nth(2).expect("a line");
     assert!(
-        second.starts_with("Speed was not compared: the processor changed from ")
-            && second.contains("Another "),
-        "{second}"
+        third.starts_with("Speed was not compared: the processor changed from ")
+            && third.contains("Another "),
+        "{third}"
     );
     // The report has what a verdict is made of.
     let report: Value = serde_json::from_str(&workplace.read("first/report.json")).expect("JSON");
@@ -533,12 +552,12 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
     accept("seed", &[], 5, "the data of street-narrow changed");
     accept("seed", &[], 5, "--new-baseline");
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
-    check_gate(&workplace, "first", 0, "PASSED. ");
+    check_gate(&workplace, "first", 0, "PASSED\n");
     accept("seed", &["--new-baseline"], 0, "New baseline: the run cannot be compared with the accepted one");
-    check_gate(&workplace, "seed", 0, "PASSED. ");
+    check_gate(&workplace, "seed", 0, "PASSED\n");
     // One that cannot be read is no baseline either.
     workplace.write("golden/run/scans.csv", "damaged\n");
     accept("seed", &[], 5, "cannot read the accepted run golden/run");
     accept("seed", &["--new-baseline"], 0, "cannot read the accepted run golden/run");
-    check_gate(&workplace, "seed", 0, "PASSED. ");
+    check_gate(&workplace, "seed", 0, "PASSED\n");
 }

@@ -11,7 +11,7 @@ use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
-use crate::verdicts::tolerances::Origin;
+use crate::verdicts::tolerances::{DriftRule, Origin};
 use crate::verdicts::verdict::{Conclusion, Verdict};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
@@ -36,7 +36,7 @@ impl Tabular for Verdict {
 
 /// What it comes to, and what could not be judged.
 fn first_lines(verdict: &Verdict) -> Vec<String> {
-    let mut lines = vec![headline(verdict)];
+    let mut lines = vec![headline(verdict), counts(verdict)];
     lines.extend(missing(verdict));
     match &verdict.speed {
         SpeedComparison::NotCompared { reason } => lines.push(format!("Speed was not compared: {reason}.")),
@@ -50,10 +50,7 @@ fn first_lines(verdict: &Verdict) -> Vec<String> {
         lines.push(format!("Not judged, because only the later run has it: {names}."));
     }
     if verdict.blocks.are_too_few() {
-        lines.push(format!(
-            "{}: too few to show a regression. The gate can only fail because results changed.",
-            few_blocks(verdict)
-        ));
+        lines.push(about_few_blocks(verdict));
     }
     lines
 }
@@ -83,21 +80,46 @@ fn few_blocks(verdict: &Verdict) -> String {
     }
 }
 
-fn headline(verdict: &Verdict) -> String {
-    let conclusion = match verdict.conclusion() {
-        Conclusion::Regression => "FAILED: regression",
-        Conclusion::Incomparable => "FAILED: numbers are missing",
-        Conclusion::Drift => "FAILED: results changed",
-        Conclusion::Same => "PASSED",
-    };
+/// What it comes to, as short as can be.
+pub(crate) fn headline(verdict: &Verdict) -> String {
+    let conclusion = verdict.conclusion();
+    match conclusion {
+        Conclusion::AllowedDrift => {
+            format!("{} on {} (allowed)", conclusion.in_words(), changed_scans(verdict))
+        }
+        _ => conclusion.in_words().to_owned(),
+    }
+}
+
+fn changed_scans(verdict: &Verdict) -> String {
+    match verdict.n_changed_scans() {
+        1 => "1 scan".to_owned(),
+        n => format!("{n} scans"),
+    }
+}
+
+/// How many numbers were judged, and what came of them.
+pub(crate) fn counts(verdict: &Verdict) -> String {
     let n_gated = verdict.metrics.len() + verdict.speed.speeds().len();
+    let about_results = if verdict.drift.is_empty() {
+        "No result changed.".to_owned()
+    } else {
+        format!("Results changed on {}.", changed_scans(verdict))
+    };
     format!(
-        "{conclusion}. Checked numbers: {n_gated}, regressions: {}, inconclusive: {}, missing: {}. Changed scan results: {}.",
+        "Numbers judged: {n_gated}, worse: {}, inconclusive: {}, missing: {}. {about_results}",
         verdict.n(Finding::Regression),
         verdict.n(Finding::Inconclusive),
-        verdict.n(Finding::Incomparable),
-        verdict.drift.len()
+        verdict.n(Finding::Incomparable)
     )
+}
+
+fn about_few_blocks(verdict: &Verdict) -> String {
+    let few = format!("{}: too few to show that anything is worse.", few_blocks(verdict));
+    match verdict.tolerances.drift {
+        DriftRule::Fail => format!("{few} Only changed results can fail."),
+        DriftRule::Warn => few,
+    }
 }
 
 /// Which scan, detector and task a drift is about.
@@ -110,9 +132,9 @@ pub(crate) fn scan_name(drift: &ScanDrift) -> String {
 fn finding_text(finding: Finding, verdict: &Verdict) -> String {
     match finding {
         Finding::Inconclusive if verdict.blocks.are_too_few() => {
-            format!("{}: {}", finding.name(), few_blocks(verdict).replacen('O', "o", 1))
+            format!("{}: {}", finding.in_words(), few_blocks(verdict).replacen('O', "o", 1))
         }
-        _ => finding.name().to_owned(),
+        _ => finding.in_words().to_owned(),
     }
 }
 
@@ -127,7 +149,7 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
     let n_hidden = verdict.metrics.iter().filter(|it| !is_shown(it)).count();
     let mut sentences = vec![about_differences(verdict.blocks.kind)];
     sentences.push(
-        "regression: the whole interval is worse than tolerated. inconclusive: the difference is worse than tolerated, but \
+        "worse: the whole interval is worse than tolerated. inconclusive: the difference is worse than tolerated, but \
          not its whole interval."
             .to_owned(),
     );

@@ -117,6 +117,7 @@ fn tolerances_that_let_everything_pass_are_refused() {
 #[test]
 fn all_that_is_wrong_is_said_at_once_and_each_once() {
     let text = r#"
+drift = "pass"
 quality = [{ metrics = ["recal", "recal"], slices = "all", absolute = "much", relatve = 0.0 }]
 sped = 1
 
@@ -126,22 +127,28 @@ detectors = []
 relative = 2.0
 "#;
     insta::assert_snapshot!(read(text).unwrap_err(), @r#"
-    bad tolerances, 9 problems:
-      line 3: unknown field `sped`; did you mean "speed"?
-      line 2, [[quality]] 1: there is no metric "recal"; did you mean "recall"?
-      line 2, [[quality]] 1: slices = "all" is not a list of names
-      line 2, [[quality]] 1: absolute = "much" is not a number
-      line 2, [[quality]] 1: there is no `relative`
-      line 2, [[quality]] 1: unknown field `relatve`; did you mean "relative"?
-      line 6, [speed]: the reference for times is "grid-write", not "kd-tree"
-      line 7, [speed]: detectors is empty
-      line 8, [speed]: relative = 2 tolerates 200 %; it must be less than 1, which is 100 %
+    bad tolerances, 10 problems:
+      line 2: drift = "pass" means nothing; it is "fail" or "warn"
+      line 4: unknown field `sped`; did you mean "speed"?
+      line 3, [[quality]] 1: there is no metric "recal"; did you mean "recall"?
+      line 3, [[quality]] 1: slices = "all" is not a list of names
+      line 3, [[quality]] 1: absolute = "much" is not a number
+      line 3, [[quality]] 1: there is no `relative`
+      line 3, [[quality]] 1: unknown field `relatve`; did you mean "relative"?
+      line 7, [speed]: the reference for times is "grid-write", not "kd-tree"
+      line 8, [speed]: detectors is empty
+      line 9, [speed]: relative = 2 tolerates 200 %; it must be less than 1, which is 100 %
     "#);
     assert_eq!(
         read("quality = 3").unwrap_err(),
         "bad tolerances: line 1: 3 is not a list of tables, each below [[quality]]"
     );
     assert_eq!(read("").unwrap_err(), "bad tolerances: line 1: there is no `quality`");
+    let drift = |rule: &str| read(&format!("drift = {rule}\n{TOML}")).map(|it| it.drift);
+    assert_eq!(drift("\"warn\""), Ok(DriftRule::Warn));
+    assert_eq!(drift("\"fail\""), Ok(DriftRule::Fail));
+    assert_eq!(read(TOML).unwrap().drift, DriftRule::Fail);
+    assert!(drift("true").unwrap_err().contains("line 1: drift = true is not a text"));
     let of_line_7 = TOML.replacen("absolute = 0.05", "absolute = 5", 1);
     assert!(read(&of_line_7).unwrap_err().contains("line 7, [[quality]] 1: absolute = 5 would pass"));
 }

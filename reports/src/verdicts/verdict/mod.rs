@@ -1,5 +1,7 @@
 //! Whether a run is as good as the one that was accepted.
 
+use std::collections::BTreeSet;
+
 use crate::numbers::blocks::BlockCount;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
@@ -11,7 +13,7 @@ use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
 use crate::verdicts::gated_speeds::SpeedComparison;
 use crate::verdicts::rule_problems::RuleProblems;
-use crate::verdicts::tolerances::Tolerances;
+use crate::verdicts::tolerances::{DriftRule, Tolerances};
 use crate::vocabulary::extent::OVERALL;
 
 /// What came of a gate.
@@ -42,6 +44,8 @@ pub enum Conclusion {
     Incomparable,
     /// Nothing is surely worse, but results changed.
     Drift,
+    /// The same, and that is allowed.
+    AllowedDrift,
     /// Everything is as it was.
     Same,
 }
@@ -58,13 +62,33 @@ pub enum JudgeError {
 }
 
 impl Conclusion {
-    /// The name used in files and on screens.
+    /// The name used in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Regression => "regression",
             Self::Incomparable => "incomparable",
             Self::Drift => "drift",
+            Self::AllowedDrift => "allowed-drift",
             Self::Same => "same",
+        }
+    }
+
+    /// What people read.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Regression => "FAILED: worse",
+            Self::Incomparable => "FAILED: numbers are missing",
+            Self::Drift => "FAILED: results changed",
+            Self::AllowedDrift => "PASSED, results changed",
+            Self::Same => "PASSED",
+        }
+    }
+
+    /// Whether the run is good enough.
+    pub fn is_pass(self) -> bool {
+        match self {
+            Self::Regression | Self::Incomparable | Self::Drift => false,
+            Self::AllowedDrift | Self::Same => true,
         }
     }
 }
@@ -76,11 +100,20 @@ impl Verdict {
             Conclusion::Regression
         } else if self.n(Finding::Incomparable) > 0 {
             Conclusion::Incomparable
-        } else if !self.drift.is_empty() {
-            Conclusion::Drift
-        } else {
+        } else if self.drift.is_empty() {
             Conclusion::Same
+        } else {
+            match self.tolerances.drift {
+                DriftRule::Fail => Conclusion::Drift,
+                DriftRule::Warn => Conclusion::AllowedDrift,
+            }
         }
+    }
+
+    /// Number of scans on which results changed, of whatever detector and task.
+    pub fn n_changed_scans(&self) -> usize {
+        let scans = self.drift.iter().map(|it| (&it.place.dataset, &it.place.sequence, it.place.scan));
+        scans.collect::<BTreeSet<_>>().len()
     }
 
     /// Number of gated numbers with this finding.

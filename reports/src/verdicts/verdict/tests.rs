@@ -6,6 +6,8 @@ use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
 use crate::tables::formats::format::Format as _;
+use crate::tables::formats::json::Json;
+use crate::tables::formats::junit::JUnit;
 use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
 use crate::tables::sample;
@@ -13,7 +15,7 @@ use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::gated_speeds::Slowdown;
 use crate::verdicts::rule_problems::RuleProblem;
-use crate::verdicts::tolerances::{Origin, QualityRule, SpeedRule};
+use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
@@ -108,7 +110,7 @@ fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
 /// These rules, without times.
 fn held_to(quality: Vec<QualityRule>) -> Tolerances {
     let origin = Origin::File("tolerances.toml".into());
-    Tolerances { origin, quality, speed: None, problems: Vec::new() }
+    Tolerances { origin, quality, speed: None, drift: DriftRule::Fail, problems: Vec::new() }
 }
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.
@@ -158,9 +160,11 @@ fn of_few_blocks_a_loss_is_inconclusive_and_only_drift_can_fail() {
         assert_eq!((verdict.n(Finding::Regression), verdict.n(Finding::Inconclusive)), (0, 1));
         let blocks = if n_scans == 1 { "block" } else { "blocks" };
         let text = Terminal::UNFOLDED.text(&verdict);
-        let line = text.lines().nth(1).unwrap();
+        let line = text.lines().nth(2).unwrap();
         assert!(
-            line.starts_with(&format!("Only {n_scans} {blocks} of scans: too few to show a regression")),
+            line.starts_with(&format!(
+                "Only {n_scans} {blocks} of scans: too few to show that anything is worse"
+            )),
             "{text}"
         );
         assert!(text.contains(&format!("inconclusive: only {n_scans} {blocks} of scans")), "{text}");
@@ -195,8 +199,8 @@ fn times_of_other_processors_are_not_compared_and_that_is_said() {
     let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Same);
     let said = "Speed was not compared: the processor changed from \"Example CPU @ 2 GHz\" to \"Other CPU\".";
-    assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().nth(1), Some(said));
-    assert!(Markdown.text(&verdict).lines().take(3).any(|it| it == said));
+    assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().nth(2), Some(said));
+    assert!(Markdown.text(&verdict).lines().take(5).any(|it| it == said));
 }
 
 #[test]
@@ -418,6 +422,10 @@ fn built_in_tolerances_are_about_exactly_what_the_baseline_has() {
     # share of the accepted value. A number fails only if its whole 95 % interval is worse than that. What no rule is about
     # is not judged: delete what does not matter to you.
 
+    # Detection is deterministic. If the outcome of any object changed though no number is surely worse, "fail" ends with exit
+    # code 101, and "warn" passes and says what changed. `scanbench gate --allow-drift` has the last word.
+    drift = "fail"
+
     # F-rate, 2 TP / (NO + ND): one number for how much is found and how much of it is right. 1 is perfect.
     # TP: found, NO: annotations that count, ND: detections that count. absolute = 0.01 is one point of a hundred.
     [[quality]]
@@ -484,7 +492,7 @@ fn built_in_tolerances_are_about_exactly_what_the_baseline_has() {
     let verdict = judge(&run, &run, &tolerances).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Same);
     // They are printed.
-    insta::assert_snapshot!(Terminal::UNFOLDED.text(&verdict).lines().nth(1).unwrap(), @r"
+    insta::assert_snapshot!(Terminal::UNFOLDED.text(&verdict).lines().nth(2).unwrap(), @r"
     Tolerances: built in, because the baseline has no tolerances.toml. f_rate, recall, precision, over_segmentation: 1.00 points; ose_per_object: 0.02 nats or 10 %; recall of class/*, range/*, points/*: 2.00 points; time: 50 %.
     ");
     // The file says the same.
@@ -544,4 +552,37 @@ relative = 1.5
     line 22, [speed]: there is no detector "nobody" in either run; choose from kd-tree, pca
     line 25, [speed]: relative = 1.5 tolerates 150 %; it must be less than 1, which is 100 %
     "#);
+}
+
+/// Five scans of two detectors: what changed is counted by scans, and what it comes to is up to the tolerances.
+#[test]
+fn changed_results_fail_unless_they_are_allowed() {
+    let run =
+        SampleScans { tp_of: &|step| if step < 5 { 8 } else { seven_or_five(step) }, ..USUAL }.archive();
+    for (drift, conclusion, name, headline) in [
+        (DriftRule::Fail, Conclusion::Drift, "drift", "FAILED: results changed"),
+        (
+            DriftRule::Warn,
+            Conclusion::AllowedDrift,
+            "allowed-drift",
+            "PASSED, results changed on 5 scans (allowed)",
+        ),
+    ] {
+        let verdict = judge(&USUAL.archive(), &run, &Tolerances { drift, ..tolerances() }).unwrap();
+        assert_eq!((verdict.conclusion(), verdict.n_changed_scans()), (conclusion, 5));
+        assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().next(), Some(headline));
+        assert!(Markdown.text(&verdict).starts_with(&format!("**{headline}**\n")));
+        let json: serde_json::Value = serde_json::from_str(&Json.text(&verdict)).unwrap();
+        assert_eq!((&json["conclusion"], &json["drift_rule"]), (&name.into(), &drift.name().into()));
+        let xml = JUnit.text(&verdict);
+        let n = |part: &str| xml.matches(part).count();
+        let expected = if conclusion.is_pass() { (0, 5) } else { (5, 0) };
+        assert_eq!((n("type=\"drift\""), n("<skipped message=\"allowed: ")), expected, "{xml}");
+    }
+    // A loss is one, whatever is allowed.
+    let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ..USUAL }.archive();
+    let tolerances = Tolerances { drift: DriftRule::Warn, ..tolerances() };
+    let verdict = judge(&USUAL.archive(), &worse, &tolerances).unwrap();
+    assert_eq!(verdict.conclusion(), Conclusion::Regression);
+    assert!(Markdown.text(&verdict).starts_with("**FAILED: worse**\n"));
 }
