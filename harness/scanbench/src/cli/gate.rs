@@ -39,6 +39,9 @@ pub struct GateArgs {
         help_heading = JUDGING
     )]
     pub allow_drift: Option<bool>,
+    /// Print every number of which something is to be said, and every object that changed
+    #[arg(long, help_heading = OUTPUT)]
+    pub full: bool,
     /// Directory for gate.json, gate.md, junit.xml, custom-smaller-is-better.json and bencher.json
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,

@@ -4,11 +4,14 @@ use std::io::Write as _;
 use std::path::Path;
 
 use reports::files::whole_file::write_whole;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::formats::terminal::Terminal;
+use reports::tables::verdict::brief::Brief;
+use reports::tables::verdict::summary::InFull;
 use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
 use reports::verdicts::tolerances::{DriftRule, Tolerances};
 use reports::verdicts::tolerances_file::TolerancesError;
@@ -17,7 +20,7 @@ use reports::verdicts::verdict::{Verdict, judge};
 use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
-use crate::commands::standard_streams::print_bytes;
+use crate::commands::standard_streams::{print_bytes, result_width};
 
 /// The file that GitHub shows as the summary of a job.
 const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
@@ -42,11 +45,35 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     if let Some(summary) = std::env::var_os(STEP_SUMMARY).filter(|it| !it.is_empty()) {
         append(Path::new(&summary), &Markdown.text(&verdict))?;
     }
-    print_bytes(Terminal::UNFOLDED.text(&verdict).as_bytes())?;
+    print_bytes(printed(arguments, &verdict).as_bytes())?;
     match verdict.conclusion() {
         passed if passed.is_pass() => Ok(()),
         closed => Err(GateClosed(closed).into()),
     }
+}
+
+fn printed(arguments: &GateArgs, verdict: &Verdict) -> String {
+    let terminal = Terminal { width: Some(result_width()) };
+    if arguments.full {
+        return terminal.text(&InFull(verdict));
+    }
+    let [run, baseline] = [&arguments.run, &arguments.baseline.baseline].map(|it| it.display().to_string());
+    let in_full = in_full(arguments);
+    terminal.text(&Brief { verdict, sides: [&run, &baseline], in_full: &in_full })
+}
+
+/// The command that prints everything.
+fn in_full(arguments: &GateArgs) -> String {
+    let word = |path: &Path| shell_word(&path.display().to_string());
+    let GateArgs { run, baseline, tolerances, allow_drift, .. } = arguments;
+    let mut command = format!("scanbench gate {} --baseline {}", word(run), word(&baseline.baseline));
+    if let Some(path) = tolerances {
+        command.push_str(&format!(" --tolerances {}", word(path)));
+    }
+    if let Some(is_allowed) = allow_drift {
+        command.push_str(&format!(" --allow-drift={is_allowed}"));
+    }
+    command + " --full"
 }
 
 fn open_baseline(directory: &Path) -> Result<RunArchive, Failure> {

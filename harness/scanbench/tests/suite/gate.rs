@@ -62,7 +62,7 @@ fn accepted() -> Workplace {
 
 #[track_caller]
 fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) -> Ended {
-    let ended = workplace.run(&["gate", run, "-b", "golden", "-o", "verdict"]);
+    let ended = workplace.run(&["gate", run, "-b", "golden", "-o", "verdict", "--full"]);
     assert_eq!(ended.exit_code, Some(exit_code), "{ended:#?}");
     let said = format!("{}{}", ended.stdout, ended.stderr);
     assert!(said.contains(expected), "no {expected:?} in\n{said}");
@@ -92,7 +92,7 @@ fn twenty_streets_run_twice_report_nothing() {
         let arguments = ["gate", "twice", "-b", "once", "-t", "tolerances.toml"];
         let ended = workplace.succeed(&arguments);
         assert!(
-            ended.stdout.contains(" worse: 0, inconclusive: 0, missing: 0. No result changed."),
+            ended.stdout.contains(" 0 worse, 0 inconclusive, 0 missing. No result changed."),
             "{}",
             ended.stdout
         );
@@ -114,7 +114,7 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
         ("higher-points", "hierarchical.foreground.clearance_m=0.17"),
     ] {
         run(&workplace, run_name, &["-P", parameter]);
-        let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict"]);
+        let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict", "--full"]);
         assert!(matches!(ended.exit_code, Some(100 | 101)), "{parameter}: {ended:#?}");
         let scan = ended.stdout.lines().position(|it| it.starts_with("street-narrow narrow-90"));
         let scan = scan.unwrap_or_else(|| panic!("{parameter}: no scan is named\n{}", ended.stdout));
@@ -250,7 +250,7 @@ fn built_in_tolerances_are_printed() {
     run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
     let ended = workplace.succeed(&["gate", "first", "--baseline", "first"]);
     let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("Tolerances: built in,") && said.contains("f_rate, recall, precision,"), "{said}");
+    assert!(said.contains("Tolerances: built in,") && said.contains("rates: 1.00 points;"), "{said}");
     assert!(said.contains("; time: 50 %."), "{said}");
     let ended = workplace.run(&["gate", "worse", "--baseline", "first"]);
     assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
@@ -336,6 +336,28 @@ fn damaged_files_and_wrong_usage_have_codes_of_their_own() {
     std::fs::remove_file(workplace.path("first/scans.csv")).expect("it was there");
     check_gate(&workplace, "first", 3, "scans.csv");
     assert_eq!(workplace.run(&["compare", "first", "golden/run"]).exit_code, Some(3));
+}
+
+/// Twenty lines say it; the command that they end with prints the rest.
+#[test]
+fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
+    let workplace = accepted();
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    let print = |arguments: &[&str]| {
+        let mut command = workplace.command(arguments);
+        let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));
+        assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+        assert!(ended.stdout.lines().all(|it| it.chars().count() <= 80), "{}", ended.stdout);
+        ended.stdout
+    };
+    let brief = print(&["gate", "worse", "-b", "golden", "--allow-drift"]);
+    assert!(brief.lines().count() <= 20 && brief.starts_with("FAILED: worse\n"), "{brief}");
+    assert_eq!(brief.lines().filter(|it| it.starts_with("- ")).count(), 5, "{brief}");
+    let command = "scanbench gate worse --baseline golden --allow-drift=true --full";
+    let said = brief.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.ends_with(&format!(" All of it: {command}")), "{brief}");
+    let full = print(&command.split(' ').skip(1).collect::<Vec<_>>());
+    assert!(full.lines().count() > 100 && full.starts_with("FAILED: worse\n"), "{full}");
 }
 
 #[test]
@@ -442,11 +464,11 @@ fn of_few_blocks_nothing_is_surely_worse() {
     let nine = ["--simulated-scans", "18", "--scans", "0..18:2"];
     run(&workplace, "once", &nine);
     run(&workplace, "worse", &[&nine[..], &["-P", "hierarchical.cluster.min_points=200"]].concat());
-    let ended = workplace.run(&["gate", "worse", "-b", "once", "-t", "tolerances.toml"]);
+    let ended = workplace.run(&["gate", "worse", "-b", "once", "-t", "tolerances.toml", "--full"]);
     assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
     for part in [
         "Only 9 blocks of scans: too few to show that anything is worse.",
-        "inconclusive: only 9 blocks of scans",
+        "inconclusive: 9 blocks",
         "§ from fewer than 10 blocks",
     ] {
         assert!(ended.stdout.contains(part), "no {part:?} in\n{}", ended.stdout);
@@ -486,7 +508,7 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     assert_eq!(text.lines().next().expect("a head").split(',').nth(10), Some("least_latency_ms"));
     workplace.write("slower/scans.csv", &slower.collect::<String>());
     let ended = check_gate(&workplace, "slower", 100, "FAILED: worse\n");
-    assert!(ended.stdout.contains(" worse: 1,"), "{}", ended.stdout);
+    assert!(ended.stdout.contains(" 1 worse,"), "{}", ended.stdout);
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     let slowdown = verdict["speeds"][1]["slowdown"].as_f64().expect("a number");
     assert!((slowdown - 0.5).abs() < 0.01 && verdict["speeds"][1]["detector"] == "pca", "{verdict}");

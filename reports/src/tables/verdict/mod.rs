@@ -4,3 +4,4 @@ pub(crate) mod wording;
 pub(crate) mod tolerated;
 pub mod comparison;
 pub mod summary;
+pub mod brief;

@@ -2,6 +2,7 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::verdicts::tolerances::{Origin, QualityRule, Tolerances};
+use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 
 /// Where tolerances come from; of the built-in ones, which are in no file, what they are.
@@ -15,23 +16,33 @@ pub(crate) fn about_tolerances(tolerances: &Tolerances) -> String {
     }
 }
 
-/// What is tolerated, each size with all metrics that it is of.
+/// What is tolerated, each size with the kinds of numbers that it is of.
 fn sizes(tolerances: &Tolerances) -> Vec<String> {
-    let mut sizes: Vec<(String, Vec<String>)> = Vec::new();
+    let mut sizes: Vec<String> = Vec::new();
     for rule in &tolerances.quality {
-        let is_of_all = rule.slices.contains(&Slice::All.name());
-        let of_slices = if is_of_all { String::new() } else { format!(" of {}", rule.slices.join(", ")) };
         for metric in &rule.metrics {
-            let (name, size) = (format!("{}{of_slices}", metric.id()), size_text(rule, metric.unit()));
-            match sizes.iter_mut().find(|it| it.0 == size) {
-                Some((_, names)) if names.contains(&name) => {}
-                Some((_, names)) => names.push(name),
-                None => sizes.push((size, vec![name])),
+            let size = format!("{}: {}", kind(rule, metric), size_text(rule, metric.unit()));
+            if !sizes.contains(&size) {
+                sizes.push(size);
             }
         }
     }
     let of_speed = tolerances.speed.as_ref().map(|it| format!("time: {}", percent(it.relative)));
-    sizes.into_iter().map(|(size, names)| format!("{}: {size}", names.join(", "))).chain(of_speed).collect()
+    sizes.into_iter().chain(of_speed).collect()
+}
+
+/// What kind of number a metric of a rule is.
+fn kind(rule: &QualityRule, metric: &Metric) -> String {
+    if !rule.slices.contains(&Slice::All.name()) {
+        return format!("{} of slices", metric.id());
+    }
+    match metric.unit() {
+        "ratio" => "rates".to_owned(),
+        "nats" => "entropies".to_owned(),
+        "m" => "sizes and places of boxes".to_owned(),
+        "deg" => "their headings".to_owned(),
+        _ => metric.id(),
+    }
 }
 
 /// `unit` is that of the metric.

@@ -21,6 +21,10 @@ use crate::vocabulary::extent::OVERALL;
 pub struct Verdict {
     /// What the numbers are about: the id of the data set, or [`OVERALL`] of several.
     pub dataset: String,
+    /// The detectors of the baseline.
+    pub detectors: Vec<String>,
+    /// Number of scans.
+    pub n_scans: usize,
     /// The blocks of scans that intervals were drawn from.
     pub blocks: BlockCount,
     /// Everything that is gated, task by task, detector by detector, slice by slice.
@@ -110,6 +114,14 @@ impl Verdict {
         }
     }
 
+    /// What the numbers are about, for people.
+    pub fn dataset_in_words(&self) -> &str {
+        match self.dataset.as_str() {
+            OVERALL => "all data sets together",
+            id => id,
+        }
+    }
+
     /// Number of scans on which results changed, of whatever detector and task.
     pub fn n_changed_scans(&self) -> usize {
         let scans = self.drift.iter().map(|it| (&it.place.dataset, &it.place.sequence, it.place.scan));
@@ -166,6 +178,8 @@ pub fn judge(
             [only] => only.clone(),
             _ => OVERALL.to_owned(),
         },
+        detectors: before.detectors().to_vec(),
+        n_scans: n_scans(baseline),
         blocks: blocks.ok_or_else(nothing_run)?,
         metrics: sides.gated_metrics(tolerances)?,
         speed: sides.gated_speeds(
@@ -176,6 +190,12 @@ pub fn judge(
         new_detectors: detectors_only_in(run, baseline),
         tolerances: tolerances.clone(),
     })
+}
+
+/// Number of scans of `run`, whatever looked at them.
+fn n_scans(run: &RunArchive) -> usize {
+    let scans = run.scans.iter().map(|it| (&it.dataset, &it.sequence, it.scan));
+    scans.collect::<BTreeSet<_>>().len()
 }
 
 #[cfg(test)]
