@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use crate::verdicts::built_in_tolerances::Sizes;
 use crate::verdicts::tolerances::{QualityRule, SpeedRule, Tolerances};
+use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 
 const HEAD: &str = "\
@@ -26,12 +27,12 @@ impl Tolerances {
         writeln!(text, "drift = {}", quoted(self.drift.name())).expect("a string takes all");
         for rule in &self.quality {
             text.push('\n');
-            text.push_str(&comment(&meaning(rule, &sizes)));
+            push_comment(&mut text, &meaning(rule, &sizes));
             push_quality(&mut text, rule);
         }
         if let Some(rule) = &self.speed {
             text.push('\n');
-            text.push_str(&comment(&sizes.speed.meaning));
+            push_comment(&mut text, &sizes.speed.meaning);
             push_speed(&mut text, rule);
         }
         text
@@ -46,13 +47,15 @@ fn meaning(rule: &QualityRule, sizes: &Sizes) -> String {
     meant.map(|it| it.meaning.as_str()).collect::<Vec<_>>().join("\n")
 }
 
-fn comment(meaning: &str) -> String {
-    meaning.trim().lines().map(|it| format!("# {it}\n")).collect()
+fn push_comment(text: &mut String, meaning: &str) {
+    for line in meaning.trim().lines() {
+        writeln!(text, "# {line}").expect("a string takes all");
+    }
 }
 
 fn push_quality(text: &mut String, rule: &QualityRule) {
     text.push_str("[[quality]]\n");
-    push_names(text, "metrics", &rule.metrics.iter().map(|it| it.id()).collect::<Vec<_>>());
+    push_names(text, "metrics", &rule.metrics.iter().map(Metric::id).collect::<Vec<_>>());
     push_names(text, "slices", &rule.slices);
     if let Some(tasks) = &rule.tasks {
         push_names(text, "tasks", &tasks.iter().map(|it| it.name().to_owned()).collect::<Vec<_>>());

@@ -52,8 +52,8 @@ impl Tolerances {
         let drift = drift_rule(&mut top);
         let quality = quality_rules(&mut top);
         let speed = top.take("speed").and_then(|it| {
-            let is_table = top.is_a(it, "a table", |value| value.is_table());
-            is_table.then(|| speed_rule(Section::of_value(&text, RuleTable::Speed, it), &mut top.problems))
+            top.expect("a table", it, it.get_ref().as_table())?;
+            Some(speed_rule(Section::of_value(&text, RuleTable::Speed, it), &mut top.problems))
         });
         let problems = top.finish(&TOP_FIELDS);
         Ok(Self { origin: Origin::File(path.to_path_buf()), quality, speed, drift, problems })
@@ -75,13 +75,10 @@ fn drift_rule(top: &mut Section<'_>) -> DriftRule {
 
 fn quality_rules(top: &mut Section<'_>) -> Vec<QualityRule> {
     let Some(tables) = top.require("quality") else { return Vec::new() };
-    let are_tables = |it: &DeValue<'_>| {
-        it.as_array().is_some_and(|items| items.iter().all(|item| item.get_ref().is_table()))
-    };
-    if !top.is_a(tables, "a list of tables, each below [[quality]]", are_tables) {
-        return Vec::new();
-    }
-    let tables = tables.get_ref().as_array().into_iter().flatten().enumerate();
+    let items = tables.get_ref().as_array();
+    let items = items.filter(|it| it.iter().all(|item| item.get_ref().is_table()));
+    let tables = top.expect("a list of tables, each below [[quality]]", tables, items);
+    let tables = tables.into_iter().flatten().enumerate();
     let rules = tables.map(|(rule_idx, table)| {
         let section = Section::of_value(top.text, RuleTable::Quality(rule_idx), table);
         quality_rule(section, &mut top.problems)
@@ -163,19 +160,13 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Whether `value` is what it should be.
-    fn is_a(
-        &mut self,
-        value: &Spanned<DeValue<'_>>,
-        expected: &str,
-        is_it: impl Fn(&DeValue<'_>) -> bool,
-    ) -> bool {
-        let is_right = is_it(value.get_ref());
-        if !is_right {
-            let (line, found) = (line_of(self.text, value.span().start), &self.text[value.span()]);
-            self.complain(line, format!("{found} is not {expected}"));
+    /// What was `found` in `value`; where there is nothing, it is not the `expected`.
+    fn expect<T>(&mut self, expected: &str, value: &Spanned<DeValue<'_>>, found: Option<T>) -> Option<T> {
+        if found.is_none() {
+            let (line, written) = (line_of(self.text, value.span().start), &self.text[value.span()]);
+            self.complain(line, format!("{written} is not {expected}"));
         }
-        is_right
+        found
     }
 
     /// A list of names, each of which `problem` has nothing to say about; `None` if there is none.

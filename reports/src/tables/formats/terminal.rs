@@ -34,7 +34,7 @@ impl Terminal {
     fn item(self, item: &str) -> String {
         let Some(width) = self.width else { return format!("  {item}\n") };
         let lines = wrapped_to(item, width.saturating_sub(2));
-        lines.lines().map(|it| format!("  {it}\n")).collect()
+        format!("  {}\n", lines.trim_end().replace('\n', "\n  "))
     }
 
     /// A title stays as it is where nothing is folded, however long, for those who search in it.
