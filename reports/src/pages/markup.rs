@@ -153,30 +153,7 @@ fn cell_markup(cell: &Cell, notes: &Notes, fraction_width: usize, alignment: Ali
     }
 }
 
-/// `text` as a word of a shell's command line.
-pub(super) fn shell_word(text: &str) -> String {
-    let is_plain = |it: char| it.is_ascii_alphanumeric() || "-_=./:,+@%~".contains(it);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
-    }
-}
-
 /// A block of commands.
 pub(super) fn commands(lines: &str, label: &str) -> Markup {
     html! { pre tabindex="0" role="region" aria-label=(label) { code { (lines) } } }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_of_a_command_line_survive_a_shell() {
-        assert_eq!(
-            ["run", "0..500:5", "a b", "it's", "", "x<y"].map(shell_word),
-            ["run", "0..500:5", "'a b'", r"'it'\''s'", "''", "'x<y'"]
-        );
-    }
 }

@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::markup::{commands, shell_word};
+use super::markup::commands;
 use super::run_facts::RunFacts;
+use crate::run_folder::command_line::shell_word;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 
 pub(super) fn reproduction(facts: &RunFacts) -> Markup {

@@ -1,6 +1,7 @@
 //! The folder of a run: how the run came about, how the folder is written, and all of it read back.
 
 pub mod manifest;
+pub mod command_line;
 pub mod comparison_manifest;
 pub mod run_target;
 mod folder_in_place;

@@ -53,6 +53,11 @@ impl Resamples {
         Self { blocks, times_drawn }
     }
 
+    /// No resample of the `blocks`.
+    pub fn none(blocks: BlockCount) -> Self {
+        Self { blocks, times_drawn: Vec::new() }
+    }
+
     /// The blocks that are drawn from.
     pub fn blocks(&self) -> BlockCount {
         self.blocks

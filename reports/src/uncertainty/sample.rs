@@ -64,6 +64,12 @@ impl Tally {
         of_datasets.map(draw).collect()
     }
 
+    /// The same without any resample, where only the numbers themselves matter.
+    pub(crate) fn undrawn(&self) -> Vec<Draw> {
+        let of_blocks = self.blocks().into_iter();
+        of_blocks.map(|blocks| Draw { resamples: Resamples::none(blocks.count()), blocks }).collect()
+    }
+
     /// The sums that are asked for; `None` if nothing was seen of the kind.
     pub fn sample(&self, question: &Question<'_>, draws: &[Draw]) -> Option<Sample> {
         let mut all: Option<Sample> = None;

@@ -14,7 +14,17 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// The name used in files and on screens.
+    /// What people read.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Regression => "worse",
+            Self::Incomparable => "missing",
+            Self::Inconclusive => "inconclusive",
+            Self::Pass => "passed",
+        }
+    }
+
+    /// The name used in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Regression => "regression",

@@ -6,8 +6,9 @@ use crate::numbers::tally::Tally;
 use crate::uncertainty::sample::{Draw, Question, Sample};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
+use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleProblems, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{GatedPlace, QualityRule, RuleProblems, Tolerances, is_meant, rule_name};
+use crate::verdicts::tolerances::{GatedPlace, QualityRule, Tolerances, is_meant};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -75,10 +76,11 @@ impl Sides<'_> {
     ///
     /// # Errors
     ///
-    /// [`RuleProblems`] if a rule names what there is not, or decides about nothing.
+    /// [`RuleProblems`] with all that is wrong: what the file has, names that there are not, rules that decide about nothing.
     pub(super) fn gated_metrics(&self, tolerances: &Tolerances) -> Result<Vec<GatedMetric>, RuleProblems> {
         let slices = self.slices();
-        RuleProblems::check(self.unknown_names(tolerances, &slices))?;
+        let mut problems = tolerances.problems.clone();
+        problems.extend(self.unknown_names(tolerances, &slices));
         let metrics = tolerances.metrics();
         let mut gated = Vec::new();
         for &task in self.before.tasks() {
@@ -97,7 +99,8 @@ impl Sides<'_> {
                 }
             }
         }
-        RuleProblems::check(void_rules(tolerances, &gated))?;
+        problems.extend(void_rules(tolerances, &gated, &problems));
+        RuleProblems::check(tolerances.path(), problems)?;
         Ok(gated)
     }
 
@@ -118,44 +121,47 @@ impl Sides<'_> {
     }
 
     /// Names of the rules that neither side knows.
-    fn unknown_names(&self, tolerances: &Tolerances, slices: &BTreeSet<Slice>) -> Vec<String> {
+    fn unknown_names(&self, tolerances: &Tolerances, slices: &BTreeSet<Slice>) -> Vec<RuleProblem> {
         let sides = || [self.before, self.after].into_iter();
         let tasks: BTreeSet<String> = sides().flat_map(Tally::tasks).map(|it| it.name().to_owned()).collect();
         let detectors: BTreeSet<String> = sides().flat_map(Tally::detectors).cloned().collect();
         let slice_names: Vec<String> = slices.iter().map(Slice::name).collect();
         let mut problems = Vec::new();
+        let mut complain = |place: RulePlace, what: &str, name: &str, suggestion: String| {
+            let what = format!("there is no {what} {name:?} in either run{suggestion}");
+            problems.push(RuleProblem { place, what });
+        };
         for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
-            let mut complain = |what: &str, name: &str, suggestion: String| {
-                problems.push(format!(
-                    "{}: there is no {what} {name:?} in either run{suggestion}",
-                    rule_name(rule_idx)
-                ));
-            };
             let of_tasks = rule.tasks.iter().flatten().map(|it| ("task", it.name(), &tasks));
             let of_detectors =
                 rule.detectors.iter().flatten().map(|it| ("detector", it.as_str(), &detectors));
             for (what, name, known) in
                 of_tasks.chain(of_detectors).filter(|(_, name, known)| !known.contains(*name))
             {
-                complain(what, name, did_you_mean(name, known.iter()));
+                complain(rule.place(rule_idx), what, name, did_you_mean(name, known.iter()));
             }
             for pattern in rule.slices.iter().filter(|it| !slices.iter().any(|slice| is_meant(it, *slice))) {
-                complain("slice", pattern, did_you_mean(pattern, slice_names.iter()));
+                complain(rule.place(rule_idx), "slice", pattern, did_you_mean(pattern, slice_names.iter()));
             }
         }
-        let of_speed = tolerances.speed.iter().filter_map(|it| it.detectors.as_ref()).flatten();
-        problems.extend(of_speed.filter(|name| !detectors.contains(*name)).map(|name| {
-            let suggestion = did_you_mean(name, detectors.iter());
-            format!("[speed]: there is no detector {name:?} in either run{suggestion}")
-        }));
+        if let Some(rule) = &tolerances.speed {
+            let place = RulePlace { line: rule.line, table: RuleTable::Speed };
+            for name in rule.detectors.iter().flatten().filter(|it| !detectors.contains(*it)) {
+                complain(place.clone(), "detector", name, did_you_mean(name, detectors.iter()));
+            }
+        }
         problems
     }
 }
 
-/// Metrics and slices of rules that no number was held to: of no slice is the metric measured, or an earlier rule decides.
-fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric]) -> Vec<String> {
+/// Metrics and slices of rules that no number was held to: of no slice is the metric measured, or an earlier rule decides. Rules
+/// with `known` problems are left out, because those are why.
+fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric], known: &[RuleProblem]) -> Vec<RuleProblem> {
     let mut problems = Vec::new();
     for (rule_idx, rule) in tolerances.quality.iter().enumerate() {
+        if known.iter().any(|it| it.place.table == RuleTable::Quality(rule_idx)) {
+            continue;
+        }
         for metric in &rule.metrics {
             for pattern in &rule.slices {
                 let is_held = |it: &&GatedMetric| {
@@ -165,11 +171,11 @@ fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric]) -> Vec<String> {
                         && tolerances.rule_about(&it.metric, place) == Some(rule_idx)
                 };
                 if !gated.iter().any(|it| is_held(&it)) {
-                    problems.push(format!(
-                        "{}: the rule has no effect on {} of {pattern:?}: neither run has it, or an earlier rule applies",
-                        rule_name(rule_idx),
+                    let what = format!(
+                        "the rule has no effect on {} of {pattern:?}: neither run has it, or an earlier rule applies",
                         metric.id()
-                    ));
+                    );
+                    problems.push(RuleProblem { place: rule.place(rule_idx), what });
                 }
             }
         }

@@ -25,9 +25,23 @@ pub struct GateArgs {
     /// What it is judged by.
     #[command(flatten)]
     pub baseline: BaselineArgs,
-    /// TOML file with the tolerated losses [default: `tolerances.toml` of the baseline]
+    /// TOML file with the tolerated losses [default: `tolerances.toml` of the baseline; built-in ones if there is none]
     #[arg(short, long, value_name = "FILE", help_heading = JUDGING)]
     pub tolerances: Option<PathBuf>,
+    /// Let results change if no number is worse; `=false` lets them fail whatever the tolerances say
+    #[arg(
+        long,
+        value_name = "BOOL",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "true",
+        hide_possible_values = true,
+        help_heading = JUDGING
+    )]
+    pub allow_drift: Option<bool>,
+    /// Print every number of which something is to be said, and every object that changed
+    #[arg(long, help_heading = OUTPUT)]
+    pub full: bool,
     /// Directory for gate.json, gate.md, junit.xml, custom-smaller-is-better.json and bencher.json
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
@@ -35,26 +49,57 @@ pub struct GateArgs {
 
 const GATE_EXAMPLES: &str = "\
 Examples:
-  scanbench gate runs/latest
-  scanbench gate runs/latest --baseline runs/before --tolerances mine.toml -o verdict
+  scanbench gate runs/after --baseline runs/before
+  scanbench gate runs/latest --baseline ci -o verdict
+  scanbench gate runs/latest --baseline ci --tolerances strict.toml --allow-drift
 
 Exit codes:
-  0    no regression, no result changed
-  2    the tolerances name something that the runs do not have
+  0    passed: nothing is worse, and no result changed, or that is allowed
+  2    something is wrong with the tolerances; all of it is told
   5    the runs cannot be compared, or a number is missing
-  100  regression: a number is worse than tolerated, with its whole 95 % interval
-  101  no regression, but results of scans changed
+  100  a number is worse than tolerated, with its whole 95 % interval
+  101  nothing is worse, but results changed; --allow-drift, or drift = \"warn\"
+       in the tolerances, lets that pass
 
-With fewer than ten blocks of scans, no regression can be shown; 101 still can. Times
+With fewer than ten blocks of scans, nothing can be shown to be worse. Times
 are compared only between runs on the same processor; make both with --repeats 5. On
 GitHub, the verdict is added to the summary of the job.";
 
 /// The verbs of `scanbench baseline`.
 #[derive(Debug, Subcommand)]
 pub enum BaselineCommand {
+    /// Make a run the first baseline, with tolerances to change and a workflow
+    Init(BaselineInitArgs),
     /// Accept a run as the new baseline
     Accept(AcceptArgs),
 }
+
+/// Arguments of `scanbench baseline init`.
+#[derive(Debug, Args)]
+#[command(after_help = INIT_EXAMPLES)]
+pub struct BaselineInitArgs {
+    /// Run directory
+    #[arg(value_name = "RUN")]
+    pub run: PathBuf,
+    /// Folder of the baseline, as it is called from the root of the repository
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
+    pub output: PathBuf,
+}
+
+const INIT_EXAMPLES: &str = "\
+Example:
+  scanbench baseline init runs/latest -o ci
+  scanbench gate runs/latest --baseline ci      # after each change
+
+Files:
+  run/             the run, without ignored objects
+  tolerances.toml  how much worse each of its numbers may become, with what it means
+  scanbench.yml    a workflow for GitHub: move it to .github/workflows/
+  SCORES.md        what was accepted when, and why
+
+Exit codes:
+  0  written
+  2  there is a baseline already, or the program was built from uncommitted changes";
 
 /// Arguments of `scanbench baseline accept`.
 #[derive(Debug, Args)]

@@ -44,7 +44,7 @@ pub use detect::DetectArgs;
 pub use experiment::ExperimentArgs;
 pub use fit_density::FitDensityArgs;
 pub use gaps::GapsArgs;
-pub use gate::{AcceptArgs, BaselineCommand, GateArgs};
+pub use gate::{AcceptArgs, BaselineCommand, BaselineInitArgs, GateArgs};
 pub use init::InitArgs;
 pub use output::OutputArgs;
 pub use parameters::{ConfigArgs, CriterionName, MatchingArgs};

@@ -67,8 +67,8 @@ Exit codes:
   4    nothing was evaluated
   5    the runs cannot be compared
   6    a detector of scanbench.toml failed
-  100  regression
-  101  no regression, but results changed
+  100  worse than the baseline
+  101  not worse, but results changed
   130  interrupted; 143 if by SIGTERM";
 
 /// The verbs.
@@ -86,10 +86,10 @@ pub enum Command {
     View(ViewArgs),
     /// Check a run against the baseline: fail if it is worse or results changed
     Gate(GateArgs),
-    /// Accept a run as the baseline of `gate`
+    /// Make and replace the baseline of `gate`
     #[command(
         subcommand,
-        after_help = "Example:\n  scanbench baseline accept runs/latest --why 'fences are no longer walls'"
+        after_help = "Examples:\n  scanbench baseline init runs/latest -o ci\n  scanbench baseline accept runs/latest -b ci --why 'fences are no longer walls'"
     )]
     Baseline(BaselineCommand),
     /// Check the scoring: annotations used as detections must score exactly 1

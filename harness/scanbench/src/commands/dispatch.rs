@@ -4,6 +4,7 @@ use clap::CommandFactory as _;
 
 use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
 use crate::commands::ablation::ablation;
+use crate::commands::baseline::{baseline_accept, baseline_init};
 use crate::commands::boxes::boxes;
 use crate::commands::compare::compare;
 use crate::commands::data_add::data_add;
@@ -17,7 +18,7 @@ use crate::commands::detect::detect;
 use crate::commands::failure::Failure;
 use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
-use crate::commands::gate::{baseline_accept, gate};
+use crate::commands::gate::gate;
 use crate::commands::init::init;
 use crate::commands::params::params;
 use crate::commands::report::report;
@@ -62,6 +63,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Report(arguments) => report(arguments),
         Command::View(arguments) => view(arguments),
         Command::Gate(arguments) => gate(arguments),
+        Command::Baseline(BaselineCommand::Init(arguments)) => baseline_init(arguments),
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline_accept(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Sweep(arguments) => sweep(arguments),

@@ -25,7 +25,7 @@ use reports::run_folder::run_target::RunDirectoryError;
 use reports::tables::table_error::TableError;
 use reports::verdicts::accept::AcceptError;
 use reports::verdicts::comparability::NotComparable;
-use reports::verdicts::tolerances::TolerancesError;
+use reports::verdicts::tolerances_file::TolerancesError;
 use reports::verdicts::verdict::{Conclusion, JudgeError};
 use scans::conversion::ConversionError;
 use scans::dataset::DatasetError;
@@ -66,7 +66,7 @@ pub struct NothingEvaluated {
 
 /// A run is not as it was accepted; the verdict has been printed.
 #[derive(Debug, thiserror::Error)]
-#[error("gate FAILED: {}", .0.name())]
+#[error("gate {}", .0.in_words())]
 pub struct GateClosed(pub Conclusion);
 
 /// What was asked for makes no sense.
@@ -300,7 +300,7 @@ impl From<GateClosed> for Failure {
             Conclusion::Regression => Self::Regression(error.into()),
             Conclusion::Incomparable => Self::NotComparable(error.into()),
             Conclusion::Drift => Self::Drift(error.into()),
-            Conclusion::Same => unreachable!("a gate is not closed where all is the same"),
+            Conclusion::AllowedDrift | Conclusion::Same => unreachable!("a run that passes is no failure"),
         }
     }
 }

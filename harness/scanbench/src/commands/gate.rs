@@ -1,24 +1,26 @@
-//! `scanbench gate` and `scanbench baseline`.
+//! `scanbench gate`.
 
 use std::io::Write as _;
 use std::path::Path;
 
-use jiff::Timestamp;
 use reports::files::whole_file::write_whole;
+use reports::run_folder::command_line::shell_word;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::formats::terminal::Terminal;
-use reports::verdicts::accept::{Acceptance, Succession, TOLERANCES_TOML, accept, run_of_baseline};
-use reports::verdicts::tolerances::{Tolerances, TolerancesError};
-use reports::verdicts::verdict::{Conclusion, Verdict, judge};
+use reports::tables::verdict::brief::Brief;
+use reports::tables::verdict::summary::InFull;
+use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
+use reports::verdicts::tolerances::{DriftRule, Tolerances};
+use reports::verdicts::tolerances_file::TolerancesError;
+use reports::verdicts::verdict::{Verdict, judge};
 
-use crate::cli::{AcceptArgs, GateArgs};
+use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
-use crate::commands::provenance::utc_day;
-use crate::commands::standard_streams::{print_bytes, print_diagnostic};
+use crate::commands::standard_streams::{print_bytes, result_width};
 
 /// The file that GitHub shows as the summary of a job.
 const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
@@ -30,8 +32,11 @@ const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 /// [`GateClosed`] if the run is worse or results changed; and if it cannot be compared, or something cannot be read or written.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
-    let tolerances = tolerances(arguments, directory)?;
-    let baseline = open_run(&run_of_baseline(directory))?;
+    let baseline = open_baseline(directory)?;
+    let mut tolerances = tolerances(arguments, &baseline)?;
+    if let Some(is_allowed) = arguments.allow_drift {
+        tolerances.drift = if is_allowed { DriftRule::Warn } else { DriftRule::Fail };
+    }
     let run = open_run(&arguments.run)?;
     let verdict = judge(&baseline, &run, &tolerances)?;
     if let Some(output) = &arguments.output {
@@ -40,17 +45,55 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     if let Some(summary) = std::env::var_os(STEP_SUMMARY).filter(|it| !it.is_empty()) {
         append(Path::new(&summary), &Markdown.text(&verdict))?;
     }
-    print_bytes(Terminal::UNFOLDED.text(&verdict).as_bytes())?;
+    print_bytes(printed(arguments, &verdict).as_bytes())?;
     match verdict.conclusion() {
-        Conclusion::Same => Ok(()),
+        passed if passed.is_pass() => Ok(()),
         closed => Err(GateClosed(closed).into()),
     }
 }
 
-fn tolerances(arguments: &GateArgs, baseline: &Path) -> Result<Tolerances, TolerancesError> {
+fn printed(arguments: &GateArgs, verdict: &Verdict) -> String {
+    let terminal = Terminal { width: Some(result_width()) };
+    if arguments.full {
+        return terminal.text(&InFull(verdict));
+    }
+    let [run, baseline] = [&arguments.run, &arguments.baseline.baseline].map(|it| it.display().to_string());
+    let in_full = in_full(arguments);
+    terminal.text(&Brief { verdict, sides: [&run, &baseline], in_full: &in_full })
+}
+
+/// The command that prints everything.
+fn in_full(arguments: &GateArgs) -> String {
+    let word = |path: &Path| shell_word(&path.display().to_string());
+    let GateArgs { run, baseline, tolerances, allow_drift, .. } = arguments;
+    let mut command = format!("scanbench gate {} --baseline {}", word(run), word(&baseline.baseline));
+    if let Some(path) = tolerances {
+        command.push_str(&format!(" --tolerances {}", word(path)));
+    }
+    if let Some(is_allowed) = allow_drift {
+        command.push_str(&format!(" --allow-drift={is_allowed}"));
+    }
+    command + " --full"
+}
+
+fn open_baseline(directory: &Path) -> Result<RunArchive, Failure> {
+    if !directory.is_dir() {
+        return Err(Usage(format!(
+            "there is no baseline {}; name a run with --baseline, or make one: scanbench baseline init RUN -o ci",
+            directory.display()
+        ))
+        .into());
+    }
+    open_run(&run_of_baseline(directory))
+}
+
+/// Those of the command line, else those beside the baseline, else the built-in ones.
+fn tolerances(arguments: &GateArgs, baseline: &RunArchive) -> Result<Tolerances, TolerancesError> {
+    let beside = arguments.baseline.baseline.join(TOLERANCES_TOML);
     match &arguments.tolerances {
         Some(path) => Tolerances::read(path),
-        None => Tolerances::read(&baseline.join(TOLERANCES_TOML)),
+        None if beside.exists() => Tolerances::read(&beside),
+        None => Ok(Tolerances::built_in(baseline)),
     }
 }
 
@@ -74,27 +117,4 @@ fn append(path: &Path, text: &str) -> Result<(), Failure> {
     written.map_err(|error| {
         Failure::usage(format!("cannot write {}, the file that {STEP_SUMMARY} names", path.display()), error)
     })
-}
-
-/// Makes a run the one that others are judged by.
-///
-/// # Errors
-///
-/// If no reason is given, the run cannot be made again or is no successor of the one accepted before, or something cannot be read
-/// or written.
-pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
-    if arguments.why.trim().is_empty() {
-        return Err(Usage("--why is empty; say why the scores changed".to_owned()).into());
-    }
-    let run = open_run(&arguments.run)?;
-    let directory = &arguments.baseline.baseline;
-    let acceptance = Acceptance {
-        date: &utc_day(Timestamp::now()),
-        why: &arguments.why,
-        succession: if arguments.new_baseline { Succession::Anew } else { Succession::Comparable },
-    };
-    let line = accept(&run, directory, acceptance)?;
-    print_bytes(format!("{line}\n").as_bytes())?;
-    print_diagnostic(format_args!("Baseline: {}", directory.display()));
-    Ok(())
 }

@@ -56,5 +56,7 @@ pub mod report;
 pub mod worst_scans;
 pub mod view;
 pub mod gate;
+pub mod gate_workflow;
+pub mod baseline;
 pub mod init;
 pub mod dispatch;

@@ -17,7 +17,7 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 27] = [
+const VERBS: [&str; 28] = [
     "run",
     "detect",
     "compare",
@@ -25,6 +25,7 @@ const VERBS: [&str; 27] = [
     "view",
     "gate",
     "baseline",
+    "baseline init",
     "baseline accept",
     "selftest",
     "data",
@@ -145,6 +146,8 @@ fn help_fits_into_80_columns() {
         "data realism --help",
         "fit-density --help",
         "report --help",
+        "gate --help",
+        "baseline init --help",
     ] {
         let workplace = Workplace::new();
         let mut command = workplace.command(&verb.split(' ').collect::<Vec<_>>());

@@ -62,7 +62,7 @@ fn accepted() -> Workplace {
 
 #[track_caller]
 fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) -> Ended {
-    let ended = workplace.run(&["gate", run, "-b", "golden", "-o", "verdict"]);
+    let ended = workplace.run(&["gate", run, "-b", "golden", "-o", "verdict", "--full"]);
     assert_eq!(ended.exit_code, Some(exit_code), "{ended:#?}");
     let said = format!("{}{}", ended.stdout, ended.stderr);
     assert!(said.contains(expected), "no {expected:?} in\n{said}");
@@ -72,11 +72,11 @@ fn check_gate(workplace: &Workplace, run: &str, exit_code: i32, expected: &str) 
 #[test]
 fn a_run_is_as_good_as_itself_and_as_its_repetition() {
     let workplace = accepted();
-    check_gate(&workplace, "first", 0, "PASSED. ");
+    check_gate(&workplace, "first", 0, "PASSED\n");
     run(&workplace, "again", &["--jobs", "1", "--warmup", "0", "-d", "pca,hierarchical"]);
-    let ended = check_gate(&workplace, "again", 0, "Changed scan results: 0.");
+    let ended = check_gate(&workplace, "again", 0, "No result changed.");
     assert!(!ended.stdout.contains("inconclusive\n"), "{}", ended.stdout);
-    check_gate(&workplace, "golden/run", 0, "PASSED. ");
+    check_gate(&workplace, "golden/run", 0, "PASSED\n");
 }
 
 /// The street of any seed against itself, run again: nothing may ever be reported.
@@ -92,12 +92,12 @@ fn twenty_streets_run_twice_report_nothing() {
         let arguments = ["gate", "twice", "-b", "once", "-t", "tolerances.toml"];
         let ended = workplace.succeed(&arguments);
         assert!(
-            ended.stdout.contains(" regressions: 0, inconclusive: 0, missing: 0. Changed scan results: 0."),
+            ended.stdout.contains(" 0 worse, 0 inconclusive, 0 missing. No result changed."),
             "{}",
             ended.stdout
         );
         assert!(
-            ended.stdout.contains("Only 2 blocks of scans: too few to show a regression."),
+            ended.stdout.contains("Only 2 blocks of scans: too few to show that anything is worse."),
             "{}",
             ended.stdout
         );
@@ -114,7 +114,7 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
         ("higher-points", "hierarchical.foreground.clearance_m=0.17"),
     ] {
         run(&workplace, run_name, &["-P", parameter]);
-        let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict"]);
+        let ended = workplace.run(&["gate", run_name, "-b", "golden", "-o", "verdict", "--full"]);
         assert!(matches!(ended.exit_code, Some(100 | 101)), "{parameter}: {ended:#?}");
         let scan = ended.stdout.lines().position(|it| it.starts_with("street-narrow narrow-90"));
         let scan = scan.unwrap_or_else(|| panic!("{parameter}: no scan is named\n{}", ended.stdout));
@@ -133,12 +133,14 @@ fn each_of_three_slightly_worsened_parameters_is_caught_with_the_objects_that_ch
 fn what_is_surely_worse_is_a_regression() {
     let workplace = accepted();
     run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
-    check_gate(&workplace, "worse", 100, "FAILED: regression. ");
+    check_gate(&workplace, "worse", 100, "FAILED: worse\n");
+    let ended = workplace.run(&["gate", "worse", "-b", "golden", "--allow-drift"]);
+    assert_eq!(ended.exit_code, Some(100), "a loss is one, whatever is allowed: {ended:#?}");
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     assert_eq!(verdict["conclusion"], "regression");
     let junit = workplace.read("verdict/junit.xml");
     assert!(junit.contains("type=\"regression\"") && junit.contains("type=\"drift\""), "{junit}");
-    assert!(workplace.read("verdict/gate.md").starts_with("**FAILED: regression. "));
+    assert!(workplace.read("verdict/gate.md").starts_with("**FAILED: worse**\n"));
     let smaller: Value =
         serde_json::from_str(&workplace.read("verdict/custom-smaller-is-better.json")).expect("JSON");
     let is_f_rate = |it: &&Value| it["name"] == "objects/hierarchical/1 - f_rate";
@@ -163,10 +165,27 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
         ended
     };
     accept("worse", "nothing better\nyet");
-    check_gate(&workplace, "better", 101, "FAILED: results changed. ");
+    check_gate(&workplace, "better", 101, "FAILED: results changed\n");
+    let tolerances = workplace.read("golden/tolerances.toml");
+    for (drift, option, exit_code) in [
+        ("", "--allow-drift", 0),
+        ("drift = \"warn\"\n", "-q", 0),
+        ("drift = \"fail\"\n", "--allow-drift", 0),
+        ("drift = \"fail\"\n", "-q", 101),
+        ("drift = \"warn\"\n", "--allow-drift=false", 101),
+    ] {
+        workplace.write("golden/tolerances.toml", &format!("{drift}{tolerances}"));
+        let ended = workplace.run(&["gate", "better", "-b", "golden", option]);
+        assert_eq!(ended.exit_code, Some(exit_code), "{drift} {option}: {ended:#?}");
+        let headline = ended.stdout.lines().next().unwrap_or_default();
+        assert_eq!(headline.ends_with(" scans (allowed)"), exit_code == 0, "{headline}");
+        let error = if exit_code == 0 { "" } else { "error: gate FAILED: results changed\n" };
+        assert_eq!(ended.stderr, error, "{drift} {option}");
+    }
+    workplace.write("golden/tolerances.toml", &tolerances);
     let ended = accept("better", "smaller clusters are objects too");
     assert!(ended.stdout.contains(" → ") && ended.stdout.contains("objects: hierarchical "), "{ended:#?}");
-    check_gate(&workplace, "better", 0, "PASSED. ");
+    check_gate(&workplace, "better", 0, "PASSED\n");
     let history = workplace.read("golden/SCORES.md");
     let lines: Vec<&str> = history.lines().filter(|it| it.starts_with("- ")).collect();
     assert_eq!(lines.len(), 2, "{history}");
@@ -176,6 +195,93 @@ fn a_better_run_is_no_regression_but_has_to_be_accepted() {
     assert_eq!(manifest["argv"][0], "scanbench");
     let n_rows = |name: &str| workplace.read(name).lines().count();
     assert!(n_rows("golden/run/matches.csv") < n_rows("better/matches.csv"));
+}
+
+/// What `baseline init` writes is about the detectors and tasks of the run, gates it, and names what a changed run did.
+#[test]
+fn a_first_baseline_gates_the_run_that_it_was_made_of() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &["-P", "pca.cluster.min_points=15"]);
+    let ended = workplace.succeed(&["baseline", "init", "first", "-o", "a b/ci/"]);
+    assert!(ended.stdout.contains("mv 'a b/ci'/scanbench.yml .github/workflows/"), "{ended:#?}");
+    let names: Vec<String> = ["run/manifest.json", "SCORES.md", "tolerances.toml", "scanbench.yml"]
+        .map(|it| format!("a b/ci/{it}"))
+        .into();
+    assert!(names.iter().all(|it| workplace.path(it).is_file()), "{:?}", workplace.names());
+    let tolerances = workplace.read("a b/ci/tolerances.toml");
+    for part in ["detectors = [\"hierarchical\", \"pca\"]", "tasks = [\"objects\", \"vehicles\"]", "[speed]"]
+    {
+        assert!(tolerances.contains(part), "no {part} in\n{tolerances}");
+    }
+    assert!(tolerances.lines().any(|it| it.starts_with("# Recall, TP / NO")), "{tolerances}");
+    let workflow = workplace.read("a b/ci/scanbench.yml");
+    let again = "\n          scanbench run street-narrow --simulated-scans 20 ";
+    assert!(workflow.contains(again), "{workflow}");
+    assert!(workflow.contains(" -P pca.cluster.min_points=15 -o runs/gate\n"), "{workflow}");
+    assert!(workflow.contains("scanbench gate runs/gate --baseline 'a b/ci' -o verdict\n"), "{workflow}");
+    let ended = workplace.succeed(&["gate", "first", "--baseline", "a b/ci"]);
+    assert!(ended.stdout.starts_with("PASSED") && !ended.stdout.contains("built in"), "{ended:#?}");
+    let ended = workplace.run(&["baseline", "init", "first", "-o", "a b/ci"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(ended.stderr.contains("run\" exists; name another folder"), "{ended:#?}");
+}
+
+#[test]
+fn a_first_baseline_is_written_whole_or_not_at_all() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &["--scans", "0..2:2"]);
+    edit(&workplace, "first/manifest.json", "\"dirty\": false", "\"dirty\": true");
+    let names = workplace.names();
+    let is_of_a_commit = workplace.read("first/manifest.json").contains("\"dirty\"");
+    if is_of_a_commit {
+        let ended = workplace.run(&["baseline", "init", "first", "-o", "deep/ci"]);
+        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    }
+    let ended = workplace.run(&["baseline", "init", "nowhere", "-o", "deep/ci"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert_eq!(workplace.names(), names);
+}
+
+/// Any run is a baseline. What is tolerated is printed then, because it stands in no file.
+#[test]
+fn built_in_tolerances_are_printed() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &[]);
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    let ended = workplace.succeed(&["gate", "first", "--baseline", "first"]);
+    let said = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("Tolerances: built in,") && said.contains("rates: 1.00 points;"), "{said}");
+    assert!(said.contains("; time: 50 %."), "{said}");
+    let ended = workplace.run(&["gate", "worse", "--baseline", "first"]);
+    assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+    let ended = workplace.run(&["gate", "first"]);
+    assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+    assert!(
+        ended.stderr.contains("there is no baseline reports/golden; name a run with --baseline"),
+        "{ended:#?}"
+    );
+}
+
+/// What is wrong in the file, and what is wrong for these runs, with file and line.
+#[test]
+fn all_problems_of_a_file_are_told_at_once() {
+    let workplace = Workplace::new();
+    run(&workplace, "first", &["--scans", "0..2:2"]);
+    let bad = "[[quality]]\nmetrics = [\"f_rat\"]\nslices = [\"al\"]\nabsolute = 0.9\n\n[sped]\n";
+    workplace.write("bad.toml", bad);
+    let ended = workplace.run(&["gate", "first", "--baseline", "first", "-t", "bad.toml"]);
+    assert_eq!((ended.exit_code, ended.stdout.as_str()), (Some(2), ""), "{ended:#?}");
+    let lines: Vec<&str> = ended.stderr.lines().collect();
+    assert_eq!(
+        lines,
+        [
+            "error: bad tolerances \"bad.toml\", 4 problems:",
+            "  line 6: unknown field `sped`; did you mean \"speed\"?",
+            "  line 1, [[quality]] 1: there is no `relative`",
+            "  line 1, [[quality]] 1: there is no slice \"al\" in either run; did you mean \"all\"?",
+            "  line 2, [[quality]] 1: there is no metric \"f_rat\"; did you mean \"f_rate\"?",
+        ]
+    );
 }
 
 #[test]
@@ -232,6 +338,28 @@ fn damaged_files_and_wrong_usage_have_codes_of_their_own() {
     assert_eq!(workplace.run(&["compare", "first", "golden/run"]).exit_code, Some(3));
 }
 
+/// Twenty lines say it; the command that they end with prints the rest.
+#[test]
+fn a_verdict_is_short_unless_all_of_it_is_asked_for() {
+    let workplace = accepted();
+    run(&workplace, "worse", &["-P", "hierarchical.cluster.min_points=200"]);
+    let print = |arguments: &[&str]| {
+        let mut command = workplace.command(arguments);
+        let ended = Ended::from(command.env("COLUMNS", "80").output().expect("it starts"));
+        assert_eq!(ended.exit_code, Some(100), "{ended:#?}");
+        assert!(ended.stdout.lines().all(|it| it.chars().count() <= 80), "{}", ended.stdout);
+        ended.stdout
+    };
+    let brief = print(&["gate", "worse", "-b", "golden", "--allow-drift"]);
+    assert!(brief.lines().count() <= 20 && brief.starts_with("FAILED: worse\n"), "{brief}");
+    assert_eq!(brief.lines().filter(|it| it.starts_with("- ")).count(), 5, "{brief}");
+    let command = "scanbench gate worse --baseline golden --allow-drift=true --full";
+    let said = brief.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.ends_with(&format!(" All of it: {command}")), "{brief}");
+    let full = print(&command.split(' ').skip(1).collect::<Vec<_>>());
+    assert!(full.lines().count() > 100 && full.starts_with("FAILED: worse\n"), "{full}");
+}
+
 #[test]
 fn the_summary_of_a_job_is_added_to() {
     let workplace = accepted();
@@ -240,7 +368,7 @@ fn the_summary_of_a_job_is_added_to() {
     command.env("GITHUB_STEP_SUMMARY", workplace.path("summary.md"));
     assert!(command.output().expect("it runs").status.success());
     let summary = workplace.read("summary.md");
-    assert!(summary.starts_with("before\n**PASSED. "), "{summary}");
+    assert!(summary.starts_with("before\n**PASSED**\n"), "{summary}");
     assert!(summary.contains("| objects | pca | all | f_rate"), "{summary}");
 }
 
@@ -305,7 +433,7 @@ fn tolerances_that_name_nothing_never_let_a_loss_pass() {
         check_gate(&workplace, "worse", 2, expected);
     }
     workplace.write("golden/tolerances.toml", &rule("\"f_rate\"", all, "tasks = [\"objects\"]"));
-    check_gate(&workplace, "worse", 100, "FAILED: regression. ");
+    check_gate(&workplace, "worse", 100, "FAILED: worse\n");
 }
 
 #[test]
@@ -323,7 +451,7 @@ fn a_number_that_is_missing_in_the_run_is_named_with_its_place() {
     workplace.write("unknown/scans.csv", &(lines.join("\n") + "\n"));
     let expected = "f_rate of all, hierarchical, objects, street-narrow: missing in the run.";
     let ended = check_gate(&workplace, "unknown", 5, expected);
-    assert!(ended.stdout.starts_with("FAILED: numbers are missing."), "{}", ended.stdout);
+    assert!(ended.stdout.starts_with("FAILED: numbers are missing\n"), "{}", ended.stdout);
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     assert_eq!(verdict["conclusion"], "incomparable");
 }
@@ -336,11 +464,11 @@ fn of_few_blocks_nothing_is_surely_worse() {
     let nine = ["--simulated-scans", "18", "--scans", "0..18:2"];
     run(&workplace, "once", &nine);
     run(&workplace, "worse", &[&nine[..], &["-P", "hierarchical.cluster.min_points=200"]].concat());
-    let ended = workplace.run(&["gate", "worse", "-b", "once", "-t", "tolerances.toml"]);
+    let ended = workplace.run(&["gate", "worse", "-b", "once", "-t", "tolerances.toml", "--full"]);
     assert_eq!(ended.exit_code, Some(101), "{ended:#?}");
     for part in [
-        "Only 9 blocks of scans: too few to show a regression.",
-        "inconclusive: only 9 blocks of scans",
+        "Only 9 blocks of scans: too few to show that anything is worse.",
+        "inconclusive: 9 blocks",
         "§ from fewer than 10 blocks",
     ] {
         assert!(ended.stdout.contains(part), "no {part:?} in\n{}", ended.stdout);
@@ -379,19 +507,19 @@ fn times_are_held_against_the_reference_on_the_same_processor_alone() {
     });
     assert_eq!(text.lines().next().expect("a head").split(',').nth(10), Some("least_latency_ms"));
     workplace.write("slower/scans.csv", &slower.collect::<String>());
-    let ended = check_gate(&workplace, "slower", 100, "FAILED: regression. ");
-    assert!(ended.stdout.contains(" regressions: 1,"), "{}", ended.stdout);
+    let ended = check_gate(&workplace, "slower", 100, "FAILED: worse\n");
+    assert!(ended.stdout.contains(" 1 worse,"), "{}", ended.stdout);
     let verdict: Value = serde_json::from_str(&workplace.read("verdict/gate.json")).expect("JSON");
     let slowdown = verdict["speeds"][1]["slowdown"].as_f64().expect("a number");
     assert!((slowdown - 0.5).abs() < 0.01 && verdict["speeds"][1]["detector"] == "pca", "{verdict}");
     // On another processor that says nothing, and the verdict says so at once.
     edit(&workplace, "slower/manifest.json", "\"cpu_model\": \"", "\"cpu_model\": \"Another ");
-    let ended = check_gate(&workplace, "slower", 0, "PASSED. ");
-    let second = ended.stdout.lines().nth(1).expect("a line");
+    let ended = check_gate(&workplace, "slower", 0, "PASSED\n");
+    let third = ended.stdout.lines().nth(2).expect("a line");
     assert!(
-        second.starts_with("Speed was not compared: the processor changed from ")
-            && second.contains("Another "),
-        "{second}"
+        third.starts_with("Speed was not compared: the processor changed from ")
+            && third.contains("Another "),
+        "{third}"
     );
     // The report has what a verdict is made of.
     let report: Value = serde_json::from_str(&workplace.read("first/report.json")).expect("JSON");
@@ -446,12 +574,12 @@ fn what_cannot_be_made_again_or_compared_is_not_accepted() {
     accept("seed", &[], 5, "the data of street-narrow changed");
     accept("seed", &[], 5, "--new-baseline");
     assert_eq!(workplace.read("golden/SCORES.md"), history, "nothing was accepted");
-    check_gate(&workplace, "first", 0, "PASSED. ");
+    check_gate(&workplace, "first", 0, "PASSED\n");
     accept("seed", &["--new-baseline"], 0, "New baseline: the run cannot be compared with the accepted one");
-    check_gate(&workplace, "seed", 0, "PASSED. ");
+    check_gate(&workplace, "seed", 0, "PASSED\n");
     // One that cannot be read is no baseline either.
     workplace.write("golden/run/scans.csv", "damaged\n");
     accept("seed", &[], 5, "cannot read the accepted run golden/run");
     accept("seed", &["--new-baseline"], 0, "cannot read the accepted run golden/run");
-    check_gate(&workplace, "seed", 0, "PASSED. ");
+    check_gate(&workplace, "seed", 0, "PASSED\n");
 }

@@ -75,7 +75,7 @@ fn its_gate_passes_an_unchanged_detector() {
     workplace.succeed(&["baseline", "accept", "first", "-b", "baseline", "--why", "the first"]);
     let gate =
         workplace.succeed(&["gate", "again", "-b", "baseline", "-t", "tolerances.toml", "-o", "verdict"]);
-    assert!(gate.stdout.contains("PASSED. "), "{gate:#?}");
+    assert!(gate.stdout.contains("PASSED\n"), "{gate:#?}");
 }
 
 #[test]

@@ -24,6 +24,8 @@ struct VerdictRecord<'a> {
     speeds: Vec<SpeedRecord<'a>>,
     /// Why times were not compared, where a rule is about them.
     speed_not_compared: Option<&'a str>,
+    /// Whether results that changed fail or warn.
+    drift_rule: &'static str,
     drift: Vec<DriftRecord<'a>>,
 }
 
@@ -92,6 +94,7 @@ impl Format<Verdict> for Json {
                 SpeedComparison::NotCompared { reason } => Some(reason),
                 SpeedComparison::NotAsked | SpeedComparison::Compared(_) => None,
             },
+            drift_rule: verdict.tolerances.drift.name(),
             drift: verdict
                 .drift
                 .iter()

@@ -8,6 +8,7 @@ use crate::tables::verdict::wording::{difference_text, interval_text, metric_tex
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
+use crate::verdicts::tolerances::DriftRule;
 use crate::verdicts::verdict::Verdict;
 
 /// The XML that `JUnit` writes.
@@ -43,7 +44,11 @@ fn drift_cases(verdict: &Verdict) -> Vec<TestCase> {
     }
     let of_scan = verdict.drift.iter().map(|drift| {
         let message = format!("results of {} objects changed", drift.changes.len());
-        case(class, &scan_name(drift), failed("drift", &message, &drift.changes.join("\n")))
+        let status = match verdict.tolerances.drift {
+            DriftRule::Fail => failed("drift", &message, &drift.changes.join("\n")),
+            DriftRule::Warn => skipped(&format!("allowed: {message}")),
+        };
+        case(class, &scan_name(drift), status)
     });
     of_scan.collect()
 }

@@ -30,6 +30,13 @@ impl Terminal {
         sentences.into_iter().map(|it| wrapped_to(&it, self.width.unwrap_or(LINE_WIDTH))).collect()
     }
 
+    /// An item of a list: indented, all of its lines.
+    fn item(self, item: &str) -> String {
+        let Some(width) = self.width else { return format!("  {item}\n") };
+        let lines = wrapped_to(item, width.saturating_sub(2));
+        format!("  {}\n", lines.trim_end().replace('\n', "\n  "))
+    }
+
     /// A title stays as it is where nothing is folded, however long, for those who search in it.
     fn title(self, title: &str) -> String {
         self.width.map_or_else(|| format!("{title}\n"), |width| wrapped_to(title, width))
@@ -62,9 +69,9 @@ impl<T: Tabular + ?Sized> Format<T> for Terminal {
             text.push('\n');
         }
         for (head, items) in listing.iter().flat_map(|it| &it.entries) {
-            push_line(&mut text, head);
+            text.push_str(&self.title(head));
             for it in items {
-                push_line(&mut text, &format!("  {it}"));
+                text.push_str(&self.item(it));
             }
         }
         if listing.is_some() {

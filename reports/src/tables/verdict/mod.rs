@@ -1,5 +1,7 @@
 //! What verdicts say, before a format lays it out.
 
 pub(crate) mod wording;
+pub(crate) mod tolerated;
 pub mod comparison;
 pub mod summary;
+pub mod brief;

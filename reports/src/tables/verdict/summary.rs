@@ -3,6 +3,7 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
+use crate::tables::verdict::tolerated::about_tolerances;
 use crate::tables::verdict::wording::{
     about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
 };
@@ -10,32 +11,83 @@ use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
+use crate::verdicts::tolerances::{DriftRule, Origin};
 use crate::verdicts::verdict::{Conclusion, Verdict};
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
+
+/// Columns of a grid of metrics that say whose they are: task and detector.
+const N_TITLE_COLUMNS: usize = 2;
+/// Missing numbers that are named where a few lines have to do.
+const MOST_MISSING: usize = 2;
 
 impl Tabular for Verdict {
     /// What it comes to, the numbers of which something is to be said, and every object that changed.
     fn sheet(&self) -> Sheet {
         let shown: Vec<&GatedMetric> = self.metrics.iter().filter(|it| is_shown(it)).collect();
         let of_metrics = (!shown.is_empty()).then(|| metric_grid(&shown, self));
-        let of_speeds = (!self.speed.speeds().is_empty()).then(|| speed_grid(self));
-        let parts = of_metrics.into_iter().chain(of_speeds).map(|grid| Part { title: None, grid });
-        let changes = self.drift.iter().map(|it| (scan_name(it), it.changes.clone()));
-        let listing = Listing { entries: changes.collect(), in_full: "gate.json lists all" };
-        Sheet {
-            lead: first_lines(self),
-            listing: (!self.drift.is_empty()).then_some(listing),
-            ..Sheet::of_parts(parts.collect(), sentences(self))
-        }
+        sheet(self, of_metrics.into_iter().map(|grid| Part { title: None, grid }).collect())
     }
 }
 
-/// What it comes to, and what could not be judged.
+/// The same for a narrow screen: a table for each task and detector.
+#[derive(Debug, Clone, Copy)]
+pub struct InFull<'a>(pub &'a Verdict);
+
+impl Tabular for InFull<'_> {
+    fn sheet(&self) -> Sheet {
+        let shown: Vec<&GatedMetric> = self.0.metrics.iter().filter(|it| is_shown(it)).collect();
+        let of_detectors = shown.chunk_by(|a, b| (a.task, &a.detector) == (b.task, &b.detector));
+        let parts = of_detectors.map(|of_detector| {
+            let grid = metric_grid(of_detector, self.0);
+            let columns: Vec<usize> = (N_TITLE_COLUMNS..grid.columns.len()).collect();
+            let title = format!("{}, {}", of_detector[0].task, of_detector[0].detector);
+            Part { title: Some(title), grid: grid.with_columns(&columns) }
+        });
+        sheet(self.0, parts.collect())
+    }
+}
+
+/// The first lines, the numbers, the times, and every object that changed.
+fn sheet(verdict: &Verdict, of_metrics: Vec<Part>) -> Sheet {
+    let of_speeds = (!verdict.speed.speeds().is_empty()).then(|| speed_grid(verdict));
+    let of_speeds = of_speeds.map(|grid| Part { title: None, grid });
+    let parts = of_metrics.into_iter().chain(of_speeds).collect();
+    let changes = verdict.drift.iter().map(|it| (scan_name(it), it.changes.clone()));
+    let listing = Listing { entries: changes.collect(), in_full: "gate.json lists all" };
+    Sheet {
+        lead: first_lines(verdict),
+        listing: (!verdict.drift.is_empty()).then_some(listing),
+        ..Sheet::of_parts(parts, sentences(verdict))
+    }
+}
+
+/// What it comes to, and all that could not be judged.
 fn first_lines(verdict: &Verdict) -> Vec<String> {
-    let mut lines = vec![headline(verdict)];
+    let mut lines = vec![headline(verdict), counts(verdict)];
     lines.extend(missing(verdict));
+    lines.extend(caveats(verdict));
+    if verdict.tolerances.origin == Origin::BuiltIn {
+        lines.push(about_tolerances(&verdict.tolerances));
+    }
+    lines
+}
+
+/// What was judged by what, and what could not be: a few lines, however much that is.
+pub(crate) fn about_judging(verdict: &Verdict) -> Vec<String> {
+    let mut missing = missing(verdict);
+    if missing.len() > MOST_MISSING {
+        let n_more = missing.len() - MOST_MISSING;
+        missing.truncate(MOST_MISSING);
+        missing.push(format!("And {n_more} more numbers are missing."));
+    }
+    let tolerances = about_tolerances(&verdict.tolerances);
+    [counts(verdict)].into_iter().chain(missing).chain(caveats(verdict)).chain([tolerances]).collect()
+}
+
+/// What could not be judged although no number is missing.
+fn caveats(verdict: &Verdict) -> Vec<String> {
+    let mut lines = Vec::new();
     match &verdict.speed {
         SpeedComparison::NotCompared { reason } => lines.push(format!("Speed was not compared: {reason}.")),
         SpeedComparison::NotAsked | SpeedComparison::Compared(_) => {}
@@ -45,20 +97,14 @@ fn first_lines(verdict: &Verdict) -> Vec<String> {
         lines.push(format!("Not judged, because only the later run has it: {names}."));
     }
     if verdict.blocks.are_too_few() {
-        lines.push(format!(
-            "{}: too few to show a regression. The gate can only fail because results changed.",
-            few_blocks(verdict)
-        ));
+        lines.push(about_few_blocks(verdict));
     }
     lines
 }
 
 /// The numbers that are missing, each with all that names it.
 fn missing(verdict: &Verdict) -> Vec<String> {
-    let dataset = match verdict.dataset.as_str() {
-        OVERALL => "all data sets together",
-        id => id,
-    };
+    let dataset = verdict.dataset_in_words();
     let of_metrics = verdict.metrics.iter().filter_map(|it| {
         let place = it.difference.as_ref().err()?.in_words();
         let GatedMetric { task, detector, slice, metric, .. } = it;
@@ -71,28 +117,53 @@ fn missing(verdict: &Verdict) -> Vec<String> {
     of_metrics.chain(of_speeds).collect()
 }
 
-fn few_blocks(verdict: &Verdict) -> String {
+fn blocks(verdict: &Verdict) -> String {
     match verdict.blocks.n_blocks {
-        1 => "Only 1 block of scans".to_owned(),
-        n => format!("Only {n} blocks of scans"),
+        1 => "1 block".to_owned(),
+        n => format!("{n} blocks"),
     }
 }
 
-fn headline(verdict: &Verdict) -> String {
-    let conclusion = match verdict.conclusion() {
-        Conclusion::Regression => "FAILED: regression",
-        Conclusion::Incomparable => "FAILED: numbers are missing",
-        Conclusion::Drift => "FAILED: results changed",
-        Conclusion::Same => "PASSED",
-    };
+/// What it comes to, as short as can be.
+pub(crate) fn headline(verdict: &Verdict) -> String {
+    let conclusion = verdict.conclusion();
+    match conclusion {
+        Conclusion::AllowedDrift => {
+            format!("{} on {} (allowed)", conclusion.in_words(), changed_scans(verdict))
+        }
+        _ => conclusion.in_words().to_owned(),
+    }
+}
+
+fn changed_scans(verdict: &Verdict) -> String {
+    match verdict.n_changed_scans() {
+        1 => "1 scan".to_owned(),
+        n => format!("{n} scans"),
+    }
+}
+
+/// How many numbers were judged, and what came of them.
+pub(crate) fn counts(verdict: &Verdict) -> String {
     let n_gated = verdict.metrics.len() + verdict.speed.speeds().len();
+    let about_results = if verdict.drift.is_empty() {
+        "No result changed.".to_owned()
+    } else {
+        format!("Results changed on {}.", changed_scans(verdict))
+    };
     format!(
-        "{conclusion}. Checked numbers: {n_gated}, regressions: {}, inconclusive: {}, missing: {}. Changed scan results: {}.",
+        "{n_gated} numbers: {} worse, {} inconclusive, {} missing. {about_results}",
         verdict.n(Finding::Regression),
         verdict.n(Finding::Inconclusive),
-        verdict.n(Finding::Incomparable),
-        verdict.drift.len()
+        verdict.n(Finding::Incomparable)
     )
+}
+
+fn about_few_blocks(verdict: &Verdict) -> String {
+    let few = format!("Only {} of scans: too few to show that anything is worse.", blocks(verdict));
+    match verdict.tolerances.drift {
+        DriftRule::Fail => format!("{few} Only changed results can fail."),
+        DriftRule::Warn => few,
+    }
 }
 
 /// Which scan, detector and task a drift is about.
@@ -105,9 +176,9 @@ pub(crate) fn scan_name(drift: &ScanDrift) -> String {
 fn finding_text(finding: Finding, verdict: &Verdict) -> String {
     match finding {
         Finding::Inconclusive if verdict.blocks.are_too_few() => {
-            format!("{}: {}", finding.name(), few_blocks(verdict).replacen('O', "o", 1))
+            format!("{}: {}", finding.in_words(), blocks(verdict))
         }
-        _ => finding.name().to_owned(),
+        _ => finding.in_words().to_owned(),
     }
 }
 
@@ -122,7 +193,7 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
     let n_hidden = verdict.metrics.iter().filter(|it| !is_shown(it)).count();
     let mut sentences = vec![about_differences(verdict.blocks.kind)];
     sentences.push(
-        "regression: the whole interval is worse than tolerated. inconclusive: the difference is worse than tolerated, but \
+        "worse: the whole interval is worse than tolerated. inconclusive: the difference is worse than tolerated, but \
          not its whole interval."
             .to_owned(),
     );

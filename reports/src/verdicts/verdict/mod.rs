@@ -1,5 +1,7 @@
 //! Whether a run is as good as the one that was accepted.
 
+use std::collections::BTreeSet;
+
 use crate::numbers::blocks::BlockCount;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::Draw;
@@ -10,7 +12,8 @@ use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
 use crate::verdicts::gated_speeds::SpeedComparison;
-use crate::verdicts::tolerances::{RuleProblems, Tolerances};
+use crate::verdicts::rule_problems::RuleProblems;
+use crate::verdicts::tolerances::{DriftRule, Tolerances};
 use crate::vocabulary::extent::OVERALL;
 
 /// What came of a gate.
@@ -18,6 +21,10 @@ use crate::vocabulary::extent::OVERALL;
 pub struct Verdict {
     /// What the numbers are about: the id of the data set, or [`OVERALL`] of several.
     pub dataset: String,
+    /// The detectors of the baseline.
+    pub detectors: Vec<String>,
+    /// Number of scans.
+    pub n_scans: usize,
     /// The blocks of scans that intervals were drawn from.
     pub blocks: BlockCount,
     /// Everything that is gated, task by task, detector by detector, slice by slice.
@@ -28,6 +35,8 @@ pub struct Verdict {
     pub drift: Vec<ScanDrift>,
     /// Detectors that only the later run has.
     pub new_detectors: Vec<String>,
+    /// What it was judged by.
+    pub tolerances: Tolerances,
 }
 
 /// What a verdict comes to.
@@ -39,6 +48,8 @@ pub enum Conclusion {
     Incomparable,
     /// Nothing is surely worse, but results changed.
     Drift,
+    /// The same, and that is allowed.
+    AllowedDrift,
     /// Everything is as it was.
     Same,
 }
@@ -50,18 +61,38 @@ pub enum JudgeError {
     #[error(transparent)]
     NotComparable(#[from] NotComparable),
     /// The tolerances are not about these runs.
-    #[error("bad tolerances")]
+    #[error(transparent)]
     Rules(#[from] RuleProblems),
 }
 
 impl Conclusion {
-    /// The name used in files and on screens.
+    /// The name used in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Regression => "regression",
             Self::Incomparable => "incomparable",
             Self::Drift => "drift",
+            Self::AllowedDrift => "allowed-drift",
             Self::Same => "same",
+        }
+    }
+
+    /// What people read.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Regression => "FAILED: worse",
+            Self::Incomparable => "FAILED: numbers are missing",
+            Self::Drift => "FAILED: results changed",
+            Self::AllowedDrift => "PASSED, results changed",
+            Self::Same => "PASSED",
+        }
+    }
+
+    /// Whether the run is good enough.
+    pub fn is_pass(self) -> bool {
+        match self {
+            Self::Regression | Self::Incomparable | Self::Drift => false,
+            Self::AllowedDrift | Self::Same => true,
         }
     }
 }
@@ -73,11 +104,28 @@ impl Verdict {
             Conclusion::Regression
         } else if self.n(Finding::Incomparable) > 0 {
             Conclusion::Incomparable
-        } else if !self.drift.is_empty() {
-            Conclusion::Drift
-        } else {
+        } else if self.drift.is_empty() {
             Conclusion::Same
+        } else {
+            match self.tolerances.drift {
+                DriftRule::Fail => Conclusion::Drift,
+                DriftRule::Warn => Conclusion::AllowedDrift,
+            }
         }
+    }
+
+    /// What the numbers are about, for people.
+    pub fn dataset_in_words(&self) -> &str {
+        match self.dataset.as_str() {
+            OVERALL => "all data sets together",
+            id => id,
+        }
+    }
+
+    /// Number of scans on which results changed, of whatever detector and task.
+    pub fn n_changed_scans(&self) -> usize {
+        let scans = self.drift.iter().map(|it| (&it.place.dataset, &it.place.sequence, it.place.scan));
+        scans.collect::<BTreeSet<_>>().len()
     }
 
     /// Number of gated numbers with this finding.
@@ -108,14 +156,18 @@ impl Verdict {
 ///
 /// # Errors
 ///
-/// [`JudgeError`] if the runs cannot be compared, or a rule of `tolerances` names what neither has or decides about nothing.
+/// [`JudgeError`] if the runs cannot be compared, or with all that is wrong with `tolerances`: what their file has, rules that name
+/// what neither run has, rules that decide about nothing.
 pub fn judge(
     baseline: &RunArchive,
     run: &RunArchive,
     tolerances: &Tolerances,
 ) -> Result<Verdict, JudgeError> {
-    check_comparable(baseline, run)?;
-    check_same_results(baseline, run)?;
+    let comparable = check_comparable(baseline, run).and_then(|()| check_same_results(baseline, run));
+    if comparable.is_err() {
+        RuleProblems::check(tolerances.path(), tolerances.problems.clone())?;
+    }
+    comparable?;
     let (before, after) = (baseline.tally(), run.tally());
     let draws = before.draw();
     let sides = Sides { before: &before, after: &after, draws: &draws };
@@ -126,6 +178,8 @@ pub fn judge(
             [only] => only.clone(),
             _ => OVERALL.to_owned(),
         },
+        detectors: before.detectors().to_vec(),
+        n_scans: n_scans(baseline),
         blocks: blocks.ok_or_else(nothing_run)?,
         metrics: sides.gated_metrics(tolerances)?,
         speed: sides.gated_speeds(
@@ -134,7 +188,14 @@ pub fn judge(
         ),
         drift: drift(baseline, run),
         new_detectors: detectors_only_in(run, baseline),
+        tolerances: tolerances.clone(),
     })
+}
+
+/// Number of scans of `run`, whatever looked at them.
+fn n_scans(run: &RunArchive) -> usize {
+    let scans = run.scans.iter().map(|it| (&it.dataset, &it.sequence, it.scan));
+    scans.collect::<BTreeSet<_>>().len()
 }
 
 #[cfg(test)]

@@ -6,13 +6,17 @@ use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
 use crate::run_folder::manifest::{DetectorEntry, ForeignEntry};
 use crate::tables::formats::format::Format as _;
+use crate::tables::formats::json::Json;
+use crate::tables::formats::junit::JUnit;
 use crate::tables::formats::markdown::Markdown;
 use crate::tables::formats::terminal::Terminal;
 use crate::tables::sample;
+use crate::tables::verdict::brief::Brief;
 use crate::tables::verdict::comparison::{ComparedSlices, compare_runs};
 use crate::verdicts::gated_metrics::Missing;
 use crate::verdicts::gated_speeds::Slowdown;
-use crate::verdicts::tolerances::{QualityRule, SpeedRule};
+use crate::verdicts::rule_problems::RuleProblem;
+use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::criterion::CriterionKind;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
@@ -101,13 +105,20 @@ fn texts(names: &[&str]) -> Vec<String> {
 fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
     let metrics = metrics.iter().map(|it| Metric::from_id(it).unwrap()).collect();
     let slices = texts(slices);
-    QualityRule { metrics, slices, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
+    QualityRule { line: None, metrics, slices, tasks: None, detectors: None, absolute: 0.02, relative: 0.0 }
+}
+
+/// These rules, without times.
+fn held_to(quality: Vec<QualityRule>) -> Tolerances {
+    let origin = Origin::File("tolerances.toml".into());
+    Tolerances { origin, quality, speed: None, drift: DriftRule::Fail, problems: Vec::new() }
 }
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.
 fn tolerances() -> Tolerances {
-    let speed = SpeedRule { reference: SPEED_REFERENCE.to_owned(), detectors: None, relative: 0.25 };
-    Tolerances { quality: vec![rule(&["recall"], &["all"])], speed: Some(speed) }
+    let reference = SPEED_REFERENCE.to_owned();
+    let speed = SpeedRule { line: None, reference, detectors: None, relative: 0.25 };
+    Tolerances { speed: Some(speed), ..held_to(vec![rule(&["recall"], &["all"])]) }
 }
 
 fn judged(run: &SampleScans<'_>) -> Verdict {
@@ -150,13 +161,15 @@ fn of_few_blocks_a_loss_is_inconclusive_and_only_drift_can_fail() {
         assert_eq!((verdict.n(Finding::Regression), verdict.n(Finding::Inconclusive)), (0, 1));
         let blocks = if n_scans == 1 { "block" } else { "blocks" };
         let text = Terminal::UNFOLDED.text(&verdict);
-        let line = text.lines().nth(1).unwrap();
+        let line = text.lines().nth(2).unwrap();
         assert!(
-            line.starts_with(&format!("Only {n_scans} {blocks} of scans: too few to show a regression")),
+            line.starts_with(&format!(
+                "Only {n_scans} {blocks} of scans: too few to show that anything is worse"
+            )),
             "{text}"
         );
-        assert!(text.contains(&format!("inconclusive: only {n_scans} {blocks} of scans")), "{text}");
-        assert!(Markdown.text(&verdict).contains(&format!("inconclusive: only {n_scans} {blocks}")));
+        assert!(text.contains(&format!("inconclusive: {n_scans} {blocks}")), "{text}");
+        assert!(Markdown.text(&verdict).contains(&format!("inconclusive: {n_scans} {blocks}")));
         assert_eq!(n_scans > 1, text.contains('§'), "{text}");
     }
 }
@@ -187,8 +200,8 @@ fn times_of_other_processors_are_not_compared_and_that_is_said() {
     let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
     assert_eq!(verdict.conclusion(), Conclusion::Same);
     let said = "Speed was not compared: the processor changed from \"Example CPU @ 2 GHz\" to \"Other CPU\".";
-    assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().nth(1), Some(said));
-    assert!(Markdown.text(&verdict).lines().take(3).any(|it| it == said));
+    assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().nth(2), Some(said));
+    assert!(Markdown.text(&verdict).lines().take(5).any(|it| it == said));
 }
 
 #[test]
@@ -285,7 +298,7 @@ fn speed_is_held_of_the_detectors_that_its_rule_names() {
     assert!(all.len() > 1 && all.iter().any(|it| it == "pca"), "{all:?}");
     assert_eq!(held(Some(&["pca"])), ["pca"]);
     let Err(JudgeError::Rules(problems)) = speeds_of(Some(&["pcaa"])) else { panic!("no such detector") };
-    let said = "[speed]: there is no detector \"pcaa\" in either run; did you mean \"pca\"?";
+    let said = "bad tolerances \"tolerances.toml\": [speed]: there is no detector \"pcaa\" in either run; did you mean \"pca\"?";
     assert_eq!(problems.to_string(), said);
 }
 
@@ -293,9 +306,11 @@ fn speed_is_held_of_the_detectors_that_its_rule_names() {
 fn rules_about_nothing_are_refused_all_at_once() {
     let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 2, ..USUAL }.archive();
     let problem = |rules: Vec<QualityRule>| {
-        let tolerances = Tolerances { quality: rules, speed: None };
+        let tolerances = held_to(rules);
         match judge(&USUAL.archive(), &worse, &tolerances) {
-            Err(JudgeError::Rules(problems)) => problems.to_string(),
+            Err(JudgeError::Rules(RuleProblems { problems, .. })) => {
+                problems.iter().map(RuleProblem::to_string).collect::<Vec<_>>().join("; ")
+            }
             other => panic!("{other:?}"),
         }
     };
@@ -330,8 +345,7 @@ fn rules_about_nothing_are_refused_all_at_once() {
 
 #[test]
 fn a_beginning_that_stands_for_some_slices_is_no_mistake() {
-    let tolerances =
-        Tolerances { quality: vec![rule(&["recall", "f_rate"], &["all", "range/*"])], speed: None };
+    let tolerances = held_to(vec![rule(&["recall", "f_rate"], &["all", "range/*"])]);
     let verdict = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap();
     let of_pca: Vec<String> = verdict
         .metrics
@@ -353,7 +367,7 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
         (&unknown, &USUAL, &rule(&["f_rate"], &["a*"]), Missing::InBaseline),
         (&unknown, &unknown, &of_task, Missing::InBoth),
     ] {
-        let tolerances = Tolerances { quality: vec![named.clone()], speed: None };
+        let tolerances = held_to(vec![named.clone()]);
         let verdict = judge(&before.archive(), &after.archive(), &tolerances).unwrap();
         assert_eq!(verdict.conclusion(), Conclusion::Incomparable);
         assert!(verdict.metrics.iter().all(|it| it.difference == Err(missing)), "{verdict:?}");
@@ -365,7 +379,7 @@ fn a_number_that_is_missing_is_named_and_nothing_passes() {
         );
     }
     // Of no named task, and nowhere else either: the rule is about nothing.
-    let tolerances = Tolerances { quality: vec![rule(&["f_rate"], &["all"])], speed: None };
+    let tolerances = held_to(vec![rule(&["f_rate"], &["all"])]);
     let Err(JudgeError::Rules(problems)) = judge(&unknown.archive(), &unknown.archive(), &tolerances) else {
         panic!("it has no effect");
     };
@@ -382,4 +396,275 @@ fn a_missing_number_is_no_regression_but_a_regression_goes_first() {
     assert_eq!((verdict.n(Finding::Incomparable), verdict.n(Finding::Regression)), (2, 1));
     let metrics = verdict.metrics.iter().map(|it| it.metric.clone()).collect::<Vec<_>>();
     assert_eq!(metrics, [Metric::Recall, Metric::FRate, Metric::Recall, Metric::FRate]);
+}
+
+fn read_back(text: &str) -> Tolerances {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tolerances.toml");
+    std::fs::write(&path, text).unwrap();
+    Tolerances::read(&path).unwrap()
+}
+
+/// `kd-tree` and `pca` have one task and no boxes, and `pca` was not timed.
+fn half_timed() -> RunArchive {
+    let mut run = USUAL.archive();
+    for row in run.scans.iter_mut().filter(|it| it.detector == "pca") {
+        if let ScanOutcome::Evaluated(numbers) = &mut row.outcome {
+            numbers.least_latency_ms = None;
+        }
+    }
+    run
+}
+
+#[test]
+fn built_in_tolerances_are_about_exactly_what_the_baseline_has() {
+    let tolerances = Tolerances::built_in(&half_timed());
+    insta::assert_snapshot!(tolerances.annotated(), @r#"
+    # How much worse than the accepted run a number may become before `scanbench gate` fails.
+    #
+    # A rule is about its metrics, in its slices (a * at the end stands for anything), tasks and detectors. The first rule
+    # that is about a number decides. Tolerated is the larger of `absolute`, in the unit of the metric, and `relative`, a
+    # share of the accepted value. A number fails only if its whole 95 % interval is worse than that. What no rule is about
+    # is not judged: delete what does not matter to you.
+
+    # Detection is deterministic. If the outcome of any object changed though no number is surely worse, "fail" ends with exit
+    # code 101, and "warn" passes and says what changed. `scanbench gate --allow-drift` has the last word.
+    drift = "fail"
+
+    # F-rate, 2 TP / (NO + ND): one number for how much is found and how much of it is right. 1 is perfect.
+    # TP: found, NO: annotations that count, ND: detections that count. absolute = 0.01 is one point of a hundred.
+    [[quality]]
+    metrics = ["f_rate"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # Recall, TP / NO: the share of the annotated objects that is found.
+    [[quality]]
+    metrics = ["recall"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # Precision, TP / ND: the share of the detections that is right.
+    [[quality]]
+    metrics = ["precision"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # The share of the annotated objects that is torn into several detections.
+    [[quality]]
+    metrics = ["over_segmentation"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.01
+    relative = 0.0
+
+    # How far the points of an object are spread over several detections: an entropy, in nats. 0 is not at all.
+    [[quality]]
+    metrics = ["ose_per_object"]
+    slices = ["all"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.02
+    relative = 0.1
+
+    # Recall of parts of the objects: by class, by distance in metres, by number of points, by what hides them.
+    [[quality]]
+    metrics = ["recall"]
+    slices = ["class/*", "range/*", "points/*"]
+    tasks = ["objects"]
+    detectors = ["kd-tree", "pca"]
+    absolute = 0.02
+    relative = 0.0
+
+    # Time: that of a detector divided by that of `grid-write`, a plain write of a grid on the same scans, timed in turns with it.
+    # relative = 0.5 is half as slow again. It can be 0.1 if both runs are made with --repeats 5 on a machine with nothing else to do.
+    # Times are compared only between runs on the same processor.
+    [speed]
+    reference = "grid-write"
+    detectors = ["kd-tree"]
+    relative = 0.5
+    "#);
+}
+
+#[test]
+fn built_in_tolerances_are_printed_and_written() {
+    let run = half_timed();
+    let tolerances = Tolerances::built_in(&run);
+    let verdict = judge(&run, &run, &tolerances).unwrap();
+    assert_eq!(verdict.conclusion(), Conclusion::Same);
+    // They are printed.
+    insta::assert_snapshot!(Terminal::UNFOLDED.text(&verdict).lines().nth(2).unwrap(), @r"
+    Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00 points; entropies: 0.02 nats or 10 %; recall of slices: 2.00 points; time: 50 %.
+    ");
+    // The file says the same.
+    let mut read = read_back(&tolerances.annotated());
+    assert!(read.problems.is_empty(), "{:?}", read.problems);
+    read.origin = Origin::BuiltIn;
+    read.speed.as_mut().unwrap().line = None;
+    read.quality.iter_mut().for_each(|it| it.line = None);
+    assert_eq!(read, tolerances);
+}
+
+#[test]
+fn built_in_tolerances_leave_out_what_cannot_be_known() {
+    // Nothing false can be known: there is no rule about precision, and nothing is missing.
+    let unknown = SampleScans { fo: None, ms_of: None, ..USUAL }.archive();
+    let tolerances = Tolerances::built_in(&unknown);
+    assert!(!tolerances.metrics().contains(&Metric::Precision) && tolerances.speed.is_none());
+    assert_eq!(judge(&unknown, &unknown, &tolerances).unwrap().conclusion(), Conclusion::Same);
+}
+
+/// What the file has, what there is not in the runs, and what has no effect are told together; a rule that is wrong in one way is
+/// not said to have no effect as well.
+#[test]
+fn problems_of_the_file_and_of_the_runs_are_told_together() {
+    let tolerances = read_back(
+        r#"
+[[quality]]
+metrics = ["recal"]
+slices = ["all"]
+tasks = ["vehicles"]
+absolute = 2.0
+relative = 0.0
+
+[[quality]]
+metrics = ["recall"]
+slices = ["al"]
+detectors = ["pcaa"]
+absolute = 0.01
+relative = 0.0
+
+[[quality]]
+metrics = ["precision", "recall"]
+slices = ["class/*"]
+absolute = 0.01
+relative = 0.0
+
+[speed]
+reference = "grid-write"
+detectors = ["nobody"]
+relative = 1.5
+"#,
+    );
+    let error = judge(&USUAL.archive(), &USUAL.archive(), &tolerances).unwrap_err().to_string();
+    let said = error.lines().skip(1).collect::<Vec<_>>().join("\n");
+    insta::assert_snapshot!(said, @r#"
+    line 2, [[quality]] 1: there is no task "vehicles" in either run; choose from objects
+    line 3, [[quality]] 1: there is no metric "recal"; did you mean "recall"?
+    line 9, [[quality]] 2: there is no detector "pcaa" in either run; did you mean "pca"?
+    line 9, [[quality]] 2: there is no slice "al" in either run; did you mean "all"?
+    line 16, [[quality]] 3: the rule has no effect on precision of "class/*": neither run has it, or an earlier rule applies
+    line 22, [speed]: there is no detector "nobody" in either run; choose from kd-tree, pca
+    line 25, [speed]: relative = 1.5 tolerates 150 %; it must be less than 1, which is 100 %
+    "#);
+}
+
+/// What changed is counted by scans, and what it comes to is up to the tolerances.
+#[test]
+fn changed_results_fail_unless_they_are_allowed() {
+    let run =
+        SampleScans { tp_of: &|step| if step < 5 { 8 } else { seven_or_five(step) }, ..USUAL }.archive();
+    for (drift, conclusion, name, headline) in [
+        (DriftRule::Fail, Conclusion::Drift, "drift", "FAILED: results changed"),
+        (
+            DriftRule::Warn,
+            Conclusion::AllowedDrift,
+            "allowed-drift",
+            "PASSED, results changed on 5 scans (allowed)",
+        ),
+    ] {
+        let mut verdict = judge(&USUAL.archive(), &run, &Tolerances { drift, ..tolerances() }).unwrap();
+        // As if the first scan had changed of another detector, too.
+        let mut another = verdict.drift[0].clone();
+        "kd-tree".clone_into(&mut another.place.detector);
+        verdict.drift.push(another);
+        assert_eq!((verdict.conclusion(), verdict.n_changed_scans()), (conclusion, 5));
+        assert_eq!(Terminal::UNFOLDED.text(&verdict).lines().next(), Some(headline));
+        assert!(Markdown.text(&verdict).starts_with(&format!("**{headline}**\n")));
+        let json: serde_json::Value = serde_json::from_str(&Json.text(&verdict)).unwrap();
+        assert_eq!((&json["conclusion"], &json["drift_rule"]), (&name.into(), &drift.name().into()));
+        let xml = JUnit.text(&verdict);
+        let n = |part: &str| xml.matches(part).count();
+        let expected = if conclusion.is_pass() { (0, 6) } else { (6, 0) };
+        assert_eq!((n("type=\"drift\""), n("<skipped message=\"allowed: ")), expected, "{xml}");
+    }
+    // A loss is one, whatever is allowed.
+    let worse = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ..USUAL }.archive();
+    let tolerances = Tolerances { drift: DriftRule::Warn, ..tolerances() };
+    let verdict = judge(&USUAL.archive(), &worse, &tolerances).unwrap();
+    assert_eq!(verdict.conclusion(), Conclusion::Regression);
+    assert!(Markdown.text(&verdict).starts_with("**FAILED: worse**\n"));
+}
+
+fn brief(verdict: &Verdict) -> String {
+    let in_full = "scanbench gate runs/after --baseline runs/before --full";
+    let sides = ["runs/after", "runs/before"];
+    Terminal { width: Some(80) }.text(&Brief { verdict, sides, in_full })
+}
+
+#[test]
+fn a_verdict_in_brief_names_the_five_largest_changes() {
+    let run = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ms_of: Some(&|_| 20.0), ..USUAL };
+    let verdict = judge(&USUAL.archive(), &run.archive(), &Tolerances::built_in(&USUAL.archive())).unwrap();
+    insta::assert_snapshot!(brief(&verdict), @r"
+    FAILED: worse
+    Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
+    18 numbers: 4 worse, 0 inconclusive, 0 missing. Results changed on 30 scans.
+    Tolerances: built in, because the baseline has no tolerances.toml. rates: 1.00
+      points; entropies: 0.02 nats or 10 %; recall of slices: 2.00 points; time: 50
+      %.
+
+    Numbers that changed:
+    - recall, pca, objects: 60.0 → 50.0 %, −10.00: worse
+    - f_rate, pca, objects: 66.7 → 58.8 %, −7.84: worse
+    - precision, pca, objects: 75.0 → 71.4 %, −3.57: worse
+    - time, pca: 20.00 → 40.00 times grid-write, 100 % slower: worse
+    Most results changed on main_road 0000/000000, pca, objects: 1 object.
+    All of it: scanbench gate runs/after --baseline runs/before --full
+    ");
+    let same = judge(&USUAL.archive(), &USUAL.archive(), &tolerances()).unwrap();
+    insta::assert_snapshot!(brief(&same), @r"
+    PASSED
+    Judged: runs/after by runs/before, kd-tree, pca on 30 scans of main_road.
+    4 numbers: 0 worse, 0 inconclusive, 0 missing. No result changed.
+    Tolerances: tolerances.toml.
+
+    All of it: scanbench gate runs/after --baseline runs/before --full
+    ");
+}
+
+/// However much is changed or missing.
+#[test]
+fn a_verdict_in_brief_has_twenty_lines_of_eighty_characters_at_most() {
+    let run = SampleScans { tp_of: &|step| u64::from(step % 3), fo: None, ms_of: None, n_scans: 9 };
+    let after = run.archive();
+    let before = SampleScans { n_scans: 9, ..USUAL }.archive();
+    let tolerances = Tolerances::built_in(&before);
+    let verdict = judge(&before, &after, &tolerances).unwrap();
+    let text = brief(&verdict);
+    assert!(verdict.n(Finding::Incomparable) > 3, "{text}");
+    assert!(text.lines().count() <= 20, "{}\n{text}", text.lines().count());
+    assert!(text.lines().all(|it| it.chars().count() <= 80), "{text}");
+    assert!(text.contains("more numbers are missing."), "{text}");
+}
+
+#[test]
+fn a_list_of_changes_fits_into_the_columns_there_are() {
+    let run = SampleScans { tp_of: &|step| seven_or_five(step) - 1, ..USUAL }.archive();
+    let verdict = judge(&USUAL.archive(), &run, &tolerances()).unwrap();
+    let text = Terminal { width: Some(40) }.text(&verdict);
+    let changes = text.lines().skip_while(|it| !it.starts_with("main_road 0000/000000, pca"));
+    let changes: Vec<&str> = changes.take_while(|it| !it.is_empty()).collect();
+    assert!(changes.len() > 60 && changes.iter().all(|it| it.chars().count() <= 40), "{text}");
+    assert!(changes[1].starts_with("  ") && changes[2].starts_with("    "), "{text}");
 }

@@ -1,0 +1,207 @@
+"""Does what CI servers do with the action, the job for GitLab and the written workflow: check.py SCANBENCH WORKSPACE
+
+Every step is taken from its file, with the environment that the server would give it. What is fetched from elsewhere, such as other
+actions and wheels, is not: an upload only has to find its files.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+BASH = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c"]
+# Ten drives of few beams: enough for a loss to be sure.
+SCANS = "street-narrow --simulated-scans 20 --scans 0..20:2 --sensor vlp-16 -d 'pca'"
+
+
+@dataclass
+class Job:
+    """What came of the steps."""
+
+    code: int = 0
+    said: str = ""
+    summary: str = ""
+    outputs: dict[str, str] = field(default_factory=dict)
+    uploaded: list[str] = field(default_factory=list)
+
+
+class Server:
+    """A folder with a program on the PATH."""
+
+    def __init__(self, program: Path, workspace: Path):
+        self.workspace = workspace
+        self.bin = workspace / ".bin"
+        self.bin.mkdir(parents=True)
+        (self.bin / "scanbench").symlink_to(program.resolve())
+        self.path = f"{self.bin}:{os.environ['PATH']}"
+
+    def bash(self, script: str, variables: dict[str, str]) -> subprocess.CompletedProcess[str]:
+        kept = {it: os.environ[it] for it in ("HOME", "LANG", "CARGO_HOME", "RUSTUP_HOME") if it in os.environ}
+        environment = kept | {"PATH": self.path} | variables
+        return subprocess.run(
+            [*BASH, script], cwd=self.workspace, env=environment, capture_output=True, text=True, check=False
+        )
+
+    def action(self, **given: str) -> Job:
+        """The steps of action.yml, with these inputs."""
+        action = yaml.safe_load((ROOT / "action.yml").read_text())
+        names = {name.replace("-", "_"): name for name in action["inputs"]}
+        assert set(given) <= set(names), given
+        inputs = {name: spec.get("default") for name, spec in action["inputs"].items()}
+        inputs |= {names[name]: value for name, value in given.items()}
+        assert None not in inputs.values(), f"required: {inputs}"
+        files = {name: self.workspace / f".{name.lower()}" for name in ("GITHUB_STEP_SUMMARY", "GITHUB_PATH")}
+        for file in files.values():
+            file.write_text("")
+        job, of_steps = Job(), {}
+        for step in action["runs"]["steps"]:
+            if job.code and step.get("if") != "always()":
+                continue
+            values = {f"inputs.{name}": value for name, value in inputs.items()}
+            if "uses" in step:
+                if step["uses"].startswith("actions/upload-artifact@"):
+                    job.uploaded = expanded(step["with"]["path"], values).splitlines()
+                continue
+            assert "${{" not in step["run"], "what users write belongs into the environment"
+            output = self.workspace / ".github_output"
+            output.write_text("")
+            variables = {name: expanded(value, values) for name, value in step.get("env", {}).items()}
+            variables |= {name: str(file) for name, file in files.items()}
+            variables |= {
+                "GITHUB_ACTIONS": "true",
+                "GITHUB_ACTION_PATH": str(ROOT),
+                "GITHUB_WORKSPACE": str(self.workspace),
+                "GITHUB_OUTPUT": str(output),
+            }
+            ended = self.bash(step["run"], variables)
+            job.code, job.said = ended.returncode, job.said + ended.stdout + ended.stderr
+            for line in output.read_text().splitlines():
+                name, value = line.split("=", 1)
+                of_steps[f"steps.{step['id']}.outputs.{name}"] = value
+        job.summary = files["GITHUB_STEP_SUMMARY"].read_text()
+        job.outputs = {name: expanded(it["value"], of_steps, "") for name, it in action["outputs"].items()}
+        return job
+
+
+def expanded(text: str, values: dict[str, str], absent: str | None = None) -> str:
+    def value(found: re.Match[str]) -> str:
+        return values[found[1]] if absent is None else values.get(found[1], absent)
+
+    return re.sub(r"\$\{\{ *([^} ]+) *\}\}", value, text)
+
+
+def check_verdict(job: Job, workspace: Path, code: int, headline: str) -> None:
+    """Whatever it comes to, the summary says it, and page, recording and verdict are uploaded."""
+    assert job.code == code, f"exit code {job.code} instead of {code}\n{job.said}"
+    assert re.fullmatch(headline, job.outputs["headline"]), job.outputs
+    assert job.outputs["exit-code"] == str(code), job.outputs
+    assert (workspace / job.outputs["page"]).is_file(), job.outputs
+    assert job.summary.startswith(f"## scanbench\n\n**{job.outputs['headline']}**\n"), job.summary
+    [folder] = job.uploaded
+    for name in ("run/report.html", "run/run.rrd", "verdict/gate.json", "verdict/junit.xml", "gate.txt"):
+        assert (workspace / folder / name).is_file(), f"{name} is not uploaded"
+
+
+def check_action(server: Server) -> None:
+    same = server.action(run=SCANS, baseline="first")
+    check_verdict(same, server.workspace, 0, "PASSED")
+    worse = server.action(run=f"{SCANS} -P pca.cluster.min_points=200", baseline="first", output="out/worse")
+    check_verdict(worse, server.workspace, 100, "FAILED: worse")
+    changed = {"run": f"{SCANS} -P pca.cluster.min_points=16", "baseline": "first"}
+    check_verdict(server.action(**changed), server.workspace, 101, "FAILED: results changed")
+    allowed = r"PASSED, results changed on \d+ scans? \(allowed\)"
+    check_verdict(server.action(**changed, allow_drift="true"), server.workspace, 0, allowed)
+    (server.workspace / "warn.toml").write_text(
+        'drift = "warn"\n[[quality]]\nmetrics = ["recall"]\nslices = ["all"]\nabsolute = 0.1\nrelative = 0.0\n'
+    )
+    check_verdict(server.action(**changed, tolerances="warn.toml"), server.workspace, 0, allowed)
+    check_verdict(
+        server.action(**changed, tolerances="warn.toml", allow_drift="false"), server.workspace, 101, ".* changed"
+    )
+    # A run that fails is not gated, and what looks like a command is a word.
+    failed = server.action(run="no-such-street '$(touch owned)' $(touch owned)", baseline="first")
+    assert not (server.workspace / "owned").exists()
+    assert failed.code == 2 and "headline" in failed.outputs and not failed.outputs["headline"], failed
+    assert failed.uploaded, "what there is of it is uploaded"
+
+
+def check_install(server: Server) -> None:
+    """By a wheel, or from source; both are only noted, by programs that stand in for pip and cargo."""
+    script = str(ROOT / ".github/action/gate.sh")
+    stand_ins = server.workspace / ".stand-ins"
+    stand_ins.mkdir()
+    noted = stand_ins / "noted"
+    for name in ("python3", "cargo"):
+        program = f'#!/bin/sh\necho "{name} $* in $PWD" >> {noted}\n'
+        if name == "cargo":
+            program += f'mkdir -p "$CARGO_TARGET_DIR/release"\ncp {server.bin}/scanbench "$CARGO_TARGET_DIR/release/"\n'
+        (stand_ins / name).write_text(program)
+        (stand_ins / name).chmod(0o755)
+    usual = "/usr/bin:/bin"
+    added = server.workspace / ".added"
+    target = str(server.workspace / ".target")
+    variables = {"PATH": f"{stand_ins}:{usual}", "CARGO_TARGET_DIR": target, "GITHUB_PATH": str(added)}
+    assert subprocess.run(["which", "scanbench"], env={"PATH": usual}, capture_output=True, check=False).returncode
+    ended = server.bash(f"{script} install", variables)
+    assert ended.returncode == 0 and ended.stdout.startswith("scanbench "), ended
+    assert noted.read_text() == f"cargo build --release --locked in {ROOT}\n"
+    assert added.read_text() == f"{target}/release\n"
+    noted.write_text("")
+    variables = {"PATH": f"{stand_ins}:{server.bin}:{usual}", "WHEEL": "a wheel.whl"}
+    ended = server.bash(f"{script} install", variables)
+    assert ended.returncode == 0, ended
+    assert noted.read_text() == (
+        f"python3 -m pip install --quiet --disable-pip-version-check a wheel.whl in {server.workspace}\n"
+    )
+    assert server.bash(f"{script} instal", {}).returncode == 2
+    assert "the folder of the baseline" in server.bash(f"{script} gate", {}).stderr
+
+
+def check_gitlab(server: Server) -> None:
+    job = yaml.safe_load((ROOT / ".gitlab/gate.yml").read_text())["scanbench"]
+    variables = job["variables"] | {"RUN": SCANS.replace("'", ""), "BASELINE": "first"}
+    [install, *script] = job["script"]
+    assert "pip install" in install
+    ended = server.bash("\n".join(script), variables)
+    assert ended.returncode == 0 and "\nPASSED\n" in f"\n{ended.stdout}", ended
+    paths = [*job["artifacts"]["paths"], job["artifacts"]["reports"]["junit"]]
+    assert all((server.workspace / it).exists() for it in paths), paths
+
+
+def check_written_workflow(server: Server) -> None:
+    manifest = server.workspace / "first/manifest.json"
+    # Whoever changes the program runs this before there is a commit of it.
+    manifest.write_text(manifest.read_text().replace('"dirty": true', '"dirty": false'))
+    ended = server.bash("scanbench baseline init first -o ci", {})
+    assert ended.returncode == 0, ended
+    workflow = yaml.safe_load((server.workspace / "ci/scanbench.yml").read_text())
+    steps = workflow["jobs"]["gate"]["steps"]
+    scripts = [it["run"] for it in steps if "run" in it and "pip install" not in it["run"]]
+    assert len(scripts) == 2, scripts
+    ended = server.bash("\n".join(scripts), {})
+    assert ended.returncode == 0 and "\nPASSED\n" in f"\n{ended.stdout}", ended
+    [upload] = [it for it in steps if it.get("uses", "").startswith("actions/upload-artifact@")]
+    paths = upload["with"]["path"].splitlines()
+    assert all((server.workspace / it).exists() for it in paths), paths
+
+
+def main() -> None:
+    program, workspace = map(Path, sys.argv[1:])
+    workspace.mkdir(parents=True)
+    server = Server(program, workspace.resolve())
+    ended = server.bash(f"scanbench run {SCANS} -o first", {})
+    assert ended.returncode == 0, ended
+    checks = [check_action, check_install, check_gitlab, check_written_workflow]
+    for check in checks:
+        check(server)
+        shutil.rmtree(server.workspace / "runs", ignore_errors=True)
+        print(f"{check.__name__.removeprefix('check_').replace('_', ' ')}: as it should be")
+
+
+main()

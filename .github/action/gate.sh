@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# The steps of the action, and of other CI servers: gate.sh install | run | gate.
+#
+#   install  a program that is on the PATH, the wheel WHEEL, or else what is built from the source that this script is a part of
+#   run      scanbench run $RUN, with page and recording, into OUTPUT/run
+#   gate     holds it to BASELINE, with its verdict in OUTPUT/verdict; ends with the exit code of the gate
+#
+# Tells GitHub what came of it where GITHUB_PATH, GITHUB_OUTPUT and GITHUB_STEP_SUMMARY say how.
+set -euo pipefail
+
+source_folder=$(cd "$(dirname "$0")/../.." && pwd)
+output=${OUTPUT:-runs/gate}
+
+# set_output NAME VALUE: a result of the step, in a line.
+set_output() {
+    if [[ -n "${GITHUB_OUTPUT:-}" ]]; then
+        printf '%s=%s\n' "$1" "${2//$'\n'/ }" >> "$GITHUB_OUTPUT"
+    fi
+}
+
+install() {
+    if [[ -n "${WHEEL:-}" ]]; then
+        python3 -m pip install --quiet --disable-pip-version-check "$WHEEL"
+    elif ! command -v scanbench > /dev/null; then
+        local target
+        target=$(realpath -m "${CARGO_TARGET_DIR:-$HOME/.cache/scanbench-target}")
+        # There, so that rustup takes the toolchain of the source.
+        (cd "$source_folder" && CARGO_TARGET_DIR=$target cargo build --release --locked)
+        PATH=$target/release:$PATH
+        [[ -z "${GITHUB_PATH:-}" ]] || echo "$target/release" >> "$GITHUB_PATH"
+    fi
+    scanbench --version
+}
+
+run() {
+    # Words as a shell reads them, quotes included, without anything else that a shell does.
+    local words
+    mapfile -d '' -t words < <(xargs printf '%s\0' <<< "${RUN:?the arguments of scanbench run}")
+    scanbench run "${words[@]}" -o "$output/run" --overwrite
+    set_output page "$output/run/report.html"
+}
+
+gate() {
+    local options=(--baseline "${BASELINE:?the folder of the baseline}" -o "$output/verdict") code=0
+    [[ -z "${TOLERANCES:-}" ]] || options+=(--tolerances "$TOLERANCES")
+    [[ -z "${ALLOW_DRIFT:-}" ]] || options+=("--allow-drift=$ALLOW_DRIFT")
+    [[ -z "${GITHUB_STEP_SUMMARY:-}" ]] || printf '## scanbench\n\n' >> "$GITHUB_STEP_SUMMARY"
+    mkdir -p "$output"
+    # Adds the verdict to the summary by itself.
+    scanbench gate "$output/run" "${options[@]}" > "$output/gate.txt" || code=$?
+    cat "$output/gate.txt"
+    set_output headline "$(head -n 1 "$output/gate.txt")"
+    set_output exit-code "$code"
+    exit "$code"
+}
+
+case "${1:-}" in
+    install | run | gate) "$1" ;;
+    *) echo "usage: gate.sh install | run | gate" >&2; exit 2 ;;
+esac

@@ -1,0 +1,81 @@
+//! The command line of a run, for a shell.
+
+use crate::run_folder::manifest::Manifest;
+
+impl Manifest {
+    /// The command that makes the run again and leaves it in `output`.
+    ///
+    /// What says where the first one was left is gone from it.
+    pub fn command_again(&self, output: &str) -> String {
+        let mut words = vec!["scanbench".to_owned()];
+        let mut arguments = self.argv.iter().skip(1);
+        while let Some(argument) = arguments.next() {
+            match output_option(argument) {
+                OutputOption::None => words.push(shell_word(argument)),
+                OutputOption::Whole => {}
+                OutputOption::ValueFollows => {
+                    arguments.next();
+                }
+            }
+        }
+        words.extend(["-o".to_owned(), shell_word(output)]);
+        words.join(" ")
+    }
+}
+
+/// Whether an argument says where a run is left.
+enum OutputOption {
+    /// It says something else.
+    None,
+    /// All of it.
+    Whole,
+    /// Together with the next argument.
+    ValueFollows,
+}
+
+fn output_option(argument: &str) -> OutputOption {
+    match argument {
+        "-o" | "--output" => OutputOption::ValueFollows,
+        "--overwrite" => OutputOption::Whole,
+        _ if argument.starts_with("--output=") => OutputOption::Whole,
+        _ if argument.starts_with("-o") => OutputOption::Whole,
+        _ => OutputOption::None,
+    }
+}
+
+/// `text` as a word of a shell's command line.
+pub fn shell_word(text: &str) -> String {
+    let is_plain = |it: char| it.is_ascii_alphanumeric() || "-_=./:,+@%~".contains(it);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::sample;
+
+    #[test]
+    fn words_of_a_command_line_survive_a_shell() {
+        assert_eq!(
+            ["run", "0..500:5", "a b", "it's", "", "x<y"].map(shell_word),
+            ["run", "0..500:5", "'a b'", r"'it'\''s'", "''", "'x<y'"]
+        );
+    }
+
+    #[test]
+    fn a_run_is_made_again_elsewhere() {
+        for output in ["-o runs/x", "-oruns/x", "--output runs/x --overwrite", "--output=runs/x", ""] {
+            let command = format!("./scanbench run my/data {output} -d pca -P pca.x=a|b");
+            let manifest = Manifest {
+                argv: command.split_whitespace().map(str::to_owned).collect(),
+                ..sample::manifest()
+            };
+            let again = manifest.command_again("runs/gate");
+            assert_eq!(again, "scanbench run my/data -d pca -P 'pca.x=a|b' -o runs/gate");
+        }
+    }
+}

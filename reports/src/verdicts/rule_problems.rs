@@ -1,0 +1,91 @@
+//! What is wrong with tolerances: all of it at once, and each once.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::PathBuf;
+
+/// Something that is wrong with a file of tolerances.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RuleProblem {
+    /// The part of the file that it is about.
+    pub place: RulePlace,
+    /// What is wrong.
+    pub what: String,
+}
+
+/// A part of a file of tolerances.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RulePlace {
+    /// Line of the file, from 1 on; `None` of rules that stand in no file.
+    pub line: Option<usize>,
+    /// The table.
+    pub table: RuleTable,
+}
+
+/// A table of a file of tolerances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum RuleTable {
+    /// None: what stands outside of the tables that there may be.
+    Top,
+    /// A rule about quality, by its place among them.
+    Quality(usize),
+    /// The rule about times.
+    Speed,
+}
+
+impl fmt::Display for RuleProblem {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let line = self.place.line.map(|it| format!("line {it}"));
+        let table = match self.place.table {
+            RuleTable::Top => None,
+            RuleTable::Quality(rule_idx) => Some(format!("[[quality]] {}", rule_idx + 1)),
+            RuleTable::Speed => Some("[speed]".to_owned()),
+        };
+        let place: Vec<String> = line.into_iter().chain(table).collect();
+        write!(formatter, "{}: {}", place.join(", "), self.what)
+    }
+}
+
+/// Everything that is wrong with tolerances.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct RuleProblems {
+    /// The file; `None` of rules that stand in no file.
+    pub path: Option<PathBuf>,
+    /// What is wrong, one problem or more.
+    pub problems: Vec<RuleProblem>,
+}
+
+impl RuleProblems {
+    /// Nothing, or all of `problems` in the order of the file, each once.
+    ///
+    /// # Errors
+    ///
+    /// The problems, if there are any.
+    pub(super) fn check(
+        path: Option<PathBuf>,
+        problems: impl IntoIterator<Item = RuleProblem>,
+    ) -> Result<(), Self> {
+        let mut seen = BTreeSet::new();
+        let mut problems: Vec<RuleProblem> =
+            problems.into_iter().filter(|it| seen.insert((it.place.table, it.what.clone()))).collect();
+        problems.sort_by_key(|it| (it.place.table, it.place.line));
+        if problems.is_empty() { Ok(()) } else { Err(Self { path, problems }) }
+    }
+}
+
+impl fmt::Display for RuleProblems {
+    /// One problem stands in the line; several have a line each.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("bad tolerances")?;
+        if let Some(path) = &self.path {
+            write!(formatter, " {path:?}")?;
+        }
+        match self.problems.as_slice() {
+            [only] => write!(formatter, ": {only}"),
+            several => {
+                write!(formatter, ", {} problems:", several.len())?;
+                several.iter().try_for_each(|it| write!(formatter, "\n  {it}"))
+            }
+        }
+    }
+}

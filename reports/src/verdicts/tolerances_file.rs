@@ -1,0 +1,305 @@
+//! A file of tolerances, read to its end whatever is wrong with it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleTable};
+use crate::verdicts::suggestion::did_you_mean;
+use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule, Tolerances};
+use crate::vocabulary::metric::{Direction, Metric, SPEED_REFERENCE};
+use crate::vocabulary::task::Task;
+
+const TOP_FIELDS: [&str; 3] = ["drift", "quality", "speed"];
+const QUALITY_FIELDS: [&str; 6] = ["metrics", "slices", "tasks", "detectors", "absolute", "relative"];
+const SPEED_FIELDS: [&str; 3] = ["reference", "detectors", "relative"];
+
+/// Why a file gives no tolerances.
+#[derive(Debug, thiserror::Error)]
+pub enum TolerancesError {
+    /// It cannot be read.
+    #[error("cannot read the tolerances {path:?}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// It is not TOML.
+    #[error("bad tolerances {path:?}: {problem}")]
+    Toml {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        problem: Box<toml::de::Error>,
+    },
+}
+
+impl Tolerances {
+    /// Reads tolerances. Whatever is wrong with their rules is among their problems.
+    ///
+    /// # Errors
+    ///
+    /// [`TolerancesError`] if the file cannot be read or is not TOML.
+    pub fn read(path: &Path) -> Result<Self, TolerancesError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| TolerancesError::Read { path: path.to_path_buf(), source })?;
+        let table = DeTable::parse(&text)
+            .map_err(|problem| TolerancesError::Toml { path: path.to_path_buf(), problem: problem.into() })?;
+        let mut top = Section::new(&text, RuleTable::Top, 0, Some(table.get_ref()));
+        let drift = drift_rule(&mut top);
+        let quality = quality_rules(&mut top);
+        let speed = top.take("speed").and_then(|it| {
+            top.expect("a table", it, it.get_ref().as_table())?;
+            Some(speed_rule(Section::of_value(&text, RuleTable::Speed, it), &mut top.problems))
+        });
+        let problems = top.finish(&TOP_FIELDS);
+        Ok(Self { origin: Origin::File(path.to_path_buf()), quality, speed, drift, problems })
+    }
+}
+
+/// A run whose results changed fails unless the file says otherwise.
+fn drift_rule(top: &mut Section<'_>) -> DriftRule {
+    let name = top.fields.contains_key("drift").then(|| {
+        let known = |it: &str| {
+            DriftRule::from_name(it)
+                .is_none()
+                .then(|| format!("drift = {it:?} means nothing; it is \"fail\" or \"warn\""))
+        };
+        top.text("drift", known)
+    });
+    name.flatten().and_then(|it| DriftRule::from_name(&it)).unwrap_or(DriftRule::Fail)
+}
+
+fn quality_rules(top: &mut Section<'_>) -> Vec<QualityRule> {
+    let Some(tables) = top.require("quality") else { return Vec::new() };
+    let items = tables.get_ref().as_array();
+    let items = items.filter(|it| it.iter().all(|item| item.get_ref().is_table()));
+    let tables = top.expect("a list of tables, each below [[quality]]", tables, items);
+    let tables = tables.into_iter().flatten().enumerate();
+    let rules = tables.map(|(rule_idx, table)| {
+        let section = Section::of_value(top.text, RuleTable::Quality(rule_idx), table);
+        quality_rule(section, &mut top.problems)
+    });
+    rules.collect()
+}
+
+/// What is wrong is left out of the rule, and is one of `problems`.
+fn quality_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> QualityRule {
+    for name in ["metrics", "slices"] {
+        section.refuse_missing(name);
+    }
+    let metrics = section.names("metrics", metric_problem);
+    let slices = section.names("slices", |_| None);
+    let tasks = section.names("tasks", task_problem);
+    let detectors = section.names("detectors", |_| None);
+    let metrics: Vec<Metric> =
+        metrics.unwrap_or_default().iter().filter_map(|it| Metric::from_id(it)).collect();
+    let absolute = section.size("absolute", |size| absolute_problem(size, &metrics));
+    let relative = section.size("relative", |size| share_problem("relative", size));
+    let tasks = tasks.map(|names| names.iter().filter_map(|name| Task::from_name(name)).collect());
+    let line = Some(section.line);
+    problems.extend(section.finish(&QUALITY_FIELDS));
+    QualityRule { line, metrics, slices: slices.unwrap_or_default(), tasks, detectors, absolute, relative }
+}
+
+fn speed_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> SpeedRule {
+    let reference = section.text("reference", |it| {
+        (it != SPEED_REFERENCE).then(|| format!("the reference for times is {SPEED_REFERENCE:?}, not {it:?}"))
+    });
+    let detectors = section.names("detectors", |_| None);
+    let relative = section.size("relative", |size| share_problem("relative", size));
+    let line = Some(section.line);
+    problems.extend(section.finish(&SPEED_FIELDS));
+    SpeedRule { line, reference: reference.unwrap_or_default(), detectors, relative }
+}
+
+/// A table of the file, whose fields are taken out one by one.
+struct Section<'a> {
+    text: &'a str,
+    table: RuleTable,
+    line: usize,
+    // Those that were not taken yet, each with its line.
+    fields: BTreeMap<&'a str, (usize, &'a Spanned<DeValue<'a>>)>,
+    problems: Vec<RuleProblem>,
+}
+
+impl<'a> Section<'a> {
+    fn new(text: &'a str, table: RuleTable, start: usize, fields: Option<&'a DeTable<'a>>) -> Self {
+        let fields = fields.into_iter().flatten().map(|(name, value)| {
+            let line = line_of(text, name.span().start);
+            (name.get_ref().as_ref(), (line, value))
+        });
+        Self { text, table, line: line_of(text, start), fields: fields.collect(), problems: Vec::new() }
+    }
+
+    /// Of a value that is a table.
+    fn of_value(text: &'a str, table: RuleTable, value: &'a Spanned<DeValue<'a>>) -> Self {
+        Self::new(text, table, value.span().start, value.get_ref().as_table())
+    }
+
+    fn complain(&mut self, line: usize, what: String) {
+        let place = RulePlace { line: Some(line), table: self.table };
+        self.problems.push(RuleProblem { place, what });
+    }
+
+    fn take(&mut self, name: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.fields.remove(name).map(|(_, value)| value)
+    }
+
+    fn require(&mut self, name: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.refuse_missing(name);
+        self.take(name)
+    }
+
+    fn refuse_missing(&mut self, name: &str) {
+        if !self.fields.contains_key(name) {
+            self.complain(self.line, format!("there is no `{name}`"));
+        }
+    }
+
+    /// What was `found` in `value`; where there is nothing, it is not the `expected`.
+    fn expect<T>(&mut self, expected: &str, value: &Spanned<DeValue<'_>>, found: Option<T>) -> Option<T> {
+        if found.is_none() {
+            let (line, written) = (line_of(self.text, value.span().start), &self.text[value.span()]);
+            self.complain(line, format!("{written} is not {expected}"));
+        }
+        found
+    }
+
+    /// A list of names, each of which `problem` has nothing to say about; `None` if there is none.
+    fn names(&mut self, name: &str, problem: impl Fn(&str) -> Option<String>) -> Option<Vec<String>> {
+        let value = self.take(name)?;
+        let line = line_of(self.text, value.span().start);
+        let items = value.get_ref().as_array().map(|it| it.iter().map(|item| item.get_ref().as_str()));
+        let Some(names) = items.and_then(Iterator::collect::<Option<Vec<&str>>>) else {
+            self.complain(line, format!("{name} = {} is not a list of names", &self.text[value.span()]));
+            return None;
+        };
+        if names.is_empty() {
+            self.complain(line, format!("{name} is empty"));
+        }
+        for what in names.iter().filter_map(|it| problem(it)) {
+            self.complain(line, what);
+        }
+        Some(names.iter().filter(|it| problem(it).is_none()).map(|it| (*it).to_owned()).collect())
+    }
+
+    fn text(&mut self, name: &str, problem: impl Fn(&str) -> Option<String>) -> Option<String> {
+        let value = self.require(name)?;
+        let line = line_of(self.text, value.span().start);
+        let text = value.get_ref().as_str();
+        let what = match text {
+            Some(text) => problem(text),
+            None => Some(format!("{name} = {} is not a text", &self.text[value.span()])),
+        };
+        if let Some(what) = what {
+            self.complain(line, what);
+        }
+        text.map(str::to_owned)
+    }
+
+    /// A number that `problem` has nothing to say about; 0 if there is none.
+    fn size(&mut self, name: &str, problem: impl Fn(f64) -> Option<String>) -> f64 {
+        let Some(value) = self.require(name) else { return 0.0 };
+        let line = line_of(self.text, value.span().start);
+        let what = match number(value.get_ref()) {
+            Some(size) => match problem(size) {
+                None => return size,
+                Some(what) => what,
+            },
+            None => format!("{name} = {} is not a number", &self.text[value.span()]),
+        };
+        self.complain(line, what);
+        0.0
+    }
+
+    /// All problems, with the fields that are left over: only those that are `known` mean something.
+    fn finish(mut self, known: &[&str]) -> Vec<RuleProblem> {
+        let known: Vec<String> = known.iter().map(|it| (*it).to_owned()).collect();
+        for (name, (line, _)) in std::mem::take(&mut self.fields) {
+            self.complain(line, format!("unknown field `{name}`{}", did_you_mean(name, known.iter())));
+        }
+        self.problems
+    }
+}
+
+/// The line of the byte at `place`, from 1 on.
+fn line_of(text: &str, place: usize) -> usize {
+    text[..place].matches('\n').count() + 1
+}
+
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|it| it as f64)
+        }
+        _ => None,
+    }
+}
+
+fn task_problem(name: &str) -> Option<String> {
+    let known = Task::ALL.map(|it| it.name().to_owned());
+    Task::from_name(name)
+        .is_none()
+        .then(|| format!("there is no task {name:?}{}", did_you_mean(name, known.iter())))
+}
+
+fn metric_problem(id: &str) -> Option<String> {
+    let Some(metric) = Metric::from_id(id) else {
+        let known = Metric::gated().map(|it| it.id()).collect::<Vec<_>>();
+        return Some(format!("there is no metric {id:?}{}", did_you_mean(id, known.iter())));
+    };
+    if metric.is_time() {
+        Some(format!("{id:?} changes with every run; check times with [speed]"))
+    } else if metric.direction() == Direction::Neither {
+        Some(format!("{id:?} has no direction that is better"))
+    } else if matches!(metric, Metric::AveragePrecision(_)) {
+        Some(format!("{id:?} has no interval, so a loss may be chance; use f_rate, precision and recall"))
+    } else {
+        None
+    }
+}
+
+/// More than the least of the metrics' limits lets everything pass.
+fn absolute_problem(absolute: f64, metrics: &[Metric]) -> Option<String> {
+    if !absolute.is_finite() || absolute < 0.0 {
+        return Some(format!("absolute = {absolute} is not a tolerance; it must be 0 or more"));
+    }
+    let limits = metrics.iter().filter_map(|it| Some((it.unit(), greatest_absolute(it.unit())?)));
+    let (unit, limit) = limits.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (absolute > limit).then(|| {
+        let unit = if unit == "ratio" { "of a rate, where 1 is 100 %".to_owned() } else { unit.to_owned() };
+        format!("absolute = {absolute} would pass nearly everything; the most is {limit} {unit}")
+    })
+}
+
+/// A tolerance that is a share of a number has to be less than all of it.
+fn share_problem(name: &str, share: f64) -> Option<String> {
+    if !share.is_finite() || share < 0.0 {
+        Some(format!("{name} = {share} is not a tolerance; it must be 0 or more"))
+    } else if share >= 1.0 {
+        let percent = 100.0 * share;
+        Some(format!("{name} = {share} tolerates {percent} %; it must be less than 1, which is 100 %"))
+    } else {
+        None
+    }
+}
+
+/// The most that may be tolerated of a metric in `unit`: half of what a rate, or an angle between boxes, can be; 2 m, where the
+/// criterion *centre* no longer takes two boxes for one object's; a nat, a choice of nearly three. Counts have no limit.
+fn greatest_absolute(unit: &str) -> Option<f64> {
+    match unit {
+        "ratio" => Some(0.5),
+        "m" => Some(2.0),
+        "deg" => Some(45.0),
+        "nats" => Some(1.0),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;
