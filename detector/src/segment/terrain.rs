@@ -224,13 +224,11 @@ impl Terrain {
         if let Some(seen_m) = seen_m.filter(|it| (deepest_m..=highest_m).contains(it)) {
             return (seen_m, Knowledge::SEEN);
         }
-        match lowest_m.filter(|it| (deepest_m..expected_m).contains(it)) {
-            Some(lowest_m) => (lowest_m, Knowledge::unseen(n_unseen + 1, LOWERED_WEIGHT)),
-            None => {
-                let plane_weight = GUESSED_WEIGHT / f32::from(n_unseen + 2);
-                (expected_m, Knowledge::unseen(n_unseen + 1, plane_weight))
-            }
+        if let Some(lowest_m) = lowest_m.filter(|it| (deepest_m..expected_m).contains(it)) {
+            return (lowest_m, Knowledge::unseen(n_unseen + 1, LOWERED_WEIGHT));
         }
+        let plane_weight = GUESSED_WEIGHT / f32::from(n_unseen + 2);
+        (expected_m, Knowledge::unseen(n_unseen + 1, plane_weight))
     }
 
     /// Elevation of the ground at the centre of a coarse cell, in metres, between the block centres linearly.

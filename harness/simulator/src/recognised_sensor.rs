@@ -54,7 +54,7 @@ impl SeenBeams {
                 }
                 let sector = (y_m.atan2(x_m).to_degrees() + 180.0) / SECTOR_DEG;
                 let sector = (sector as usize).min(N_SECTORS - 1);
-                if sector % SECTOR_STEP > 0 {
+                if !sector.is_multiple_of(SECTOR_STEP) {
                     continue;
                 }
                 let elevation_deg = z_m.atan2(range_m).to_degrees();

@@ -16,7 +16,7 @@ pub enum DataCommand {
     #[command(after_help = "Example:\n  scanbench data list --catalogue my-datasets.toml")]
     List(CatalogueArgs),
     /// Write an entry for a data set into a catalogue of your own
-    Add(AddArgs),
+    Add(Box<AddArgs>),
     /// Check scans and annotations, and print what may be wrong
     Check(Box<CheckArgs>),
     /// Print checksums of data sets, or write them into a catalogue

@@ -95,8 +95,8 @@ impl WatchedRun<'_> {
                 description.id
             ));
         } else if judged.n_annotations == 0 {
-            let why: String =
-                opened.first_look.doubts.iter().map(|it| format!("; its frame is doubtful: {it}")).collect();
+            let doubts: Vec<String> = opened.first_look.doubts.iter().map(ToString::to_string).collect();
+            let why = if doubts.is_empty() { String::new() } else { format!("; {}", doubts.join("; ")) };
             let reason = format!(
                 "none of the {} scans of {:?} has an annotation that counts{why}",
                 judged.n_scans, description.id
