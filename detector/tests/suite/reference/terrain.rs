@@ -49,9 +49,10 @@ impl Terrain {
                 lowest_m: lowest_m.get(&block).map(|it| low_quantile(it, 0.25)),
                 block,
             };
-            let it = match params.terrain.enabled {
-                true => terrain.looked_at(&place, &params.terrain, (block_size_m, sensor_height_m)),
-                false => Block { elevation_m: -sensor_height_m, n_unseen: 0, plane_weight: 0.0 },
+            let it = if params.terrain.enabled {
+                terrain.looked_at(&place, &params.terrain, (block_size_m, sensor_height_m))
+            } else {
+                Block { elevation_m: -sensor_height_m, n_unseen: 0, plane_weight: 0.0 }
             };
             terrain.blocks.insert(block, it);
         }
