@@ -66,14 +66,12 @@ fn printed(arguments: &GateArgs, verdict: &Verdict) -> String {
 fn in_full(arguments: &GateArgs) -> String {
     let word = |path: &Path| shell_word(&path.display().to_string());
     let GateArgs { run, baseline, tolerances, allow_drift, .. } = arguments;
-    let mut command = format!("scanbench gate {} --baseline {}", word(run), word(&baseline.baseline));
-    if let Some(path) = tolerances {
-        command.push_str(&format!(" --tolerances {}", word(path)));
-    }
-    if let Some(is_allowed) = allow_drift {
-        command.push_str(&format!(" --allow-drift={is_allowed}"));
-    }
-    command + " --full"
+    let mut words = vec!["scanbench gate".to_owned(), word(run), "--baseline".to_owned()];
+    words.push(word(&baseline.baseline));
+    words.extend(tolerances.iter().map(|it| format!("--tolerances {}", word(it))));
+    words.extend(allow_drift.map(|is_allowed| format!("--allow-drift={is_allowed}")));
+    words.push("--full".to_owned());
+    words.join(" ")
 }
 
 fn open_baseline(directory: &Path) -> Result<RunArchive, Failure> {
