@@ -51,7 +51,7 @@ const GATE_EXAMPLES: &str = "\
 Examples:
   scanbench gate runs/after --baseline runs/before
   scanbench gate runs/latest --baseline ci -o verdict
-  scanbench gate runs/latest --baseline ci --tolerances strict.toml --allow-drift
+  scanbench gate runs/latest --baseline ci -t strict.toml --allow-drift
 
 Exit codes:
   0    passed: nothing is worse, and no result changed, or that is allowed
@@ -62,8 +62,8 @@ Exit codes:
        in the tolerances, lets that pass
 
 With fewer than ten blocks of scans, nothing can be shown to be worse. Times
-are compared only between runs on the same processor; make both with --repeats 5. On
-GitHub, the verdict is added to the summary of the job.";
+are compared only between runs on the same processor; make both with
+--repeats 5. On GitHub, the verdict is added to the summary of the job.";
 
 /// The verbs of `scanbench baseline`.
 #[derive(Debug, Subcommand)]
