@@ -7,7 +7,7 @@ use detector::PointCloud;
 /// How many of the points of a scan are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PointChoice {
-    /// The first in each cube of [`CUBE_M`]: where a sensor's points lie closer, nobody sees more with all of them.
+    /// The first in each cube of ten centimetres: where a sensor's points lie closer, nobody sees more with all of them.
     #[default]
     OneOfEachCube,
     /// All.
@@ -17,7 +17,7 @@ pub enum PointChoice {
 }
 
 /// The side of these cubes, in metres.
-pub const CUBE_M: f32 = 0.1;
+const CUBE_M: f32 = 0.1;
 
 /// The points of one scan that are drawn: all that have a place, or fewer.
 ///
