@@ -17,18 +17,17 @@ use scans::dataset::dataset_format::DatasetFormat;
 use scans::dataset::mounting::Mounting;
 use simulator::recognised_sensor::SeenBeams;
 
-use crate::commands::frame_facts::{FirstLook, Stated};
+use crate::commands::frame_facts::{FirstLook, Stated, places_looked_at};
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::open_scan::OpenedScan;
 use crate::commands::standard_streams::{print_detail, print_diagnostic};
 
-/// So many scans are looked at, from first to last.
-const N_SCANS: usize = 5;
 /// Points of a scan that are looked at.
 const ENOUGH_POINTS: usize = 300_000;
 /// Heights that are this far from what they are said to be are in doubt, in metres.
 const DOUBTFUL_HEIGHT_M: f64 = 0.5;
-/// A height is taken from the scans if it differs by more than this from that of the format's benchmark, in metres.
+/// A height is taken from the scans if it differs by more than this, in metres; in the format of a benchmark, whose height is
+/// known, only if it is in doubt.
 const OTHER_HEIGHT_M: f64 = 0.25;
 /// A steeper tilt is levelled if nobody said how the sensor is mounted, in degrees.
 const LEVELLED_TILT_DEG: f64 = 2.0;
@@ -62,7 +61,10 @@ pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunCon
     if opened.description.is_simulated() {
         return;
     }
-    let clouds = [&opened.scan.cloud];
+    let clouds: Vec<&PointCloud> = match &opened.of_data_set[..] {
+        [] => vec![&opened.scan.cloud],
+        of_data_set => of_data_set.iter().collect(),
+    };
     let mut look = Look::new(&opened.description, stated, &clouds);
     look.take(config, &clouds);
     let (mounting, _) = look.told();
@@ -93,8 +95,7 @@ fn thinned(cloud: &PointCloud) -> Cow<'_, PointCloud> {
 
 /// Some scans from first to last. What cannot be read is told by the run itself.
 fn first_scans(opened: &OpenedDataset) -> Vec<LabeledScan> {
-    let n = opened.scan_indices.len();
-    let places = (0..n.min(N_SCANS)).map(|it| opened.scan_indices[it * n / n.min(N_SCANS)]);
+    let places = places_looked_at(opened.dataset.scan_ids().len());
     places.filter_map(|it| opened.dataset.read_scan(it).ok()).collect()
 }
 
@@ -199,7 +200,8 @@ impl Look {
             self.doubts.push(FrameDoubt::OnGround(self.seen.height_m.unwrap_or(0.0)));
             return;
         }
-        if !self.stated.height && off_m > OTHER_HEIGHT_M {
+        let other_m = if self.is_benchmark { DOUBTFUL_HEIGHT_M } else { OTHER_HEIGHT_M };
+        if !self.stated.height && off_m > other_m {
             self.mounting.sensor_height_m = self.seen.height_m.map(|it| it as f32);
             self.seen.taken.push("height".to_owned());
         } else if off_m > DOUBTFUL_HEIGHT_M {

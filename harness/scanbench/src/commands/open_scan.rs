@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use detector::PointCloud;
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::catalogue::KITTI_SENSOR;
 use scans::dataset::class_table::ClassTable;
@@ -15,7 +16,7 @@ use simulator::open::open_dataset;
 
 use crate::cli::SourceArgs;
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::frame_facts::Stated;
+use crate::commands::frame_facts::{Stated, places_looked_at};
 use crate::commands::open_datasets::{open_catalogue, open_options, refuse_simulation, stated};
 
 /// A scan without ground truth.
@@ -28,6 +29,8 @@ pub struct OpenedScan {
     pub description: DatasetDescription,
     /// Who says how its sensor is mounted.
     pub stated: Stated,
+    /// The scans of its data set that are looked at first; none of a file.
+    pub of_data_set: Vec<PointCloud>,
 }
 
 /// Opens the scan in the file `input`, or scan `id` of the data set `input`; `of_config` is what the configuration says about names of classes.
@@ -73,7 +76,13 @@ pub fn open_scan(
     let name = format!("{}{simulated}, scan {}", description.id, scan.id);
     let scan = LabeledScan { annotations: Vec::new(), ..scan };
     let stated = stated(input, &catalogue, source, description)?;
-    Ok(OpenedScan { name, scan, description: description.clone(), stated })
+    let of_data_set = if description.is_simulated() {
+        Vec::new()
+    } else {
+        let places = places_looked_at(dataset.scan_ids().len());
+        places.filter_map(|it| dataset.read_scan(it).ok()).map(|it| it.cloud).collect()
+    };
+    Ok(OpenedScan { name, scan, description: description.clone(), stated, of_data_set })
 }
 
 fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<OpenedScan, Failure> {
@@ -106,7 +115,7 @@ fn open_file(input: &str, id: Option<&str>, source: &SourceArgs) -> Result<Opene
     mounting.describe(&mut description);
     mounting.move_scan(&mut scan);
     let stated = Stated::by_options(source);
-    Ok(OpenedScan { name: input.to_owned(), scan, description, stated })
+    Ok(OpenedScan { name: input.to_owned(), scan, description, stated, of_data_set: Vec::new() })
 }
 
 /// The place among `scan_ids` of the scan that is called `id`, by its drive and number or by its number alone.
