@@ -10,7 +10,7 @@ use detector::pipeline::paper_detector::PaperDetector;
 use detector::pipeline::tree_detector::TreeDetector;
 
 use crate::run::config::{DETECTOR_TABLE, RunConfig};
-use crate::run::foreign_detector::ForeignDetector;
+use crate::run::foreign_detector::{ForeignDetector, ForeignWork};
 
 /// A detector that can be asked for by name.
 #[derive(Debug, Clone, Copy)]
@@ -165,6 +165,11 @@ impl ListedDetector {
 }
 
 impl ChosenDetector {
+    /// Whether it is results that another program made.
+    pub fn is_of_results(&self) -> bool {
+        matches!(self, Self::Foreign(foreign) if matches!(foreign.work, ForeignWork::Results(_)))
+    }
+
     /// The name on the command line.
     pub fn name(&self) -> &'static str {
         match self {

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
@@ -50,8 +52,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let (chosen, mut config) = chosen_with_results(&arguments.config, &arguments.detectors, left)?;
     choose_criterion(&mut config, &arguments.matching);
     let named = claim_named(&arguments.output)?;
-    let datasets = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
-    let datasets = look_first_at_all(datasets, &mut config);
+    let datasets = open_for(&chosen, arguments, &mut config)?;
     let entrants: Vec<Entrant> = chosen.into_iter().map(|it| Entrant::of(it, &config)).collect();
     let (missing, damage) = (arguments.foreign.missing_detections.rule(), arguments.damage.policy());
     let results = OpenedResults::open(&entrants, &datasets, missing, damage)?;
@@ -102,6 +103,22 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
+}
+
+/// Opens the data sets, and looks at their first scans. Boxes that others made are in the frame of the files, which is not levelled
+/// under them.
+fn open_for(
+    chosen: &[ChosenDetector],
+    arguments: &RunArgs,
+    config: &mut RunConfig,
+) -> Result<Vec<OpenedDataset>, Failure> {
+    let mut datasets =
+        open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+    let has_results = chosen.iter().any(ChosenDetector::is_of_results);
+    for it in &mut datasets {
+        it.stated.transform |= has_results;
+    }
+    Ok(look_first_at_all(datasets, config))
 }
 
 /// Writes how far detectors agree where nothing is labelled, and returns the table; `None` if everything is.
