@@ -29,10 +29,9 @@ const DOUBTFUL_HEIGHT_M: f64 = 0.5;
 /// A height is taken from the scans if it differs by more than this, in metres; in the format of a benchmark, whose height is
 /// known, only if it is in doubt.
 const OTHER_HEIGHT_M: f64 = 0.25;
-/// A steeper tilt is levelled if nobody said how the sensor is mounted, in degrees.
-const LEVELLED_TILT_DEG: f64 = 2.0;
-/// A steeper tilt is in doubt, in degrees.
-const DOUBTFUL_TILT_DEG: f64 = 4.0;
+/// A steeper tilt is of the sensor and not of the street: it is levelled if nobody said how the sensor is mounted, and in doubt
+/// otherwise, in degrees. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2 degrees.
+const STEEP_TILT_DEG: f64 = 4.0;
 /// An origin that is lower lies on the ground, in metres.
 const ON_GROUND_M: f64 = 0.2;
 
@@ -208,12 +207,14 @@ impl Look {
             self.doubts.push(FrameDoubt::Height { seen_m: height_m, said_m: self.said_height_m });
         }
         let tilt_deg = ground.tilt_deg();
-        let is_stated = self.stated.height || self.stated.transform;
-        if !is_stated && tilt_deg > LEVELLED_TILT_DEG {
+        if tilt_deg <= STEEP_TILT_DEG {
+            return;
+        }
+        if self.stated.height || self.stated.transform {
+            self.doubts.push(FrameDoubt::Tilt(tilt_deg));
+        } else {
             self.mounting.sensor_from_file = Some(ground.levelling());
             self.seen.taken.push("tilt".to_owned());
-        } else if tilt_deg > DOUBTFUL_TILT_DEG {
-            self.doubts.push(FrameDoubt::Tilt(tilt_deg));
         }
     }
 

@@ -73,6 +73,23 @@ fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
     assert!((entry["seen"]["tilt_deg"].as_f64().unwrap() - 8.0).abs() < 0.5, "{entry}");
     assert!((f_rate(&workplace) - upright).abs() < 0.08, "{} and {upright}", f_rate(&workplace));
     assert!(!said.contains("no verdict"), "{said}");
+    // Results that name no frame are in that of the files, and stay with the points.
+    workplace.succeed(&["detect", "robot", "--scan", "0", "-d", "kd-tree", "--boxes", "others.csv"]);
+    let of_others = ["--detections", "others=others.csv", "--missing-detections", "empty"];
+    let (said, entry) = run(&workplace, &of_others);
+    assert!(said.contains("the ground is tilted by 7.7 degrees in the frame of the scans"), "{said}");
+    assert_eq!(entry["seen"]["taken"], serde_json::json!(["sensor", "height"]));
+}
+
+#[test]
+fn streets_that_slope_a_little_are_not_levelled() {
+    let workplace = recorded("hdl-64e-s2", "1.73");
+    let (sin, cos) = 3_f32.to_radians().sin_cos();
+    move_points(&workplace.path("robot"), &|[x, y, z]| [x, cos * y - sin * z, sin * y + cos * z]);
+    let (said, entry) = run(&workplace, &[]);
+    assert!((entry["seen"]["tilt_deg"].as_f64().unwrap() - 3.0).abs() < 0.5, "{entry}");
+    assert_eq!(entry["seen"]["taken"], serde_json::json!([]));
+    assert!(!said.contains("doubtful"), "{said}");
 }
 
 #[test]
