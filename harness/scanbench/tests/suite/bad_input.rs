@@ -191,14 +191,14 @@ fn a_selftest_on_a_damaged_scan() {
 fn a_label_without_scan() {
     let it = Spoilt::objects();
     it.dataset.remove("training/velodyne/000001.bin");
-    it.check_run(3, &["velodyne/000001.bin\" of the labels", "label_2/000001.txt\" does not exist"]);
+    it.check_run(3, &["label_2\" does not go with the scans: 1 label file has no scan: 000001.txt"]);
 }
 
 #[test]
 fn a_scan_without_label() {
     let it = Spoilt::objects();
     it.dataset.remove("training/label_2/000001.txt");
-    it.check_run(3, &["label_2/000001.txt\" of", "velodyne/000001.bin\" do not exist"]);
+    it.check_run(3, &["label_2\" does not go with the scans: 1 scan has no labels: 000001.bin"]);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What lies at a path.
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use super::DatasetError;
@@ -14,6 +15,9 @@ use super::nuscenes::keyframes::is_nuscenes;
 use super::scan_folder::folder::is_scan_folder;
 use super::semantic_kitti::sequence::is_semantic_kitti;
 use super::velodyne_capture::revolutions::is_velodyne_capture;
+
+/// So many folders are looked into for one that may not be read.
+const MOST_FOLDERS: usize = 1000;
 
 /// A data set on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,7 +35,7 @@ pub struct FoundDataset {
 ///
 /// # Errors
 ///
-/// [`DatasetError::Io`] if `path` cannot be read as a folder; [`DatasetError::UnrecognizedFormat`] if it holds nothing known;
+/// [`DatasetError::Io`] if `path` cannot be read as a folder, or nothing is found and a folder in it cannot be read; [`DatasetError::UnrecognizedFormat`] if it holds nothing known;
 /// [`DatasetError::SeveralDatasets`] if it cannot be told which data set is meant.
 pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundDataset, DatasetError> {
     let mut found = found_in(path, formats);
@@ -40,6 +44,9 @@ pub fn detect_format(path: &Path, formats: &[DatasetFormat]) -> Result<FoundData
     }
     if found.is_empty() && formats.contains(&DatasetFormat::ScanFolder) && is_scan_folder(path) {
         return Ok(FoundDataset { format: DatasetFormat::ScanFolder, path: path.to_path_buf() });
+    }
+    if found.is_empty() && path.is_dir() {
+        refuse_unreadable(path)?;
     }
     match found.len() {
         0 => Err(DatasetError::UnrecognizedFormat {
@@ -77,6 +84,18 @@ fn recognizes(format: DatasetFormat, folder: &Path) -> bool {
         // Parts of other layouts are folders of scans as well, so that it counts only where it is named.
         DatasetFormat::ScanFolder => false,
     }
+}
+
+/// A folder at `path` or below that may not be looked into is an error of its own: nobody knows what is in it.
+fn refuse_unreadable(path: &Path) -> Result<(), DatasetError> {
+    let mut folders = VecDeque::from([path.to_path_buf()]);
+    for _ in 0..MOST_FOLDERS {
+        let Some(folder) = folders.pop_front() else { break };
+        // A link to a folder may lead back.
+        let is_folder = |path: &PathBuf| path.is_dir() && !path.is_symlink();
+        folders.extend(entries_of(&folder)?.into_iter().filter(is_folder));
+    }
+    Ok(())
 }
 
 fn entries_of(path: &Path) -> Result<Vec<PathBuf>, DatasetError> {
@@ -122,6 +141,29 @@ mod tests {
         }
         for path in ["o/training", "o", ""] {
             check(&OBJECT, path, Ok((DatasetFormat::KittiObject, "o/training")));
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_that_may_not_be_read_is_said_to_be_so() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let root = tempfile::tempdir().unwrap();
+        let inner = root.path().join("my/clouds");
+        std::fs::create_dir_all(&inner).unwrap();
+        let set_mode =
+            |mode| std::fs::set_permissions(&inner, std::fs::Permissions::from_mode(mode)).unwrap();
+        set_mode(0o000);
+        let found = detect_format(root.path(), &DatasetFormat::ALL);
+        let is_superuser = std::fs::read_dir(&inner).is_ok();
+        set_mode(0o700);
+        match found {
+            Err(DatasetError::Io { path, source }) => {
+                assert_eq!((path, source.kind()), (inner, std::io::ErrorKind::PermissionDenied));
+            }
+            // The superuser may read all.
+            Err(DatasetError::UnrecognizedFormat { .. }) => assert!(is_superuser),
+            other => panic!("{other:?}"),
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::shown_name::shown;
+use super::unpaired_files::UnpairedFiles;
 
 /// Where to download, after everything else.
 fn download(url: Option<&str>) -> String {
@@ -186,21 +187,21 @@ pub enum DatasetError {
         /// The folder in which the labels should be.
         labels: PathBuf,
     },
-    /// A scan without its labels.
+    /// A drive without its labels.
     #[error("the labels {labels:?} of {scan:?} do not exist")]
     ScanWithoutLabels {
-        /// The scan, or the folder of the sequence.
+        /// The folder of the drive's scans.
         scan: PathBuf,
         /// The missing file.
         labels: PathBuf,
     },
-    /// Labels without their scan.
-    #[error("the scan {scan:?} of the labels {labels:?} does not exist")]
-    LabelsWithoutScan {
-        /// The labels.
+    /// Scans and labels, a file each, that do not go together.
+    #[error("{labels:?} does not go with the scans: {unpaired}")]
+    Unpaired {
+        /// The folder of the labels.
         labels: PathBuf,
-        /// The missing file.
-        scan: PathBuf,
+        /// Which files lack the other.
+        unpaired: UnpairedFiles,
     },
     /// A scan without its calibration.
     #[error("the calibration {calibration:?} of {scan:?} does not exist")]

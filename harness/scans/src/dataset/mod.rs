@@ -8,9 +8,11 @@ use reports::vocabulary::task::Task;
 
 use self::foreign_frame::ForeignFrame;
 use self::simulation::Simulation;
+use self::unpaired_files::few_of;
 use crate::annotation::{LabeledScan, ScanId};
 
 pub mod shown_name;
+pub mod unpaired_files;
 pub mod error;
 
 // What several formats have in common.
@@ -119,10 +121,10 @@ pub trait Dataset: Send + Sync {
     }
 }
 
-/// The line of [`Dataset::oddities`] about `n` labels, of which `first` is one, that belong to no scan; none if there are none.
-fn labels_without_scan(n: usize, first: Option<String>) -> Vec<String> {
-    let line = |first| format!("labels of {n} missing scans, such as {first}");
-    first.filter(|_| n > 0).map(line).into_iter().collect()
+/// The line of [`Dataset::oddities`] about labels of scans that are not there; none if `names` has none.
+fn labels_without_scan(names: &[String]) -> Vec<String> {
+    let line = || format!("labels of {} missing scans: {}", names.len(), few_of(names));
+    (!names.is_empty()).then(line).into_iter().collect()
 }
 
 /// What a data set is, and its scans in the order of their drives and times.

@@ -189,7 +189,7 @@ fn topics_and_frames_are_shown_escaped() {
 fn check_labels_without_scan(dataset: &dyn Dataset, n: usize, such_as: &str) {
     let oddities = dataset.oddities().unwrap();
     let [only] = &oddities[..] else { panic!("{oddities:?}") };
-    let begins = format!("labels of {n} missing scans, such as ");
+    let begins = format!("labels of {n} missing scans: ");
     assert!(only.starts_with(&begins) && only.contains(such_as), "{only}");
 }
 

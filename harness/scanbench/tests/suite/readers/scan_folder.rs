@@ -59,6 +59,18 @@ fn scans_of_all_kinds_are_read_with_their_boxes() {
 }
 
 #[test]
+fn scans_and_labels_that_do_not_go_together_are_listed_at_once() {
+    let workplace = drawn();
+    let rename = |from: &str, to: &str| std::fs::rename(workplace.path(from), workplace.path(to)).unwrap();
+    rename("drive/labels/b.json", "drive/labels/x.json");
+    rename("drive/labels/d.json", "drive/labels/y.json");
+    check_damaged(
+        &workplace.path("drive"),
+        &["2 scans have no labels: b.npy, d.ply; 2 label files have no scan: x.json, y.json"],
+    );
+}
+
+#[test]
 fn what_is_missing_or_damaged_is_named() {
     let check = |name: &str, content: Option<&str>, parts: &[&str]| {
         let workplace = drawn();
@@ -69,9 +81,19 @@ fn what_is_missing_or_damaged_is_named() {
         }
         check_damaged(&workplace.path("drive"), parts);
     };
-    check("labels/b.json", None, &["b.npy", "b.json", "do not exist"]);
+    check("labels/b.json", None, &["labels\" does not go with the scans: 1 scan has no labels: b.npy"]);
     check("labels/b.json", Some("[{}]"), &["b.json", "is not a list of boxes"]);
-    check("labels/b.json", Some(&BOXES.replace("1.5", "0")), &["b.json", "has the box"]);
+    check(
+        "labels/b.json",
+        Some(&BOXES.replace("1.5", "0")),
+        &["b.json\" has object 0 (\"Car\") whose height is 0 m: it must be above 0 and below 10000"],
+    );
+    let far = BOXES.replace("[5, 1, -1]", "[5, 1e12, -1]");
+    check(
+        "labels/b.json",
+        Some(&far),
+        &["b.json\" has object 0 (\"Car\") whose y is 1000000000000: it must be between"],
+    );
     check("b.npy", Some(""), &["b.npy", "is not an .npy file"]);
     check("c.pcd", Some(&PCD.replace("POINTS 2", "POINTS 3")), &["c.pcd", "announces 3 points but has 2"]);
     check("d.ply", Some(&PLY[..40]), &["d.ply", "header without end"]);

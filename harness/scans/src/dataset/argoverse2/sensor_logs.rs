@@ -136,15 +136,13 @@ impl Dataset for SensorLogs {
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let sweeps: BTreeSet<(&Path, i64)> =
             self.sweeps.iter().map(|it| (it.log.as_path(), it.time_ns)).collect();
-        let (mut n, mut first) = (0, None);
+        let mut names = Vec::new();
         for log in self.logs() {
-            for time_ns in self.truth_of(log)?.annotations.keys().filter(|it| !sweeps.contains(&(log, **it)))
-            {
-                n += 1;
-                first.get_or_insert_with(|| format!("{time_ns} of {log:?}"));
-            }
+            let truth = self.truth_of(log)?;
+            let without_sweep = truth.annotations.keys().filter(|it| !sweeps.contains(&(log, **it)));
+            names.extend(without_sweep.map(|time_ns| format!("{time_ns} of {log:?}")));
         }
-        Ok(labels_without_scan(n, first))
+        Ok(labels_without_scan(&names))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

@@ -22,6 +22,7 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::numbered_files::{numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
+use crate::dataset::unpaired_files::UnpairedFiles;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
 use crate::dataset::{Dataset, DatasetError, Listing};
 
@@ -124,14 +125,19 @@ fn scan_numbers(
     let labels = folder.path_of(LABELS);
     let present = numbered_files(&velodyne, "bin")?;
     let labeled = numbered_files(&labels, "txt")?;
-    let wanted = selected.unwrap_or(&labeled);
-    if let Some(&missing) = wanted.difference(&present).next() {
-        let scan = numbered_file(&velodyne, missing, "bin");
-        return Err(if labeled.contains(&missing) {
-            DatasetError::LabelsWithoutScan { labels: numbered_file(&labels, missing, "txt"), scan }
-        } else {
-            DatasetError::MissingSelected { path: scan }
-        });
+    let is_wanted = |number: &&u32| selected.is_none_or(|it| it.contains(number));
+    let missing = selected.into_iter().flatten().find(|it| !present.contains(it) && !labeled.contains(it));
+    if let Some(&missing) = missing {
+        return Err(DatasetError::MissingSelected { path: numbered_file(&velodyne, missing, "bin") });
+    }
+    let without_scan = labeled.difference(&present).filter(is_wanted);
+    let without_labels = present.difference(&labeled).filter(is_wanted);
+    let unpaired = UnpairedFiles {
+        scans: without_labels.map(|number| format!("{number:06}.bin")).collect(),
+        labels: without_scan.map(|number| format!("{number:06}.txt")).collect(),
+    };
+    if !unpaired.is_empty() {
+        return Err(DatasetError::Unpaired { labels, unpaired });
     }
     let numbers = selected.cloned().unwrap_or(present);
     if numbers.is_empty() {
@@ -149,8 +155,7 @@ fn open_scan(
     let path = folder.path_of(&scan_name);
     folder.add_scan(&scan_name)?;
     let labels_name = format!("{LABELS}/{number:06}.txt");
-    let labels = folder
-        .read_text(&labels_name, |labels| DatasetError::ScanWithoutLabels { scan: path.clone(), labels })?;
+    let labels = folder.read_text(&labels_name, |path| DatasetError::MissingSelected { path })?;
     let calibration_name = format!("calib/{number:06}.txt");
     let calibration = folder.read_text(&calibration_name, |calibration| {
         DatasetError::ScanWithoutCalibration { scan: path.clone(), calibration }

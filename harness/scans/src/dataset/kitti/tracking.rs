@@ -123,9 +123,9 @@ impl Dataset for KittiTracking {
         let labeled = self.sequences.iter().flat_map(|(name, sequence)| {
             sequence.labels_by_scan.keys().map(move |index| (name.as_str(), *index))
         });
-        let without_scan: Vec<(&str, u32)> = labeled.filter(|it| !scans.contains(it)).collect();
-        let first = without_scan.first().map(|(name, index)| format!("{name}/{index:06}"));
-        Ok(labels_without_scan(without_scan.len(), first))
+        let without_scan = labeled.filter(|it| !scans.contains(it));
+        let names: Vec<String> = without_scan.map(|(name, index)| format!("{name}/{index:06}")).collect();
+        Ok(labels_without_scan(&names))
     }
 }
 

@@ -156,9 +156,9 @@ impl Dataset for KittiRaw {
             let numbers = drive.labels.iter().flat_map(|it| it.annotations_by_scan.keys());
             numbers.map(move |index| (name.as_str(), *index))
         });
-        let without_scan: Vec<(&str, u32)> = labeled.filter(|it| !scans.contains(it)).collect();
-        let first = without_scan.first().map(|(name, index)| format!("{name}/{index:010}"));
-        Ok(labels_without_scan(without_scan.len(), first))
+        let without_scan = labeled.filter(|it| !scans.contains(it));
+        let names: Vec<String> = without_scan.map(|(name, index)| format!("{name}/{index:010}")).collect();
+        Ok(labels_without_scan(&names))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

@@ -179,8 +179,8 @@ impl Dataset for McapDataset {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let without_scan = self.places_without_scan()?;
-        let first = without_scan.first().map(ToString::to_string);
-        let mut oddities = labels_without_scan(without_scan.len(), first);
+        let names: Vec<String> = without_scan.iter().map(ToString::to_string).collect();
+        let mut oddities = labels_without_scan(&names);
         oddities.extend(self.names_not_taken.clone());
         Ok(oddities)
     }

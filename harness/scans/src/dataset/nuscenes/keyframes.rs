@@ -143,7 +143,8 @@ impl Dataset for NuScenes {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let samples = &self.samples_without_scan;
-        Ok(labels_without_scan(samples.len(), samples.first().map(|it| format!("the sample {it:?}"))))
+        let names: Vec<String> = samples.iter().map(|it| format!("the sample {it:?}")).collect();
+        Ok(labels_without_scan(&names))
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

@@ -24,6 +24,7 @@ use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::source::DatasetSource;
 use crate::dataset::text_file::read_text_file;
+use crate::dataset::unpaired_files::UnpairedFiles;
 use crate::dataset::{Dataset, DatasetError, Listing, labels_without_scan};
 
 /// Where scans may lie in the folder that is named.
@@ -77,18 +78,26 @@ pub fn open_scan_folder(source: DatasetSource) -> Result<ScanFolder, DatasetErro
         return Err(DatasetError::NoScans { path: folder });
     }
     let labels = LABELS.into_iter().map(|it| folder.join(it)).find(|it| it.is_dir());
-    let mut checksum = DatasetChecksum::default();
+    let (mut checksum, mut without_labels) = (DatasetChecksum::default(), Vec::new());
     for scan in &scans {
         let name = scan.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
         let metadata = std::fs::metadata(scan).map_err(io_error)?;
         checksum.add_scan(&name, metadata.len());
-        if let Some(labels) = &labels {
-            for (place, file) in LabelFile::find(labels, scan)?.files().into_iter().enumerate() {
-                // The first is that of the labels, the second what they need.
-                let kind = ["labels", "calib"][place];
-                checksum.add_text(&format!("{kind}/{name}"), &read_text_file(file)?);
-            }
+        let file = labels.as_ref().map(|it| LabelFile::find(it, scan)).transpose()?.flatten();
+        for (place, file) in file.iter().flat_map(LabelFile::files).enumerate() {
+            // The first is that of the labels, the second what they need.
+            let kind = ["labels", "calib"][place];
+            checksum.add_text(&format!("{kind}/{name}"), &read_text_file(file)?);
         }
+        if labels.is_some() && file.is_none() {
+            without_labels.push(name);
+        }
+    }
+    if let Some(labels) = &labels
+        && !without_labels.is_empty()
+    {
+        let unpaired = UnpairedFiles { scans: without_labels, labels: labels_without_scans(labels, &scans)? };
+        return Err(DatasetError::Unpaired { labels: labels.clone(), unpaired });
     }
     let sequence = folder.canonicalize().unwrap_or_else(|_| folder.clone());
     let sequence = sequence.file_name().map(|it| it.to_string_lossy().into_owned()).unwrap_or_default();
@@ -127,20 +136,7 @@ impl Dataset for ScanFolder {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let Some(labels) = &self.labels else { return Ok(Vec::new()) };
-        let io_error = |source| DatasetError::Io { path: labels.clone(), source };
-        let stems: BTreeSet<&OsStr> = self.scans.iter().filter_map(|it| it.file_stem()).collect();
-        let mut without_scan = Vec::new();
-        for entry in std::fs::read_dir(labels).map_err(io_error)? {
-            let path = entry.map_err(io_error)?.path();
-            let is_label =
-                path.extension().is_some_and(|it| it == "json" || it == "txt") && !is_hidden(&path);
-            // labelCloud's own, beside the labels.
-            let is_of_tool = path.file_name().is_some_and(|it| it == "_classes.json");
-            if is_label && !is_of_tool && path.file_stem().is_none_or(|it| !stems.contains(it)) {
-                without_scan.push(path);
-            }
-        }
-        Ok(labels_without_scan(without_scan.len(), without_scan.iter().min().map(|it| format!("{it:?}"))))
+        Ok(labels_without_scan(&labels_without_scans(labels, &self.scans)?))
     }
 
     /// Where the origin was moved to, of scans on a map.
@@ -160,7 +156,10 @@ impl ScanFolder {
         scan: &Path,
         origin_m: [f64; 3],
     ) -> Result<(Vec<Annotation>, UnknownClasses), DatasetError> {
-        let file = LabelFile::find(labels, scan)?;
+        let file = LabelFile::find(labels, scan)?.ok_or_else(|| DatasetError::ScanWithoutLabels {
+            scan: scan.to_path_buf(),
+            labels: labels.to_path_buf(),
+        })?;
         let texts = file.files().into_iter().map(read_text_file).collect::<Result<Vec<_>, _>>()?;
         let mut classes = ClassReader::new(&self.classes, file.vocabulary());
         let annotations = file.parse(&texts, origin_m, &mut classes)?;
@@ -177,6 +176,24 @@ impl ScanFolder {
         }
         all
     }
+}
+
+/// The names of the files in `labels` that belong to none of `scans`, in order.
+fn labels_without_scans(labels: &Path, scans: &[PathBuf]) -> Result<Vec<String>, DatasetError> {
+    let io_error = |source| DatasetError::Io { path: labels.to_path_buf(), source };
+    let stems: BTreeSet<&OsStr> = scans.iter().filter_map(|it| it.file_stem()).collect();
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(labels).map_err(io_error)? {
+        let path = entry.map_err(io_error)?.path();
+        let is_label = path.extension().is_some_and(|it| it == "json" || it == "txt") && !is_hidden(&path);
+        let name = path.file_name().unwrap_or_default();
+        // labelCloud's own, beside the labels.
+        if is_label && name != "_classes.json" && path.file_stem().is_none_or(|it| !stems.contains(it)) {
+            names.push(name.to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 /// Scans that differ only in their endings would share their labels.

@@ -38,27 +38,27 @@ pub enum LabelFile {
 }
 
 impl LabelFile {
-    /// Finds the labels of the scan called `name` in the folder `labels`; a calibration lies beside that folder.
+    /// Finds the labels of `scan` in the folder `labels`, if there are any; a calibration lies beside that folder.
     ///
     /// # Errors
     ///
-    /// [`DatasetError::ScanWithoutLabels`], or [`DatasetError::ScanWithoutCalibration`] for labels in a camera's frame.
-    pub fn find(labels: &Path, scan: &Path) -> Result<Self, DatasetError> {
+    /// [`DatasetError::ScanWithoutCalibration`] for labels in a camera's frame.
+    pub fn find(labels: &Path, scan: &Path) -> Result<Option<Self>, DatasetError> {
         let named = |extension| labels.join(scan.file_name().unwrap_or_default()).with_extension(extension);
         let json = named("json");
         if json.is_file() {
-            return Ok(Self::Json(json));
+            return Ok(Some(Self::Json(json)));
         }
         let text = named("txt");
         if !text.is_file() {
-            return Err(DatasetError::ScanWithoutLabels { scan: scan.to_path_buf(), labels: json });
+            return Ok(None);
         }
         let of_scan = labels.with_file_name("calib").join(text.file_name().unwrap_or_default());
         let of_all = labels.with_file_name("calib.txt");
         if of_scan.is_file() {
-            Ok(Self::Kitti { labels: text, calibration: of_scan })
+            Ok(Some(Self::Kitti { labels: text, calibration: of_scan }))
         } else if of_all.is_file() {
-            Ok(Self::Kitti { labels: text, calibration: of_all })
+            Ok(Some(Self::Kitti { labels: text, calibration: of_all }))
         } else {
             let scan = scan.to_path_buf();
             Err(DatasetError::ScanWithoutCalibration { scan, calibration: of_scan })
@@ -131,7 +131,9 @@ impl LabelFile {
                     let class = classes.class_of(&it.class, || format!("{path:?}, object {place}"));
                     // A box that is none is damage, whatever it is said to be.
                     let annotation = it.annotation(class.unwrap_or(AnnotationClass::Misc), origin_m);
-                    let annotation = annotation.map_err(damaged)?;
+                    let annotation = annotation.map_err(|problem| {
+                        damaged(format!("has object {place} ({:?}) {problem}", it.class))
+                    })?;
                     annotations.extend(class.map(|_| annotation));
                 }
                 Ok(annotations)

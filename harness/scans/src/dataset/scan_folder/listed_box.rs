@@ -6,6 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::annotation::Annotation;
 
+/// Sides are shorter, in metres.
+const LONGEST_SIDE_M: f32 = 1e4;
+/// Places on a map, in metres, and headings are smaller.
+const FARTHEST: f64 = 1e9;
+
 /// A box in a file; a list of these in JSON is our own format.
 ///
 /// ```json
@@ -28,17 +33,26 @@ pub struct ListedBox {
 }
 
 impl ListedBox {
-    /// The box as an annotation of `class` without points, as seen from `origin_m`. Errors are the rest of a sentence about the file.
+    /// The box as an annotation of `class` without points, as seen from `origin_m`. Errors are the rest of a sentence about the object.
     ///
     /// # Errors
     ///
     /// If a side is not above 0, or it lies beyond all measure.
     pub fn annotation(&self, class: AnnotationClass, origin_m: [f64; 3]) -> Result<Annotation, String> {
-        let is_sensible = self.length_width_height_m.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4)
-            && self.center_m.iter().all(|value| value.abs() < 1e9)
-            && self.yaw_rad.abs() < 1e9;
-        if !is_sensible {
-            return Err(format!("has the box {self:?}"));
+        for (name, side_m) in ["length", "width", "height"].into_iter().zip(self.length_width_height_m) {
+            if !(side_m > 0.0 && side_m < LONGEST_SIDE_M) {
+                return Err(format!(
+                    "whose {name} is {side_m} m: it must be above 0 and below {LONGEST_SIDE_M}"
+                ));
+            }
+        }
+        let numbers = ["x", "y", "z"].into_iter().zip(self.center_m);
+        for (name, value) in numbers.chain([("yaw", f64::from(self.yaw_rad))]) {
+            if value.is_nan() || value.abs() >= FARTHEST {
+                return Err(format!(
+                    "whose {name} is {value}: it must be between -{FARTHEST:e} and {FARTHEST:e}"
+                ));
+            }
         }
         let center_m = std::array::from_fn(|axis| (self.center_m[axis] - origin_m[axis]) as f32);
         Ok(Annotation {

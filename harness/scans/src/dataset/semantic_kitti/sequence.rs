@@ -20,6 +20,7 @@ use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::kitti::split_folder::SplitFolder;
 use crate::dataset::numbered_files::{is_hidden, numbered_file, numbered_files};
 use crate::dataset::source::DatasetSource;
+use crate::dataset::unpaired_files::UnpairedFiles;
 use crate::dataset::velodyne_bin::read_velodyne_bin;
 use crate::dataset::{Dataset, DatasetError, Listing};
 
@@ -161,13 +162,12 @@ fn scan_numbers(folder: &mut SplitFolder, name: &str) -> Result<BTreeSet<u32>, D
     let path_of = |folder: &SplitFolder, kind: &str| folder.path_of(&format!("{SEQUENCES}/{name}/{kind}"));
     let (scans, labels) = (path_of(folder, SCANS), path_of(folder, LABELS));
     let (numbers, labeled) = (numbered_files(&scans, "bin")?, numbered_files(&labels, "label")?);
-    let scan_of = |number: u32| numbered_file(&scans, number, "bin");
-    let labels_of = |number: u32| numbered_file(&labels, number, "label");
-    if let Some(&number) = labeled.difference(&numbers).next() {
-        return Err(DatasetError::LabelsWithoutScan { labels: labels_of(number), scan: scan_of(number) });
-    }
-    if let Some(&number) = numbers.difference(&labeled).next() {
-        return Err(DatasetError::ScanWithoutLabels { scan: scan_of(number), labels: labels_of(number) });
+    let unpaired = UnpairedFiles {
+        scans: numbers.difference(&labeled).map(|number| format!("{number:06}.bin")).collect(),
+        labels: labeled.difference(&numbers).map(|number| format!("{number:06}.label")).collect(),
+    };
+    if !unpaired.is_empty() {
+        return Err(DatasetError::Unpaired { labels, unpaired });
     }
     if numbers.is_empty() {
         return Err(DatasetError::NoScans { path: scans });
