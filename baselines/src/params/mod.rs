@@ -1,6 +1,7 @@
 //! The parameters of the baselines, from one file.
 
-use detector::params::{ParamsError, check_range};
+use detector::params::ParamsError;
+use detector::params::bounds::{Bounds, check_bounds};
 use serde::Deserialize;
 
 use crate::occupancy_grid_components::OccupancyParams;
@@ -97,44 +98,29 @@ impl BaselineParams {
     /// [`ParamsError`] if a parameter is missing, unknown or out of range.
     pub fn from_toml(text: &str) -> Result<Self, ParamsError> {
         let params: Self = toml::from_str(text)?;
-        params.kd_tree.validate()?;
-        params.pca.validate()?;
+        check_bounds(&toml::from_str(text)?, BASELINE_BOUNDS)?;
+        let KdTreeParams { min_points, max_points, .. } = params.kd_tree;
+        if max_points < min_points {
+            let least = format!("kd_tree.min_points = {min_points}");
+            let (name, value) = ("kd_tree.max_points", max_points as f64);
+            return Err(ParamsError::TooLow { name, value, least });
+        }
         Ok(params)
     }
 }
 
-impl KdTreeParams {
-    fn validate(&self) -> Result<(), ParamsError> {
-        check_range("kd_tree.tolerance_m", self.tolerance_m.into(), [0.01, 100.0], "0.01 to 100 m")?;
-        check_least("kd_tree.min_points", self.min_points, 1)?;
-        if self.max_points < self.min_points {
-            let least = format!("kd_tree.min_points = {}", self.min_points);
-            let (name, value) = ("kd_tree.max_points", self.max_points as f64);
-            return Err(ParamsError::TooLow { name, value, least });
-        }
-        Ok(())
-    }
-}
-
-impl PcaParams {
-    fn validate(&self) -> Result<(), ParamsError> {
-        let Self { grid, occupancy, cluster } = self;
-        check_range("pca.grid.cell_size_m", grid.cell_size_m.into(), [0.05, 10.0], "0.05 to 10 m")?;
-        check_range("pca.grid.extent_m", grid.extent_m.into(), [1.0, 300.0], "1 to 300 m")?;
-        let height_m = occupancy.min_height_difference_m.into();
-        check_range("pca.occupancy.min_height_difference_m", height_m, [0.0, 10.0], "0 to 10 m")?;
-        check_least("pca.occupancy.min_points", occupancy.min_points as usize, 1)?;
-        check_least("pca.cluster.min_points", cluster.min_points, 1)?;
-        check_range("pca.cluster.max_extent_m", cluster.max_extent_m.into(), [0.1, 1000.0], "0.1 to 1000 m")
-    }
-}
-
-fn check_least(name: &'static str, value: usize, least: usize) -> Result<(), ParamsError> {
-    if value >= least {
-        return Ok(());
-    }
-    Err(ParamsError::TooLow { name, value: value as f64, least: least.to_string() })
-}
+/// Which values of them make sense.
+pub const BASELINE_BOUNDS: &[Bounds] = &[
+    Bounds::new("kd_tree.tolerance_m", 0.01, 100.0),
+    Bounds::new("kd_tree.min_points", 1.0, f64::INFINITY),
+    Bounds::new("kd_tree.max_points", 1.0, f64::INFINITY),
+    Bounds::new("pca.grid.cell_size_m", 0.05, 10.0),
+    Bounds::new("pca.grid.extent_m", 1.0, 300.0),
+    Bounds::new("pca.occupancy.min_height_difference_m", 0.0, 10.0),
+    Bounds::new("pca.occupancy.min_points", 1.0, f64::INFINITY),
+    Bounds::new("pca.cluster.min_points", 1.0, f64::INFINITY),
+    Bounds::new("pca.cluster.max_extent_m", 0.1, 1000.0),
+];
 
 #[cfg(test)]
 mod tests {

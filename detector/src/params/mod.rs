@@ -1,9 +1,11 @@
 //! The parameters of the hierarchical detector, from one file; those of the papers' from another.
 
+pub mod bounds;
 pub mod paper;
 
 use serde::Deserialize;
 
+use self::bounds::{HIERARCHICAL_BOUNDS, check_bounds};
 use crate::classify::size_gate::SizeGateParams;
 use crate::complete::completion::CompletionParams;
 use crate::describe::seen_size::VehicleBoundsParams;
@@ -108,34 +110,6 @@ impl HierarchicalParams {
 /// Dense cells along a side of the grid.
 const MOST_DENSE_CELLS: u32 = 12_000;
 
-impl GroupingParams {
-    fn validate(&self) -> Result<(), ParamsError> {
-        let GroupingParams { object_cost, candidates, gaps, cuts, bounds, .. } = self;
-        for (name, value, most, allowed) in [
-            ("grouping.object_cost", *object_cost, 1.0_f32, "0 to 1"),
-            ("grouping.candidates.least_free_m", candidates.least_free_m, 100.0, "0 to 100 m"),
-            ("grouping.candidates.free_per_range", candidates.free_per_range, 1.0, "0 to 1"),
-            ("grouping.candidates.highest_foot_m", candidates.highest_foot_m, 100.0, "0 to 100 m"),
-            ("grouping.candidates.highest_top_m", candidates.highest_top_m, 100.0, "0 to 100 m"),
-            ("grouping.gaps.n_rounds", gaps.n_rounds as f32, 20.0, "0 to 20"),
-            ("grouping.gaps.height_steps", gaps.height_steps as f32, 20.0, "0 to 20"),
-            ("grouping.gaps.wall_steps", gaps.wall_steps as f32, 20.0, "0 to 20"),
-            ("grouping.bounds.min_top_m", bounds.min_top_m, 100.0, "0 to 100 m"),
-            ("grouping.gaps.low_density_share", gaps.low_density_share, 1.0, "0 to 1"),
-            ("grouping.cuts.min_length_m", cuts.min_length_m, 100.0, "0 to 100 m"),
-            ("grouping.cuts.min_width_m", cuts.min_width_m, 100.0, "0 to 100 m"),
-            ("grouping.cuts.max_length_m", cuts.max_length_m, 1000.0, "0 to 1000 m"),
-            ("grouping.cuts.min_end_m", cuts.min_end_m, 100.0, "0 to 100 m"),
-            ("grouping.cuts.max_depth", f32::from(cuts.max_depth), 10.0, "0 to 10"),
-            ("grouping.bounds.max_length_m", bounds.max_length_m, 100.0, "0 to 100 m"),
-            ("grouping.bounds.max_width_m", bounds.max_width_m, 100.0, "0 to 100 m"),
-        ] {
-            check_range(name, value.into(), [0.0, most.into()], allowed)?;
-        }
-        Ok(())
-    }
-}
-
 /// Which clusters are objects.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -166,7 +140,7 @@ pub enum ParamsError {
         /// Its value.
         value: f64,
         /// The values that make sense.
-        allowed: &'static str,
+        allowed: String,
     },
     /// A value below the least that makes sense.
     #[error("{name} = {value} is less than {least}")]
@@ -178,21 +152,6 @@ pub enum ParamsError {
         /// The least, with the name of the parameter that says so if one does.
         least: String,
     },
-}
-
-/// Checks that parameter `name` lies between `low` and `high`, which NaN does not; `allowed` says so in words.
-///
-/// # Errors
-///
-/// [`ParamsError::OutOfRange`].
-pub fn check_range(
-    name: &'static str,
-    value: f64,
-    [low, high]: [f64; 2],
-    allowed: &'static str,
-) -> Result<(), ParamsError> {
-    let value = as_written(value);
-    if (low..=high).contains(&value) { Ok(()) } else { Err(ParamsError::OutOfRange { name, value, allowed }) }
 }
 
 /// A single-precision number as the decimal it was written as: 0.6, not the 0.6000000238 that it stands for. Numbers of
@@ -227,58 +186,15 @@ impl HierarchicalParams {
     /// [`ParamsError`] if a parameter is missing, unknown or out of range.
     pub fn from_toml(text: &str) -> Result<Self, ParamsError> {
         let params: Self = toml::from_str(text)?;
-        params.validate()?;
-        Ok(params)
-    }
-
-    fn validate(&self) -> Result<(), ParamsError> {
-        let within = |name, value, low, high, allowed| check_range(name, value, [low, high], allowed);
-        let grid = &self.grid;
-        within("grid.cell_size_m", grid.cell_size_m.into(), 0.05, 10.0, "0.05 to 10 m")?;
-        within("grid.xi", grid.xi.into(), 1.0, 8.0, "1 to 8")?;
-        within("grid.extent_m", grid.extent_m.into(), 1.0, 300.0, "1 to 300 m")?;
-        within("terrain.block_cells", self.terrain.block_cells.into(), 1.0, 100.0, "1 to 100")?;
-        within("terrain.low_quantile", self.terrain.low_quantile.into(), 0.0, 1.0, "0 to 1")?;
-        let walls = &self.walls;
-        within("walls.min_height_m", walls.min_height_m.into(), 0.0, 100.0, "0 to 100 m")?;
-        within("walls.ceiling_margin_deg", walls.ceiling_margin_deg.into(), 0.0, 90.0, "0 to 90 degrees")?;
-        within("walls.min_support", walls.min_support.into(), 0.0, 1.0, "0 to 1")?;
-        within("walls.max_ground_behind", walls.max_ground_behind.into(), 0.0, 1.0, "0 to 1")?;
-        let hough = &walls.hough;
-        within("walls.hough.n_directions", hough.n_directions.into(), 4.0, 720.0, "4 to 720")?;
-        within("walls.hough.min_votes", hough.min_votes.into(), 2.0, 1000.0, "2 to 1000")?;
-        within("walls.hough.min_length_cells", hough.min_length_cells.into(), 2.0, 10_000.0, "2 to 10000")?;
-        within("walls.hough.max_gap_cells", hough.max_gap_cells.into(), 0.0, 10_000.0, "0 to 10000")?;
-        let ground_band_m = self.foreground.ground_band_m.into();
-        within("foreground.ground_band_m", ground_band_m, 0.0, 10.0, "0 to 10 m")?;
-        let separation = &self.separation;
-        within("separation.low_density_share", separation.low_density_share.into(), 0.0, 1.0, "0 to 1")?;
-        let ratio = separation.object_density_ratio.into();
-        within("separation.object_density_ratio", ratio, 0.0, 1e6, "0 to 10^6")?;
-        let gap_points = separation.single_gap_points.into();
-        within("separation.single_gap_points", gap_points, 0.0, 1e6, "0 to 10^6 points")?;
-        let regrouping = &self.regrouping;
-        for (name, value) in [
-            ("regrouping.min_length_m", regrouping.min_length_m),
-            ("regrouping.min_width_m", regrouping.min_width_m),
-            ("regrouping.min_end_m", regrouping.min_end_m),
-            ("regrouping.lone_part_margin", regrouping.lone_part_margin),
-            ("regrouping.max_gap_m", regrouping.max_gap_m),
-            ("regrouping.max_joined_length_m", regrouping.max_joined_length_m),
-        ] {
-            within(name, value.into(), 0.0, 100.0, "0 to 100")?;
-        }
-        self.grouping.validate()?;
-        self.check_dense_cells()?;
-        let completion = &self.completion;
-        within("completion.growth_m", completion.growth_m.into(), 0.0, 10.0, "0 to 10 m")?;
-        within("completion.clearance_m", completion.clearance_m.into(), -10.0, 10.0, "-10 to 10 m")?;
+        check_bounds(&toml::from_str(text)?, HIERARCHICAL_BOUNDS)?;
+        params.check_dense_cells()?;
         let implausible = |ImplausibleCurve { field, value, allowed }| ParamsError::OutOfRange {
             name: field,
             value,
-            allowed,
+            allowed: allowed.to_owned(),
         };
-        self.density_weighting.curve.check().map_err(implausible)
+        params.density_weighting.curve.check().map_err(implausible)?;
+        Ok(params)
     }
 }
 
@@ -314,7 +230,7 @@ mod tests {
         check_refused(
             "max_gap_m = 0.3",
             "max_gap_m = -0.1",
-            "regrouping.max_gap_m = -0.1 is not within 0 to 100",
+            "regrouping.max_gap_m = -0.1 is not within 0 to 100 m",
         );
         check_refused(
             "low_quantile = 0.25",

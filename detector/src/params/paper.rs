@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::bounds::{HIERARCHICAL_BOUNDS, check_bounds};
 use super::{HierarchicalParams, ParamsError};
 use crate::grid::hierarchical_grid::GridParams;
 use crate::segment::connected_components::ConnectedComponentsParams;
@@ -105,7 +106,7 @@ impl PaperParams {
     /// [`ParamsError`] if a parameter is missing, unknown or out of range.
     pub fn from_toml(text: &str) -> Result<Self, ParamsError> {
         let params: Self = toml::from_str(text)?;
-        params.stages(&HierarchicalParams::shipped()).validate()?;
+        check_bounds(&toml::from_str(text)?, HIERARCHICAL_BOUNDS)?;
         Ok(params)
     }
 

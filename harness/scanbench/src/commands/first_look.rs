@@ -32,6 +32,8 @@ const OTHER_HEIGHT_M: f64 = 0.25;
 /// A steeper tilt is of the sensor and not of the street: it is levelled if nobody said how the sensor is mounted, and in doubt
 /// otherwise, in degrees. In front of crossings and on crowned roads, sensors that stand upright see up to 2.2 degrees.
 const STEEP_TILT_DEG: f64 = 4.0;
+/// How a sensor is called that has the beams of none that is known, before the name of its data set.
+pub const UNKNOWN_SENSOR: &str = "unknown sensor of ";
 /// An origin that is lower lies on the ground, in metres.
 const ON_GROUND_M: f64 = 0.2;
 
@@ -164,7 +166,7 @@ impl Look {
                 Some(seen) => sensor.clone_from(seen),
                 // The sensors of benchmarks are known.
                 None if self.is_benchmark || self.seen.n_beams.is_none() => {}
-                None => sensor = format!("unknown sensor of {}", self.id),
+                None => sensor = format!("{UNKNOWN_SENSOR}{}", self.id),
             }
         }
         if config.for_sensor(&sensor).is_none() {

@@ -7,6 +7,7 @@ use std::path::Path;
 use detector::grid::density_curve::{CurveOrigin, DensityCurve};
 use detector::grid::ring_density::RingCounts;
 use evaluation::density_survey::{count_rings, density_curves};
+use evaluation::run::config::RunConfig;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::CsvRowWriter;
 use reports::files::whole_file::{WholeFile, write_whole};
@@ -18,6 +19,7 @@ use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{DatasetArgs, FitDensityArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
+use crate::commands::first_look::{UNKNOWN_SENSOR, look_first_at_all};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -46,6 +48,7 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
         }
     }
     let opened = open_datasets(&arguments.data, &ClassTable::default())?;
+    let opened = look_first_at_all(opened, &mut RunConfig::without_vehicle_models()?);
     let origin = origin(&opened, &arguments.data)?;
     // Now, so that a folder that is not there is not found out after all scans are read.
     let mut file = WholeFile::create(path)?;
@@ -73,7 +76,9 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
 /// What the curve is learned from. All scans have to be of one sensor.
 fn origin(opened: &[OpenedDataset], arguments: &DatasetArgs) -> Result<CurveOrigin, Failure> {
     let descriptions = || opened.iter().map(|it| it.dataset.description());
-    let sensors: BTreeSet<&str> = descriptions().map(|it| it.sensor.as_str()).collect();
+    // Drives of a sensor that nobody knows are taken to be of one.
+    let name = |it| if str::starts_with(it, UNKNOWN_SENSOR) { "unknown" } else { it };
+    let sensors: BTreeSet<&str> = descriptions().map(|it| name(&it.sensor)).collect();
     let one_sensor = sensors.first().filter(|_| sensors.len() == 1);
     let Some(sensor) = one_sensor else {
         let names = sensors.into_iter().collect::<Vec<_>>().join(", ");

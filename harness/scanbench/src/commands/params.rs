@@ -1,7 +1,8 @@
 //! `scanbench params`.
 
-use baselines::params::PARAMS_TOML;
+use baselines::params::{BASELINE_BOUNDS, PARAMS_TOML};
 use detector::params::HIERARCHICAL_TOML;
+use detector::params::bounds::{Bounds, HIERARCHICAL_BOUNDS};
 use detector::params::paper::PAPER_TOML;
 use evaluation::run::detector_list::{DETECTORS, ListedDetector};
 
@@ -9,7 +10,7 @@ use crate::cli::ParamsArgs;
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_result;
 
-/// Prints the parameters of detectors with what is said of them, as a file for `-c`.
+/// Prints the parameters of detectors with their bounds and what is said of them, as a file for `-c`.
 ///
 /// # Errors
 ///
@@ -25,24 +26,40 @@ pub fn params(arguments: &ParamsArgs) -> Result<(), Failure> {
             tables.push(listed.table);
         }
     }
-    let texts: Vec<String> = tables.into_iter().map(text_of).collect();
-    print_result(texts.join("\n").trim_end())
+    let texts: Vec<String> = tables.into_iter().map(|it| text_of(it).trim_end().to_owned()).collect();
+    print_result(texts.join("\n\n"))
 }
 
 /// The parameters of a table of the configuration.
 fn text_of(table: &str) -> String {
     match table {
-        "hierarchical" => within(table, HIERARCHICAL_TOML),
-        "paper" => within(table, PAPER_TOML),
-        of_baselines => sections(of_baselines, PARAMS_TOML),
+        "hierarchical" => with_bounds(table, HIERARCHICAL_TOML, HIERARCHICAL_BOUNDS),
+        "paper" => with_bounds(table, PAPER_TOML, HIERARCHICAL_BOUNDS),
+        of_baselines => sections(of_baselines, &with_bounds("", PARAMS_TOML, BASELINE_BOUNDS)),
     }
 }
 
-/// The whole of a file, with its tables within `table`.
-fn within(table: &str, text: &str) -> String {
-    let line =
-        |it: &str| it.strip_prefix('[').map_or_else(|| it.to_owned(), |rest| format!("[{table}.{rest}"));
-    text.lines().map(|it| line(it) + "\n").collect()
+/// The whole of a file, with its tables within `table`, and with `bounds` before what is said of each value.
+fn with_bounds(table: &str, text: &str, bounds: &[Bounds]) -> String {
+    let (mut printed, mut within) = (String::new(), "");
+    for line in text.lines() {
+        if let Some((name, rest)) = line.strip_prefix('[').and_then(|it| it.split_once(']')) {
+            within = name;
+            let outer = if table.is_empty() { String::new() } else { format!("{table}.") };
+            printed.push_str(&format!("[{outer}{name}]{rest}\n"));
+            continue;
+        }
+        let of_line = line.split_once(" = ").and_then(|(key, _)| {
+            bounds.iter().find(|it| it.name.strip_prefix(within).is_some_and(|it| it == format!(".{key}")))
+        });
+        match (of_line, line.split_once("# ")) {
+            (Some(bounds), Some((value, meaning))) => {
+                printed.push_str(&format!("{value}# {bounds}; {meaning}\n"));
+            }
+            _ => printed.push_str(&format!("{line}\n")),
+        }
+    }
+    printed
 }
 
 /// What a file has of `table`.
@@ -69,6 +86,18 @@ fn sections(table: &str, text: &str) -> String {
 mod tests {
     use super::*;
     use evaluation::run::config::RunConfig;
+
+    #[test]
+    fn every_number_is_printed_with_its_bounds() {
+        let text = DETECTORS.iter().map(|it| text_of(it.table)).collect::<String>();
+        for line in text.lines() {
+            let Some((key, rest)) = line.split_once(" = ") else { continue };
+            let is_number = rest.starts_with(|it: char| it.is_ascii_digit() || it == '-');
+            let has_bounds = rest.contains(" to ") || rest.contains("at least ");
+            assert!(!is_number || has_bounds, "{key} = {rest}");
+        }
+        assert!(text.contains("# 0.05 to 10 m; side of a coarse cell; paper, section 4\n"), "{text}");
+    }
 
     #[test]
     fn what_is_printed_is_what_the_program_has() {

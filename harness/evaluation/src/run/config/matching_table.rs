@@ -1,6 +1,7 @@
 //! How detections are judged, as a table of the configuration.
 
-use detector::params::{ParamsError, check_range};
+use detector::params::ParamsError;
+use detector::params::bounds::{Bounds, check_bounds};
 use reports::vocabulary::criterion::CriterionKind;
 use serde::Deserialize;
 
@@ -29,14 +30,17 @@ struct MatchingTable {
     tall_above_ground_m: f64,
 }
 
+const MATCHING_BOUNDS: &[Bounds] = &[
+    Bounds::new("min_iou", 0.01, 1.0),
+    Bounds::new("max_centre_distance_m", 0.01, 100.0),
+    Bounds::new("max_range_m", 1.0, 1000.0),
+    Bounds::new("tall_above_ground_m", 0.1, 1000.0),
+];
+
 /// The parameters in a complete TOML document.
 pub(super) fn matching_from(text: &str) -> Result<MatchingParams, ParamsError> {
     let table: MatchingTable = toml::from_str(text)?;
-    // Above one half an annotation can agree with one detection only, and this is what makes a match mean something.
-    check_range("min_iou", table.min_iou, [0.01, 1.0], "0.01 to 1")?;
-    check_range("max_centre_distance_m", table.max_centre_distance_m, [0.01, 100.0], "0.01 to 100 m")?;
-    check_range("max_range_m", table.max_range_m, [1.0, 1000.0], "1 to 1000 m")?;
-    check_range("tall_above_ground_m", table.tall_above_ground_m, [0.1, 1000.0], "0.1 to 1000 m")?;
+    check_bounds(&toml::from_str(text)?, MATCHING_BOUNDS)?;
     let criterion = match table.criterion {
         CriterionKind::Points => Criterion::Points { min_iou: table.min_iou },
         CriterionKind::BevIou => Criterion::BevIou { min_iou: table.min_iou },

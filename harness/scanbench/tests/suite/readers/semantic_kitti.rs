@@ -111,7 +111,10 @@ fn remove(path: &Path) {
 #[test]
 fn what_is_missing_or_damaged_is_named() {
     check(|it| remove(&it.path("labels/000001.label")), &["labels", "1 scan has no labels: 000001.bin"]);
-    check(|it| remove(&it.path("velodyne/000001.bin")), &["labels", "1 label file has no scan: 000001.label"]);
+    check(
+        |it| remove(&it.path("velodyne/000001.bin")),
+        &["labels", "1 label file has no scan: 000001.label"],
+    );
     check(|it| it.write("labels/000001.label", &[0; 4]), &["000001.label", "1 labels", "2 points"]);
     check(|it| it.write("labels/000001.label", &[0; 7]), &["000001.label", "7 bytes"]);
 
