@@ -9,8 +9,8 @@ use crate::tables::notes::Notes;
 /// A picture that is also saved as a file of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Name of the file, without folder.
-    pub file_name: String,
+    /// Name of its files, without folder and ending.
+    pub file_stem: String,
     /// The document.
     pub svg: String,
 }
@@ -31,8 +31,8 @@ impl FigureMarkup<'_> {
     pub(super) fn render(self, files: &mut Vec<Figure>) -> Markup {
         // Names come from files, too.
         let safe = |it: char| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' };
-        let file_name = format!("{}.svg", self.file_stem.chars().map(safe).collect::<String>());
-        files.push(Figure { svg: sheet(self.panels, self.key, self.title), file_name });
+        let file_stem = self.file_stem.chars().map(safe).collect();
+        files.push(Figure { svg: sheet(self.panels, self.key, self.title), file_stem });
         html! {
             figure {
                 (key(self.key))

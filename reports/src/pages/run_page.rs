@@ -18,6 +18,7 @@ use super::times::times;
 use super::worst::worst;
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
+use crate::plots::pdf::figure_files;
 use crate::run_folder::run_directory::{FIGURES, REPORT_HTML};
 use crate::tables::table_error::TableError;
 use crate::tables::task_table::task_tables as tables_of;
@@ -80,7 +81,9 @@ impl RunPage {
             _ => {}
         }
         for figure in &self.figures {
-            write_whole(&folder.join(&figure.file_name), figure.svg.as_bytes())?;
+            for (name, content) in figure_files(&figure.file_stem, &figure.svg)? {
+                write_whole(&folder.join(name), &content)?;
+            }
         }
         write_whole(&directory.join(REPORT_HTML), self.html.as_bytes())
     }
@@ -112,7 +115,7 @@ mod tests {
     }
 
     fn names(page: &RunPage) -> Vec<&str> {
-        page.figures.iter().map(|it| it.file_name.as_str()).collect()
+        page.figures.iter().map(|it| it.file_stem.as_str()).collect()
     }
 
     #[track_caller]
@@ -137,7 +140,7 @@ mod tests {
             ],
         );
         let all = ["standing", "range_objects", "range_vehicles", "precision_recall", "times", "stages"];
-        assert_eq!(names(&page), all.map(|it| format!("{it}.svg")));
+        assert_eq!(names(&page), all);
     }
 
     #[test]
@@ -193,7 +196,7 @@ mod tests {
         );
         // Recorded scans are not called simulated.
         assert!(!page.html.contains(">simulated<") && !page.html.contains("(simulated)"));
-        let of_objects = page.figures.iter().find(|it| it.file_name == "range_objects.svg").unwrap();
+        let of_objects = page.figures.iter().find(|it| it.file_stem == "range_objects").unwrap();
         assert!(!of_objects.svg.contains("precision"));
     }
 
@@ -208,7 +211,7 @@ mod tests {
     fn a_run_without_vehicles_has_no_curves() {
         let page = page(&SampleRun { tasks: &[Task::Objects], ..USUAL });
         assert!(!page.html.contains("#curves") && !page.html.contains("Task vehicles"));
-        assert!(!names(&page).contains(&"precision_recall.svg"));
+        assert!(!names(&page).contains(&"precision_recall"));
     }
 
     #[test]
@@ -231,8 +234,8 @@ mod tests {
             ],
         );
         assert!(!few.html.contains("leads with"));
-        for name in ["standing.svg", "range_objects.svg", "range_vehicles.svg"] {
-            let figure = few.figures.iter().find(|it| it.file_name == name).unwrap();
+        for name in ["standing", "range_objects", "range_vehicles"] {
+            let figure = few.figures.iter().find(|it| it.file_stem == name).unwrap();
             assert!(figure.svg.contains("from only 9 blocks of scans"), "{name}: {}", figure.svg);
         }
         let enough = page(&SampleRun { n_blocks: 10, ..USUAL });
@@ -264,7 +267,9 @@ mod tests {
         assert_eq!(RunPage::of(folder.path()).unwrap(), page);
         let written = std::fs::read_to_string(folder.path().join(REPORT_HTML)).unwrap();
         assert_eq!(written, page.html);
-        assert!(folder.path().join(FIGURES).join("standing.svg").is_file());
+        for name in ["standing.svg", "standing.pdf"] {
+            assert!(folder.path().join(FIGURES).join(name).is_file(), "{name}");
+        }
     }
 
     #[test]

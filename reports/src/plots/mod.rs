@@ -25,3 +25,5 @@ mod sweep_panels;
 pub mod rate_plot;
 pub mod fitness_plot;
 pub mod pareto_plot;
+pub mod pdf;
+pub mod study_plots;

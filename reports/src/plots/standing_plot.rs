@@ -1,12 +1,14 @@
 //! Detectors below each other, each with its rate, the interval, and what a paper states.
 
+use std::ops::RangeInclusive;
+
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::series_marks::SeriesMark;
 use super::small_panel::{SMALL_TEXT_PX, small_text};
 use super::style::{Area, Drawn, LINE_WIDTH_PX, QUIET_COLOR};
-use super::themed_svg::ThemedPanel;
+use super::themed_svg::{ThemedPanel, sheet};
 use crate::files::fixed_decimals::fixed_decimals;
 
 /// One detector.
@@ -24,13 +26,20 @@ pub struct StandingRow {
     pub paper_percent: Option<f64>,
 }
 
-const WIDTH_PX: u32 = 430;
+/// How wide a panel is, and the column of names in it, which takes as much room as it needs within these bounds.
+struct Layout {
+    width_px: u32,
+    names_px: RangeInclusive<i32>,
+}
+
+/// Three stand side by side on a page.
+const ON_PAGE: Layout = Layout { width_px: 430, names_px: 100..=190 };
+/// A figure of its own, with names that are sentences.
+const ALONE: Layout = Layout { width_px: 820, names_px: 100..=440 };
 const HEADING_PX: i32 = 26;
 const ROW_PX: i32 = 30;
 const AXIS_PX: i32 = 44;
 const VALUES_PX: i32 = 62;
-/// A name takes as much room as it needs, within these bounds.
-const NAMES_PX: std::ops::RangeInclusive<i32> = 100..=190;
 /// The width of a letter over the size of the text: a wide one, so that no name is cut off in another font.
 const LETTER_WIDTH: f64 = 0.62;
 /// Between a name and its line.
@@ -38,21 +47,32 @@ const NAME_GAP_PX: i32 = 10;
 
 /// A panel with a line for every detector; `title` says of which task, `rate` what is measured.
 pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPanel {
-    let size_px = (WIDTH_PX, (HEADING_PX + ROW_PX * rows.len() as i32 + AXIS_PX) as u32);
+    panel(title, rate, rows, &ON_PAGE)
+}
+
+/// A figure with such a panel for each part of a study: its title and its lines.
+pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<StandingRow>)]) -> String {
+    let panels: Vec<ThemedPanel> =
+        parts.iter().map(|(title, rows)| panel(title, rate, rows, &ALONE)).collect();
+    sheet(&panels, &[], title)
+}
+
+fn panel(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> ThemedPanel {
+    let size_px = (layout.width_px, (HEADING_PX + ROW_PX * rows.len() as i32 + AXIS_PX) as u32);
     let mut svg = String::new();
     let root = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-    draw(&root, title, rate, rows).expect("the panel has room, and memory takes all that is drawn");
+    draw(&root, title, rate, rows, layout).expect("the panel has room, and memory takes all that is drawn");
     drop(root);
     let texts: Vec<String> = rows.iter().map(|it| format!("{} {}", it.name, value_text(it))).collect();
     ThemedPanel::of_library(&svg, size_px.into(), format!("{title}: {rate} of {}", texts.join(", ")))
 }
 
 /// How many letters of a name there is room for, and how wide the column of names is.
-fn names_column(rows: &[StandingRow]) -> (usize, i32) {
+fn names_column(rows: &[StandingRow], bounds_px: &RangeInclusive<i32>) -> (usize, i32) {
     let letter_px = LETTER_WIDTH * f64::from(SMALL_TEXT_PX);
     let longest = rows.iter().map(|it| it.name.chars().count()).max().unwrap_or(0);
     let wanted_px = (longest as f64 * letter_px).ceil() as i32 + NAME_GAP_PX;
-    let names_px = wanted_px.clamp(*NAMES_PX.start(), *NAMES_PX.end());
+    let names_px = wanted_px.clamp(*bounds_px.start(), *bounds_px.end());
     ((f64::from(names_px - NAME_GAP_PX) / letter_px) as usize, names_px)
 }
 
@@ -68,12 +88,13 @@ fn value_text(row: &StandingRow) -> String {
     row.percent.map_or_else(|| "undefined".to_owned(), |it| format!("{} %", fixed_decimals(it, 1)))
 }
 
-fn draw(root: &Area<'_>, title: &str, rate: &str, rows: &[StandingRow]) -> Drawn {
-    let (n_letters, names_px) = names_column(rows);
+fn draw(root: &Area<'_>, title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> Drawn {
+    let width_px = layout.width_px as i32;
+    let (n_letters, names_px) = names_column(rows, &layout.names_px);
     let bold: TextStyle<'static> = ("sans-serif", SMALL_TEXT_PX, FontStyle::Bold).into_font().color(&BLACK);
     root.draw_text(title, &bold.pos(Pos::new(HPos::Left, VPos::Center)), (names_px, 11))?;
     let [low, high] = axis(rows);
-    let right_px = WIDTH_PX as i32 - VALUES_PX;
+    let right_px = width_px - VALUES_PX;
     let x_px = |percent: f64| {
         names_px + (f64::from(right_px - names_px) * (percent - low) / (high - low)).round() as i32
     };
@@ -97,7 +118,7 @@ fn draw(root: &Area<'_>, title: &str, rate: &str, rows: &[StandingRow]) -> Drawn
         let name = shortened(&row.name, n_letters);
         root.draw_text(&name, &small_text(HPos::Right, VPos::Center), (names_px - NAME_GAP_PX, y_px))?;
         let text = small_text(HPos::Right, VPos::Center);
-        root.draw_text(&value_text(row), &text, (WIDTH_PX as i32 - 2, y_px))?;
+        root.draw_text(&value_text(row), &text, (width_px - 2, y_px))?;
         let mark = SeriesMark(row.detector_idx);
         if let Some(paper) = row.paper_percent {
             let at_px = x_px(paper);
@@ -159,11 +180,11 @@ mod tests {
     #[test]
     fn a_name_has_the_room_it_needs_up_to_a_bound() {
         let named = |name: &str| vec![StandingRow { name: name.to_owned(), ..row(Some(61.0)) }];
-        assert_eq!(names_column(&named("pca")).1, 100);
-        let (n_letters, names_px) = names_column(&named("kd-tree-same-walls"));
+        assert_eq!(names_column(&named("pca"), &ON_PAGE.names_px).1, 100);
+        let (n_letters, names_px) = names_column(&named("kd-tree-same-walls"), &ON_PAGE.names_px);
         assert!(n_letters >= 18 && names_px > 100, "{n_letters} letters, {names_px} px");
         let long = named("a-detector-with-a-name-that-does-not-end");
-        let (n_letters, names_px) = names_column(&long);
+        let (n_letters, names_px) = names_column(&long, &ON_PAGE.names_px);
         assert_eq!(names_px, 190);
         let shown = shortened(&long[0].name, n_letters);
         assert!(shown.starts_with("a-detector-with") && shown.ends_with('…'), "{shown}");

@@ -46,7 +46,7 @@ impl Tabular for AgreementOfDetectors<'_> {
             "Nothing is labelled, so nothing was scored: who is right is not known.",
         ];
         let title = "Detections, and how far detectors agree".to_owned();
-        Sheet::of(title, grid, notes.map(str::to_owned).to_vec())
+        Sheet::of(title, grid, notes.map(str::to_owned).to_vec()).labelled("agreement")
     }
 }
 

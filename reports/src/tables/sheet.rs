@@ -51,6 +51,11 @@ impl Sheet {
         Self::of_parts(vec![Part { title: Some(title), grid }], sentences)
     }
 
+    /// The same with a name for others to refer to.
+    pub(crate) fn labelled(self, label: &str) -> Self {
+        Self { label: label.to_owned(), ..self }
+    }
+
     /// Tables with sentences beneath them all, and what their marks mean.
     pub(crate) fn of_parts(parts: Vec<Part>, sentences: Vec<String>) -> Self {
         let notes = Notes::beneath(parts.iter().map(|it| &it.grid), sentences);

@@ -60,7 +60,7 @@ impl Tabular for StageTable {
         let title = format!("Median times of the stages of {DETECTOR} in ms, on {}.", self.cpu_model);
         let sentence = "A step with several stages has the sum of their medians. paper: VM section 6, with another machine, other \
              scans and fewer features (eight); for orientation.";
-        Sheet::of(title, self.grid.clone(), vec![sentence.to_owned()])
+        Sheet::of(title, self.grid.clone(), vec![sentence.to_owned()]).labelled("stages")
     }
 }
 

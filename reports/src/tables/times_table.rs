@@ -81,7 +81,7 @@ impl Tabular for TimesTable {
         let of_some = [("CPU", of_cpu), ("door", of_door)].into_iter().filter(|(title, _)| has(title));
         let sentences = [sentence].into_iter().chain(of_some.map(|it| it.1)).map(str::to_owned);
         let title = format!("Times of detection only, on {}.", self.cpu_model);
-        Sheet::of(title, self.grid.clone(), sentences.collect())
+        Sheet::of(title, self.grid.clone(), sentences.collect()).labelled("times")
     }
 }
 

@@ -30,6 +30,12 @@ pub struct CompareArgs {
     /// Compare slices, too: by class, range, number of points and occlusion
     #[arg(long, help_heading = OUTPUT)]
     pub slices: bool,
+    /// Also write the table as CSV, Markdown and LaTeX, and a figure, into this directory
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
+    pub output: Option<PathBuf>,
+    /// Replace the directory if it exists
+    #[arg(long, requires = "output", help_heading = OUTPUT)]
+    pub overwrite: bool,
     /// Print Markdown
     #[arg(long, help_heading = OUTPUT)]
     pub markdown: bool,
@@ -40,6 +46,7 @@ Examples:
   scanbench compare runs/before runs/after
   scanbench compare runs/latest -d kd-tree,hierarchical
   scanbench compare runs/before runs/after --slices --markdown > slices.md
+  scanbench compare runs/latest -d kd-tree,hierarchical -o paper/comparison
 
 Every difference has a 95 % interval from a paired bootstrap, and the least
 difference that these scans could have shown.";

@@ -10,8 +10,6 @@ use reports::numbers::tally::Tally;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
 use reports::tables::formats::format::Format as _;
-use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::ablation_score::AblationRow;
 use reports::tables::studies::ablation_table::AblationTable;
 use scans::dataset::source::DamagePolicy;
@@ -23,21 +21,23 @@ use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{ids_of, open_datasets};
 use crate::commands::opened_results::OpenedResults;
+use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::survival_study::survival_study;
 use crate::commands::watched_run::WatchedRun;
+use reports::plots::study_plots::ablation_plot;
 
 /// The method whose parts are left out.
 const METHOD: &str = "hierarchical";
 
 const ABLATION_CSV: &str = "ablation.csv";
-const ABLATION_MD: &str = "ablation.md";
 
 /// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints the
 /// table.
@@ -85,16 +85,17 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     let numbers = write_numbers(&directory, &manifest, &tally)?;
     let of_task = numbers.tables.iter().filter(|it| it.task == TASK);
     let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &numbers.report)).collect();
-    tables.iter().try_for_each(|it| write_table(&directory, it))?;
+    tables.iter().try_for_each(|it| write_files(&directory, it))?;
     let finished = directory.finish()?;
-    let printed = tables.iter().try_for_each(|it| print_result(Terminal::UNFOLDED.text(it)));
+    let printed = tables.iter().try_for_each(|it| print_result(terminal().text(it)));
     // Also where nobody takes the table: the files are there.
     print_diagnostic(format_args!("Ablation: {}", finished.display()));
     printed
 }
 
-fn write_table(directory: &RunDirectory, table: &AblationTable) -> Result<(), Failure> {
+fn write_files(directory: &RunDirectory, table: &AblationTable) -> Result<(), Failure> {
     let rows: Vec<AblationRow> = table.scores.iter().map(|it| AblationRow::new(table.task, it)).collect();
     directory.write_file(ABLATION_CSV, &to_csv_bytes(&rows)?)?;
-    Ok(directory.write_file(ABLATION_MD, Markdown.text(table).as_bytes())?)
+    write_figure(directory, "ablation", &ablation_plot(table))?;
+    Ok(write_table(directory, "ablation", table)?)
 }

@@ -16,8 +16,6 @@ use reports::plots::box_plot::box_plot;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 use reports::tables::formats::format::Format as _;
-use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::box_error_row::{BoxErrorRow, FittedBoxRow, MatchedVehicle};
 use reports::tables::studies::box_table::BoxTable;
 
@@ -27,10 +25,12 @@ use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
+use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
+use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// What has to be said of the numbers.
@@ -77,13 +77,12 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
     for (group, lines) in groups.iter().zip(&lines) {
         let title =
             format!("Box errors of matched vehicles, {}: medians and 95 % intervals", group.file_stem());
-        directory
-            .write_file(&format!("boxes_{}.svg", group.file_stem()), box_plot(lines, &title).as_bytes())?;
+        write_figure(&directory, &format!("boxes_{}", group.file_stem()), &box_plot(lines, &title))?;
     }
     let lines = lines.concat();
     write_lines(&directory, &lines)?;
     let finished = directory.finish()?;
-    let printed = print_result(Terminal::UNFOLDED.text(&BoxTable { lines: &lines, notes: &NOTES }));
+    let printed = print_result(terminal().text(&BoxTable { lines: &lines, notes: &NOTES }));
     // Also where nobody takes the table: it is there.
     print_diagnostic(format_args!("Tables and plots: {}", finished.display()));
     printed
@@ -165,6 +164,6 @@ fn write_lines(directory: &RunDirectory, lines: &[BoxErrorLine]) -> Result<(), F
         rows.write(&row)?;
     }
     rows.finish()?;
-    directory.write_file("box_errors.md", Markdown.text(&BoxTable { lines, notes: &NOTES }).as_bytes())?;
+    write_table(directory, "box_errors", &BoxTable { lines, notes: &NOTES })?;
     Ok(())
 }

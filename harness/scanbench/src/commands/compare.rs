@@ -3,20 +3,30 @@
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format;
 use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::verdict::comparison::{ComparedSlices, Comparison, compare_detectors, compare_runs};
 
 use crate::cli::CompareArgs;
+use crate::cli::OutputArgs;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::open_run;
+use crate::commands::paper_files::{write_figure, write_table};
+use crate::commands::run_directory::claim_named;
 use crate::commands::standard_streams::print_bytes;
+use crate::commands::standard_streams::print_diagnostic;
+use crate::commands::standard_streams::terminal;
+use reports::files::csv_rows::to_csv_bytes;
+use reports::plots::study_plots::comparison_plot;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::tables::verdict::difference_row::DifferenceRow;
 
-/// Prints what lies between two runs, or two detectors of one run.
+/// Prints what lies between two runs, or two detectors of one run, and writes it where that is asked for.
 ///
 /// # Errors
 ///
-/// If a run cannot be read, the two are not of the same scans, or there is no such detector.
+/// If a run cannot be read, the two are not of the same scans, there is no such detector, or nothing can be written.
 pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
+    let output = OutputArgs { output: arguments.output.clone(), overwrite: arguments.overwrite };
+    let directory = claim_named(&output)?;
     let slices = if arguments.slices { ComparedSlices::Each } else { ComparedSlices::All };
     let run = open_run(&arguments.run)?;
     let comparison = match (&arguments.other, arguments.detectors.as_deref()) {
@@ -26,7 +36,14 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
             return Err(Usage("--detectors takes two names, such as kd-tree,hierarchical".to_owned()).into());
         }
     };
-    let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &Terminal::UNFOLDED };
+    if let Some(directory) = directory {
+        let directory = RunDirectory::begin(directory)?;
+        directory.write_file("comparison.csv", &to_csv_bytes(&DifferenceRow::all(&comparison))?)?;
+        write_figure(&directory, "comparison", &comparison_plot(&comparison))?;
+        write_table(&directory, "comparison", &comparison)?;
+        print_diagnostic(format_args!("Comparison: {}", directory.finish()?.display()));
+    }
+    let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &terminal() };
     let text = format.text(&comparison);
     print_bytes(text.as_bytes())
 }

@@ -14,7 +14,6 @@ use reports::run_folder::comparison_manifest::{ComparedScans, ComparisonManifest
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 use reports::tables::formats::format::Format as _;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::agreement::AgreementTable;
 use reports::tables::studies::curve_row::CurveRow;
 use scans::dataset::class_table::ClassTable;
@@ -24,10 +23,12 @@ use crate::cli::{DatasetArgs, RealismArgs, SourceArgs};
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
+use crate::commands::paper_files::write_figure;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{dataset_entry, seeds};
+use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// One row for every bin of every statistic.
@@ -58,7 +59,7 @@ pub fn data_realism(arguments: &RealismArgs) -> Result<(), Failure> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     write_curves(&directory, &curves, names)?;
     let finished = directory.finish()?;
-    let printed = print_result(Terminal::UNFOLDED.text(&AgreementTable { names, curves: &curves }));
+    let printed = print_result(terminal().text(&AgreementTable { names, curves: &curves }));
     // Also where nobody takes the table: the curves are there.
     print_diagnostic(format_args!("Curves and plots: {}", finished.display()));
     printed
@@ -149,7 +150,7 @@ fn write_curves(directory: &RunDirectory, curves: &[CurvePair], names: Sides<&st
         for row in CurveRow::of_curves(pair, names) {
             rows.write(&row)?;
         }
-        directory.write_file(&format!("{}.svg", pair.statistic), curve_plot(pair, names).as_bytes())?;
+        write_figure(directory, pair.statistic, &curve_plot(pair, names))?;
     }
     rows.finish()?;
     Ok(())

@@ -15,7 +15,6 @@ use reports::plots::plan_plot::plan_plot;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::tables::formats::format::Format as _;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::gap_row::GapRow;
 use reports::tables::studies::gap_table::GapTable;
 use scans::dataset::source::DamagePolicy;
@@ -28,9 +27,11 @@ use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::opened_results::OpenedResults;
+use crate::commands::paper_files::write_figure;
 use crate::commands::progress::RunProgress;
 use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::watched_run::WatchedRun;
 
@@ -77,9 +78,8 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
         write_picture(&directory, &pairs, arguments.pairs, [simple, hierarchical])?;
     }
     let finished = directory.finish()?;
-    let printed = print_result(
-        Terminal::UNFOLDED.text(&GapTable { curves: &gap_curves(&bins), definition: SEPARATED }),
-    );
+    let printed =
+        print_result(terminal().text(&GapTable { curves: &gap_curves(&bins), definition: SEPARATED }));
     // Also where nobody takes the table: the curves are there.
     print_diagnostic(format_args!("Curves and plots: {}", finished.display()));
     printed
@@ -108,11 +108,11 @@ fn write_curves(directory: &RunDirectory, bins: &[GapBin]) -> Result<(), Failure
     let rows: Vec<GapRow> = bins.iter().map(GapRow::simulated).collect();
     directory.write_file("gaps.csv", &to_csv_bytes(&rows)?)?;
     let plot = gap_plot(&gap_curves(bins), "Separated pairs of objects (simulated; bars: 95 % intervals)");
-    directory.write_file("gaps.svg", plot.as_bytes())?;
+    write_figure(directory, "gaps", &plot)?;
     for kind in PairKind::ALL.map(PairKind::name) {
         let curves = gap_curves(bins.iter().filter(|it| it.pair == kind));
         let plot = gap_plot(&curves, &format!("Separated pairs: {kind} (simulated; bars: 95 % intervals)"));
-        directory.write_file(&format!("gaps_{kind}.svg"), plot.as_bytes())?;
+        write_figure(directory, &format!("gaps_{kind}"), &plot)?;
     }
     Ok(())
 }
@@ -133,6 +133,5 @@ fn write_picture(
         "{}, {} m apart, seen from above (simulated); one marker per detection, grey cells",
         picture.pair, picture.gap_m
     );
-    directory.write_file("pair.svg", plan_plot(&picture.plans, &title).as_bytes())?;
-    Ok(())
+    Ok(write_figure(directory, "pair", &plan_plot(&picture.plans, &title))?)
 }

@@ -9,7 +9,6 @@ use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
 use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::verdict::brief::Brief;
 use reports::tables::verdict::summary::InFull;
 use reports::verdicts::accept::{TOLERANCES_TOML, run_of_baseline};
@@ -20,7 +19,8 @@ use reports::verdicts::verdict::{Verdict, judge};
 use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
-use crate::commands::standard_streams::{print_bytes, result_width};
+use crate::commands::standard_streams::print_bytes;
+use crate::commands::standard_streams::terminal;
 
 /// The file that GitHub shows as the summary of a job.
 const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
@@ -53,7 +53,7 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
 }
 
 fn printed(arguments: &GateArgs, verdict: &Verdict) -> String {
-    let terminal = Terminal { width: Some(result_width()) };
+    let terminal = terminal();
     if arguments.full {
         return terminal.text(&InFull(verdict));
     }

@@ -14,6 +14,7 @@ pub mod open_scan;
 pub mod first_look;
 pub mod provenance;
 pub mod run_directory;
+pub mod paper_files;
 pub mod recorder;
 pub mod run_manifest;
 pub mod run_numbers;

@@ -41,25 +41,22 @@ fn text_of(table: &str) -> String {
 
 /// The whole of a file, with its tables within `table`, and with `bounds` before what is said of each value.
 fn with_bounds(table: &str, text: &str, bounds: &[Bounds]) -> String {
-    let (mut printed, mut within) = (String::new(), "");
-    for line in text.lines() {
+    let mut within = "";
+    let printed = text.lines().map(|line| {
         if let Some((name, rest)) = line.strip_prefix('[').and_then(|it| it.split_once(']')) {
             within = name;
             let outer = if table.is_empty() { String::new() } else { format!("{table}.") };
-            printed.push_str(&format!("[{outer}{name}]{rest}\n"));
-            continue;
+            return format!("[{outer}{name}]{rest}\n");
         }
         let of_line = line.split_once(" = ").and_then(|(key, _)| {
             bounds.iter().find(|it| it.name.strip_prefix(within).is_some_and(|it| it == format!(".{key}")))
         });
         match (of_line, line.split_once("# ")) {
-            (Some(bounds), Some((value, meaning))) => {
-                printed.push_str(&format!("{value}# {bounds}; {meaning}\n"));
-            }
-            _ => printed.push_str(&format!("{line}\n")),
+            (Some(bounds), Some((value, meaning))) => format!("{value}# {bounds}; {meaning}\n"),
+            _ => format!("{line}\n"),
         }
-    }
-    printed
+    });
+    printed.collect()
 }
 
 /// What a file has of `table`.

@@ -2,7 +2,7 @@
 
 use std::io::IsTerminal as _;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::commands::standard_streams::{Verbosity, is_said, print_diagnostic};
 
@@ -14,19 +14,27 @@ pub fn progress_over_scans(n_scans: usize, label: &str) -> ProgressBar {
     } else {
         ProgressDrawTarget::hidden()
     };
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} scans, {per_sec}, {eta} left")
-        .expect("the template is constant and tested by use");
+    let style = style_of("{msg} {wide_bar} {pos}/{len} scans{pace}");
     let bar = ProgressBar::with_draw_target(Some(n_scans as u64), target).with_style(style);
     bar.set_message(label.to_owned());
     bar
 }
 
+/// The look of a bar, where `{pace}` is how many a second and how long it will take, once something is done.
+fn style_of(template: &str) -> ProgressStyle {
+    let style = ProgressStyle::with_template(template).expect("the template is constant and tested by use");
+    style.with_key("pace", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+        if state.per_sec() > 0.0 {
+            // A bar that cannot be written to has nobody who reads it.
+            let _ = write!(text, ", {:.1}/s, {:#} left", state.per_sec(), HumanDuration(state.eta()));
+        }
+    })
+}
+
 /// The same over `n_results` results of any kind, of which `n_done` were there before; `label` says what is done.
 pub fn progress_over_results(n_results: usize, n_done: usize, label: &str) -> ProgressBar {
     let bar = progress_over_scans(n_results, label);
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {per_sec}, {eta} left")
-        .expect("the template is constant and tested by use");
-    bar.set_style(style);
+    bar.set_style(style_of("{msg} {wide_bar} {pos}/{len}{pace}"));
     bar.set_position(n_done as u64);
     bar.reset_eta();
     bar

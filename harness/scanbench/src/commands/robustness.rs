@@ -10,8 +10,6 @@ use reports::numbers::tally::Tally;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::tables::formats::format::Format as _;
-use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::condition_row::ConditionRow;
 use reports::tables::studies::robustness_table::{NamedCondition, RobustnessTable, condition_scores};
 use scans::dataset::source::DamagePolicy;
@@ -22,11 +20,14 @@ use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::opened_results::OpenedResults;
+use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
 use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::watched_run::WatchedRun;
+use reports::plots::study_plots::robustness_plot;
 
 /// All there are, the method first.
 const DETECTORS: [&str; 4] = ["hierarchical", "kd-tree", "pca", "simple-grid"];
@@ -68,8 +69,7 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
     let notes = notes(arguments, &asked);
     write_tables(&directory, &scores, &notes)?;
     let finished = directory.finish()?;
-    let printed =
-        print_result(Terminal::UNFOLDED.text(&RobustnessTable { conditions: &scores, notes: &notes }));
+    let printed = print_result(terminal().text(&RobustnessTable { conditions: &scores, notes: &notes }));
     // Also where nobody takes the table: it is there.
     print_diagnostic(format_args!("Tables: {}", finished.display()));
     printed
@@ -112,6 +112,6 @@ fn write_tables(
 ) -> Result<(), Failure> {
     let rows: Vec<ConditionRow> = conditions.iter().flat_map(ConditionRow::simulated).collect();
     directory.write_file("robustness.csv", &to_csv_bytes(&rows)?)?;
-    Ok(directory
-        .write_file("robustness.md", Markdown.text(&RobustnessTable { conditions, notes }).as_bytes())?)
+    write_figure(directory, "robustness", &robustness_plot(conditions))?;
+    Ok(write_table(directory, "robustness", &RobustnessTable { conditions, notes })?)
 }

@@ -15,7 +15,6 @@ use reports::run_folder::run_target::LatestPointer;
 use reports::tables::agreement_table::AgreementOfDetectors as AgreementOfDetectorsTable;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
 use reports::vocabulary::task::Task;
 use scans::conversion::results::result_folder::ResultFolder;
@@ -38,7 +37,8 @@ use crate::commands::sinks::detection_files::DetectionFiles;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::sinks::rerun_recording::RerunRecording;
-use crate::commands::standard_streams::{print_diagnostic, print_result, result_width};
+use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::watched_run::WatchedRun;
 
 /// Runs detectors on labelled scans, writes the run directory and prints the tables.
@@ -129,7 +129,7 @@ fn write_agreement(directory: &RunDirectory, rows: &[AgreementRow]) -> Result<Op
     let table = AgreementOfDetectorsTable { rows };
     directory.write_file("agreement.csv", &to_csv_bytes(rows)?)?;
     directory.write_file("table_agreement.md", Markdown.text(&table).as_bytes())?;
-    Ok(Some(Terminal { width: Some(result_width()) }.text(&table)))
+    Ok(Some(terminal().text(&table)))
 }
 
 fn detection_files(
@@ -192,7 +192,7 @@ fn print(
     (is_scored, agreement): (bool, Option<String>),
     finished: &Path,
 ) -> Result<(), Failure> {
-    let terminal = Terminal { width: Some(result_width()) };
+    let terminal = terminal();
     let tables = numbers.tables.iter().filter(|_| is_scored).map(|it| terminal.text(it));
     let sentences = standings.iter().map(Standing::sentence).chain(speeds.sentence());
     let last = [terminal.text(&numbers.times), terminal.sentences(sentences)];

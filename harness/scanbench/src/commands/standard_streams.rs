@@ -7,6 +7,7 @@ use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::sync::OnceLock;
 
 use crate::commands::failure::Failure;
+use reports::tables::formats::terminal::Terminal;
 
 /// How much is said on stderr.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,6 +44,11 @@ pub fn result_width() -> usize {
         Some(usize::from(width.0))
     };
     wanted.or_else(of_terminal).unwrap_or(USUAL_WIDTH)
+}
+
+/// Tables as wide as [`result_width`].
+pub fn terminal() -> Terminal {
+    Terminal { width: Some(result_width()) }
 }
 
 /// Prints a result, which is never coloured. A reader that has seen enough and closed the stream is no error.

@@ -5,8 +5,6 @@ use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 use reports::tables::formats::format::Format as _;
-use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::survival_table::SurvivalTable;
 use std::num::NonZeroUsize;
 
@@ -16,17 +14,18 @@ use crate::commands::failure::{Failure, Usage};
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{ids_of, open_datasets};
+use crate::commands::paper_files::write_table;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, run_manifest};
+use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 
 /// The method whose steps are looked into.
 const METHOD: &str = "hierarchical";
 
 const ORACLE_CSV: &str = "oracle.csv";
-const ORACLE_MD: &str = "oracle.md";
 
 /// Counts the annotated objects that survive each step of the method, and writes and prints the table.
 ///
@@ -66,9 +65,9 @@ pub fn survival_study(arguments: &AblationArgs) -> Result<(), Failure> {
     let table = SurvivalTable { rows: &rows };
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     directory.write_file(ORACLE_CSV, &to_csv_bytes(&rows)?)?;
-    directory.write_file(ORACLE_MD, Markdown.text(&table).as_bytes())?;
+    write_table(&directory, "oracle", &table)?;
     let finished = directory.finish()?;
-    let printed = print_result(Terminal::UNFOLDED.text(&table));
+    let printed = print_result(terminal().text(&table));
     print_diagnostic(format_args!("Oracle: {}", finished.display()));
     printed
 }

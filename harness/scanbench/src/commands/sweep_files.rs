@@ -1,5 +1,7 @@
 //! What `scanbench sweep` leaves behind.
 
+use crate::commands::paper_files::{write_figure, write_table};
+use crate::commands::standard_streams::terminal;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::CsvRowWriter;
 use reports::numbers::sweep_score::SweepScores;
@@ -8,10 +10,8 @@ use reports::plots::pareto_plot::pareto_plot;
 use reports::plots::rate_plot::rate_plot;
 use reports::run_folder::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV};
 use reports::tables::formats::format::Format as _;
-use reports::tables::formats::markdown::Markdown;
-use reports::tables::formats::terminal::Terminal;
 use reports::tables::studies::fitness_table::FitnessTable;
-use reports::tables::studies::sweep_table::SweepTable;
+use reports::tables::studies::sweep_table::{SweepTable, best_of};
 use reports::verdicts::fitness_verdict::fitness_verdicts;
 
 /// Writes tables and plots into `directory`, and returns what is to be printed.
@@ -31,24 +31,28 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
     }
     for extent in sweep.extents() {
         let name = extent.name();
-        directory.write_file(&format!("f_rate_{name}.svg"), rate_plot(sweep, extent).as_bytes())?;
+        write_figure(directory, &format!("f_rate_{name}"), &rate_plot(sweep, extent))?;
         if let Some(plot) = fitness_plot(sweep, extent) {
-            directory.write_file(&format!("fitness_{name}.svg"), plot.as_bytes())?;
+            write_figure(directory, &format!("fitness_{name}"), &plot)?;
         }
         if let Some(plot) = pareto_plot(sweep, extent) {
-            directory.write_file(&format!("pareto_{name}.svg"), plot.as_bytes())?;
+            write_figure(directory, &format!("pareto_{name}"), &plot)?;
         }
     }
     let verdicts = fitness_verdicts(sweep);
-    let mut printed = Terminal::UNFOLDED.text(&SweepTable { sweep });
+    let table = SweepTable { sweep };
+    write_table(directory, "sweep", &table)?;
+    let mut printed = terminal().text(&table);
     if !verdicts.is_empty() {
         let mut rows = CsvRowWriter::new(directory.begin_file("cell_fitness.csv")?)?;
         verdicts.iter().try_for_each(|it| rows.write(it))?;
         rows.finish()?;
         let table = FitnessTable { verdicts: &verdicts };
-        directory.write_file("cell_fitness.md", Markdown.text(&table).as_bytes())?;
+        write_table(directory, "cell_fitness", &table)?;
         printed.push('\n');
-        printed.push_str(&Terminal::UNFOLDED.text(&table));
+        printed.push_str(&terminal().text(&table));
     }
+    // The answer last.
+    printed.push_str(&terminal().sentences(best_of(sweep)));
     Ok(printed)
 }

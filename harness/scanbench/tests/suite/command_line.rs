@@ -383,7 +383,7 @@ fn a_list_says_what_is_there_and_what_is_not() {
         |line: &str| line.len() - line.split_once(' ').map_or("", |it| it.1).trim_start().len();
     let columns: BTreeSet<usize> = ended.stdout.lines().map(second_column).collect();
     assert_eq!(columns.len(), 1, "not below each other: {ended:#?}");
-    assert!(line_of("kitti-tracking ").contains(" 2 scans  kitti-tracking"), "{ended:#?}");
+    assert!(line_of("kitti-tracking ").contains(" 2 scans, kitti-tracking"), "{ended:#?}");
     assert!(
         line_of("kitti-object ").contains("not available: \"kitti-object\" is not at \"gone\""),
         "{ended:#?}"

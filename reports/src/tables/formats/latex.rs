@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::tables::formats::format::Format;
 use crate::tables::grid::{Alignment, Cell, Grid, Line, LineKind};
 use crate::tables::notes::Notes;
-use crate::tables::sheet::{Part, Sheet, Tabular};
+use crate::tables::sheet::{Part, Tabular};
 
 /// LaTeX floats; need the package `booktabs`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,15 +19,19 @@ impl<T: Tabular + ?Sized> Format<T> for Latex {
     fn text(&self, subject: &T) -> String {
         let sheet = subject.printed();
         let mut text = "% Needs \\usepackage{booktabs}.\n".to_owned();
-        for part in &sheet.parts {
-            write_float(&mut text, part, &sheet);
+        for (part_idx, part) in sheet.parts.iter().enumerate() {
+            let label = match part_idx {
+                0 => sheet.label.clone(),
+                _ => format!("{}-{}", sheet.label, part_idx + 1),
+            };
+            write_float(&mut text, part, &label, &sheet.notes);
         }
         text
     }
 }
 
 /// A table as a float, as in the papers.
-fn write_float(text: &mut String, Part { title, grid }: &Part, Sheet { label, notes, .. }: &Sheet) {
+fn write_float(text: &mut String, Part { title, grid }: &Part, label: &str, notes: &Notes) {
     let mut push = |line: &str| writeln!(text, "{line}").expect("a string takes all that is written");
     push("\\begin{table}");
     push("  \\centering");

@@ -54,7 +54,7 @@ impl Tabular for AblationTable {
             ),
         ];
         sentences.extend(about_intervals);
-        Sheet::of(title, self.grid(), sentences)
+        Sheet::of(title, self.grid(), sentences).labelled("ablation")
     }
 }
 

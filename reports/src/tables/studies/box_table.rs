@@ -28,7 +28,7 @@ impl Tabular for BoxTable<'_> {
             }
         }
         sentences.extend(self.notes.iter().map(|it| (*it).to_owned()));
-        Sheet::of_parts(by_data(self.lines).map(part).collect(), sentences)
+        Sheet::of_parts(by_data(self.lines).map(part).collect(), sentences).labelled("box-errors")
     }
 }
 

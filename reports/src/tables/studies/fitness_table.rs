@@ -33,7 +33,7 @@ impl Tabular for FitnessTable<'_> {
     fn sheet(&self) -> Sheet {
         let [all, summary] = [(TITLE, grid(self.verdicts)), (SUMMARY_TITLE, summary_grid(self.verdicts))]
             .map(|(title, grid)| Part { title: Some(title.to_owned()), grid });
-        Sheet::of_parts(vec![all, summary], NOTES.map(str::to_owned).to_vec())
+        Sheet::of_parts(vec![all, summary], NOTES.map(str::to_owned).to_vec()).labelled("cell-fitness")
     }
 }
 

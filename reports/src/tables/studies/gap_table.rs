@@ -29,7 +29,7 @@ impl Tabular for GapTable<'_> {
                 .to_owned(),
             self.definition.to_owned(),
         ];
-        Sheet::of_parts(curves_by_range(self.curves).iter().map(part).collect(), sentences)
+        Sheet::of_parts(curves_by_range(self.curves).iter().map(part).collect(), sentences).labelled("gaps")
     }
 }
 

@@ -71,7 +71,7 @@ impl Tabular for RobustnessTable<'_> {
         let kind = rates.filter_map(|(_, it)| it.f_rate_within).map(|it| it.blocks.kind).next();
         let about_intervals = kind.map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it)));
         let sentences = self.notes.iter().cloned().chain(about_intervals).collect();
-        Sheet::of(TITLE.to_owned(), grid(self.conditions), sentences)
+        Sheet::of(TITLE.to_owned(), grid(self.conditions), sentences).labelled("robustness")
     }
 }
 

@@ -78,7 +78,7 @@ impl Tabular for SurvivalTable<'_> {
             "classified: a detection shows it, and tells whether it is a vehicle.",
         ];
         let title = "Annotated objects that survive each step, in %".to_owned();
-        Sheet::of(title, grid, notes.map(str::to_owned).to_vec())
+        Sheet::of(title, grid, notes.map(str::to_owned).to_vec()).labelled("oracle")
     }
 }
 

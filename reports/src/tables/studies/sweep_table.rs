@@ -29,8 +29,37 @@ impl Tabular for SweepTable<'_> {
              median over scans."
         );
         let title = format!("Best of {} over {}. Rates in %.", n_values(sweep), sweep.parameters[0]);
-        Sheet::of(title, grid(sweep), vec![sentence])
+        Sheet::of(title, grid(sweep), vec![sentence]).labelled("sweep")
     }
+}
+
+/// A sentence for every detector and task: the best value over all data sets, with its rate and interval.
+pub fn best_of(sweep: &SweepScores) -> Vec<String> {
+    let curves = sweep.curves();
+    let is_widest = |it: &&SweepCurve<'_>| {
+        let has_overall = curves.iter().any(|it| it.points[0].score.subject.extent == Extent::Overall);
+        !has_overall || it.points[0].score.subject.extent == Extent::Overall
+    };
+    let sentence = |curve: &SweepCurve<'_>| {
+        let first = curve.points[0].score;
+        let best = curve.points[curve.best()?];
+        let percent = |it: f64| fixed_decimals(100.0 * it, 1);
+        let within = best.score.rate_within().map_or_else(String::new, |[low, high]| {
+            let few = if first.blocks.are_too_few() { ", from too few blocks to rely on" } else { "" };
+            format!(" ({} to {}{few})", percent(low), percent(high))
+        });
+        let detector = [vec![first.subject.detector.clone()], curve.others.clone()].concat().join(", ");
+        Some(format!(
+            "Best for {detector}, {}, {}: {} = {}, {} {} %{within}.",
+            first.task,
+            first.subject.extent.name(),
+            sweep.parameters[0],
+            best.x_text,
+            first.rate_name(),
+            percent(best.score.rate()?)
+        ))
+    };
+    curves.iter().filter(is_widest).filter_map(sentence).collect()
 }
 
 fn grid(sweep: &SweepScores) -> Grid {

@@ -125,7 +125,7 @@ fn named(task: Task, detector: &str, slice: Slice, difference: PairedDifference)
 
 impl Tabular for Comparison {
     fn sheet(&self) -> Sheet {
-        Sheet::of(format!("{}.", self.title), self.grid(), self.sentences())
+        Sheet::of(format!("{}.", self.title), self.grid(), self.sentences()).labelled("comparison")
     }
 }
 

@@ -1,0 +1,63 @@
+//! The figures of studies: a line for each variant, condition or difference, with its interval.
+
+use super::standing_plot::{StandingRow, study_plot};
+use crate::numbers::blocks::Interval;
+use crate::numbers::condition_scores::ConditionScores;
+use crate::tables::studies::ablation_table::AblationTable;
+use crate::tables::verdict::comparison::Comparison;
+use crate::vocabulary::metric::Metric;
+use crate::vocabulary::task::Task;
+
+const F_RATE: &str = "F-rate, % (bars: 95 % interval)";
+
+/// The F-rate of each variant of a method, data set by data set.
+pub fn ablation_plot(table: &AblationTable) -> String {
+    let of_extents = table.scores.chunk_by(|left, right| left.extent == right.extent);
+    let parts = of_extents.map(|scores| {
+        let rows = scores.iter().enumerate().map(|(place, it)| {
+            row(it.variant.clone(), usize::from(place > 0), it.counts.f_rate(), it.f_rate_within)
+        });
+        (scores[0].extent.name().to_owned(), rows.collect())
+    });
+    let title = format!("Ablation of {}, task {}", table.method, table.task);
+    study_plot(&title, F_RATE, &parts.collect::<Vec<_>>())
+}
+
+/// The F-rate of every detector under each condition, task by task.
+pub fn robustness_plot(conditions: &[ConditionScores]) -> String {
+    let parts = Task::ALL.map(|task| {
+        let rows = conditions.iter().flat_map(|condition| {
+            condition.detectors.iter().enumerate().flat_map(move |(detector_idx, detector)| {
+                let of_task = detector.tasks().into_iter().filter(move |it| it.0 == task);
+                let name = format!("{}, {}", condition.condition, detector.detector);
+                of_task
+                    .map(move |(_, it)| row(name.clone(), detector_idx, it.counts.f_rate(), it.f_rate_within))
+            })
+        });
+        (format!("Task {task}"), rows.collect())
+    });
+    study_plot("F-rate under each condition (simulated)", F_RATE, &parts)
+}
+
+/// The differences of F-rates, or of recalls where that is undefined.
+pub fn comparison_plot(comparison: &Comparison) -> String {
+    let parts = [(Metric::FRate, "F-rate"), (Metric::Recall, "recall")].map(|(metric, name)| {
+        let of_metric = comparison.differences.iter().filter(|it| it.difference.metric == metric);
+        let rows = of_metric.map(|it| {
+            let name = format!("{}, {}, {}", it.task, it.detector, it.slice.name());
+            row(name, 0, Some(it.difference.difference()), it.difference.interval)
+        });
+        (format!("After minus before, {name}"), rows.collect())
+    });
+    study_plot(&comparison.title, "difference, percentage points (bars: 95 % interval)", &parts)
+}
+
+fn row(name: String, colour_idx: usize, rate: Option<f64>, within: Option<Interval>) -> StandingRow {
+    StandingRow {
+        name,
+        detector_idx: colour_idx,
+        percent: rate.map(|it| 100.0 * it),
+        interval_percent: within.map(|it| it.ends.map(|end| 100.0 * end)),
+        paper_percent: None,
+    }
+}

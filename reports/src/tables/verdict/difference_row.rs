@@ -1,0 +1,63 @@
+//! `comparison.csv`: one row for every difference.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::fixed_decimals::Fixed;
+use crate::tables::verdict::comparison::{Comparison, NamedDifference};
+use crate::vocabulary::task::Task;
+
+/// A difference, with its interval where there are enough blocks for one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DifferenceRow {
+    task: Task,
+    detector: String,
+    slice: String,
+    metric: String,
+    before: Fixed<6>,
+    after: Fixed<6>,
+    difference: Fixed<6>,
+    low: Option<Fixed<6>>,
+    high: Option<Fixed<6>>,
+    few_blocks: Option<bool>,
+    least_effect: Option<Fixed<6>>,
+}
+
+impl CsvRow for DifferenceRow {
+    const COLUMNS: &'static [&'static str] = &[
+        "task",
+        "detector",
+        "slice",
+        "metric",
+        "before",
+        "after",
+        "difference",
+        "low",
+        "high",
+        "few_blocks",
+        "least_effect",
+    ];
+}
+
+impl DifferenceRow {
+    /// The rows of a comparison, in the order of its table.
+    pub fn all(comparison: &Comparison) -> Vec<Self> {
+        comparison.differences.iter().map(Self::of).collect()
+    }
+
+    fn of(NamedDifference { task, detector, slice, difference }: &NamedDifference) -> Self {
+        Self {
+            task: *task,
+            detector: detector.clone(),
+            slice: slice.name(),
+            metric: difference.metric.id(),
+            before: Fixed(difference.before),
+            after: Fixed(difference.after),
+            difference: Fixed(difference.difference()),
+            low: difference.interval.map(|it| Fixed(it.ends[0])),
+            high: difference.interval.map(|it| Fixed(it.ends[1])),
+            few_blocks: difference.interval.map(|it| it.blocks.are_too_few()),
+            least_effect: difference.least_effect.map(Fixed),
+        }
+    }
+}
