@@ -9,7 +9,7 @@ use super::{ParamsError, as_written};
 pub struct Bounds {
     /// The parameter with its tables, such as `grid.cell_size_m`.
     pub name: &'static str,
-    /// The least.
+    /// The least; negative infinity for one that may be as low as it likes.
     pub low: f64,
     /// The greatest; infinite for a number of which there may be any many.
     pub high: f64,
@@ -46,10 +46,10 @@ impl Bounds {
 /// `0.05 to 10 m`, or `at least 1`.
 impl fmt::Display for Bounds {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.high.is_infinite() {
-            write!(formatter, "at least {}", self.low)?;
-        } else {
-            write!(formatter, "{} to {}", self.low, self.high)?;
+        match [self.low, self.high] {
+            [low, high] if high.is_infinite() => write!(formatter, "at least {low}")?,
+            [low, high] if low.is_infinite() => write!(formatter, "at most {high}")?,
+            [low, high] => write!(formatter, "{low} to {high}")?,
         }
         self.unit().map_or(Ok(()), |it| write!(formatter, " {it}"))
     }
@@ -107,7 +107,7 @@ pub const HIERARCHICAL_BOUNDS: &[Bounds] = &[
     Bounds::new("walls.hough.min_length_cells", 2.0, 10_000.0),
     Bounds::new("walls.hough.max_gap_cells", 0.0, 10_000.0),
     Bounds::new("walls.hough.seed", 0.0, f64::INFINITY),
-    Bounds::new("foreground.clearance_m", -10.0, 10.0),
+    Bounds::new("foreground.clearance_m", f64::NEG_INFINITY, 10.0),
     Bounds::new("foreground.ground_band_m", 0.0, 10.0),
     Bounds::new("merge.max_height_difference_m", 0.0, 100.0),
     Bounds::new("separation.low_density_share", 0.0, 1.0),
@@ -163,6 +163,7 @@ mod tests {
         assert_eq!(Bounds::new("walls.ceiling_margin_deg", 0.0, 90.0).to_string(), "0 to 90 degrees");
         assert_eq!(Bounds::new("cluster.min_points", 1.0, f64::INFINITY).to_string(), "at least 1 points");
         assert_eq!(Bounds::new("grid.xi", 1.0, 8.0).to_string(), "1 to 8");
+        assert_eq!(Bounds::new("clearance_m", f64::NEG_INFINITY, 10.0).to_string(), "at most 10 m");
     }
 
     /// Names of all numbers in `table`.

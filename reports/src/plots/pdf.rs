@@ -42,14 +42,30 @@ pub fn figure_files(stem: &str, svg: &str) -> Result<[(String, Vec<u8>); 2], Arc
 /// What is wrong with `svg`, if it is no drawing.
 fn pdf_of(svg: &str) -> Result<Vec<u8>, String> {
     let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
-    let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
+    let tree = Tree::from_str(&without_themes(svg), &options).map_err(|error| error.to_string())?;
     svg2pdf::to_pdf(&tree, ConversionOptions::default(), PageOptions { dpi: PIXELS_PER_INCH })
         .map_err(|error| error.to_string())
+}
+
+/// `svg` without the style that follows the theme of a page, of which a converter understands half: attributes have the colours of print.
+fn without_themes(svg: &str) -> String {
+    match (svg.split_once("<style>"), svg.split_once("</style>")) {
+        (Some((before, _)), Some((_, after))) => format!("{before}{after}"),
+        _ => svg.to_owned(),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn themes_of_pages_are_left_out() {
+        let panel = "<rect class=\"f-paper\" width=\"9\" height=\"9\" fill=\"#ffffff\"/></svg>";
+        let start = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\">";
+        let themed = format!("{start}<style>.f-paper{{fill:var(--paper)}}</style>{panel}");
+        assert_eq!(pdf_of(&themed).unwrap(), pdf_of(&format!("{start}{panel}")).unwrap());
+    }
 
     #[test]
     fn a_figure_becomes_a_page_with_its_text() {

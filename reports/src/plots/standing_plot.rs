@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::series_marks::SeriesMark;
 use super::small_panel::{SMALL_TEXT_PX, small_text};
 use super::style::{Area, Drawn, LINE_WIDTH_PX, QUIET_COLOR};
-use super::themed_svg::{ThemedPanel, sheet};
+use super::themed_svg::{ThemedPanel, stack};
 use crate::files::fixed_decimals::fixed_decimals;
 
 /// One detector.
@@ -54,7 +54,7 @@ pub fn standing_plot(title: &str, rate: &str, rows: &[StandingRow]) -> ThemedPan
 pub fn study_plot(title: &str, rate: &str, parts: &[(String, Vec<StandingRow>)]) -> String {
     let panels: Vec<ThemedPanel> =
         parts.iter().map(|(title, rows)| panel(title, rate, rows, &ALONE)).collect();
-    sheet(&panels, &[], title)
+    stack(&panels, title)
 }
 
 fn panel(title: &str, rate: &str, rows: &[StandingRow], layout: &Layout) -> ThemedPanel {

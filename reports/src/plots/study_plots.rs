@@ -29,7 +29,8 @@ pub fn robustness_plot(conditions: &[ConditionScores]) -> String {
         let rows = conditions.iter().flat_map(|condition| {
             condition.detectors.iter().enumerate().flat_map(move |(detector_idx, detector)| {
                 let of_task = detector.tasks().into_iter().filter(move |it| it.0 == task);
-                let name = format!("{}, {}", condition.condition, detector.detector);
+                let ConditionScores { group, condition, .. } = condition;
+                let name = format!("{group}: {condition}, {}", detector.detector);
                 of_task
                     .map(move |(_, it)| row(name.clone(), detector_idx, it.counts.f_rate(), it.f_rate_within))
             })

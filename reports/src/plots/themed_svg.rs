@@ -119,15 +119,39 @@ impl ThemedPanel {
 
 /// Panels side by side under a title and a key, as a document that stands alone.
 pub fn sheet(panels: &[ThemedPanel], key: &[KeyEntry], title: &str) -> String {
+    let mut x_px = MARGIN_PX;
+    let places = panels.iter().map(|it| {
+        let place = [x_px, 0];
+        x_px += it.size_px[0] + MARGIN_PX;
+        place
+    });
+    sheet_with(panels, &places.collect::<Vec<_>>(), key, title)
+}
+
+/// The same with one panel below the other, and without a key.
+pub fn stack(panels: &[ThemedPanel], title: &str) -> String {
+    let mut y_px = 0;
+    let places = panels.iter().map(|it| {
+        let place = [MARGIN_PX, y_px];
+        y_px += it.size_px[1] + MARGIN_PX;
+        place
+    });
+    sheet_with(panels, &places.collect::<Vec<_>>(), &[], title)
+}
+
+const MARGIN_PX: u32 = 16;
+
+/// Panels with their upper left corners at `places_px` below title and key.
+fn sheet_with(panels: &[ThemedPanel], places_px: &[[u32; 2]], key: &[KeyEntry], title: &str) -> String {
     const KEY_Y_PX: u32 = 40;
-    const MARGIN_PX: u32 = 16;
-    let panels_width: u32 = panels.iter().map(|it| it.size_px[0] + MARGIN_PX).sum();
+    let placed = || panels.iter().zip(places_px);
+    let panels_width = placed().map(|(it, [x, _])| x + it.size_px[0]).max().unwrap_or(0);
     let key_width = |it: &KeyEntry| KEY_SIZE_PX[0] + 10 + 8 * it.name.chars().count() as u32 + 24;
     let keys_width: u32 = key.iter().map(key_width).sum();
     let title_width = 9 * title.chars().count() as u32;
     let width = (panels_width.max(keys_width).max(title_width) + MARGIN_PX).max(200);
     let top = if key.is_empty() { KEY_Y_PX } else { KEY_Y_PX + 28 };
-    let height = top + panels.iter().map(|it| it.size_px[1]).max().unwrap_or(0) + MARGIN_PX;
+    let height = top + placed().map(|(it, [_, y])| y + it.size_px[1]).max().unwrap_or(0) + MARGIN_PX;
     let (title, style) = (escape(title), theme_css("svg.sheet"));
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"sheet\" role=\"img\" width=\"{width}\" height=\"{height}\" \
@@ -151,16 +175,15 @@ pub fn sheet(panels: &[ThemedPanel], key: &[KeyEntry], title: &str) -> String {
         );
         x += key_width(entry);
     }
-    let mut x = MARGIN_PX;
-    for panel in panels {
+    for (panel, [x, y]) in placed() {
         let [w, h] = panel.size_px;
+        let y = top + y;
         let _ = writeln!(
             svg,
-            "<svg x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\"><title>{}</title>{}</svg>",
+            "<svg x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\"><title>{}</title>{}</svg>",
             escape(&panel.label),
             panel.elements
         );
-        x += w + MARGIN_PX;
     }
     svg.push_str("</svg>\n");
     svg

@@ -130,6 +130,15 @@ impl Grid {
         same_group.map(|columns| (columns[0].group.as_deref(), columns.len())).collect()
     }
 
+    /// Whether a rule stands above a line: that of all data sets, and the first of a paper.
+    pub(crate) fn begins_part(&self, line_idx: usize) -> bool {
+        match self.lines[line_idx].kind {
+            LineKind::Overall => true,
+            LineKind::Paper => line_idx > 0 && self.lines[line_idx - 1].kind != LineKind::Paper,
+            LineKind::Dataset | LineKind::Detail => false,
+        }
+    }
+
     /// These columns alone.
     pub(crate) fn with_columns(&self, columns: &[usize]) -> Self {
         let lines = self.lines.iter().map(|line| Line {

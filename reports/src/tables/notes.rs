@@ -52,7 +52,8 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
                 paper.methods.iter().filter(|it| table.detectors.iter().any(|our| our == it.detector));
             let places: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
             format!(
-                "paper: {}; {}. Other scans, annotations and machine; for orientation.",
+                "Numbers of data sets are measured here, and may be compared within a row. Rows called paper are printed in {}; {}. \
+                 They are of other scans, annotations and machines: for orientation, and not to be compared with ours.",
                 paper.source,
                 places.join(", ")
             )

@@ -30,7 +30,7 @@ pub struct TaskTable {
     pub failures: Vec<(String, [u64; 2])>,
     /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
     pub paper: Option<&'static PaperTable>,
-    /// The rows, in order: data sets with the paper's rows beneath, then what they add up to.
+    /// The rows, in order: data sets, what they add up to, and then the paper's rows.
     pub rows: Vec<TableRow>,
 }
 
@@ -218,7 +218,7 @@ fn failures(report: &RunReport, task: Task, detectors: &[String]) -> Vec<(String
     detectors.iter().filter_map(of_detector).collect()
 }
 
-/// Puts the paper's rows beneath the last data set that they are to be compared with.
+/// Puts the rows of the paper whose recordings a data set is to be compared with after all of ours, which they are none of.
 fn in_order(
     datasets: Vec<(&DatasetEntry, MeasuredRow)>,
     overall: Option<MeasuredRow>,
@@ -229,19 +229,15 @@ fn in_order(
         rows.filter(move |it| recordings == Some(it.recordings)).map(TableRow::Paper)
     };
     let counterparts: Vec<_> = datasets.iter().map(|(entry, _)| counterpart(entry)).collect();
-    let measured: Vec<_> = datasets.into_iter().map(|(_, row)| row).collect();
-    let mut rows = Vec::new();
-    for (dataset_idx, row) in measured.into_iter().enumerate() {
-        rows.push(TableRow::Measured(row));
-        let recordings = counterparts[dataset_idx];
-        if !counterparts[dataset_idx + 1..].contains(&recordings) {
-            rows.extend(paper_rows(recordings));
+    let of_both = overall.is_some().then_some(Recordings::Both);
+    let measured = datasets.into_iter().map(|(_, row)| row).chain(overall);
+    let mut rows: Vec<TableRow> = measured.map(TableRow::Measured).collect();
+    for recordings in [Recordings::Budapest, Recordings::Kitti] {
+        if counterparts.contains(&Some(recordings)) {
+            rows.extend(paper_rows(Some(recordings)));
         }
     }
-    if let Some(overall) = overall {
-        rows.push(TableRow::Measured(overall));
-        rows.extend(paper_rows(Some(Recordings::Both)));
-    }
+    rows.extend(paper_rows(of_both));
     rows
 }
 
@@ -378,22 +374,22 @@ mod tests {
     }
 
     #[test]
-    fn paper_rows_stand_beneath_the_data_sets_they_are_compared_with() {
+    fn paper_rows_stand_apart_from_ours() {
         let [objects, vehicles] = tables(&sample::report(), &sample::manifest()).unwrap().try_into().unwrap();
         assert_eq!(
             names(&objects),
             [
                 "main_road",
-                "Budapest #1",
-                "Budapest #2",
                 "kitti_tracking",
                 "kitti_object",
-                "KITTI",
                 "OVERALL",
+                "Budapest #1",
+                "Budapest #2",
+                "KITTI",
                 "overall"
             ]
         );
-        assert_eq!(names(&vehicles)[1..4], ["Budapest #1", "Budapest #2", "Budapest #3"]);
+        assert_eq!(names(&vehicles)[4..7], ["Budapest #1", "Budapest #2", "Budapest #3"]);
     }
 
     #[test]

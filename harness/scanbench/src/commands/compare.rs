@@ -10,13 +10,16 @@ use crate::cli::OutputArgs;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::paper_files::{write_figure, write_table};
+use crate::commands::provenance::{command_line, git_state};
 use crate::commands::run_directory::claim_named;
 use crate::commands::standard_streams::print_bytes;
 use crate::commands::standard_streams::print_diagnostic;
 use crate::commands::standard_streams::terminal;
+use evaluation::metrics::counts::SCORING_VERSION;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::plots::study_plots::comparison_plot;
 use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::verdict::difference_row::DifferenceRow;
 
 /// Prints what lies between two runs, or two detectors of one run, and writes it where that is asked for.
@@ -38,6 +41,7 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     };
     if let Some(directory) = directory {
         let directory = RunDirectory::begin(directory)?;
+        directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(arguments)).as_bytes())?;
         directory.write_file("comparison.csv", &to_csv_bytes(&DifferenceRow::all(&comparison))?)?;
         write_figure(&directory, "comparison", &comparison_plot(&comparison))?;
         write_table(&directory, "comparison", &comparison)?;
@@ -46,6 +50,19 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &terminal() };
     let text = format.text(&comparison);
     print_bytes(text.as_bytes())
+}
+
+/// What was compared, and by what.
+fn manifest(arguments: &CompareArgs) -> serde_json::Value {
+    serde_json::json!({
+        "scanbench_version": env!("CARGO_PKG_VERSION"),
+        "scoring_version": SCORING_VERSION,
+        "argv": command_line(),
+        "git": git_state(),
+        "before": arguments.run,
+        "after": arguments.other,
+        "detectors": arguments.detectors,
+    })
 }
 
 fn of_detectors(

@@ -90,7 +90,7 @@ mod tests {
         for line in text.lines() {
             let Some((key, rest)) = line.split_once(" = ") else { continue };
             let is_number = rest.starts_with(|it: char| it.is_ascii_digit() || it == '-');
-            let has_bounds = rest.contains(" to ") || rest.contains("at least ");
+            let has_bounds = [" to ", "at least ", "at most "].iter().any(|it| rest.contains(it));
             assert!(!is_number || has_bounds, "{key} = {rest}");
         }
         assert!(text.contains("# 0.05 to 10 m; side of a coarse cell; paper, section 4\n"), "{text}");

@@ -5,7 +5,11 @@ use crate::program::Workplace;
 
 /// The rows of `ablation.csv`, each as its cells.
 fn rows(workplace: &Workplace, folder: &str) -> Vec<Vec<String>> {
-    let text = workplace.read(&format!("{folder}/ablation.csv"));
+    cells(workplace, &format!("{folder}/ablation.csv"))
+}
+
+fn cells(workplace: &Workplace, path: &str) -> Vec<Vec<String>> {
+    let text = workplace.read(path);
     text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
 }
 
@@ -82,6 +86,20 @@ fn variants_are_detectors_of_a_run() {
     let pair = ["compare", "before", "--detectors", "whole method,without tree of groupings"];
     let of_pair = workplace.succeed(&pair);
     assert!(of_pair.stdout.contains("without tree of groupings − whole method"), "{of_pair:#?}");
+
+    let written = workplace.succeed(&[&pair[..], &["-o", "pair"]].concat());
+    assert_eq!(written.stdout, of_pair.stdout);
+    for (folder, stem) in [("pair", "comparison"), ("before", "ablation")] {
+        for ending in ["csv", "md", "tex", "svg", "pdf"] {
+            let path = workplace.path(&format!("{folder}/{stem}.{ending}"));
+            assert!(std::fs::metadata(&path).is_ok_and(|it| it.len() > 200), "{path:?}");
+        }
+    }
+    let differences = cells(&workplace, "pair/comparison.csv");
+    let f_rate = differences.iter().find(|it| it[0] == "objects" && it[3] == "f_rate").expect("a row");
+    let [before, after, difference] = [4, 5, 6].map(|it| f_rate[it].parse::<f64>().expect("a number"));
+    assert!((after - before - difference).abs() < 2e-6, "{f_rate:?}");
+    workplace.succeed(&[&pair[..], &["-o", "pair", "--overwrite"]].concat());
 
     let page = workplace.read("before/report.html");
     workplace.succeed(&["report", "before"]);

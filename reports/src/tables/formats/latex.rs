@@ -39,15 +39,15 @@ fn write_float(text: &mut String, Part { title, grid }: &Part, label: &str, note
     push(&format!("  \\label{{tab:scanbench-{}}}", label_part(label)));
     push(&format!("  \\begin{{tabular}}{{{}}}", column_kinds(grid)));
     push("    \\toprule");
-    for line in group_heads(grid) {
+    for line in group_heads(grid).into_iter().flatten() {
         push(&format!("    {line}"));
     }
-    let titles: Vec<_> = grid.columns.iter().map(|it| it.title).collect();
+    let titles: Vec<_> = grid.columns.iter().map(|it| escaped(it.title)).collect();
     push(&format!("    {} \\\\", titles.join(" & ")));
     push("    \\midrule");
     let fraction_widths = grid.fraction_widths();
-    for line in &grid.lines {
-        if line.kind == LineKind::Overall {
+    for (line_idx, line) in grid.lines.iter().enumerate() {
+        if grid.begins_part(line_idx) {
             push("    \\midrule");
         }
         let cells = line.cells.iter().enumerate();
@@ -76,11 +76,16 @@ fn column_kinds(grid: &Grid) -> String {
     kinds.collect()
 }
 
-/// The names of the groups above their columns, and a rule beneath each.
-fn group_heads(grid: &Grid) -> [String; 2] {
+/// The names of the groups above their columns, and a rule beneath each, if there are groups.
+fn group_heads(grid: &Grid) -> Option<[String; 2]> {
+    let groups = grid.groups();
+    groups.iter().any(|(name, _)| name.is_some()).then(|| heads_of(&groups))
+}
+
+fn heads_of(groups: &[(Option<&str>, usize)]) -> [String; 2] {
     let (mut names, mut rules) = (Vec::new(), Vec::new());
     let mut first_column = 1;
-    for (name, n_columns) in grid.groups() {
+    for &(name, n_columns) in groups {
         let last_column = first_column + n_columns - 1;
         if let Some(name) = name {
             names.push(format!("\\multicolumn{{{n_columns}}}{{c}}{{{}}}", escaped(name)));
@@ -99,7 +104,7 @@ fn left_text(line: &Line, cell: &Cell, notes: &Notes) -> String {
     match line.kind {
         LineKind::Dataset | LineKind::Overall => text,
         LineKind::Detail => format!("\\quad {text}"),
-        LineKind::Paper => format!("\\quad \\emph{{{text}}}"),
+        LineKind::Paper => format!("\\emph{{{text}}}"),
     }
 }
 
@@ -180,17 +185,18 @@ mod tests {
             \midrule
             main\_road (\emph{simulated}) & 412 & 423 & 88.9 & 121\phantom{.0} & 480 & 76.2 & 8.04 & 415 & 76.9 & 46.0 \\
             \quad 95 \% interval &  &  & {\footnotesize 86.4--90.4} &  &  & {\footnotesize 73.7--77.7} &  &  & {\footnotesize 74.4--78.4} &  \\
-            \quad \emph{paper: Budapest \#1$^\dagger$} & \emph{669} &  & \emph{89}\phantom{.0} & \emph{29}\phantom{.0} &  & \emph{77}\phantom{.0} & \emph{0.38} &  &  &  \\
-            \quad \emph{paper: Budapest \#2$^\dagger$} & \emph{429} &  & \emph{79}\phantom{.0} & \emph{25}\phantom{.0} &  & \emph{64}\phantom{.0} & \emph{0.22} &  &  &  \\
             kitti\_tracking & 318 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 98.2 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 0.47 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 39.9 \\
             \quad recall, TP / NO &  &  & 91.2 &  &  & 85.2 &  &  & 64.2 &  \\
             kitti\_object & 61 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 104\phantom{.0} & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 0.50 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 41.0 \\
             \quad recall, TP / NO &  &  & 90.2 &  &  & 100.0 &  &  & 65.6 &  \\
-            \quad \emph{paper: KITTI} & \emph{496} &  & \emph{82}\phantom{.0} & \emph{29}\phantom{.0} &  & \emph{75}\phantom{.0} & \emph{0.46} &  &  &  \\
             \midrule
             overall (\emph{partly simulated}) & 791 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 107\phantom{.0} & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 0.71 & --\rlap{$^1$} & --\rlap{$^1$}\phantom{.0} & 42.1 \\
             \quad recall, TP / NO &  &  & 90.5 &  &  & 85.0 &  &  & 71.0 &  \\
-            \quad \emph{paper: overall$^\dagger$} & \emph{1594} &  & \emph{83}\phantom{.0} & \emph{28}\phantom{.0} &  & \emph{72}\phantom{.0} & \emph{0.35} &  &  &  \\
+            \midrule
+            \emph{paper: Budapest \#1$^\dagger$} & \emph{669} &  & \emph{89}\phantom{.0} & \emph{29}\phantom{.0} &  & \emph{77}\phantom{.0} & \emph{0.38} &  &  &  \\
+            \emph{paper: Budapest \#2$^\dagger$} & \emph{429} &  & \emph{79}\phantom{.0} & \emph{25}\phantom{.0} &  & \emph{64}\phantom{.0} & \emph{0.22} &  &  &  \\
+            \emph{paper: KITTI} & \emph{496} &  & \emph{82}\phantom{.0} & \emph{29}\phantom{.0} &  & \emph{75}\phantom{.0} & \emph{0.46} &  &  &  \\
+            \emph{paper: overall$^\dagger$} & \emph{1594} &  & \emph{83}\phantom{.0} & \emph{28}\phantom{.0} &  & \emph{72}\phantom{.0} & \emph{0.35} &  &  &  \\
             \bottomrule
           \end{tabular}
           \par\smallskip
@@ -198,7 +204,7 @@ mod tests {
             NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans per second, detection only, on Example CPU @ 2 GHz.\par
             95 \% interval: cluster bootstrap, 10000 resamples of whole drives.\par
             overall: ratios of counts and times summed over the data sets.\par
-            paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans, annotations and machine; for orientation.\par
+            Numbers of data sets are measured here, and may be compared within a row. Rows called paper are printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1; connected component analysis under kd-tree, hierarchical grid under hierarchical. They are of other scans, annotations and machines: for orientation, and not to be compared with ours.\par
             simulated: from a simulator, not recorded.\par
             partly simulated: summed over recorded and simulated data sets.\par
             $^\dagger$ Budapest recordings, not public.\par

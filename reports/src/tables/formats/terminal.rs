@@ -143,8 +143,8 @@ fn write_grid(text: &mut String, grid: &Grid, notes: &Notes) {
     });
     write_cells(text, grid, &widths, heads.collect());
     push_line(text, &"─".repeat(total));
-    for line in &grid.lines {
-        if line.kind == LineKind::Overall {
+    for (line_idx, line) in grid.lines.iter().enumerate() {
+        if grid.begins_part(line_idx) {
             push_line(text, &"─".repeat(total));
         }
         let cells =
@@ -201,7 +201,7 @@ fn push_line(text: &mut String, line: &str) {
 
 fn left_text(line: &Line, column_idx: usize, notes: &Notes) -> String {
     let cell = &line.cells[column_idx];
-    let is_beneath = column_idx == 0 && matches!(line.kind, LineKind::Detail | LineKind::Paper);
+    let is_beneath = column_idx == 0 && line.kind == LineKind::Detail;
     let indent = if is_beneath { "  " } else { "" };
     let tag = Notes::tag(cell).map_or_else(String::new, |it| format!(" ({it})"));
     if cell.text.is_empty() {
@@ -298,17 +298,18 @@ mod tests {
         ────────────────────────────────────────────────────────────────────────────────────────────────
         main_road (simulated)        412   423     88.9  121     480     76.2  8.04   415     76.9  46.0
           95 % interval                       86.4–90.4             73.7–77.7            74.4–78.4
-          paper: Budapest #1†        669           89     29             77    0.38
-          paper: Budapest #2†        429           79     25             64    0.22
         kitti_tracking               318     –¹     –¹    98.2     –¹     –¹   0.47     –¹     –¹   39.9
           recall, TP / NO                          91.2                  85.2                 64.2
         kitti_object                  61     –¹     –¹   104       –¹     –¹   0.50     –¹     –¹   41.0
           recall, TP / NO                          90.2                 100.0                 65.6
-          paper: KITTI               496           82     29             75    0.46
         ────────────────────────────────────────────────────────────────────────────────────────────────
         overall (partly simulated)   791     –¹     –¹   107       –¹     –¹   0.71     –¹     –¹   42.1
           recall, TP / NO                          90.5                  85.0                 71.0
-          paper: overall†           1594           83     28             72    0.35
+        ────────────────────────────────────────────────────────────────────────────────────────────────
+        paper: Budapest #1†          669           89     29             77    0.38
+        paper: Budapest #2†          429           79     25             64    0.22
+        paper: KITTI                 496           82     29             75    0.46
+        paper: overall†             1594           83     28             72    0.35
 
         data set                    detector      scans   NO   TP   MO    FO     P      R  IA   ID
         ──────────────────────────────────────────────────────────────────────────────────────────
@@ -332,9 +333,10 @@ mod tests {
           nor wrong.
         95 % interval: cluster bootstrap, 10000 resamples of whole drives.
         overall: ratios of counts and times summed over the data sets.
-        paper: Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1;
-          connected component analysis under kd-tree, hierarchical grid under hierarchical. Other scans,
-          annotations and machine; for orientation.
+        Numbers of data sets are measured here, and may be compared within a row. Rows called paper are
+          printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table
+          1; connected component analysis under kd-tree, hierarchical grid under hierarchical. They are of
+          other scans, annotations and machines: for orientation, and not to be compared with ours.
         simulated: from a simulator, not recorded.
         partly simulated: summed over recorded and simulated data sets.
         † Budapest recordings, not public.
@@ -352,15 +354,16 @@ mod tests {
         data set                      NO    ND  F-rate    fps     ND  F-rate   fps    ND  F-rate   fps
         ──────────────────────────────────────────────────────────────────────────────────────────────
         main_road (simulated)        190   189    95.5  121      214    84.2  8.04   190   100.0  46.0
-          paper: Budapest #1†        567          89     24                                 73    15
-          paper: Budapest #2†       1141          90     21                                 71    12
-          paper: Budapest #3†        368          80     22                                 57    13
         kitti_tracking               240   244    87.2   98.2   1239    26.9  0.47   179    71.6  39.9
         kitti_object                   0     0     –¹     –²       3     0.0  –²       0     –¹   41.0
-          paper: KITTI               614          78     25                                 62    14
         ──────────────────────────────────────────────────────────────────────────────────────────────
         overall (partly simulated)   430   433    90.8  109     1456    39.1  0.89   369    85.1  42.1
-          paper: overall†           2690          86     23                                 68    13.5
+        ──────────────────────────────────────────────────────────────────────────────────────────────
+        paper: Budapest #1†          567          89     24                                 73    15
+        paper: Budapest #2†         1141          90     21                                 71    12
+        paper: Budapest #3†          368          80     22                                 57    13
+        paper: KITTI                 614          78     25                                 62    14
+        paper: overall†             2690          86     23                                 68    13.5
 
         data set                    detector      scans   NO   TP  MO    FO      P      R  IA   ID
         ──────────────────────────────────────────────────────────────────────────────────────────
@@ -383,9 +386,11 @@ mod tests {
         P: precision, TP / ND. R: recall, TP / NO. IA, ID: ignored annotations and detections, neither right
           nor wrong.
         overall: ratios of counts and times summed over the data sets.
-        paper: Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in
+        Numbers of data sets are measured here, and may be compared within a row. Rows called paper are
+          printed in Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in
           Continuously Streamed Urban LIDAR Point Clouds, table 1; PCA based approach under pca, model-based
-          approach under hierarchical. Other scans, annotations and machine; for orientation.
+          approach under hierarchical. They are of other scans, annotations and machines: for orientation,
+          and not to be compared with ours.
         simulated: from a simulator, not recorded.
         partly simulated: summed over recorded and simulated data sets.
         † Budapest recordings, not public.
