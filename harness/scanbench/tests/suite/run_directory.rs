@@ -45,11 +45,17 @@ fn a_run_leaves_its_files_and_nothing_else() {
     workplace.succeed(&["run", "street", "-o", "runs/first"]);
     let mut expected = vec![
         "figures",
+        "figures/precision_recall.pdf",
         "figures/precision_recall.svg",
+        "figures/range_objects.pdf",
         "figures/range_objects.svg",
+        "figures/range_vehicles.pdf",
         "figures/range_vehicles.svg",
+        "figures/stages.pdf",
         "figures/stages.svg",
+        "figures/standing.pdf",
         "figures/standing.svg",
+        "figures/times.pdf",
         "figures/times.svg",
         "manifest.json",
         "matches.csv",

@@ -268,6 +268,9 @@ fn grid_width(grid: &Grid, widths: &[Width]) -> usize {
 /// `sentence` in lines of at most `width` characters, and at most [`LINE_WIDTH`], all but the first indented.
 fn wrapped_to(sentence: &str, width: usize) -> String {
     let width = width.clamp(20, LINE_WIDTH);
+    if sentence.chars().count() <= width {
+        return format!("{sentence}\n");
+    }
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
         let last = lines.last_mut().expect("there is a first line");
