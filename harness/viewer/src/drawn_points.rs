@@ -7,17 +7,30 @@ use detector::PointCloud;
 /// How many of the points of a scan are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PointChoice {
-    /// The first in each cube of ten centimetres: where a sensor's points lie closer, nobody sees more with all of them.
-    #[default]
-    OneOfEachCube,
+    /// The first in each cube with sides of so many centimetres.
+    OneOfEachCube {
+        /// The side of a cube.
+        side_cm: u8,
+    },
     /// All.
+    #[default]
     All,
     /// At most so many, spread evenly over the scan.
     AtMost(usize),
 }
 
-/// The side of these cubes, in metres.
-const CUBE_M: f32 = 0.1;
+/// Sides of the cubes for a recording of few scans, where a sensor's points lie closer than anybody sees, and of many.
+const SIDES_CM: [u8; 2] = [10, 25];
+/// Recordings of more scans are of many.
+const FEW_SCANS: usize = 20;
+
+impl PointChoice {
+    /// What is drawn in a recording of `n_scans` scans unless somebody says otherwise.
+    pub fn for_scans(n_scans: usize) -> Self {
+        let [of_few, of_many] = SIDES_CM;
+        Self::OneOfEachCube { side_cm: if n_scans <= FEW_SCANS { of_few } else { of_many } }
+    }
+}
 
 /// The points of one scan that are drawn: all that have a place, or fewer.
 ///
@@ -39,10 +52,11 @@ impl DrawnPoints {
                 indices = (0..n_drawn).map(|place| indices[place * n_finite / n_drawn]).collect();
             }
             PointChoice::All | PointChoice::AtMost(_) => {}
-            PointChoice::OneOfEachCube => {
+            PointChoice::OneOfEachCube { side_cm } => {
+                let side_m = f32::from(side_cm) / 100.0;
                 let mut taken = HashSet::with_capacity(indices.len());
                 let cube = |point_idx: u32| {
-                    cloud.position_m(point_idx as usize).map(|it| (it / CUBE_M).floor() as i32)
+                    cloud.position_m(point_idx as usize).map(|it| (it / side_m).floor() as i32)
                 };
                 indices.retain(|&it| taken.insert(cube(it)));
             }
@@ -96,7 +110,9 @@ mod tests {
     fn the_first_point_in_each_cube_is_drawn() {
         let at =
             [[0.01, 0.01, 0.01], [0.09, 0.01, 0.01], [-0.01, 0.01, 0.01], [0.05, 0.02, 0.11], [f32::NAN; 3]];
-        let drawn = DrawnPoints::choose(&at.into_iter().collect(), PointChoice::OneOfEachCube);
+        let drawn = DrawnPoints::choose(&at.into_iter().collect(), PointChoice::for_scans(20));
         assert_eq!(drawn.indices().collect::<Vec<_>>(), [0, 2, 3]);
+        let drawn = DrawnPoints::choose(&at.into_iter().collect(), PointChoice::for_scans(21));
+        assert_eq!(drawn.indices().collect::<Vec<_>>(), [0, 2]);
     }
 }

@@ -44,7 +44,7 @@ pub struct StreamArgs {
     /// Record only every Nth scan; all are evaluated
     #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     pub rerun_every: u32,
-    /// Record at most N points of a scan, or `all` [default: one in each cube of 10 cm]; detectors get all
+    /// Record at most N points of a scan, or `all` [default: one in each cube of 10 cm, or of 25 cm in recordings of more than 20 scans]; detectors get all
     #[arg(long, hide_short_help = true, value_name = "N")]
     pub rerun_points: Option<RecordedPoints>,
     /// Tab that the recording opens with

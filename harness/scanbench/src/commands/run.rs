@@ -181,6 +181,7 @@ fn begin_recording(
         name: &name,
         shown_task,
         detectors: &detectors,
+        n_scans: datasets.iter().map(|it| it.scan_indices.len()).sum(),
         has_poses: datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: false,
     })

@@ -58,6 +58,7 @@ pub fn record(
         name: &name,
         shown_task: arguments.task.task(),
         detectors: &names,
+        n_scans: scans.len(),
         has_poses: again.datasets.iter().any(OpenedDataset::has_poses),
         at_the_start: true,
     })?

@@ -34,6 +34,8 @@ pub struct RecordingPlan<'a> {
     pub shown_task: Task,
     /// The detectors.
     pub detectors: &'a [&'a str],
+    /// How many scans there are, recorded or not.
+    pub n_scans: usize,
     /// Whether the poses of the sensor are known for some scans at least.
     pub has_poses: bool,
     /// Whether it opens at its first scan, and not at the last.

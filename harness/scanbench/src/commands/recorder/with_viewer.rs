@@ -60,7 +60,7 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
             viewer,
             opening,
             points: match arguments.rerun_points {
-                None => PointChoice::OneOfEachCube,
+                None => PointChoice::for_scans(plan.n_scans.div_ceil(arguments.rerun_every as usize)),
                 Some(RecordedPoints::All) => PointChoice::All,
                 Some(RecordedPoints::AtMost(n)) => PointChoice::AtMost(n),
             },
