@@ -1,5 +1,6 @@
 //! An object alone on a level road, and what a sensor sees of it.
 
+use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Vector};
 use rand_chacha::ChaCha8Rng;
 
@@ -19,8 +20,8 @@ pub struct LoneObject {
     ground: Ground,
     standing: Scene,
     moving: Scene,
-    // Of the boxes around its parts.
-    corners: Vec<Vector>,
+    // Around its parts.
+    boxes: Vec<Aabb>,
     /// Its length, width and height in metres.
     pub extents_m: [f32; 3],
 }
@@ -50,15 +51,15 @@ impl LoneObject {
     pub fn new(object: &DrawnObject) -> Self {
         let (sine, cosine) = portable_math::sin_cos(f64::from(object.yaw_rad));
         let world_from_object = on_the_road([0.0; 2], [sine as f32, cosine as f32]);
-        let (mut corners, mut leaves) = (Vec::new(), Vec::new());
+        let (mut boxes, mut leaves) = (Vec::new(), Vec::new());
         for part in &object.shape.parts {
             let solid = part.solid.placed(&world_from_object);
-            corners.extend(solid.bounds().vertices());
+            boxes.push(solid.bounds());
             leaves.push(Leaf { form: LeafForm::Solid(solid), material: part.material, object_idx: Some(0) });
         }
         Self {
             ground: level_road(),
-            corners,
+            boxes,
             standing: Scene::new(leaves),
             moving: Scene::new(Vec::new()),
             extents_m: object.shape.bounds().extents().into(),
@@ -67,13 +68,24 @@ impl LoneObject {
 
     /// The longest way from its middle to its outline, on the ground plan, in metres.
     pub fn reach_m(&self) -> f32 {
-        let reaches_m = self.corners.iter().map(|it| (it.x * it.x + it.y * it.y).sqrt());
+        let reaches_m = self.corners().map(|it| (it.x * it.x + it.y * it.y).sqrt());
         reaches_m.fold(0.0, f32::max)
+    }
+
+    /// How far its parts below `height_m` reach from its middle toward −x, in metres.
+    pub fn reach_backward_m(&self, height_m: f32) -> f32 {
+        let low = self.boxes.iter().filter(|it| it.mins.z < height_m);
+        low.map(|it| -it.mins.x).fold(0.0, f32::max)
     }
 
     /// Height of its top above the road, in metres.
     pub fn top_m(&self) -> f32 {
-        self.corners.iter().map(|it| it.z).fold(0.0, f32::max)
+        self.boxes.iter().map(|it| it.maxs.z).fold(0.0, f32::max)
+    }
+
+    /// Of the boxes around its parts.
+    fn corners(&self) -> impl Iterator<Item = Vector> + Clone {
+        self.boxes.iter().flat_map(Aabb::vertices)
     }
 
     /// Its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among them, nor those
@@ -85,7 +97,7 @@ impl LoneObject {
         pulses: impl Fn(u32) -> ChaCha8Rng,
     ) -> Vec<SeenPoint> {
         let sensor_from_world = look.world_from_sensor.inverse();
-        let window = AngularWindow::around(self.corners.iter().map(|it| sensor_from_world * *it));
+        let window = AngularWindow::around(self.corners().map(|it| sensor_from_world * it));
         let n_firings = look.sensor.n_firings_per_turn as usize;
         let firings = |rise| {
             let n_met = if window.may_meet(rise) { n_firings } else { 0 };

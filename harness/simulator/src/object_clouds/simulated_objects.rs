@@ -205,6 +205,7 @@ mod tests {
     use super::*;
     use scans::conversion::object_folder_writer::write_object_folder;
     use scans::object_cloud::class_folders::open_class_folders;
+    use sha2::{Digest as _, Sha256};
 
     #[test]
     fn every_name_opens_its_objects_and_others_are_refused() {
@@ -258,5 +259,29 @@ mod tests {
             written.remove(place.unwrap_or_else(|| panic!("{} was not written", found.whole.id)));
         }
         assert!(written.is_empty());
+    }
+
+    fn digest_of(name: &str) -> String {
+        let objects = open_simulated_objects(name, ObjectPart::Training, 2).unwrap();
+        let mut digest = Sha256::new();
+        for object_idx in 0..10 {
+            let object = objects.read(object_idx).unwrap();
+            let points = object.whole.cloud.positions_m().zip(object.whole.cloud.intensity());
+            for ([x, y, z], intensity) in points {
+                digest.update([x, y, z, *intensity].map(f32::to_le_bytes).concat());
+            }
+            for moment in &object.moments {
+                digest.update((moment.n_points as u64).to_le_bytes());
+            }
+        }
+        let [a, b, c, d, ..] = digest.finalize()[..] else { panic!("a digest has 32 bytes") };
+        format!("{:08x}", u32::from_be_bytes([a, b, c, d]))
+    }
+
+    /// What models are trained on changes with these, and results with it.
+    #[test]
+    fn objects_are_the_same_bytes_on_every_machine() {
+        let names = ["objects-around", "objects-vlp-16", "objects-approach"];
+        assert_eq!(names.map(digest_of), ["0092c9d4", "b9181232", "b46adcde"]);
     }
 }

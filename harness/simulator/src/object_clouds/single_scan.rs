@@ -1,6 +1,6 @@
 //! Objects in one scan of a rotating sensor.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use detector::PointCloud;
 use rand::RngExt;
@@ -25,8 +25,8 @@ pub fn scanned_once(
     let errors = beam_errors(sensor, &mut number.dice(DiceUse::Beams));
     let mut dice = number.dice(DiceUse::Viewpoint);
     let bearing_rad = dice.random_range(0.0..TAU);
-    // Whatever the direction in which the sensor looks, the object is not always straight ahead.
-    let heading_rad = bearing_rad + PI + dice.random_range(-PI..PI);
+    // Not straight at the object, which would always stand between the same two pulses.
+    let heading_rad = bearing_rad + dice.random_range(0.0..TAU);
     let distance_m = object.reach_m() + range_m;
     let (sine, cosine) = portable_math::sin_cos(bearing_rad);
     let plan_m = [cosine as f32 * distance_m, sine as f32 * distance_m];
