@@ -2,15 +2,17 @@
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Vector};
+use parry3d::query::Ray;
 use rand_chacha::ChaCha8Rng;
 
 use super::drawn_object::DrawnObject;
 use crate::angular_window::AngularWindow;
 use crate::ground::Ground;
+use crate::material::Passage;
 use crate::portable_math;
 use crate::pulse_path::Surroundings;
 use crate::scan::{BeamError, part_of_turn};
-use crate::scene::{Leaf, LeafForm, Scene};
+use crate::scene::{Hit, Leaf, LeafForm, Pulse, Scene};
 use crate::sensor::SensorModel;
 use crate::staged_scene::{level_road, on_the_road};
 
@@ -86,6 +88,20 @@ impl LoneObject {
     /// Of the boxes around its parts.
     fn corners(&self) -> impl Iterator<Item = Vector> + Clone {
         self.boxes.iter().flat_map(Aabb::vertices)
+    }
+
+    /// Where `pulse`, coming from above the road, meets it.
+    pub fn met_by(&self, pulse: &Pulse) -> Option<Hit> {
+        self.standing.cast(pulse, f32::INFINITY)
+    }
+
+    /// Whether `ray` begins among its leaves, or behind pales or mesh.
+    pub fn is_among_leaves(&self, ray: &Ray) -> bool {
+        self.standing.leaves().iter().any(|leaf| {
+            let LeafForm::Solid(solid) = &leaf.form else { return false };
+            let is_open = matches!(leaf.material.passage, Passage::FreePath(_));
+            is_open && solid.crossing(ray).is_some_and(|it| it.enter < 0.0)
+        })
     }
 
     /// Its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among them, nor those

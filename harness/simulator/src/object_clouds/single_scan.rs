@@ -56,7 +56,10 @@ mod tests {
                 let sensor = SensorModel::embedded(sensor).unwrap();
                 let n_points =
                     RANGES_M.map(|range_m| scanned_once(&object, number, &sensor, range_m).0.len());
-                assert!(n_points[0] > 2 * n_points[2] && n_points[2] > n_points[4], "{class} {n_points:?}");
+                assert!(n_points[2] > n_points[4], "{class} {n_points:?}");
+                // What is tall stands out of the field of view when it is near.
+                let is_low = object.top_m() < sensor.height_above_road_m + 0.3;
+                assert!(!is_low || n_points[0] > 2 * n_points[2], "{class} {n_points:?}");
             }
         }
     }
