@@ -20,3 +20,4 @@ pub mod approach;
 
 // What has a name.
 pub mod simulated_objects;
+pub mod open_objects;
