@@ -37,6 +37,7 @@ pub mod narrow_street;
 pub mod intersection;
 pub mod rain;
 pub mod pulse_path;
+pub mod angular_window;
 pub mod scan;
 pub mod labeling;
 pub mod street;
@@ -48,5 +49,8 @@ pub mod simulated_street;
 pub mod catalogue;
 pub mod open;
 pub mod recognised_sensor;
+
+// Single objects.
+pub mod object_clouds;
 
 pub use street::{EgoPose, SIMULATOR_VERSION, Street, StreetKind};
