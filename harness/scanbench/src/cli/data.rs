@@ -4,6 +4,7 @@ use clap::{Args, Subcommand};
 
 use super::data_check::{CheckArgs, HashArgs};
 use super::data_convert::{CONVERT_EXAMPLES, ConvertArgs, SIMULATE_EXAMPLES};
+use super::data_objects::DataObjectsArgs;
 use super::data_prelabel::PrelabelArgs;
 use super::help_text::{DATA, JUDGING};
 use super::output::OutputArgs;
@@ -29,6 +30,8 @@ pub enum DataCommand {
     /// Simulate streets and write them to disk
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Box<ConvertArgs>),
+    /// Write single objects, simulated or cut out of a data set, a folder for each class
+    Objects(Box<DataObjectsArgs>),
     /// Compare the statistics of two data sets, such as simulated and recorded
     Realism(Box<RealismArgs>),
 }

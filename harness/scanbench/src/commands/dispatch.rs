@@ -12,6 +12,7 @@ use crate::commands::data_check::data_check;
 use crate::commands::data_convert::{data_convert, data_simulate};
 use crate::commands::data_hash::data_hash;
 use crate::commands::data_list::data_list;
+use crate::commands::data_objects::data_objects;
 use crate::commands::data_prelabel::data_prelabel;
 use crate::commands::data_realism::data_realism;
 use crate::commands::detect::detect;
@@ -53,6 +54,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Data(DataCommand::Convert(arguments)) => data_convert(arguments),
         Command::Data(DataCommand::Prelabel(arguments)) => data_prelabel(arguments),
         Command::Data(DataCommand::Simulate(arguments)) => data_simulate(arguments),
+        Command::Data(DataCommand::Objects(arguments)) => data_objects(arguments),
         Command::Data(DataCommand::Realism(arguments)) => data_realism(arguments),
         Command::FitDensity(arguments) => fit_density(arguments),
         Command::Train(arguments) => train(arguments),

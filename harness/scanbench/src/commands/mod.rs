@@ -42,6 +42,7 @@ pub mod data_add;
 pub mod data_check;
 pub mod data_hash;
 pub mod data_convert;
+pub mod data_objects;
 pub mod data_prelabel;
 pub mod data_realism;
 pub mod reproducible_command;

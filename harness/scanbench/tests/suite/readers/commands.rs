@@ -217,3 +217,37 @@ fn damage_in_the_middle_of_a_drive_is_skipped_by_all_that_read_scans() {
     let swept = workplace.read("swept/manifest.json");
     assert!(swept.contains("0000/000001"), "what was left out is written down: {swept}");
 }
+
+#[test]
+fn objects_are_written_a_folder_for_each_class_and_stay_simulated() {
+    let workplace = Workplace::new();
+    let objects = ["data", "objects", "objects-vlp-16", "--per-class", "2", "-o"];
+    let ended = workplace.succeed(&[&objects[..], &["first"]].concat());
+    assert_eq!(ended.stdout, "first  2 tree, 2 car, 2 pole, 2 pedestrian, 2 other, simulated\n");
+    workplace.succeed(&[&objects[..], &["again"]].concat());
+    let names = |folder: &str| {
+        let class = std::fs::read_dir(workplace.path(folder)).unwrap();
+        let mut names: Vec<_> = class.map(|it| it.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names("first"), ["car", "objects.json", "other", "pedestrian", "pole", "tree"]);
+    for name in names("first/car") {
+        let bytes = |folder: &str| std::fs::read(workplace.path(&format!("{folder}/car/{name}"))).unwrap();
+        assert_eq!(bytes("first"), bytes("again"), "{name}");
+    }
+    let judged = [&objects[..5], &["--part", "judging", "-o", "judged"]].concat();
+    workplace.succeed(&judged);
+    assert_ne!(workplace.read("first/objects.json"), workplace.read("judged/objects.json"));
+    let written = workplace.succeed(&["data", "objects", "first", "-o", "copy"]);
+    assert!(
+        written.stdout.contains("2 car") && written.stdout.ends_with("simulated\n"),
+        "{}",
+        written.stdout
+    );
+    assert_eq!(workplace.run(&[&objects[..], &["first"]].concat()).exit_code, Some(2));
+    std::fs::create_dir_all(workplace.path("odd/cra")).unwrap();
+    std::fs::write(workplace.path("odd/cra/1.bin"), [0; 16]).unwrap();
+    let odd = workplace.run(&["data", "objects", "odd", "-o", "x"]);
+    assert!(odd.exit_code == Some(3) && odd.stderr.contains("cra"), "{odd:#?}");
+}

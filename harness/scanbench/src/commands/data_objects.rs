@@ -1,0 +1,30 @@
+//! `scanbench data objects`.
+
+use reports::vocabulary::partial_class::PartialClass;
+use scans::conversion::object_folder_writer::write_object_folder;
+use scans::dataset::class_table::ClassTable;
+use simulator::object_clouds::open_objects::open_objects;
+
+use crate::cli::DataObjectsArgs;
+use crate::commands::failure::Failure;
+use crate::commands::open_datasets::{open_catalogue, open_options};
+use crate::commands::standard_streams::print_result;
+
+/// Writes single objects, a folder for each class.
+///
+/// # Errors
+///
+/// If there are no such objects, they are damaged, or the folder exists or cannot be written; nothing is left behind then.
+pub fn data_objects(arguments: &DataObjectsArgs) -> Result<(), Failure> {
+    let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
+    let options = open_options(&arguments.source, &ClassTable::default())?;
+    let objects = open_objects(&arguments.objects, &arguments.choice.options(), &options, &catalogue)?;
+    write_object_folder(&*objects, &arguments.output)?;
+    let of_classes = PartialClass::ALL.into_iter().filter_map(|class| {
+        let n = objects.classes().iter().filter(|it| **it == class).count();
+        (n > 0).then(|| format!("{n} {class}"))
+    });
+    let simulated = if objects.description().is_simulated() { ", simulated" } else { "" };
+    let counts = of_classes.collect::<Vec<_>>().join(", ");
+    print_result(format_args!("{}  {counts}{simulated}", arguments.output.display()))
+}
