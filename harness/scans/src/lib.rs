@@ -5,6 +5,7 @@
 
 pub mod annotation;
 pub mod dataset;
+pub mod object_cloud;
 pub mod foreign;
 pub mod conversion;
 pub mod data_check;

@@ -3,6 +3,7 @@
 use parry3d::math::{Pose, Vector};
 use reports::vocabulary::class::Occlusion;
 
+use super::angular_window::AngularWindow;
 use super::object_shape::ObjectShape;
 use super::portable_math;
 use super::scan::{PulseEnd, Turn};
@@ -58,19 +59,24 @@ fn bounding_box(shape: &ObjectShape, sensor_from_object: &Pose) -> OrientedBox {
     }
 }
 
+/// The largest number of firings of a beam that are looked at to estimate an occlusion, about.
+const MOST_FIRINGS: usize = 60;
+
 /// The share of pulses through the object that ended on other things before they reached it.
 fn occlusion(object: &VisibleObject<'_>, turn: &Turn, sensor: &SensorModel) -> Option<Occlusion> {
     let solids: Vec<PlacedSolid> =
         object.shape.parts.iter().map(|part| part.solid.placed(&object.sensor_from_object)).collect();
-    let window = angular_window(&solids);
+    let window = AngularWindow::of(&solids);
     let n_firings = sensor.n_firings_per_turn as usize;
     let mut n_through = 0_u32;
     let mut n_hidden = 0_u32;
     for beam in turn.ends.chunks(n_firings) {
-        if !(window.least_rise..=window.greatest_rise).contains(&beam[0].ray.dir.z) {
+        if !window.may_meet(beam[0].ray.dir.z) {
             continue;
         }
-        for firing in window.firings(n_firings) {
+        let firings = window.firings(n_firings);
+        let stride = firings.len().div_ceil(MOST_FIRINGS).max(1);
+        for firing in firings.step_by(stride) {
             let end = &beam[firing];
             let Some(enter_m) = enter_m(&solids, end) else { continue };
             n_through += 1;
@@ -89,58 +95,6 @@ fn occlusion(object: &VisibleObject<'_>, turn: &Turn, sensor: &SensorModel) -> O
 fn enter_m(solids: &[PlacedSolid], end: &PulseEnd) -> Option<f32> {
     let enters_m = solids.iter().filter_map(|solid| solid.crossing(&end.ray)).map(|crossing| crossing.enter);
     enters_m.reduce(f32::min)
-}
-
-/// The directions in which an object may be seen.
-#[derive(Debug, Clone, Copy)]
-struct AngularWindow {
-    middle_rad: f64,
-    half_width_rad: f64,
-    least_rise: f32,
-    greatest_rise: f32,
-}
-
-/// The largest number of firings of a beam that are looked at to estimate an occlusion.
-const MOST_FIRINGS: usize = 60;
-
-impl AngularWindow {
-    /// The firings of a beam that fall into the window, thinned evenly if there are many.
-    fn firings(&self, n_firings: usize) -> impl Iterator<Item = usize> + use<> {
-        let firings_per_rad = n_firings as f64 / std::f64::consts::TAU;
-        let middle = (std::f64::consts::PI - self.middle_rad) * firings_per_rad;
-        let half = (self.half_width_rad * firings_per_rad + 1.0).min(n_firings as f64 / 2.0);
-        let first = (middle - half).floor() as i64;
-        let count = (2.0 * half) as usize;
-        let stride = count.div_ceil(MOST_FIRINGS).max(1);
-        (0..count)
-            .step_by(stride)
-            .map(move |step| (first + step as i64).rem_euclid(n_firings as i64) as usize)
-    }
-}
-
-fn angular_window(solids: &[PlacedSolid]) -> AngularWindow {
-    let corners = || solids.iter().flat_map(|solid| solid.bounds().vertices());
-    let n_corners = corners().count() as f32;
-    let center = corners().sum::<Vector>() / n_corners;
-    let middle_rad = portable_math::atan2(f64::from(center.y), f64::from(center.x));
-    let (sine, cosine) = portable_math::sin_cos(middle_rad);
-    let (sine, cosine) = (sine as f32, cosine as f32);
-    let mut window = AngularWindow { middle_rad, half_width_rad: 0.0, least_rise: 1.0, greatest_rise: -1.0 };
-    for corner in corners() {
-        let ahead = corner.x * cosine + corner.y * sine;
-        let aside = corner.y * cosine - corner.x * sine;
-        let off_rad = portable_math::atan2(f64::from(aside), f64::from(ahead)).abs();
-        window.half_width_rad = window.half_width_rad.max(off_rad);
-        let rise = corner.z / corner.length().max(1e-3);
-        window.least_rise = window.least_rise.min(rise);
-        window.greatest_rise = window.greatest_rise.max(rise);
-    }
-    // Beams start up to a hand above the origin, and an edge may rise a little above both of its ends.
-    let nearest_m = corners().map(Vector::length).fold(f32::INFINITY, f32::min);
-    let slack = 0.01 + 0.25 / nearest_m.max(0.5);
-    window.least_rise -= slack;
-    window.greatest_rise += slack;
-    window
 }
 
 #[cfg(test)]

@@ -38,6 +38,7 @@ pub mod narrow_street;
 pub mod intersection;
 pub mod rain;
 pub mod pulse_path;
+pub mod angular_window;
 pub mod scan;
 pub mod labeling;
 pub mod street;

@@ -13,7 +13,7 @@ use super::sensor::{Beam, SensorModel};
 use detector::PointCloud;
 
 /// What a turn of the sensor yields.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Turn {
     /// The points, beam by beam from the top, in each beam from behind clockwise.
     pub cloud: PointCloud,
@@ -21,7 +21,7 @@ pub struct Turn {
     pub objects: Vec<Option<u32>>,
     /// For every point, in which of the surroundings it was seen.
     pub moments: Vec<usize>,
-    /// For every pulse, beam by beam, where it ended, whether or not it came back.
+    /// For every pulse that was sent, beam by beam, where it ended, whether or not it came back.
     pub ends: Vec<PulseEnd>,
 }
 
@@ -62,18 +62,25 @@ pub fn turn(
     surroundings: &[Surroundings<'_>],
     beam_rng: impl Fn(u32) -> ChaCha8Rng,
 ) -> Turn {
-    let n_pulses = (sensor.n_beams() * sensor.n_firings_per_turn) as usize;
-    let mut turn = Turn {
-        cloud: PointCloud::with_capacity(n_pulses),
-        objects: Vec::with_capacity(n_pulses),
-        moments: Vec::with_capacity(n_pulses),
-        ends: Vec::with_capacity(n_pulses),
-    };
-    let mut beam_of_point = Vec::with_capacity(n_pulses);
+    part_of_turn(sensor, errors, surroundings, |_| 0..sensor.n_firings_per_turn as usize, beam_rng)
+}
+
+/// As [`turn`], but sends only those pulses of a beam that `firings` says: it is given how much the beam rises on each unit of its way.
+pub fn part_of_turn<Firings: IntoIterator<Item = usize>>(
+    sensor: &SensorModel,
+    errors: &[BeamError],
+    surroundings: &[Surroundings<'_>],
+    firings: impl Fn(f32) -> Firings,
+    beam_rng: impl Fn(u32) -> ChaCha8Rng,
+) -> Turn {
+    let mut turn = Turn::default();
+    let mut beam_of_point = Vec::new();
     for ((beam, error), beam_idx) in sensor.beams().zip(errors).zip(0..) {
         let mut rng = beam_rng(beam_idx);
-        let mut previous = None;
-        for (ray, firing) in rays(sensor, beam, error).zip(0..) {
+        let way = BeamWay::new(sensor, beam, error);
+        let mut previous: Option<(usize, PulseEnd)> = None;
+        for firing in firings(way.rise as f32) {
+            let ray = way.ray(firing);
             let moment = firing * surroundings.len() / sensor.n_firings_per_turn as usize;
             let hit = first_hit(sensor, &surroundings[moment], &ray, rng.next_u32());
             let end = PulseEnd {
@@ -81,7 +88,8 @@ pub fn turn(
                 range_m: hit.map_or(f32::INFINITY, |it| it.range_m),
                 object_idx: hit.and_then(|it| it.object_idx),
             };
-            let echo = hit.and_then(|hit| echo(sensor, previous.as_ref(), &hit, &mut rng));
+            let neighbor = previous.filter(|(before, _)| before + 1 == firing).map(|(_, end)| end);
+            let echo = hit.and_then(|hit| echo(sensor, neighbor.as_ref(), &hit, &mut rng));
             let drop =
                 surroundings[moment].rain.and_then(|rain| drop_echo(sensor, rain, end.range_m, &mut rng));
             let echo = drop.or(echo);
@@ -93,7 +101,7 @@ pub fn turn(
                 beam_of_point.push(beam_idx as u16);
             }
             turn.ends.push(end);
-            previous = Some(end);
+            previous = Some((firing, end));
         }
     }
     turn.cloud.set_ring(beam_of_point);
@@ -101,17 +109,29 @@ pub fn turn(
 }
 
 /// The ways of a beam's pulses in the sensor frame, from behind clockwise.
-fn rays(sensor: &SensorModel, beam: Beam, error: &BeamError) -> impl Iterator<Item = Ray> + use<> {
-    let elevation_rad = f64::from(beam.elevation_deg + error.elevation_deg).to_radians();
-    let (rise, level) = portable_math::sin_cos(elevation_rad);
-    let origin = Vector::Z * beam.origin_height_m;
-    let first_rad = std::f64::consts::PI + f64::from(error.azimuth_deg).to_radians();
-    let n_firings = sensor.n_firings_per_turn;
-    (0..n_firings).map(move |firing| {
-        let turned = (f64::from(firing) + 0.5) / f64::from(n_firings);
-        let (sine, cosine) = portable_math::sin_cos(first_rad - turned * std::f64::consts::TAU);
-        Ray::new(origin, Vector::new((level * cosine) as f32, (level * sine) as f32, rise as f32))
-    })
+struct BeamWay {
+    origin: Vector,
+    rise: f64,
+    level: f64,
+    first_rad: f64,
+    n_firings: f64,
+}
+
+impl BeamWay {
+    fn new(sensor: &SensorModel, beam: Beam, error: &BeamError) -> Self {
+        let elevation_rad = f64::from(beam.elevation_deg + error.elevation_deg).to_radians();
+        let (rise, level) = portable_math::sin_cos(elevation_rad);
+        let first_rad = std::f64::consts::PI + f64::from(error.azimuth_deg).to_radians();
+        let n_firings = f64::from(sensor.n_firings_per_turn);
+        Self { origin: Vector::Z * beam.origin_height_m, rise, level, first_rad, n_firings }
+    }
+
+    fn ray(&self, firing: usize) -> Ray {
+        let turned = (firing as f64 + 0.5) / self.n_firings;
+        let (sine, cosine) = portable_math::sin_cos(self.first_rad - turned * std::f64::consts::TAU);
+        let toward = [self.level * cosine, self.level * sine, self.rise].map(|it| it as f32);
+        Ray::new(self.origin, Vector::from(toward))
+    }
 }
 
 /// What the sensor makes of the light that comes back from a pulse.

@@ -2,6 +2,7 @@
 
 pub mod task;
 pub mod class;
+pub mod partial_class;
 pub mod criterion;
 pub mod reason;
 pub mod metric;

@@ -1,0 +1,62 @@
+//! An object of which more and more is seen.
+
+use detector::PointCloud;
+
+use super::ObjectCloud;
+
+/// An object with the moments at which more of it had been seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrowingCloud {
+    /// All that was seen of it in the end, in the order in which it was seen.
+    pub whole: ObjectCloud,
+    /// Length, width and height of the object in metres, seen and unseen parts, where they are known.
+    pub extents_m: Option<[f32; 3]>,
+    /// When it could be judged, ascending; the last shows everything. Never empty.
+    pub moments: Vec<Moment>,
+}
+
+/// When an object can be judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// How many points of [`GrowingCloud::whole`] had been seen: the first ones.
+    pub n_points: usize,
+    /// Seconds since the first moment at which anything was looked at.
+    pub time_s: f64,
+    /// Distance on the ground plan between the sensor and the middle of the object, in metres, where it is known.
+    pub distance_m: Option<f32>,
+}
+
+impl GrowingCloud {
+    /// An object that was seen at once.
+    pub fn seen_at_once(whole: ObjectCloud, extents_m: Option<[f32; 3]>, distance_m: Option<f32>) -> Self {
+        let moment = Moment { n_points: whole.cloud.len(), time_s: 0.0, distance_m };
+        Self { whole, extents_m, moments: vec![moment] }
+    }
+
+    /// The points that had been seen at `moment`.
+    pub fn seen_at(&self, moment: &Moment) -> PointCloud {
+        let cloud = &self.whole.cloud;
+        let mut seen = PointCloud::with_capacity(moment.n_points);
+        for (position_m, intensity) in cloud.positions_m().zip(cloud.intensity()).take(moment.n_points) {
+            seen.push(position_m, *intensity);
+        }
+        seen
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use reports::vocabulary::partial_class::PartialClass;
+
+    #[test]
+    fn what_is_seen_first_comes_first() {
+        let cloud: PointCloud = (0..5).map(|it| [0.0, 0.0, it as f32]).collect();
+        let whole = ObjectCloud { id: "pole".to_owned(), class: PartialClass::Pole, cloud };
+        let growing = GrowingCloud::seen_at_once(whole, None, Some(7.0));
+        let [last] = growing.moments[..] else { panic!("{growing:?}") };
+        assert_eq!(growing.seen_at(&last), growing.whole.cloud);
+        let early = Moment { n_points: 2, time_s: 0.0, distance_m: None };
+        assert_eq!(growing.seen_at(&early).z_m(), [0.0, 1.0]);
+    }
+}

@@ -1,0 +1,19 @@
+//! Single objects, cut out of whatever saw them.
+
+use detector::PointCloud;
+use reports::vocabulary::partial_class::PartialClass;
+
+pub mod uncover;
+pub mod growing_cloud;
+pub mod object_cloud_set;
+
+/// The points of one object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectCloud {
+    /// What it is called, unique within its data set.
+    pub id: String,
+    /// What it is.
+    pub class: PartialClass,
+    /// Its points and none of the ground: z up, in metres above the ground under it; x and y from anywhere.
+    pub cloud: PointCloud,
+}
