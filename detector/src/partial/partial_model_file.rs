@@ -186,11 +186,11 @@ fn labeler_of(file: &File) -> Result<Labeler, Refused> {
 }
 
 fn of_doubles(values: &Descriptor) -> String {
-    values.iter().map(|it| format!("{:016x}", it.to_bits())).collect()
+    values.iter().fold(String::new(), |text, it| text + &format!("{:016x}", it.to_bits()))
 }
 
 fn of_singles(values: &[f32]) -> String {
-    values.iter().map(|it| format!("{:08x}", it.to_bits())).collect()
+    values.iter().fold(String::new(), |text, it| text + &format!("{:08x}", it.to_bits()))
 }
 
 fn doubles_of(text: &str) -> Option<Descriptor> {
