@@ -44,6 +44,7 @@ pub mod labeling;
 pub mod street;
 pub mod staged_scene;
 pub mod object_pair;
+pub mod object_clouds;
 
 // Streets as data sets, beside those on disk.
 pub mod simulated_street;

@@ -207,7 +207,7 @@ fn intensity(hit: &Hit, noise: f32) -> f32 {
 
 /// A nearly normal number of mean 0 and variance 1 within ±3.5: the scaled sum of four even ones, because the exact
 /// distribution needs functions that round differently from machine to machine.
-fn gaussian(rng: &mut ChaCha8Rng) -> f32 {
+pub fn gaussian(rng: &mut ChaCha8Rng) -> f32 {
     let bits = rng.next_u64();
     let sum: u64 = (0..4).map(|part| (bits >> (16 * part)) & 0xffff).sum();
     (sum as f32 / 65_535.0 - 2.0) * 3.0_f32.sqrt()

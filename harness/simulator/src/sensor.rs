@@ -150,7 +150,8 @@ impl SensorModel {
         })
     }
 
-    fn check(&self) -> Result<(), SensorModelError> {
+    /// Refuses what no sensor can have.
+    pub(crate) fn check(&self) -> Result<(), SensorModelError> {
         let within = |field, value: f64, least: f64, greatest: f64| {
             let in_bounds = (least..=greatest).contains(&value);
             in_bounds.then_some(()).ok_or(SensorModelError::OutOfBounds { field, value, least, greatest })

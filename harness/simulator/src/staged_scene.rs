@@ -76,7 +76,8 @@ pub fn on_the_road(plan_m: [f32; 2], [sine, cosine]: [f32; 2]) -> Pose {
     Pose::from_parts(Vector::new(plan_m[0], plan_m[1], 0.0), rotation)
 }
 
-fn level_road() -> Ground {
+/// A level plain as far as any sensor sees.
+pub fn level_road() -> Ground {
     let axis = RoadAxis::new(&RoadAxisShape {
         origin_m: [0.0, 0.0],
         heading_rad: 0.0,

@@ -17,6 +17,7 @@ pub mod kitti_label_line;
 pub mod kitti_writer;
 pub mod instance_numbers;
 pub mod semantic_kitti_writer;
+pub mod object_folder_writer;
 pub mod proposal_format;
 pub mod proposal_writer;
 pub mod convert;

@@ -256,6 +256,27 @@ pub enum DatasetError {
         /// The names, and how to say what they are.
         listing: String,
     },
+    /// Folders of objects whose names are no classes.
+    #[error(
+        "{path:?} has folders that are called after no class: {}; classes are {}, and what else of a street has a name",
+        shown(&names.join(", ")), known.join(", ")
+    )]
+    UnknownClassFolders {
+        /// The folder around them.
+        path: PathBuf,
+        /// Their names.
+        names: Vec<String>,
+        /// The classes.
+        known: Vec<String>,
+    },
+    /// No clouds of objects where they should be.
+    #[error("{path:?} has no {expected}")]
+    NoObjects {
+        /// The folder.
+        path: PathBuf,
+        /// What should be in it.
+        expected: String,
+    },
     /// A file that does not follow its format.
     #[error("{path:?} {}", shown(problem))]
     Damaged {
@@ -352,6 +373,7 @@ impl DatasetError {
                 | Self::ScanSelection { .. }
                 | Self::Catalogue { .. }
                 | Self::UnknownClasses { .. }
+                | Self::UnknownClassFolders { .. }
                 | Self::UnusableResults { .. }
         )
     }

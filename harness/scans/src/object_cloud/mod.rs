@@ -6,6 +6,9 @@ use reports::vocabulary::partial_class::PartialClass;
 pub mod uncover;
 pub mod growing_cloud;
 pub mod object_cloud_set;
+pub mod class_of_folder;
+pub mod object_sheet;
+pub mod class_folders;
 
 /// The points of one object.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,84 @@
+//! What a folder of objects says beyond their points: whether they are simulated, and how each was seen.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::growing_cloud::Moment;
+use crate::dataset::DatasetError;
+use crate::dataset::simulation::Simulation;
+use crate::dataset::text_file::read_text_file;
+
+/// The name of the file, beside the folders of the classes.
+pub const OBJECT_SHEET: &str = "objects.json";
+
+/// What is known about a folder of objects beyond its files.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectSheet {
+    /// What a simulation was asked for, if it made the objects.
+    pub simulation: Option<Simulation>,
+    /// By folder and file, such as `car/car-0001.npy`, how an object was seen; of others it is not known.
+    pub seen: BTreeMap<String, SeenObject>,
+}
+
+/// How an object was seen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeenObject {
+    /// Its length, width and height in metres, seen and unseen parts, where they are known.
+    pub extents_m: Option<[f32; 3]>,
+    /// When it could be judged: the number of points, seconds, and the distance in metres where it is known.
+    pub moments: Vec<(usize, f64, Option<f32>)>,
+}
+
+impl SeenObject {
+    /// As it is kept.
+    pub fn of(extents_m: Option<[f32; 3]>, moments: &[Moment]) -> Self {
+        let moments = moments.iter().map(|it| (it.n_points, it.time_s, it.distance_m)).collect();
+        Self { extents_m, moments }
+    }
+
+    /// The moments of an object with `n_points`, if they can be its own. Errors are the rest of a sentence about the file.
+    ///
+    /// # Errors
+    ///
+    /// If there are none, they do not ascend, or the last does not show every point.
+    pub fn moments(&self, n_points: usize) -> Result<Vec<Moment>, String> {
+        let moment = |&(n_points, time_s, distance_m): &_| Moment { n_points, time_s, distance_m };
+        let moments: Vec<Moment> = self.moments.iter().map(moment).collect();
+        let ascends = moments.is_sorted_by(|a, b| a.n_points <= b.n_points && a.time_s <= b.time_s);
+        let n_last = moments.last().map(|it| it.n_points);
+        if ascends && n_last == Some(n_points) {
+            return Ok(moments);
+        }
+        Err(format!(
+            "has moments that end with {n_last:?} points or do not ascend, of an object of {n_points}"
+        ))
+    }
+}
+
+impl ObjectSheet {
+    /// The sheet in `folder`; an empty one if there is none.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if it cannot be read or is none.
+    pub fn in_folder(folder: &Path) -> Result<Self, DatasetError> {
+        let path = folder.join(OBJECT_SHEET);
+        if !path.is_file() {
+            return Ok(Self::default());
+        }
+        let text = read_text_file(&path)?;
+        serde_json::from_str(&text).map_err(|error| {
+            let problem = format!("does not describe objects: {error}");
+            DatasetError::Damaged { path, problem }
+        })
+    }
+
+    /// The text of the file.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("fields with names are JSON")
+    }
+}

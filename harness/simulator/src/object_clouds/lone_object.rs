@@ -1,0 +1,124 @@
+//! An object alone on a level road, and what a sensor sees of it.
+
+use parry3d::math::{Pose, Vector};
+use rand_chacha::ChaCha8Rng;
+
+use super::drawn_object::DrawnObject;
+use crate::angular_window::AngularWindow;
+use crate::ground::Ground;
+use crate::portable_math;
+use crate::pulse_path::Surroundings;
+use crate::scan::{BeamError, part_of_turn};
+use crate::scene::{Leaf, LeafForm, Scene};
+use crate::sensor::SensorModel;
+use crate::staged_scene::{level_road, on_the_road};
+
+/// An object on a level road. The world's origin lies on the road below the middle of the object.
+#[derive(Debug, Clone)]
+pub struct LoneObject {
+    ground: Ground,
+    standing: Scene,
+    moving: Scene,
+    // Of the boxes around its parts.
+    corners: Vec<Vector>,
+    /// Its length, width and height in metres.
+    pub extents_m: [f32; 3],
+}
+
+/// Who looks, and from where.
+#[derive(Debug, Clone, Copy)]
+pub struct Look<'a> {
+    /// The sensor.
+    pub sensor: &'a SensorModel,
+    /// The errors of its beams.
+    pub errors: &'a [BeamError],
+    /// Where it is.
+    pub world_from_sensor: Pose,
+}
+
+/// A point on the object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenPoint {
+    /// Where the sensor sees it, in its frame, in metres.
+    pub position_m: Vector,
+    /// Its intensity, 0 to 1.
+    pub intensity: f32,
+}
+
+impl LoneObject {
+    /// Puts `object` on the road.
+    pub fn new(object: &DrawnObject) -> Self {
+        let (sine, cosine) = portable_math::sin_cos(f64::from(object.yaw_rad));
+        let world_from_object = on_the_road([0.0; 2], [sine as f32, cosine as f32]);
+        let (mut corners, mut leaves) = (Vec::new(), Vec::new());
+        for part in &object.shape.parts {
+            let solid = part.solid.placed(&world_from_object);
+            corners.extend(solid.bounds().vertices());
+            leaves.push(Leaf { form: LeafForm::Solid(solid), material: part.material, object_idx: Some(0) });
+        }
+        Self {
+            ground: level_road(),
+            corners,
+            standing: Scene::new(leaves),
+            moving: Scene::new(Vec::new()),
+            extents_m: object.shape.bounds().extents().into(),
+        }
+    }
+
+    /// The longest way from its middle to its outline, on the ground plan, in metres.
+    pub fn reach_m(&self) -> f32 {
+        let reaches_m = self.corners.iter().map(|it| (it.x * it.x + it.y * it.y).sqrt());
+        reaches_m.fold(0.0, f32::max)
+    }
+
+    /// Height of its top above the road, in metres.
+    pub fn top_m(&self) -> f32 {
+        self.corners.iter().map(|it| it.z).fold(0.0, f32::max)
+    }
+
+    /// Its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among them, nor those
+    /// in the air between an edge and what lies behind it. `pulses` gives the dice of each beam.
+    pub fn points_in(
+        &self,
+        look: &Look<'_>,
+        is_sent: impl Fn(usize) -> bool,
+        pulses: impl Fn(u32) -> ChaCha8Rng,
+    ) -> Vec<SeenPoint> {
+        let sensor_from_world = look.world_from_sensor.inverse();
+        let window = AngularWindow::around(self.corners.iter().map(|it| sensor_from_world * *it));
+        let n_firings = look.sensor.n_firings_per_turn as usize;
+        let firings = |rise| {
+            let n_met = if window.may_meet(rise) { n_firings } else { 0 };
+            window.firings(n_firings).take(n_met).filter(|firing| is_sent(*firing))
+        };
+        let surroundings = Surroundings {
+            ground: &self.ground,
+            standing: &self.standing,
+            moving: &self.moving,
+            world_from_sensor: look.world_from_sensor,
+            rain: None,
+        };
+        let turn = part_of_turn(look.sensor, look.errors, &[surroundings], firings, pulses);
+        let points = turn.cloud.positions_m().zip(turn.cloud.intensity()).zip(&turn.objects);
+        let on_it = points.filter(|(_, object)| object.is_some());
+        on_it
+            .map(|((position_m, intensity), _)| SeenPoint {
+                position_m: Vector::from(position_m),
+                intensity: *intensity,
+            })
+            .collect()
+    }
+}
+
+/// The pose of a sensor `height_m` above the road at `plan_m`, which looks along `heading_rad`, counter-clockwise from x, and is turned up by
+/// `tilt_rad`.
+pub fn sensor_pose(plan_m: [f32; 2], height_m: f32, heading_rad: f64, tilt_rad: f64) -> Pose {
+    let (sine, cosine) = portable_math::sin_cos(heading_rad);
+    let (rise, level) = portable_math::sin_cos(tilt_rad);
+    let axis = |x: f64, y: f64, z: f64| Vector::from([x, y, z].map(|it| it as f32));
+    let ahead = axis(level * cosine, level * sine, rise);
+    let left = axis(-sine, cosine, 0.0);
+    let up = axis(-rise * cosine, -rise * sine, level);
+    let rotation = crate::world::rotation_from_axes(ahead, left, up);
+    Pose::from_parts(Vector::new(plan_m[0], plan_m[1], height_m), rotation)
+}
