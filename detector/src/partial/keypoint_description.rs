@@ -5,6 +5,7 @@ use super::local_surface::LocalSurfaces;
 use super::neighborhoods::Neighborhoods;
 use super::partial_params::PartialParams;
 use super::patch_descriptor::{Descriptor, PatchDescriber};
+use super::seen_extents::SeenExtents;
 use super::thinned_points::ThinnedPoints;
 
 /// A keypoint with what is around it.
@@ -24,7 +25,16 @@ pub struct KeypointDescriber {
     surfaces: LocalSurfaces,
     keypoints: Keypoints,
     patches: PatchDescriber,
-    described: Vec<DescribedKeypoint>,
+    described: DescribedCloud,
+}
+
+/// What later stages need to know of a cloud.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DescribedCloud {
+    /// How far it reaches.
+    pub extents: SeenExtents,
+    /// Its keypoints.
+    pub keypoints: Vec<DescribedKeypoint>,
 }
 
 impl KeypointDescriber {
@@ -36,15 +46,16 @@ impl KeypointDescriber {
         &mut self,
         positions_m: impl Iterator<Item = [f32; 3]>,
         params: &PartialParams,
-    ) -> &[DescribedKeypoint] {
+    ) -> &DescribedCloud {
         let Self { thinned, around, surfaces, keypoints, patches, described } = self;
         let PartialParams { thinning, surface, keypoints: keypoint_params, descriptor, .. } = params;
         thinned.fill(positions_m, thinning);
         around.fill(thinned.points_m(), surface.radius_m);
         surfaces.fill(around, surface);
         keypoints.fill(around, surfaces.surfaces(), surface.radius_m, keypoint_params);
-        described.clear();
-        described.extend(keypoints.point_indices().iter().map(|&point_idx| {
+        described.extents = SeenExtents::of(thinned.points_m());
+        described.keypoints.clear();
+        described.keypoints.extend(keypoints.point_indices().iter().map(|&point_idx| {
             let of_stages = (surface, keypoint_params, descriptor);
             let descriptor = patches.describe(around, surfaces.surfaces(), point_idx, of_stages);
             DescribedKeypoint { position_m: around.points_m()[point_idx as usize], descriptor }

@@ -6,6 +6,7 @@
 pub mod thinned_points;
 pub mod neighborhoods;
 pub mod principal_frame;
+pub mod seen_extents;
 
 // Keypoints: where the surface turns most, and what it is like there.
 pub mod local_surface;

@@ -73,11 +73,11 @@ impl PartialClassifier {
         let PartialModel { params, labeler, vocabulary, decision, .. } = &*self.model;
         let described = self.describer.describe(positions_m, params);
         self.keypoints.clear();
-        self.keypoints.extend(described.iter().map(|it| {
+        self.keypoints.extend(described.keypoints.iter().map(|it| {
             let label = labeler.label_of(&it.descriptor);
             LabeledKeypoint { position_m: it.position_m, label }
         }));
-        self.patterns.fill(&self.keypoints, &params.patterns);
+        self.patterns.fill(&self.keypoints, &described.extents, &params.patterns);
         vocabulary.fill_bag(self.patterns.patterns(), &params.bag, &mut self.bag);
         let by = (&params.decision, self.rejected_idx);
         decision.judge(&self.bag, self.keypoints.len(), by, &mut self.judgement);

@@ -114,12 +114,13 @@ impl PartialParams {
         check_range(
             "patterns.kinds",
             if is_sound { n_kinds as f64 } else { f64::NAN },
-            [1.0, 3.0],
-            "1 to 3 different kinds",
+            [1.0, 4.0],
+            "1 to 4 different kinds",
         )?;
         for (name, edges) in [
             ("patterns.height_edges_m", &patterns.height_edges_m),
             ("patterns.volume_edges_m3", &patterns.volume_edges_m3),
+            ("patterns.extent_edges_m", &patterns.extent_edges_m),
         ] {
             let allowed = "up to 100 ascending numbers";
             check_range(name, edges.len() as f64, [0.0, 100.0], allowed)?;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hull_volume::tetrahedron_m3;
 use super::neighborhoods::squared_distance;
+use super::seen_extents::SeenExtents;
 
 /// Number of keypoints of a graph: one, and the three nearest to it.
 pub const N_VERTICES: usize = 4;
@@ -22,6 +23,8 @@ pub struct PatternParams {
     pub height_edges_m: Vec<f64>,
     /// Where bins of the spanned volume end, in cubic metres, ascending; none: volumes do not count.
     pub volume_edges_m3: Vec<f64>,
+    /// Where bins of the extents of the whole end, in metres, ascending.
+    pub extent_edges_m: Vec<f64>,
 }
 
 /// What is counted of every keypoint.
@@ -34,6 +37,9 @@ pub enum PatternKind {
     CenteredGraph,
     /// Its own label and height: a bag of words, without graphs.
     Keypoint,
+    /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose shares say nothing of
+    /// size.
+    Extents,
 }
 
 /// A pattern as a number: its kind, the bin of its height, the bin of its volume, its labels.
@@ -46,6 +52,7 @@ impl Pattern {
             PatternKind::Graph => 0,
             PatternKind::CenteredGraph => 1,
             PatternKind::Keypoint => 2,
+            PatternKind::Extents => 3,
         };
         let [a, b, c, d] = labels;
         Self(u64::from_be_bytes([0, kind, height_bin, volume_bin, a, b, c, d]))
@@ -78,7 +85,7 @@ impl Pattern {
 }
 
 /// Number of kinds of patterns.
-pub const N_KINDS: usize = 3;
+pub const N_KINDS: usize = 4;
 
 /// A keypoint with its label.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,13 +110,17 @@ impl Patterns {
     /// volume is 0.
     ///
     /// Paper: BG section 3.2.
-    pub fn fill(&mut self, keypoints: &[LabeledKeypoint], params: &PatternParams) {
+    pub fn fill(&mut self, keypoints: &[LabeledKeypoint], extents: &SeenExtents, params: &PatternParams) {
         self.graphs.clear();
         self.graphs.extend((0..keypoints.len()).map(|it| graph_of(it, keypoints)));
         self.patterns.clear();
         for graph in &self.graphs {
             let vertices = graph.map(|it| keypoints.get(it as usize));
-            self.patterns.extend(params.kinds.iter().map(|&kind| pattern_of(vertices, kind, params)));
+            let of_keypoints = params.kinds.iter().filter(|&&kind| kind != PatternKind::Extents);
+            self.patterns.extend(of_keypoints.map(|&kind| pattern_of(vertices, kind, params)));
+        }
+        if !keypoints.is_empty() && params.kinds.contains(&PatternKind::Extents) {
+            self.patterns.extend(patterns_of_extents(extents, &params.extent_edges_m));
         }
     }
 
@@ -118,7 +129,7 @@ impl Patterns {
         &self.graphs
     }
 
-    /// One pattern of every kind for each graph.
+    /// One pattern of every kind for each graph, and then those of the extents.
     pub fn patterns(&self) -> &[Pattern] {
         &self.patterns
     }
@@ -159,13 +170,24 @@ fn pattern_of(
     match kind {
         PatternKind::Graph => labels.sort_unstable(),
         PatternKind::CenteredGraph => labels[1..].sort_unstable(),
-        PatternKind::Keypoint => {
+        PatternKind::Keypoint | PatternKind::Extents => {
             let height_m = vertices[0].map_or(0.0, |it| it.position_m[2]);
             let bins = [bin_of(height_m, &params.height_edges_m), ANY];
             return Pattern::new(kind, bins, [labels[0], MISSING, MISSING, MISSING]);
         }
     }
     Pattern::new(kind, bins, labels)
+}
+
+/// The bins of two extents at a time.
+fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
+    let SeenExtents { bottom_m, top_m, length_m, width_m } = *extents;
+    let pairs =
+        [(0, [bottom_m, top_m]), (1, [top_m, length_m]), (2, [top_m, width_m]), (3, [length_m, width_m])];
+    pairs.map(|(pair, both_m)| {
+        let [first, second] = both_m.map(|it| bin_of(it, edges_m));
+        Pattern::new(PatternKind::Extents, [ANY, ANY], [pair, first, second, MISSING])
+    })
 }
 
 /// How many of `edges` are at most `value`; [`ANY`] without edges.
@@ -182,13 +204,18 @@ mod tests {
     }
 
     fn params(kind: PatternKind) -> PatternParams {
-        PatternParams { kinds: vec![kind], height_edges_m: vec![1.0, 2.0], volume_edges_m3: vec![0.1] }
+        PatternParams {
+            kinds: vec![kind],
+            height_edges_m: vec![1.0, 2.0],
+            volume_edges_m3: vec![0.1],
+            extent_edges_m: vec![1.0, 2.0],
+        }
     }
 
     #[track_caller]
     fn check(keypoints: &[LabeledKeypoint], kind: PatternKind, expected: &[[u8; 6]]) {
         let mut patterns = Patterns::default();
-        patterns.fill(keypoints, &params(kind));
+        patterns.fill(keypoints, &SeenExtents::default(), &params(kind));
         let found: Vec<[u8; 6]> = patterns
             .patterns()
             .iter()
@@ -211,7 +238,7 @@ mod tests {
             keypoint(9.0, 8.0, 0),
         ];
         let mut patterns = Patterns::default();
-        patterns.fill(&row, &params(PatternKind::Graph));
+        patterns.fill(&row, &SeenExtents::default(), &params(PatternKind::Graph));
         assert_eq!(patterns.graphs()[0], [0, 1, 2, 3]);
         assert_eq!(patterns.graphs()[2], [2, 1, 3, 0]);
         check(&row[..4], PatternKind::Graph, &[[0, 0, 1, 3, 5, 7]; 4]);
@@ -234,10 +261,11 @@ mod tests {
             kinds: vec![PatternKind::Graph],
             height_edges_m: vec![],
             volume_edges_m3: vec![],
+            extent_edges_m: vec![],
         };
-        patterns.fill(&[keypoint(0.0, 5.0, 2)], &nothing);
+        patterns.fill(&[keypoint(0.0, 5.0, 2)], &SeenExtents::default(), &nothing);
         assert_eq!(patterns.patterns(), [Pattern::new(PatternKind::Graph, [ANY, ANY], [2, 255, 255, 255])]);
-        patterns.fill(&[], &nothing);
+        patterns.fill(&[], &SeenExtents::default(), &nothing);
         assert_eq!(patterns.patterns(), []);
     }
 
@@ -248,5 +276,24 @@ mod tests {
         assert_eq!(coarser, Pattern::new(PatternKind::Graph, [3, ANY], [1, 2, 3, 4]));
         assert_eq!(coarser.coarser(), Some(Pattern::new(PatternKind::Graph, [ANY, ANY], [1, 2, 3, 4])));
         assert_eq!(coarser.coarser().unwrap().coarser(), None);
+    }
+
+    #[test]
+    fn extents_are_binned_two_at_a_time() {
+        let extents = SeenExtents { bottom_m: 0.5, top_m: 1.5, length_m: 2.5, width_m: 1.0 };
+        let mut patterns = Patterns::default();
+        patterns.fill(&[keypoint(0.0, 0.0, 9)], &extents, &params(PatternKind::Extents));
+        let labels: Vec<[u8; 3]> = patterns
+            .patterns()
+            .iter()
+            .map(|it| {
+                let [.., pair, first, second, _] = it.0.to_be_bytes();
+                [pair, first, second]
+            })
+            .collect();
+        assert_eq!(labels, [[0, 0, 1], [1, 1, 2], [2, 1, 1], [3, 2, 1]]);
+        assert_eq!(patterns.patterns()[0].kind_number(), 3);
+        patterns.fill(&[], &extents, &params(PatternKind::Extents));
+        assert!(patterns.patterns().is_empty());
     }
 }

@@ -75,7 +75,7 @@ pub fn point_feature_histogram(
     counts.map(|it| f64::from(it) / n_pairs)
 }
 
-/// The sine of the least angle between a normal and a line that have a plane.
+/// The sine of the least angle: of a line to a normal, for there to be a plane through both, and of an angle with a sign.
 const LEAST_SINE: f64 = 1e-6;
 
 fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> Option<usize> {
@@ -101,7 +101,8 @@ fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> O
     let w = cross(source, v);
     let (alpha, [theta_y, theta_x]) = (dot(v, target), [dot(w, target), dot(source, target)]);
     let bits = match signs {
-        AngleSigns::Count => [alpha >= 0.0, phi >= 0.0, theta_y >= 0.0],
+        // On a plane all three are nought, but for rounding.
+        AngleSigns::Count => [alpha, phi, theta_y].map(|it| it > -LEAST_SINE),
         AngleSigns::Folded => [alpha.abs() > 0.5, phi.abs() > 0.5, theta_y.abs() > theta_x.abs()],
     };
     Some(bits.into_iter().fold(0, |bin, bit| bin << 1 | usize::from(bit)))

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct ThinningParams {
     /// Side of the cubes of which each keeps one point, the mean of its points, in metres; 0 keeps all points.
     pub cube_m: f64,
-    /// Most points that are kept. Cubes grow by a quarter until no more are left.
+    /// Most points that are kept. Cubes grow by a quarter until no more are left; each time the means are thinned again.
     pub max_points: usize,
 }
 
@@ -20,7 +20,7 @@ const LEAST_CUBE_M: f64 = 0.02;
 /// Buffers for thinning one cloud after another.
 #[derive(Debug, Clone, Default)]
 pub struct ThinnedPoints {
-    sorted: Vec<(u64, [f32; 3])>,
+    sorted: Vec<(u64, [f64; 3])>,
     points_m: Vec<[f64; 3]>,
 }
 
@@ -32,13 +32,15 @@ impl ThinnedPoints {
     pub fn fill(&mut self, positions_m: impl Iterator<Item = [f32; 3]>, params: &ThinningParams) {
         let is_usable = |it: &[f32; 3]| it.iter().all(|value| value.abs() <= FARTHEST_M);
         // No negative nought: it is another one to `total_cmp`.
-        let usable = positions_m.filter(is_usable).map(|it| (0, it.map(|value| value + 0.0)));
+        let usable = positions_m.filter(is_usable).map(|it| (0, it.map(|value| f64::from(value) + 0.0)));
         self.sorted.clear();
         self.sorted.extend(usable);
         let mut cube_m = params.cube_m;
         self.keep_means(cube_m);
         while self.points_m.len() > params.max_points {
             cube_m = (cube_m * 1.25).max(LEAST_CUBE_M);
+            self.sorted.clear();
+            self.sorted.extend(self.points_m.iter().map(|&it| (0, it)));
             self.keep_means(cube_m);
         }
     }
@@ -50,7 +52,7 @@ impl ThinnedPoints {
 
     fn keep_means(&mut self, cube_m: f64) {
         for (cube, position_m) in &mut self.sorted {
-            *cube = if cube_m > 0.0 { cell_of(position_m.map(f64::from), cube_m) } else { 0 };
+            *cube = if cube_m > 0.0 { cell_of(*position_m, cube_m) } else { 0 };
         }
         self.sorted.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_coordinates(a.1, b.1)));
         self.points_m.clear();
@@ -58,19 +60,19 @@ impl ThinnedPoints {
             let cubes = self.sorted.chunk_by(|a, b| a.0 == b.0);
             self.points_m.extend(cubes.map(mean_m));
         } else {
-            self.points_m.extend(self.sorted.iter().map(|it| it.1.map(f64::from)));
+            self.points_m.extend(self.sorted.iter().map(|it| it.1));
         }
     }
 }
 
-fn by_coordinates(a: [f32; 3], b: [f32; 3]) -> std::cmp::Ordering {
+fn by_coordinates(a: [f64; 3], b: [f64; 3]) -> std::cmp::Ordering {
     a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
 }
 
-fn mean_m(points: &[(u64, [f32; 3])]) -> [f64; 3] {
-    let sum = points.iter().fold([0.0; 3], |sum: [f64; 3], (_, it)| {
-        [sum[0] + f64::from(it[0]), sum[1] + f64::from(it[1]), sum[2] + f64::from(it[2])]
-    });
+fn mean_m(points: &[(u64, [f64; 3])]) -> [f64; 3] {
+    let sum = points
+        .iter()
+        .fold([0.0; 3], |sum: [f64; 3], (_, it)| [sum[0] + it[0], sum[1] + it[1], sum[2] + it[2]]);
     sum.map(|it| it / points.len() as f64)
 }
 

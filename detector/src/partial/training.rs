@@ -3,7 +3,7 @@
 use super::bag::Vocabulary;
 use super::class_weights::{TrainingBag, learn_class_weights};
 use super::decision::{Center, Centers, Decision, DecisionRule, evidence_bin};
-use super::keypoint_description::{DescribedKeypoint, KeypointDescriber};
+use super::keypoint_description::{DescribedCloud, KeypointDescriber};
 use super::labels::Labeler;
 use super::partial_model::PartialModel;
 use super::partial_params::PartialParams;
@@ -21,8 +21,8 @@ pub struct TrainingCloud {
     pub object_idx: usize,
     /// Which part of the object has been seen; clouds of the same part of objects of a class have a mean bag of their own.
     pub part: usize,
-    /// Its keypoints.
-    pub keypoints: Vec<DescribedKeypoint>,
+    /// Its keypoints and extents.
+    pub described: DescribedCloud,
 }
 
 impl TrainingCloud {
@@ -33,8 +33,8 @@ impl TrainingCloud {
         (object_idx, part): (usize, usize),
         params: &PartialParams,
     ) -> Self {
-        let keypoints = KeypointDescriber::default().describe(positions_m, params).to_vec();
-        Self { class_idx, object_idx, part, keypoints }
+        let described = KeypointDescriber::default().describe(positions_m, params).clone();
+        Self { class_idx, object_idx, part, described }
     }
 }
 
@@ -82,9 +82,9 @@ pub fn train(
     made: Provenance,
 ) -> Result<PartialModel, TrainingError> {
     check(classes, clouds)?;
-    let clouds: Vec<&TrainingCloud> = clouds.iter().filter(|it| !it.keypoints.is_empty()).collect();
+    let clouds: Vec<&TrainingCloud> = clouds.iter().filter(|it| !it.described.keypoints.is_empty()).collect();
     let descriptors: Vec<Descriptor> =
-        clouds.iter().flat_map(|it| &it.keypoints).map(|it| it.descriptor).collect();
+        clouds.iter().flat_map(|it| &it.described.keypoints).map(|it| it.descriptor).collect();
     let labeler = Labeler::learned(&descriptors, &params.labels);
     let patterns_of_clouds = patterns_of(&clouds, &labeler, params);
     let vocabulary = Vocabulary::learned(&of_objects(&clouds, &patterns_of_clouds), &params.bag);
@@ -115,7 +115,8 @@ fn check(classes: &[String], clouds: &[TrainingCloud]) -> Result<(), TrainingErr
         let class_idx = clouds[cloud_idx].class_idx;
         return Err(TrainingError::UnknownClass { cloud_idx, class_idx, n_classes });
     }
-    let has_cloud = |class_idx| clouds.iter().any(|it| it.class_idx == class_idx && !it.keypoints.is_empty());
+    let has_cloud =
+        |class_idx| clouds.iter().any(|it| it.class_idx == class_idx && !it.described.keypoints.is_empty());
     match (0..n_classes).find(|&it| !has_cloud(it)) {
         Some(class_idx) => Err(TrainingError::NoCloud { class: classes[class_idx].clone() }),
         None => Ok(()),
@@ -127,10 +128,11 @@ fn patterns_of(clouds: &[&TrainingCloud], labeler: &Labeler, params: &PartialPar
     let mut patterns = Patterns::default();
     let of_cloud = |cloud: &&TrainingCloud| {
         let labeled = cloud
+            .described
             .keypoints
             .iter()
             .map(|it| LabeledKeypoint { position_m: it.position_m, label: labeler.label_of(&it.descriptor) });
-        patterns.fill(&labeled.collect::<Vec<_>>(), &params.patterns);
+        patterns.fill(&labeled.collect::<Vec<_>>(), &cloud.described.extents, &params.patterns);
         patterns.patterns().to_vec()
     };
     clouds.iter().map(of_cloud).collect()
@@ -160,7 +162,7 @@ impl Learner<'_> {
         let params = &self.params.decision;
         let mut by_evidence = vec![(Vec::new(), Vec::new()); params.evidence_edges.len() + 1];
         for (cloud_idx, distance, scores) in self.held_out() {
-            let bin = evidence_bin(self.clouds[cloud_idx].keypoints.len(), &params.evidence_edges);
+            let bin = evidence_bin(self.clouds[cloud_idx].described.keypoints.len(), &params.evidence_edges);
             by_evidence[bin].0.push(distance);
             by_evidence[bin].1.push(scores);
         }
@@ -262,6 +264,7 @@ fn nearest_share(distances: &mut [f32], share: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::partial::keypoint_description::DescribedKeypoint;
     use crate::partial::patch_descriptor::N_DESCRIPTOR_VALUES;
 
     /// A cloud of one keypoint with this value.
@@ -269,7 +272,8 @@ mod tests {
         let mut descriptor = [0.0; N_DESCRIPTOR_VALUES];
         descriptor[8] = value;
         let keypoints = vec![DescribedKeypoint { position_m: [0.0; 3], descriptor }];
-        TrainingCloud { class_idx, object_idx, part: 0, keypoints }
+        let described = DescribedCloud { keypoints, ..DescribedCloud::default() };
+        TrainingCloud { class_idx, object_idx, part: 0, described }
     }
 
     fn made() -> Provenance {
@@ -303,7 +307,7 @@ mod tests {
             |names: &[String], clouds: &[TrainingCloud]| train(names, clouds, &params(), made()).unwrap_err();
         assert_eq!(error(&names()[..1], &[]), TrainingError::Classes { n_classes: 1 });
         assert_eq!(error(&names(), &[cloud(0, 0, 0.0)]), TrainingError::NoCloud { class: "high".to_owned() });
-        let empty = TrainingCloud { keypoints: Vec::new(), ..cloud(1, 1, 0.0) };
+        let empty = TrainingCloud { described: DescribedCloud::default(), ..cloud(1, 1, 0.0) };
         assert_eq!(
             error(&names(), &[cloud(0, 0, 0.0), empty]),
             TrainingError::NoCloud { class: "high".to_owned() }
