@@ -277,7 +277,7 @@ mod tests {
         check_refused("[0, 1, 1]", "[0, 0, 0]", "center_classes: not a number of every class");
         check_refused("sharpness = \"3f", "sharpness = \"ff", "sharpness: not as many numbers");
         check_refused("farthest = \"7f800000", "farthest = \"", "farthest: not as many numbers");
-        check_refused("  \"0000000000000007", "  \"0003000000000007", "columns: not a pattern");
+        check_refused("  \"0000000000000007", "  \"0004000000000007", "columns: not a pattern");
         check_refused("  \"0000000000000007", "  \"0001000000000007", "columns: patterns do not ascend");
         check_refused("min_keypoints = 1", "min_keypoints = 0", "decision.min_keypoints = 0 is not within");
         check_refused("radius_m", "radios_m", "unknown field `radios_m`");

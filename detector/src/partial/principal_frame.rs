@@ -10,7 +10,8 @@ pub struct PrincipalFrame {
 }
 
 impl PrincipalFrame {
-    /// The frame of these points; the axes of the coordinates without any spread. `None` without points.
+    /// The frame of these points; the axes of the coordinates without any spread. Of points on a line the last axis is that across it which is
+    /// nearest to upright, or x for an upright line. `None` without points.
     pub fn around(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Option<Self> {
         let (mut n, mut sum) = (0.0, [0.0; 3]);
         for point_m in points_m.clone() {
@@ -31,7 +32,9 @@ impl PrincipalFrame {
             spread[1][2] += y * z;
             spread[2][2] += z * z;
         }
-        Some(Self { center_m, axes: eigenvectors(spread) })
+        let (axes, [largest, middle, _]) = eigenvectors(spread);
+        let is_line = largest > 0.0 && middle <= LEAST_SPREAD * largest;
+        Some(Self { center_m, axes: if is_line { axes_of_line(axes[0]) } else { axes } })
     }
 
     /// The axis of least spread: the normal of the plane that fits best.
@@ -40,14 +43,25 @@ impl PrincipalFrame {
     }
 }
 
+/// Points that spread less than this across their main axis, squared and of the spread along it, are a line.
+const LEAST_SPREAD: f64 = 1e-9;
+
+/// A line with these axes has no direction that its points prefer across it.
+fn axes_of_line(along: [f64; 3]) -> [[f64; 3]; 3] {
+    let [x, y, z] = along;
+    let level = (x * x + y * y).sqrt();
+    let normal = if level > LEAST_SPREAD { [-z * x / level, -z * y / level, level] } else { [1.0, 0.0, 0.0] };
+    [along, cross(normal, along), normal]
+}
+
 /// Sweeps after which Jacobi's method ends in any case; it needs four or five.
 const MOST_SWEEPS: usize = 12;
 /// What is left beside the diagonal, of the whole, when it ends.
 const SMALL: f64 = 1e-14;
 
-/// The eigenvectors of a symmetric matrix, of which the upper half is read, from the largest to the least eigenvalue, by
+/// The eigenvectors of a symmetric matrix, of which the upper half is read, with their eigenvalues from the largest to the least, by
 /// Jacobi's method.
-fn eigenvectors(mut a: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+fn eigenvectors(mut a: [[f64; 3]; 3]) -> ([[f64; 3]; 3], [f64; 3]) {
     // Columns are the vectors.
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let whole = a[0][0] + a[1][1] + a[2][2];
@@ -61,7 +75,8 @@ fn eigenvectors(mut a: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     }
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| a[j][j].total_cmp(&a[i][i]).then(i.cmp(&j)));
-    order.map(|column| [vectors[0][column], vectors[1][column], vectors[2][column]])
+    let axes = order.map(|column| [vectors[0][column], vectors[1][column], vectors[2][column]]);
+    (axes, order.map(|it| a[it][it]))
 }
 
 /// One rotation, after which element `p`, `q` is nought; `p` < `q`.
@@ -131,6 +146,20 @@ mod tests {
         assert_eq!(PrincipalFrame::around(std::iter::empty()), None);
         let frame = PrincipalFrame::around([[1.0, 2.0, 3.0]].into_iter()).unwrap();
         assert_eq!(frame.axes, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    }
+
+    #[test]
+    fn the_normal_of_a_line_is_as_upright_as_can_be() {
+        for ([x, y, z], expected) in [
+            ([3.0, 4.0, 0.0], [0.0, 0.0, 1.0]),
+            ([0.0, 0.0, 2.0], [1.0, 0.0, 0.0]),
+            ([0.6, 0.0, 0.8], [-0.8, 0.0, 0.6]),
+        ] {
+            let ends = [[1.0, 1.0, 1.0], [1.0 + x, 1.0 + y, 1.0 + z]];
+            let normal = PrincipalFrame::around(ends.into_iter()).unwrap().normal();
+            let is_near = |sign: f64| normal.iter().zip(expected).all(|(a, b)| (sign * a - b).abs() < 1e-12);
+            assert!(is_near(1.0) || is_near(-1.0), "{normal:?}");
+        }
     }
 
     proptest! {

@@ -43,7 +43,18 @@ pub fn axes(points_m: &[[f64; 3]]) -> [Vector3<f64>; 3] {
     let eigen = SymmetricEigen::new(spread);
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    order.map(|it| eigen.eigenvectors.column(it).into_owned())
+    let axes = order.map(|it| eigen.eigenvectors.column(it).into_owned());
+    let [largest, middle, _] = order.map(|it| eigen.eigenvalues[it]);
+    if largest <= 0.0 {
+        return [Vector3::x(), Vector3::y(), Vector3::z()];
+    }
+    if middle > 1e-9 * largest {
+        return axes;
+    }
+    // A line: across it, and as upright as can be.
+    let normal = Vector3::z() - axes[0] * axes[0].z;
+    let normal = normal.try_normalize(1e-9).unwrap_or(Vector3::x());
+    [axes[0], normal.cross(&axes[0]), normal]
 }
 
 fn surface(around_m: &[[f64; 3]], point_m: [f64; 3], params: &SurfaceParams) -> Surface {
