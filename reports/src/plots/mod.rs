@@ -25,3 +25,4 @@ mod sweep_panels;
 pub mod rate_plot;
 pub mod fitness_plot;
 pub mod pareto_plot;
+pub mod partial_plot;
