@@ -50,6 +50,8 @@ pub use stage_product::StageProduct;
 
 // How fast they run, and nothing else.
 mod vector_instructions;
+// Numbers that are the same on every machine.
+pub mod portable_math;
 
 // The stages, in order.
 pub mod grid;
@@ -68,3 +70,6 @@ pub mod drawn;
 // Their parameters, and how they follow each other.
 pub mod params;
 pub mod pipeline;
+
+// Another method: what an object is of which only a part has been seen.
+pub mod partial;

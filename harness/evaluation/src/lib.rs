@@ -9,6 +9,7 @@ pub mod object_box;
 pub mod realism;
 pub mod density_survey;
 pub mod training;
+pub mod partial;
 pub mod process;
 pub mod run;
 pub mod results_mcap;

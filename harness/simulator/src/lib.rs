@@ -8,7 +8,8 @@
 //! Simulated is not real. What the simulator leaves out: snow, fog, spray behind wheels, second echoes, and the
 //! vibration of the car. It is dry unless a street is put [in the rain](rain).
 
-pub mod portable_math;
+pub use detector::portable_math;
+
 pub mod sensor;
 pub mod material;
 pub mod solid;

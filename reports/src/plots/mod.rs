@@ -27,3 +27,4 @@ pub mod fitness_plot;
 pub mod pareto_plot;
 pub mod pdf;
 pub mod study_plots;
+pub mod partial_plot;

@@ -9,3 +9,4 @@ pub mod box_row;
 pub mod cluster_of_point;
 pub mod training_row;
 pub mod agreement_row;
+pub mod partial_row;

@@ -13,3 +13,4 @@ pub mod condition_row;
 pub mod robustness_table;
 pub mod curve_row;
 pub mod agreement;
+pub mod partial_table;

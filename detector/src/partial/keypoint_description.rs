@@ -1,0 +1,65 @@
+//! From the points of an object to its described keypoints.
+
+use super::keypoints::Keypoints;
+use super::local_surface::LocalSurfaces;
+use super::neighborhoods::Neighborhoods;
+use super::partial_params::PartialParams;
+use super::patch_descriptor::{Descriptor, PatchDescriber};
+use super::seen_extents::SeenExtents;
+use super::thinned_points::ThinnedPoints;
+
+/// A keypoint with what is around it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DescribedKeypoint {
+    /// Where it is in metres, z above the ground.
+    pub position_m: [f64; 3],
+    /// What the surface around it is like.
+    pub descriptor: Descriptor,
+}
+
+/// Buffers for describing one cloud after another. Labels and what follows do not matter here.
+#[derive(Debug, Clone, Default)]
+pub struct KeypointDescriber {
+    thinned: ThinnedPoints,
+    around: Neighborhoods,
+    surfaces: LocalSurfaces,
+    keypoints: Keypoints,
+    patches: PatchDescriber,
+    described: DescribedCloud,
+}
+
+/// What later stages need to know of a cloud.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DescribedCloud {
+    /// How far it reaches.
+    pub extents: SeenExtents,
+    /// Its keypoints.
+    pub keypoints: Vec<DescribedKeypoint>,
+}
+
+impl KeypointDescriber {
+    /// The keypoints of an object with these points, in metres, in a frame with z up and the ground at z = 0. Their order is arbitrary but
+    /// does not depend on that of the points.
+    ///
+    /// Paper: BG section 3.1.
+    pub fn describe(
+        &mut self,
+        positions_m: impl Iterator<Item = [f32; 3]>,
+        params: &PartialParams,
+    ) -> &DescribedCloud {
+        let Self { thinned, around, surfaces, keypoints, patches, described } = self;
+        let PartialParams { thinning, surface, keypoints: keypoint_params, descriptor, .. } = params;
+        thinned.fill(positions_m, thinning);
+        around.fill(thinned.points_m(), surface.radius_m);
+        surfaces.fill(around, surface);
+        keypoints.fill(around, surfaces.surfaces(), surface.radius_m, keypoint_params);
+        described.extents = SeenExtents::of(thinned.points_m());
+        described.keypoints.clear();
+        described.keypoints.extend(keypoints.point_indices().iter().map(|&point_idx| {
+            let of_stages = (surface, keypoint_params, descriptor);
+            let descriptor = patches.describe(around, surfaces.surfaces(), point_idx, of_stages);
+            DescribedKeypoint { position_m: around.points_m()[point_idx as usize], descriptor }
+        }));
+        described
+    }
+}

@@ -1,0 +1,106 @@
+//! The points around a place.
+
+use super::thinned_points::{CELL_OFFSET, cell_of};
+
+/// Points sorted into cubes as large as the radius that is asked for most, so that a few cubes hold what is around.
+#[derive(Debug, Clone, Default)]
+pub struct Neighborhoods {
+    cube_m: f64,
+    sorted: Vec<(u64, [f64; 3])>,
+    points_m: Vec<[f64; 3]>,
+}
+
+impl Neighborhoods {
+    /// Sorts points by cubes of side `cube_m`, and in them by x, y and z. From now on their indices are in this order.
+    pub fn fill(&mut self, points_m: &[[f64; 3]], cube_m: f64) {
+        self.cube_m = cube_m;
+        self.sorted.clear();
+        self.sorted.extend(points_m.iter().map(|&it| (cell_of(it, cube_m), it)));
+        self.sorted.sort_unstable_by(|(a_cell, a), (b_cell, b)| {
+            let by_coordinates =
+                || a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
+            a_cell.cmp(b_cell).then_with(by_coordinates)
+        });
+        self.points_m.clear();
+        self.points_m.extend(self.sorted.iter().map(|it| it.1));
+    }
+
+    /// All points in their order, in metres.
+    pub fn points_m(&self) -> &[[f64; 3]] {
+        &self.points_m
+    }
+
+    /// Writes the points within `radius_m` of `center_m` to `found`, ascending; a point at that distance is within.
+    pub fn within(&self, center_m: [f64; 3], radius_m: f64, found: &mut Vec<u32>) {
+        found.clear();
+        let [low, high] =
+            [-radius_m, radius_m].map(|off_m| center_m.map(|it| self.cell_coordinate(it + off_m)));
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                let column = x << 42 | y << 21;
+                let first = self.sorted.partition_point(|it| it.0 < (column | low[2]));
+                let cells = self.sorted[first..].iter().take_while(|it| it.0 <= (column | high[2]));
+                for (point_idx, (_, point_m)) in (first as u32..).zip(cells) {
+                    if squared_distance(*point_m, center_m) <= radius_m * radius_m {
+                        found.push(point_idx);
+                    }
+                }
+            }
+        }
+    }
+
+    fn cell_coordinate(&self, value_m: f64) -> u64 {
+        let largest = (2 * CELL_OFFSET - 1) as f64;
+        ((value_m / self.cube_m).floor() + CELL_OFFSET as f64).clamp(0.0, largest) as u64
+    }
+}
+
+/// Keeps `max` of `found`, evenly spread over their order, if there are more.
+pub fn keep_evenly(found: &mut Vec<u32>, max: usize) {
+    if found.len() > max {
+        let n_found = found.len();
+        for place in 0..max {
+            found[place] = found[place * n_found / max];
+        }
+        found.truncate(max);
+    }
+}
+
+/// The square of the distance between two points, in square metres.
+#[inline(always)]
+pub fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    x * x + y * y + z * z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn all_points_within_the_radius_are_found_and_no_others(
+            points_m in prop::collection::vec(prop::array::uniform3(-3.0_f64..3.0), 0..60),
+            center_m in prop::array::uniform3(-4.0_f64..4.0),
+            radius_m in 0.0_f64..5.0,
+        ) {
+            let mut around = Neighborhoods::default();
+            around.fill(&points_m, 0.8);
+            let mut found = Vec::new();
+            around.within(center_m, radius_m, &mut found);
+            let is_near = |idx: &u32| squared_distance(around.points_m()[*idx as usize], center_m) <= radius_m * radius_m;
+            let expected: Vec<u32> = (0..points_m.len() as u32).filter(is_near).collect();
+            prop_assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn those_that_are_kept_are_spread_over_all() {
+        let mut found: Vec<u32> = (0..10).collect();
+        keep_evenly(&mut found, 4);
+        assert_eq!(found, [0, 2, 5, 7]);
+        keep_evenly(&mut found, 4);
+        assert_eq!(found, [0, 2, 5, 7]);
+    }
+}

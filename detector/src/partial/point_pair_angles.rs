@@ -1,0 +1,159 @@
+//! How the normals of a patch lie to each other: a point feature histogram.
+
+use serde::{Deserialize, Serialize};
+
+use super::principal_frame::{cross, difference, dot};
+
+/// Number of bins: two for each of three angles.
+pub const N_ANGLE_BINS: usize = 8;
+
+/// Tuning of [`point_feature_histogram`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AngleParams {
+    /// Which pairs of points are looked at.
+    pub pairs: Pairs,
+    /// Whether the signs of normals count.
+    pub signs: AngleSigns,
+}
+
+/// Which pairs of points of a patch are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pairs {
+    /// All, as in the histogram that the paper names.
+    All,
+    /// Those of the keypoint with every other point, as in its fast form.
+    OfKeypoint,
+}
+
+/// Whether the signs of normals count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AngleSigns {
+    /// Each angle has a bin for either sign.
+    Count,
+    /// Normals have no sign: each angle has a bin for its small and for its large amounts, parted at 1/2 for the cosines and at 45
+    /// degrees for θ.
+    Folded,
+}
+
+/// The shares of the pairs in the bins of α, φ and θ together, α in the highest bit; all 0 if there is no pair.
+///
+/// Of two points, the source is the one whose normal is nearer to the line between them (Rusu 2009), the first if both are as near.
+/// With `d` from source to target, `u = n_s; v = u × d; w = u × v` and `α = v·n_t; φ = u·d; θ = atan(w·n_t, u·n_t)`. v is a unit vector; a
+/// pair whose d lies along u has none and is left out, and so is one of the same place.
+///
+/// Paper: BG section 3.1, equations 2 and 3 (which print `w·n_t` for α).
+pub fn point_feature_histogram(
+    keypoint_place: usize,
+    positions_m: &[[f64; 3]],
+    normals: &[[f64; 3]],
+    params: &AngleParams,
+) -> [f64; N_ANGLE_BINS] {
+    let mut counts = [0_u32; N_ANGLE_BINS];
+    let mut count = |a: usize, b: usize| {
+        if let Some(bin) = bin_of([positions_m[a], positions_m[b]], [normals[a], normals[b]], params.signs) {
+            counts[bin] += 1;
+        }
+    };
+    match params.pairs {
+        Pairs::All => {
+            for b in 0..positions_m.len() {
+                for a in 0..b {
+                    count(a, b);
+                }
+            }
+        }
+        Pairs::OfKeypoint => {
+            for other in (0..positions_m.len()).filter(|&it| it != keypoint_place) {
+                count(keypoint_place, other);
+            }
+        }
+    }
+    let n_pairs = f64::from(counts.iter().sum::<u32>().max(1));
+    counts.map(|it| f64::from(it) / n_pairs)
+}
+
+/// The sine of the least angle: of a line to a normal, for there to be a plane through both, and of an angle with a sign.
+const LEAST_SINE: f64 = 1e-6;
+
+fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> Option<usize> {
+    let line = difference(ends_m[1], ends_m[0]);
+    let length_m = dot(line, line).sqrt();
+    if length_m == 0.0 {
+        return None;
+    }
+    let direction = line.map(|it| it / length_m);
+    let [first, second] = normals.map(|it| dot(it, direction));
+    let is_turned = second.abs() > first.abs();
+    let (source, target, d, phi) = if is_turned {
+        (normals[1], normals[0], direction.map(|it| -it), -second)
+    } else {
+        (normals[0], normals[1], direction, first)
+    };
+    let v = cross(source, d);
+    let sine = dot(v, v).sqrt();
+    if sine < LEAST_SINE {
+        return None;
+    }
+    let v = v.map(|it| it / sine);
+    let w = cross(source, v);
+    let (alpha, [theta_y, theta_x]) = (dot(v, target), [dot(w, target), dot(source, target)]);
+    let bits = match signs {
+        // On a plane all three are nought, but for rounding.
+        AngleSigns::Count => [alpha, phi, theta_y].map(|it| it > -LEAST_SINE),
+        AngleSigns::Folded => [alpha.abs() > 0.5, phi.abs() > 0.5, theta_y.abs() > theta_x.abs()],
+    };
+    Some(bits.into_iter().fold(0, |bin, bit| bin << 1 | usize::from(bit)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns, expected: Option<usize>) {
+        assert_eq!(bin_of(ends_m, normals, signs), expected);
+        let [a, b] = ends_m;
+        let [m, n] = normals;
+        // Which of the two comes first does not matter, unless their normals are as near to the line.
+        if dot(m, difference(b, a)).abs() != dot(n, difference(b, a)).abs() {
+            assert_eq!(bin_of([b, a], [n, m], signs), expected);
+        }
+    }
+
+    #[test]
+    fn a_known_pair() {
+        // u = z, d = x: v = z × x = y, w = z × y = −x. The target's normal (0, 0.6, 0.8): α = 0.6, φ = 0, θ = atan(0, 0.8).
+        let ends = [[0.0; 3], [2.0, 0.0, 0.0]];
+        check(ends, [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]], AngleSigns::Count, Some(0b111));
+        check(ends, [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]], AngleSigns::Folded, Some(0b100));
+        check(ends, [[0.0, 0.0, 1.0], [0.0, -0.6, 0.8]], AngleSigns::Count, Some(0b011));
+        // Here the second is the source: its normal leans to the line. u = (0.8, 0, 0.6), d = −x, v = u × d = (0, −0.6, 0) → −y,
+        // w = u × −y = (0.6, 0, −0.8); φ = −0.8, α = 0, θ = atan(−0.8, 0.6).
+        check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Folded, Some(0b011));
+        check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Count, Some(0b100));
+    }
+
+    #[test]
+    fn pairs_without_a_frame_are_left_out() {
+        let up = [0.0, 0.0, 1.0];
+        check([[0.0; 3], [0.0, 0.0, 1.0]], [up, up], AngleSigns::Count, None);
+        check([[1.0; 3], [1.0; 3]], [up, [1.0, 0.0, 0.0]], AngleSigns::Count, None);
+    }
+
+    #[test]
+    fn shares_add_up_to_one_or_are_nothing() {
+        let params = |pairs| AngleParams { pairs, signs: AngleSigns::Count };
+        let positions_m = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let normals = [[0.0, 0.0, 1.0]; 3];
+        let flat = point_feature_histogram(0, &positions_m, &normals, &params(Pairs::All));
+        assert_eq!(flat, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        assert_eq!(point_feature_histogram(1, &positions_m, &normals, &params(Pairs::OfKeypoint)), flat);
+        assert_eq!(
+            point_feature_histogram(0, &positions_m[..1], &normals[..1], &params(Pairs::All)),
+            [0.0; N_ANGLE_BINS]
+        );
+    }
+}

@@ -1,0 +1,246 @@
+//! Who tells what objects are: the bag of graphs in several forms, and its rivals.
+
+use std::sync::Arc;
+
+use baselines::pca_features::N_PCA_FEATURES;
+use detector::PointCloud;
+use detector::classify::nu_svc_solver::NuSvcError;
+use detector::describe::trained_file::Provenance;
+use detector::partial::decision::{Centers, DecisionRule, Verdict};
+use detector::partial::partial_classifier::PartialClassifier;
+use detector::partial::partial_model::PartialModel;
+use detector::partial::partial_params::PartialParams;
+use detector::partial::patterns::PatternKind;
+use detector::partial::training::{TrainingCloud, TrainingError, train};
+use rayon::prelude::*;
+use reports::rows::partial_row::{Answer, OfClasses, Told};
+use reports::vocabulary::partial_class::PartialClass;
+
+use super::object_parts::ObjectPart;
+use super::pairwise_svm::PairwiseSvm;
+use super::rival_values::{N_EXTENTS, N_VEHICLE_VALUES, extent_values, pca_values, vehicle_values};
+
+/// A method, before it has learned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Method {
+    /// The name used in tables.
+    pub name: String,
+    /// What it is.
+    pub kind: MethodKind,
+}
+
+/// What a method is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MethodKind {
+    /// A bag of graphs with these parameters.
+    BagOfGraphs(Box<PartialParams>),
+    /// Extents and heights, with support vector machines.
+    Extents,
+    /// The values of `pca`, with support vector machines.
+    Pca,
+    /// The values of our vehicle model, with support vector machines.
+    VehicleValues,
+}
+
+/// The name of our method in tables.
+pub const OURS: &str = "bag of graphs";
+
+impl Method {
+    /// The bag of graphs as it comes with the program and to the letter of the paper, and the rivals.
+    pub fn all() -> Vec<Self> {
+        let rivals = [
+            ("extents", MethodKind::Extents),
+            ("pca values", MethodKind::Pca),
+            ("vehicle values", MethodKind::VehicleValues),
+        ];
+        let graphs = [(OURS, PartialParams::shipped()), ("bag of graphs (paper)", PartialParams::of_paper())];
+        let graphs = graphs.map(|(name, params)| (name, MethodKind::BagOfGraphs(Box::new(params))));
+        graphs.into_iter().chain(rivals).map(|(name, kind)| Self { name: name.to_owned(), kind }).collect()
+    }
+
+    /// The bag of graphs whole, and without each of its parts.
+    pub fn ablation(whole: &PartialParams) -> Vec<Self> {
+        let variants: [(&str, &dyn Fn(&mut PartialParams)); 11] = [
+            (OURS, &|_| ()),
+            ("without graphs", &|it| {
+                it.patterns
+                    .kinds
+                    .retain(|kind| !matches!(kind, PatternKind::Graph | PatternKind::CenteredGraph));
+            }),
+            ("without keypoints by themselves", &|it| {
+                it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint)
+            }),
+            ("without extents", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Extents)),
+            ("without heights", &|it| it.patterns.height_edges_m.clear()),
+            ("without volumes", &|it| it.patterns.volume_edges_m3.clear()),
+            ("without weights: the nearest mean", &|it| it.decision.rule = DecisionRule::Nearest),
+            ("one mean a class, the nearest", &|it| {
+                it.decision.rule = DecisionRule::Nearest;
+                it.decision.centers = Centers::OfClass;
+            }),
+            ("k halved", &|it| it.labels.n_labels = (it.labels.n_labels / 2).max(1)),
+            ("r halved", &|it| it.surface.radius_m *= 0.5),
+            ("r doubled", &|it| it.surface.radius_m *= 2.0),
+        ];
+        let variant = |(name, change): (&str, &dyn Fn(&mut PartialParams))| {
+            let mut params = whole.clone();
+            change(&mut params);
+            Self { name: name.to_owned(), kind: MethodKind::BagOfGraphs(Box::new(params)) }
+        };
+        variants.into_iter().map(variant).collect()
+    }
+}
+
+/// Why a method learned nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum MethodError {
+    /// The bag of graphs.
+    #[error("the bag of graphs learned nothing")]
+    BagOfGraphs(#[from] TrainingError),
+    /// A rival.
+    #[error("a rival learned nothing")]
+    Rival(#[from] NuSvcError),
+}
+
+/// A method that has learned.
+#[derive(Debug, Clone)]
+pub struct TrainedMethod {
+    classes: Vec<PartialClass>,
+    kind: TrainedKind,
+}
+
+#[derive(Debug, Clone)]
+enum TrainedKind {
+    BagOfGraphs(Arc<PartialModel>),
+    Extents(PairwiseSvm<N_EXTENTS>),
+    Pca(PairwiseSvm<N_PCA_FEATURES>),
+    VehicleValues(PairwiseSvm<N_VEHICLE_VALUES>),
+}
+
+impl Method {
+    /// Learns from `parts`; a class counts if there is an object of it.
+    ///
+    /// # Errors
+    ///
+    /// [`MethodError`] if there are fewer than two classes, or two of them cannot be parted.
+    pub fn learn(&self, parts: &[ObjectPart], made: Provenance) -> Result<TrainedMethod, MethodError> {
+        let is_there = |class: &PartialClass| parts.iter().any(|it| it.class == *class);
+        let classes: Vec<PartialClass> = PartialClass::ALL.into_iter().filter(is_there).collect();
+        let kind = match &self.kind {
+            MethodKind::BagOfGraphs(params) => {
+                TrainedKind::BagOfGraphs(Arc::new(bag_of_graphs(parts, &classes, params, made)?))
+            }
+            MethodKind::Extents => TrainedKind::Extents(svm(parts, &classes, extent_values)?),
+            MethodKind::Pca => TrainedKind::Pca(svm(parts, &classes, pca_values)?),
+            MethodKind::VehicleValues => TrainedKind::VehicleValues(svm(parts, &classes, vehicle_values)?),
+        };
+        Ok(TrainedMethod { classes, kind })
+    }
+}
+
+/// A bag of graphs of `classes`, learned from parts of objects; described by all threads, the same with any number of them.
+///
+/// # Errors
+///
+/// [`TrainingError`] if a class has nothing to learn from.
+pub fn bag_of_graphs(
+    parts: &[ObjectPart],
+    classes: &[PartialClass],
+    params: &PartialParams,
+    made: Provenance,
+) -> Result<PartialModel, TrainingError> {
+    let names: Vec<String> = classes.iter().map(|it| it.name().to_owned()).collect();
+    let described = |part: &ObjectPart| {
+        let class_idx = classes.iter().position(|it| *it == part.class)?;
+        let from = usize::from(part.direction != "below");
+        let of_object = (part.object_idx, from * 100 + part.step as usize);
+        Some(TrainingCloud::described(part.cloud.positions_m(), class_idx, of_object, params))
+    };
+    let clouds: Vec<Option<TrainingCloud>> = parts.par_iter().map(described).collect();
+    train(&names, &clouds.into_iter().flatten().collect::<Vec<_>>(), params, made)
+}
+
+fn svm<const D: usize>(
+    parts: &[ObjectPart],
+    classes: &[PartialClass],
+    values: impl Fn(&PointCloud) -> Option<[f32; D]> + Sync,
+) -> Result<PairwiseSvm<D>, NuSvcError> {
+    let of_parts: Vec<Option<[f32; D]>> = parts.par_iter().map(|it| values(&it.cloud)).collect();
+    let (mut vectors, mut class_indices, mut groups) = (Vec::new(), Vec::new(), Vec::new());
+    for (part, vector) in parts.iter().zip(of_parts) {
+        if let Some((vector, class_idx)) = vector.zip(classes.iter().position(|it| *it == part.class)) {
+            vectors.push(vector);
+            class_indices.push(class_idx);
+            groups.push(part.object_idx);
+        }
+    }
+    PairwiseSvm::learned(&vectors, &class_indices, &groups, classes.len())
+}
+
+impl TrainedMethod {
+    /// What it says of every part, in their order.
+    pub fn answers(&self, parts: &[ObjectPart]) -> Vec<Answer> {
+        match &self.kind {
+            TrainedKind::BagOfGraphs(model) => {
+                let new_classifier = || PartialClassifier::new(Arc::clone(model));
+                parts.par_iter().map_init(new_classifier, |it, part| self.of_graphs(it, part)).collect()
+            }
+            TrainedKind::Extents(svm) => {
+                parts.par_iter().map(|it| self.of_svm(svm, extent_values(&it.cloud))).collect()
+            }
+            TrainedKind::Pca(svm) => {
+                parts.par_iter().map(|it| self.of_svm(svm, pca_values(&it.cloud))).collect()
+            }
+            TrainedKind::VehicleValues(svm) => {
+                parts.par_iter().map(|it| self.of_svm(svm, vehicle_values(&it.cloud))).collect()
+            }
+        }
+    }
+
+    fn of_graphs(&self, classifier: &mut PartialClassifier, part: &ObjectPart) -> Answer {
+        let judgement = classifier.classify(part.cloud.positions_m());
+        let told = match judgement.verdict {
+            Verdict::TooLittleSeen => Told::NotJudged,
+            Verdict::NoneOfThese => Told::NoneOfThese,
+            Verdict::Class(class_idx) => self.classes[class_idx].into(),
+        };
+        if told == Told::NotJudged {
+            return Answer { told, errors: [None; 5], chances: [None; 5] };
+        }
+        Answer {
+            told,
+            errors: self.of_classes(&judgement.distances),
+            chances: self.of_classes(&judgement.probabilities),
+        }
+    }
+
+    fn of_svm<const D: usize>(&self, svm: &PairwiseSvm<D>, vector: Option<[f32; D]>) -> Answer {
+        let Some(vector) = vector else {
+            return Answer { told: Told::NotJudged, errors: [None; 5], chances: [None; 5] };
+        };
+        let (class_idx, chances) = svm.judge(&vector);
+        Answer { told: self.classes[class_idx].into(), errors: [None; 5], chances: self.of_classes(&chances) }
+    }
+
+    fn of_classes(&self, values: &[f32]) -> OfClasses {
+        PartialClass::ALL.map(|class| {
+            let place = self.classes.iter().position(|it| *it == class)?;
+            Some(f64::from(values[place])).filter(|it| it.is_finite())
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_variant_is_another_one_that_can_be_used() {
+        let variants = Method::ablation(&PartialParams::shipped());
+        for (place, variant) in variants.iter().enumerate() {
+            let MethodKind::BagOfGraphs(params) = &variant.kind else { panic!("{variant:?}") };
+            params.validate().unwrap();
+            assert!(variants[..place].iter().all(|it| it.kind != variant.kind && it.name != variant.name));
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! How objects are told of which only a part has been seen: curves over what is seen, and what the paper claims of them.
+
+pub mod partial_curves;
+pub mod partial_claims;

@@ -1,0 +1,133 @@
+//! Which claims of the paper about partial clouds hold.
+
+use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
+use crate::rows::partial_row::Told;
+use crate::vocabulary::partial_class::PartialClass;
+
+/// A claim, and what was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Claim {
+    /// What the paper says.
+    pub text: &'static str,
+    /// Whether it holds; `None` if it cannot be told from these rows.
+    pub holds: Option<bool>,
+    /// What that rests on.
+    pub number: String,
+}
+
+/// The first step that is late to the paper.
+const LATE: u32 = 5;
+/// Steps at which no more than a trunk is seen from below.
+const TRUNK_ALONE: u32 = 3;
+
+/// The three claims, as one curve has it.
+///
+/// Paper: BG section 4.
+pub fn claims(curve: &PartialCurve) -> [Claim; 3] {
+    [trees_are_poles_first(curve), right_on_average(curve), ever_better(curve)]
+}
+
+fn trees_are_poles_first(curve: &PartialCurve) -> Claim {
+    let share = |is_asked: &dyn Fn(u32) -> bool| {
+        let trees = curve
+            .steps
+            .iter()
+            .filter(|it| is_asked(it.step))
+            .filter_map(|it| it.classes.get(&PartialClass::Tree));
+        let pole = Told::ALL.iter().position(|it| *it == Told::Pole)?;
+        let (told, n) = trees.fold((0, 0), |(told, n), it| (told + it.told[pole], n + it.n_objects));
+        (n > 0).then(|| told as f64 / n as f64)
+    };
+    let early = share(&|step| step <= TRUNK_ALONE);
+    let late = share(&|step| step >= LATE);
+    let (holds, number) = match early.zip(late) {
+        Some((early, late)) => (
+            Some(early > 0.0 && early > 2.0 * late),
+            format!(
+                "{:.1} % of trees at steps 1 to {TRUNK_ALONE} and {:.1} % from step {LATE} on are taken for poles",
+                100.0 * early,
+                100.0 * late
+            ),
+        ),
+        None => (None, "there are no trees at these steps".to_owned()),
+    };
+    Claim { text: "trees are taken for poles until the crown shows", holds, number }
+}
+
+/// The classes whose mean error to themselves is not the least at a step, where errors are known.
+fn wrong_on_average(step: &PartialStep) -> Option<Vec<PartialClass>> {
+    let mut wrong = Vec::new();
+    let mut is_known = false;
+    for class in PartialClass::LEARNT {
+        let Some(at_step) = step.classes.get(&class) else { continue };
+        let Some(own) = at_step.mean_error(class) else { continue };
+        is_known = true;
+        let others = PartialClass::LEARNT.into_iter().filter(|it| *it != class);
+        if others.filter_map(|it| at_step.mean_error(it)).any(|it| it <= own) {
+            wrong.push(class);
+        }
+    }
+    is_known.then_some(wrong)
+}
+
+fn right_on_average(curve: &PartialCurve) -> Claim {
+    let late = curve.steps.iter().filter(|it| it.step >= LATE);
+    let wrong: Vec<String> = late
+        .clone()
+        .filter_map(|it| Some((it.step, wrong_on_average(it)?)))
+        .flat_map(|(step, classes)| {
+            classes.into_iter().map(move |it| format!("{} at step {step}", it.name()))
+        })
+        .collect();
+    let is_known = late.clone().any(|it| wrong_on_average(it).is_some());
+    let number = match (is_known, &wrong[..]) {
+        (false, _) => "the method has no errors to classes".to_owned(),
+        (true, []) => format!("from step {LATE} on each class is nearest to itself on average"),
+        (true, wrong) => format!("{} means are nearest to another class: {}", wrong.len(), wrong.join(", ")),
+    };
+    let text = "from step 5 on every class is right on average";
+    Claim { text, holds: is_known.then_some(wrong.is_empty()), number }
+}
+
+fn ever_better(curve: &PartialCurve) -> Claim {
+    let recalls: Vec<f64> = curve.steps.iter().filter_map(|it| it.mean_recall).collect();
+    let falls: Vec<f64> = recalls.windows(2).map(|it| it[0] - it[1]).filter(|it| *it > 0.0).collect();
+    let largest = falls.iter().copied().fold(0.0, f64::max);
+    let number = match recalls[..] {
+        [] => "nothing was judged".to_owned(),
+        [first, ..] => format!(
+            "the mean of recalls goes from {:.1} to {:.1} % and falls {} times, by {:.1} points at most",
+            100.0 * first,
+            100.0 * recalls[recalls.len() - 1],
+            falls.len(),
+            100.0 * largest
+        ),
+    };
+    let holds = (recalls.len() > 1).then_some(falls.is_empty());
+    Claim { text: "the more is seen, the better the decision", holds, number }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::partial_study::partial_curves::tests::rows;
+    use crate::rows::partial_row::tests::row;
+
+    #[test]
+    fn what_cannot_be_told_is_not_said_and_falls_are_counted() {
+        let [trees, average, better] = claims(&PartialCurve::all(&rows())[0]);
+        assert_eq!((trees.holds, average.holds, better.holds), (None, None, Some(false)));
+        assert!(better.number.contains("falls 1 times, by 25.0 points"), "{}", better.number);
+    }
+
+    #[test]
+    fn claims_hold_where_numbers_say_so() {
+        let tree = |step, told, own| row(PartialClass::Tree, "a", step, told, [own, 2.0, 1.0, 2.0]);
+        let rows = [tree(1, Told::Pole, 2.0), tree(5, Told::Tree, 0.5), tree(6, Told::Tree, 0.5)];
+        assert_eq!(claims(&PartialCurve::all(&rows)[0]).map(|it| it.holds), [Some(true); 3]);
+        let rows = [tree(1, Told::Tree, 0.5), tree(5, Told::Tree, 1.5)];
+        let found = claims(&PartialCurve::all(&rows)[0]);
+        assert_eq!(found.each_ref().map(|it| it.holds), [Some(false), Some(false), Some(true)]);
+        assert!(found[1].number.contains("tree at step 5"), "{}", found[1].number);
+    }
+}

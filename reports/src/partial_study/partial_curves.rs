@@ -1,0 +1,279 @@
+//! How a method tells objects of which more and more is seen.
+
+use std::collections::BTreeMap;
+
+use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::rows::partial_row::{PartialRow, Told};
+use crate::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
+use crate::vocabulary::partial_class::PartialClass;
+
+/// The objects of one class at one step.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ClassAtStep {
+    /// How many there are.
+    pub n_objects: u64,
+    /// How many were told to be each of [`Told::ALL`].
+    pub told: [u64; 6],
+    /// Sums of the errors to each of [`PartialClass::ALL`], and of how many objects.
+    errors: [(f64, u64); 5],
+}
+
+/// All objects at one step.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PartialStep {
+    /// Number of the step.
+    pub step: u32,
+    /// The classes that there are.
+    pub classes: BTreeMap<PartialClass, ClassAtStep>,
+    /// The mean of the recalls of the learnt classes.
+    pub mean_recall: Option<f64>,
+    /// Its interval over objects.
+    pub within: Option<Interval>,
+}
+
+/// Everything about one method on one data set, seen from one end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartialCurve {
+    /// Data set.
+    pub data: String,
+    /// From which end objects are seen.
+    pub direction: String,
+    /// The method.
+    pub method: String,
+    /// What it was trained on.
+    pub trained_on: String,
+    /// Steps, ascending.
+    pub steps: Vec<PartialStep>,
+    /// Of the objects that are right at the last step: the mean share of the steps after which they are right and stay so.
+    pub right_and_kept_from: Option<f64>,
+    /// The share of objects of learnt classes that are right at the last step.
+    pub right_in_the_end: Option<f64>,
+    /// Ten bins of the chance of what was told: mean chance, share that was right, number.
+    pub calibration: Vec<(f64, f64, u64)>,
+}
+
+impl ClassAtStep {
+    /// The share that was told right.
+    pub fn recall(&self, class: PartialClass) -> Option<f64> {
+        let n_right = self.told[place_of(Told::from(class))];
+        (self.n_objects > 0).then(|| n_right as f64 / self.n_objects as f64)
+    }
+
+    /// The mean error to `class`.
+    pub fn mean_error(&self, class: PartialClass) -> Option<f64> {
+        let (sum, n) = self.errors[class_place(class)];
+        (n > 0).then(|| sum / n as f64)
+    }
+
+    /// Whether every object had enough to be judged by.
+    pub fn are_all_judged(&self) -> bool {
+        self.told[place_of(Told::NotJudged)] == 0
+    }
+
+    fn add(&mut self, row: &PartialRow) {
+        self.n_objects += 1;
+        self.told[place_of(row.told)] += 1;
+        for (sum, error) in self.errors.iter_mut().zip(row.errors()) {
+            if let Some(error) = error {
+                *sum = (sum.0 + error, sum.1 + 1);
+            }
+        }
+    }
+}
+
+fn place_of(told: Told) -> usize {
+    Told::ALL.iter().position(|it| *it == told).expect("all are listed")
+}
+
+fn class_place(class: PartialClass) -> usize {
+    PartialClass::ALL.iter().position(|it| *it == class).expect("all are listed")
+}
+
+impl PartialCurve {
+    /// The curves of `rows`, in the order of their first row.
+    pub fn all(rows: &[PartialRow]) -> Vec<Self> {
+        let key = |row: &PartialRow| {
+            [&row.data, &row.direction, &row.method, &row.trained_on].map(String::as_str).map(str::to_owned)
+        };
+        let mut groups: Vec<([String; 4], Vec<&PartialRow>)> = Vec::new();
+        let mut place_of_group: BTreeMap<[String; 4], usize> = BTreeMap::new();
+        for row in rows {
+            let place = *place_of_group.entry(key(row)).or_insert_with(|| {
+                groups.push((key(row), Vec::new()));
+                groups.len() - 1
+            });
+            groups[place].1.push(row);
+        }
+        groups.into_iter().map(|(names, rows)| Self::of(names, &rows)).collect()
+    }
+
+    fn of([data, direction, method, trained_on]: [String; 4], rows: &[&PartialRow]) -> Self {
+        let mut steps: BTreeMap<u32, PartialStep> = BTreeMap::new();
+        for row in rows {
+            let step = steps
+                .entry(row.step)
+                .or_insert_with(|| PartialStep { step: row.step, ..PartialStep::default() });
+            step.classes.entry(row.true_class).or_default().add(row);
+        }
+        let mut steps: Vec<PartialStep> = steps.into_values().collect();
+        let objects = Objects::of(&data, rows);
+        for step in &mut steps {
+            step.mean_recall = mean_recall(step);
+            step.within = objects.interval(step.step);
+        }
+        let (right_and_kept_from, right_in_the_end) = objects.kept(&steps);
+        let calibration = calibration(rows);
+        Self {
+            data,
+            direction,
+            method,
+            trained_on,
+            steps,
+            right_and_kept_from,
+            right_in_the_end,
+            calibration,
+        }
+    }
+
+    /// The first step at which every object of `class` had enough to be judged by.
+    pub fn first_step_all_judged(&self, class: PartialClass) -> Option<u32> {
+        let is_whole = |it: &&PartialStep| it.classes.get(&class).is_some_and(ClassAtStep::are_all_judged);
+        self.steps.iter().find(is_whole).map(|it| it.step)
+    }
+}
+
+/// The mean of the recalls of the learnt classes that there are.
+fn mean_recall(step: &PartialStep) -> Option<f64> {
+    let recalls = PartialClass::LEARNT.iter().filter_map(|it| step.classes.get(it)?.recall(*it));
+    let recalls: Vec<f64> = recalls.collect();
+    (!recalls.is_empty()).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64)
+}
+
+/// For every object of a learnt class, at which steps it was right.
+struct Objects<'a> {
+    right_at: BTreeMap<&'a str, (PartialClass, BTreeMap<u32, bool>)>,
+    resamples: Resamples,
+}
+
+impl<'a> Objects<'a> {
+    fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
+        let mut right_at: BTreeMap<&str, (PartialClass, BTreeMap<u32, bool>)> = BTreeMap::new();
+        for row in rows.iter().filter(|it| PartialClass::LEARNT.contains(&it.true_class)) {
+            let object = right_at.entry(&row.object).or_insert_with(|| (row.true_class, BTreeMap::new()));
+            object.1.insert(row.step, row.is_right());
+        }
+        let blocks = BlockCount::of_dataset(right_at.len() as u64, BlockKind::Tracks);
+        Self { resamples: Resamples::draw(data, blocks), right_at }
+    }
+
+    /// The interval of the mean of recalls at `step`, with other objects drawn.
+    fn interval(&self, step: u32) -> Option<Interval> {
+        let mut of_classes = Vec::new();
+        for class in PartialClass::LEARNT {
+            let terms: Vec<[f64; 2]> = self
+                .right_at
+                .values()
+                .map(|(of, steps)| match steps.get(&step) {
+                    Some(&is_right) if *of == class => [f64::from(u8::from(is_right)), 1.0],
+                    _ => [0.0, 0.0],
+                })
+                .collect();
+            if terms.iter().any(|it| it[1] > 0.0) {
+                let mut resampled = vec![[0.0, 0.0]; N_RESAMPLES];
+                self.resamples.add_terms(&terms, &mut resampled);
+                of_classes.push(resampled);
+            }
+        }
+        let mean = |resample: usize| {
+            let ratios: Option<Vec<f64>> = of_classes
+                .iter()
+                .map(|it| (it[resample][1] > 0.0).then(|| it[resample][0] / it[resample][1]))
+                .collect();
+            ratios.filter(|it| !it.is_empty()).map(|it| it.iter().sum::<f64>() / it.len() as f64)
+        };
+        Some(Distribution::new((0..N_RESAMPLES).map(mean), self.resamples.blocks())?.interval())
+    }
+
+    /// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of these.
+    fn kept(&self, steps: &[PartialStep]) -> (Option<f64>, Option<f64>) {
+        let n_steps = steps.len() as f64;
+        let kept_from = |of: &BTreeMap<u32, bool>| {
+            let n_kept = of.values().rev().take_while(|&&it| it).count();
+            (n_kept > 0).then(|| (of.len() - n_kept + 1) as f64 / n_steps)
+        };
+        let kept: Vec<f64> = self.right_at.values().filter_map(|(_, of)| kept_from(of)).collect();
+        let mean = (!kept.is_empty()).then(|| kept.iter().sum::<f64>() / kept.len() as f64);
+        let share = (!self.right_at.is_empty()).then(|| kept.len() as f64 / self.right_at.len() as f64);
+        (mean, share)
+    }
+}
+
+/// Number of bins of chances.
+const N_BINS: usize = 10;
+
+/// How often what was told with some chance was right.
+fn calibration(rows: &[&PartialRow]) -> Vec<(f64, f64, u64)> {
+    let mut bins = [(0.0, 0.0, 0_u64); N_BINS];
+    for row in rows.iter().filter(|it| it.told != Told::NotJudged) {
+        let Some(chance) = row.chances().into_iter().flatten().reduce(f64::max) else { continue };
+        let bin = &mut bins[((chance * N_BINS as f64) as usize).min(N_BINS - 1)];
+        *bin = (bin.0 + chance, bin.1 + f64::from(u8::from(row.is_right())), bin.2 + 1);
+    }
+    let there = bins.into_iter().filter(|it| it.2 > 0);
+    there.map(|(chance, right, n)| (chance / n as f64, right / n as f64, n)).collect()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::rows::partial_row::tests::row;
+
+    /// Two trees and a pole in three steps: one tree is taken for a pole first, the other is not judged.
+    pub(crate) fn rows() -> Vec<PartialRow> {
+        use PartialClass::{Pole, Tree};
+        let tree = |object, step, told, own| row(Tree, object, step, told, [own, 2.0, 1.0, 2.0]);
+        vec![
+            tree("a", 1, Told::Pole, 1.5),
+            tree("a", 2, Told::Tree, 0.8),
+            tree("a", 3, Told::Tree, 0.5),
+            tree("b", 1, Told::NotJudged, 1.5),
+            tree("b", 2, Told::Pole, 1.0),
+            tree("b", 3, Told::Tree, 0.5),
+            row(Pole, "c", 1, Told::Pole, [2.0, 2.0, 0.5, 2.0]),
+            row(Pole, "c", 2, Told::Pole, [2.0, 2.0, 0.5, 2.0]),
+            row(Pole, "c", 3, Told::Tree, [2.0, 2.0, 0.5, 2.0]),
+        ]
+    }
+
+    #[test]
+    fn recalls_errors_and_what_is_kept_are_those_of_the_rows() {
+        let curves = PartialCurve::all(&rows());
+        let [curve] = &curves[..] else { panic!("{curves:?}") };
+        let recalls: Vec<Option<f64>> = curve.steps.iter().map(|it| it.mean_recall).collect();
+        assert_eq!(recalls, [Some(0.5), Some(0.75), Some(0.5)]);
+        let trees = &curve.steps[1].classes[&PartialClass::Tree];
+        assert_eq!(trees.told, [1, 0, 1, 0, 0, 0]);
+        assert!((trees.mean_error(PartialClass::Tree).unwrap() - 0.9).abs() < 1e-9);
+        assert_eq!(trees.mean_error(PartialClass::Other), None);
+        assert_eq!(curve.first_step_all_judged(PartialClass::Tree), Some(2));
+        assert_eq!(curve.first_step_all_judged(PartialClass::Pole), Some(1));
+        // Tree a from step 2 of 3, tree b from step 3; the pole is lost.
+        assert!((curve.right_and_kept_from.unwrap() - 5.0 / 6.0).abs() < 1e-9);
+        assert!((curve.right_in_the_end.unwrap() - 2.0 / 3.0).abs() < 1e-9);
+        // Eight were judged, all with a chance of 0.7, and five of them right.
+        let [(chance, right, n)] = curve.calibration[..] else { panic!("{:?}", curve.calibration) };
+        assert!((chance - 0.7).abs() < 1e-9 && right == 5.0 / 8.0 && n == 8);
+        // Of three objects too many draws lack a class.
+        assert_eq!(curve.steps[1].within, None);
+    }
+
+    #[test]
+    fn the_interval_is_over_objects() {
+        let told = |it: u32| if it % 4 == 0 { Told::Pole } else { Told::Tree };
+        let tree = |it: u32| row(PartialClass::Tree, &format!("tree-{it}"), 1, told(it), [1.0; 4]);
+        let rows: Vec<PartialRow> = (0..100).map(tree).collect();
+        let [low, high] = PartialCurve::all(&rows)[0].steps[0].within.unwrap().ends;
+        // Three quarters, with a standard error of √(0.75 · 0.25 / 100).
+        assert!((low - 0.66).abs() < 0.02 && (high - 0.84).abs() < 0.02, "{low} {high}");
+    }
+}
