@@ -69,6 +69,25 @@ pub fn check_bounds(document: &toml::Table, bounds: &[Bounds]) -> Result<(), Par
     Ok(())
 }
 
+/// Checks that parameter `name`, which is no number of a file or has bounds that depend on others, lies between `low` and `high`, which
+/// NaN does not; `allowed` says so in words.
+///
+/// # Errors
+///
+/// [`ParamsError::OutOfRange`].
+pub fn check_range(
+    name: &'static str,
+    value: f64,
+    [low, high]: [f64; 2],
+    allowed: &str,
+) -> Result<(), ParamsError> {
+    let value = as_written(value);
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(ParamsError::OutOfRange { name, value, allowed: allowed.to_owned() })
+}
+
 fn number_at(document: &toml::Table, name: &str) -> Option<f64> {
     let (tables, key) = name.rsplit_once('.').unwrap_or(("", name));
     let mut table = document;

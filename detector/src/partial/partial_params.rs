@@ -10,7 +10,8 @@ use super::local_surface::SurfaceParams;
 use super::patch_descriptor::DescriptorParams;
 use super::patterns::PatternParams;
 use super::thinned_points::ThinningParams;
-use crate::params::{ParamsError, check_range};
+use crate::params::ParamsError;
+use crate::params::bounds::check_range;
 
 /// Parameters of the bag of graphs, a table for each stage. The files explain the values.
 ///
@@ -127,7 +128,7 @@ impl PartialParams {
             let misplaced = edges.windows(2).find(|it| it[0] >= it[1]).map(|it| it[1]);
             let misplaced = misplaced.or_else(|| edges.iter().copied().find(|it| !it.is_finite()));
             if let Some(value) = misplaced {
-                return Err(ParamsError::OutOfRange { name, value, allowed });
+                return Err(ParamsError::OutOfRange { name, value, allowed: allowed.to_owned() });
             }
         }
         Ok(())
@@ -156,7 +157,11 @@ impl PartialParams {
             None => Ok(()),
             Some(pair) => {
                 let (name, value) = ("decision.evidence_edges", pair[1] as f64);
-                Err(ParamsError::OutOfRange { name, value, allowed: "up to 100 ascending numbers" })
+                Err(ParamsError::OutOfRange {
+                    name,
+                    value,
+                    allowed: "up to 100 ascending numbers".to_owned(),
+                })
             }
         }
     }

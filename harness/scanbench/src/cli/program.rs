@@ -13,6 +13,7 @@ use super::gate::{BaselineCommand, GateArgs};
 use super::help_text::{GENERAL, with_details};
 use super::init::InitArgs;
 use super::params::ParamsArgs;
+use super::partial::PartialArgs;
 use super::report::ReportArgs;
 use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
@@ -107,6 +108,8 @@ pub enum Command {
     Sweep(Box<SweepArgs>),
     /// Measure how slopes, rain, sensors and mounting heights change the scores
     Robustness(RobustnessArgs),
+    /// Tell what objects are of which only a part has been seen
+    Partial(Box<PartialArgs>),
     /// Measure how far apart two objects must be for detectors to separate them
     Gaps(GapsArgs),
     /// Measure the errors of two ways to fit boxes

@@ -22,6 +22,7 @@ use crate::commands::gaps::gaps;
 use crate::commands::gate::gate;
 use crate::commands::init::init;
 use crate::commands::params::params;
+use crate::commands::partial::partial;
 use crate::commands::report::report;
 use crate::commands::robustness::robustness;
 use crate::commands::run::run;
@@ -60,6 +61,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Train(arguments) => train(arguments),
         Command::Gaps(arguments) => gaps(arguments),
         Command::Boxes(arguments) => boxes(arguments),
+        Command::Partial(arguments) => partial(arguments),
         Command::Robustness(arguments) => robustness(arguments),
         Command::Compare(arguments) => compare(arguments),
         Command::Report(arguments) => report(arguments),

@@ -34,6 +34,7 @@ pub mod experiment;
 pub mod gaps;
 pub mod boxes;
 pub mod robustness;
+pub mod partial;
 pub mod sweep_identity;
 pub mod sweep_files;
 pub mod sweep;

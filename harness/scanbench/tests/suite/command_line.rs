@@ -17,7 +17,7 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 28] = [
+const VERBS: [&str; 30] = [
     "run",
     "detect",
     "compare",
@@ -33,6 +33,7 @@ const VERBS: [&str; 28] = [
     "data check",
     "data hash",
     "data convert",
+    "data objects",
     "data prelabel",
     "data simulate",
     "data realism",
@@ -41,6 +42,7 @@ const VERBS: [&str; 28] = [
     "ablation",
     "sweep",
     "robustness",
+    "partial",
     "gaps",
     "boxes",
     "params",
@@ -112,6 +114,7 @@ fn help_lists_every_verb_and_exit_code() {
         "ablation ",
         "gaps ",
         "robustness ",
+        "partial ",
         "sweep ",
         "data ",
         "fit-density ",
@@ -142,6 +145,8 @@ fn help_fits_into_80_columns() {
         "selftest --help",
         "gaps --help",
         "robustness --help",
+        "partial --help",
+        "data objects --help",
         "data list --help",
         "data realism --help",
         "fit-density --help",

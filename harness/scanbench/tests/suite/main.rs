@@ -2,6 +2,7 @@
 
 // What the tests of the program share.
 mod drawn_dataset;
+mod partial;
 mod program;
 
 mod bad_input;

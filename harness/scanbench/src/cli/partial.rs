@@ -1,0 +1,53 @@
+//! Arguments of `scanbench partial`.
+
+use clap::Args;
+
+use super::data_objects::ObjectArgs;
+use super::help_text::{JUDGING, TRAINING};
+use super::output::OutputArgs;
+use super::scans::SourceArgs;
+
+/// Arguments of `scanbench partial`.
+#[derive(Debug, Args)]
+#[command(after_help = PARTIAL_EXAMPLES)]
+pub struct PartialArgs {
+    /// Objects that are judged: simulated ones, a folder with a folder for each class, or a data set
+    #[arg(value_name = "OBJECTS", default_value = "objects-around")]
+    pub objects: Vec<String>,
+    /// Objects to learn from [default: the training part of what is judged, or of objects-around if that is recorded]. Of recorded
+    /// objects that are also judged, every second is learned from and the others are judged
+    #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
+    pub train: Option<String>,
+    /// Learn from whole clouds alone, as the paper does, and not also from parts of them
+    #[arg(long, help_heading = TRAINING)]
+    pub whole_only: bool,
+    /// Compare the bag of graphs with itself without each of its parts, instead of with rivals
+    #[arg(long, help_heading = JUDGING)]
+    pub ablation: bool,
+    /// Also judge fences, hedges and the like, of which none is a class that is learned
+    #[arg(long, help_heading = JUDGING)]
+    pub others: bool,
+    /// Objects of objects-approach as the drive shows them, and not uncovered step by step
+    #[arg(long, help_heading = JUDGING)]
+    pub drives: bool,
+    /// Which objects.
+    #[command(flatten)]
+    pub choice: ObjectArgs,
+    /// How data sets are opened.
+    #[command(flatten)]
+    pub source: SourceArgs,
+    /// Where everything is written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const PARTIAL_EXAMPLES: &str = "\
+Examples:
+  scanbench partial --per-class 60
+  scanbench partial objects-approach --drives --per-class 60 --part judging
+  scanbench partial ~/data/object_clouds --train ~/data/object_clouds
+  scanbench partial ~/data/object_clouds --train objects-air --ablation
+
+What is a tree, car, pole or pedestrian, of which a part has been seen? Every object
+is uncovered in ten steps, from below and from above, each a tenth of its largest
+extent more.";
