@@ -14,28 +14,29 @@ pub struct PartialArgs {
     /// Objects that are judged: simulated ones, a folder with a folder for each class, or a data set
     #[arg(value_name = "OBJECTS", default_value = "objects-around")]
     pub objects: Vec<String>,
-    /// Objects to learn from [default: the training part of what is judged, or of objects-around if that is recorded]. Of recorded
-    /// objects that are also judged, every second is learned from and the others are judged
-    #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
-    pub train: Option<String>,
-    /// Learn from whole clouds alone, as the paper does, and not also from parts of them
-    #[arg(long, help_heading = TRAINING)]
-    pub whole_only: bool,
-    /// Compare the bag of graphs with itself without each of its parts, instead of with rivals
-    #[arg(long, help_heading = JUDGING)]
-    pub ablation: bool,
-    /// Also judge fences, hedges and the like, of which none is a class that is learned
-    #[arg(long, help_heading = JUDGING)]
-    pub others: bool,
-    /// Objects of objects-approach as the drive shows them, and not uncovered step by step
-    #[arg(long, help_heading = JUDGING)]
-    pub drives: bool,
     /// Which objects.
     #[command(flatten)]
     pub choice: ObjectArgs,
     /// How data sets are opened.
     #[command(flatten)]
     pub source: SourceArgs,
+    /// Objects to learn from [default: the training part of what is judged, or of objects-around]
+    ///
+    /// Of recorded objects that are also judged, every second is learned from, and the others are judged.
+    #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
+    pub train: Option<String>,
+    /// Learn from whole clouds alone, as the paper does
+    #[arg(long, help_heading = TRAINING)]
+    pub whole_only: bool,
+    /// Compare the method with itself without each part, instead of with rivals
+    #[arg(long, help_heading = JUDGING)]
+    pub ablation: bool,
+    /// Also judge fences, hedges and the like, of which none is a class that is learned
+    #[arg(long, help_heading = JUDGING)]
+    pub others: bool,
+    /// Show objects of objects-approach as the drive does, and not step by step
+    #[arg(long, help_heading = JUDGING)]
+    pub drives: bool,
     /// Where everything is written.
     #[command(flatten)]
     pub output: OutputArgs,

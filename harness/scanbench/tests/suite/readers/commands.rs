@@ -249,5 +249,5 @@ fn objects_are_written_a_folder_for_each_class_and_stay_simulated() {
     std::fs::create_dir_all(workplace.path("odd/cra")).unwrap();
     std::fs::write(workplace.path("odd/cra/1.bin"), [0; 16]).unwrap();
     let odd = workplace.run(&["data", "objects", "odd", "-o", "x"]);
-    assert!(odd.exit_code == Some(3) && odd.stderr.contains("cra"), "{odd:#?}");
+    assert!(odd.exit_code == Some(2) && odd.stderr.contains("called after no class: cra"), "{odd:#?}");
 }
