@@ -118,8 +118,10 @@ fn write_folded(text: &mut String, grid: &Grid, notes: &Notes, width: usize) {
             text.push('\n');
         }
         let mut piece = grid.with_columns(columns);
-        // A paper has nothing to say about most detectors.
-        piece.lines.retain(|line| line.cells[n_heads..].iter().any(|it| !it.text.is_empty()));
+        // A paper has nothing to say about most detectors. A table of words has no columns but its heads.
+        piece.lines.retain(|line| {
+            columns.len() == n_heads || line.cells[n_heads..].iter().any(|it| !it.text.is_empty())
+        });
         write_grid(text, &piece, notes);
     }
 }
@@ -410,6 +412,17 @@ mod tests {
                 assert!(line.chars().count() <= width, "{width}: {line}");
             }
         }
+    }
+
+    #[test]
+    fn a_table_of_words_keeps_its_lines() {
+        let word = |it: &str| Cell::new(it);
+        let line = Line { kind: LineKind::Dataset, cells: vec![word("sky"), word("is blue")] };
+        let grid = Grid { columns: ["what", "says"].map(Column::left).to_vec(), lines: vec![line] };
+        let sheet = crate::tables::sheet::Sheet::of("Words.".to_owned(), grid, Vec::new());
+        let mut text = String::new();
+        write_folded(&mut text, &sheet.parts[0].grid, &sheet.notes, 80);
+        assert!(text.contains("sky") && text.contains("is blue"), "{text}");
     }
 
     #[test]
