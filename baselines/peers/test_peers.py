@@ -1,10 +1,12 @@
 """Each detector of scanbench.toml against the reference host, on a drawn street; those whose libraries are not there are skipped.
 
-    PYTHONPATH=../../harness/python/src:../../harness/python/tests pytest
+PYTHONPATH=../../harness/python/src:../../harness/python/tests pytest
 """
 
 from __future__ import annotations
 
+import csv
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -65,3 +67,41 @@ def test_a_ground_that_does_not_exist_is_refused() -> None:
         host.parameters = {"ground": "plane"}
         with pytest.raises(ToldFailure, match="ground is patchworkpp or none, not 'plane'"):
             host.configure()
+
+
+def write_objects(folder: Path) -> None:
+    """Two poles and two walls, a little different."""
+    random = np.random.default_rng(1)
+    for number in range(2):
+        pole = random.random((300, 3)) * [0.1, 0.1, 4.0 + number]
+        wall = random.random((300, 3)) * [5.0 + number, 0.1, 1.5]
+        for class_name, points in (("pole", pole), ("other", wall)):
+            (folder / class_name).mkdir(parents=True, exist_ok=True)
+            np.save(folder / class_name / f"{number}.npy", points.astype(np.float32))
+
+
+@pytest.mark.parametrize("descriptor", ["esf", "vfh"])
+def test_whole_objects_are_told_and_steps_are_those_of_the_largest_extent(descriptor: str, tmp_path: Path) -> None:
+    write_objects(tmp_path / "objects")
+    folder, table = str(tmp_path / "objects"), tmp_path / "told.csv"
+    command = [
+        sys.executable,
+        "pcl_object_classes.py",
+        "--descriptor",
+        descriptor,
+        "--train",
+        folder,
+        "--judge",
+        folder,
+    ]
+    done = subprocess.run([*command, "-o", str(table)], cwd=HERE, capture_output=True, text=True, check=False)
+    if "is not built" in done.stderr:
+        pytest.skip(done.stderr.splitlines()[-1])
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader(table.open()))
+    assert len(rows) == 4 * 2 * 10
+    assert all(row["told"] == row["class"] and row["n_points"] == "300" for row in rows if row["step"] == "10")
+    # A tenth of 5 m at each step: a wall of 1.5 m is whole from step 3 on, a pole of 4 m a tenth more each time.
+    seen = {(row["object"], row["from"], int(row["step"])): int(row["n_points"]) for row in rows}
+    assert seen["other/0.npy", "below", 2] < 300 == seen["other/0.npy", "below", 3] == seen["other/0.npy", "above", 3]
+    assert 100 < seen["pole/0.npy", "below", 5] < 200

@@ -44,12 +44,14 @@ pub mod labeling;
 pub mod street;
 pub mod staged_scene;
 pub mod object_pair;
-pub mod object_clouds;
 
 // Streets as data sets, beside those on disk.
 pub mod simulated_street;
 pub mod catalogue;
 pub mod open;
 pub mod recognised_sensor;
+
+// Single objects.
+pub mod object_clouds;
 
 pub use street::{EgoPose, SIMULATOR_VERSION, Street, StreetKind};

@@ -44,6 +44,15 @@ struct ObjectFile {
     path: PathBuf,
 }
 
+/// Whether `root` has a folder of clouds that is called after a class: so do folders of objects, and no data set does.
+pub fn has_class_folder(root: &Path) -> bool {
+    let holds_clouds =
+        |folder: &Path| entries(folder).is_ok_and(|it| it.iter().any(|(_, file)| is_cloud(file)));
+    entries(root).is_ok_and(|folders| {
+        folders.iter().any(|(name, path)| class_of_folder(name).is_some() && holds_clouds(path))
+    })
+}
+
 /// Opens the folder of objects at `root`. Objects follow each other as the names of their folders and files do.
 ///
 /// # Errors
@@ -187,6 +196,7 @@ mod tests {
         let tree = objects.read(0).unwrap();
         assert_eq!((tree.moments.len(), tree.moments[0].n_points, tree.extents_m), (1, 2, None));
         assert!(!objects.description().is_simulated());
+        assert!(has_class_folder(folder.path()) && !has_class_folder(&folder.path().join("fence")));
     }
 
     #[track_caller]

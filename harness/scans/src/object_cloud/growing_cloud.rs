@@ -20,7 +20,7 @@ pub struct GrowingCloud {
 pub struct Moment {
     /// How many points of [`GrowingCloud::whole`] had been seen: the first ones.
     pub n_points: usize,
-    /// Seconds since the first moment at which anything was looked at.
+    /// Seconds since anything was looked at first; 0 where nobody knows the times.
     pub time_s: f64,
     /// Distance on the ground plan between the sensor and the middle of the object, in metres, where it is known.
     pub distance_m: Option<f32>,

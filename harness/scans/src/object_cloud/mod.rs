@@ -9,6 +9,8 @@ pub mod object_cloud_set;
 pub mod class_of_folder;
 pub mod object_sheet;
 pub mod class_folders;
+pub mod cut_out;
+pub mod cut_out_objects;
 
 /// The points of one object.
 #[derive(Debug, Clone, PartialEq)]

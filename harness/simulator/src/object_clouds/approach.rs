@@ -28,10 +28,14 @@ pub struct ApproachParams {
     pub speed_m_per_s: [f32; 2],
     /// How far to the left the middle of the object is passed, in metres.
     pub aside_m: [f32; 2],
-    /// How far from the outline of the object the vehicle stops, in metres.
+    /// Height of the vehicle, in metres.
+    pub vehicle_height_m: f32,
+    /// How far from what stands in its way it stops, in metres.
     pub stop_m: [f32; 2],
     /// How long before the first strip the drive begins, in metres.
     pub lead_m: f32,
+    /// The least share of the height of an object that a drive uncovers, if it can be.
+    pub least_uncovered_share: f32,
     /// Error of a pose after a metre, in metres.
     pub position_drift_m: f32,
     /// Error of the heading after a metre, in degrees.
@@ -65,25 +69,40 @@ impl ApproachParams {
 
     /// Draws a drive toward `object`.
     pub fn drive(&self, object: &LoneObject, scanner: &PlanarScanner, dice: &mut ChaCha8Rng) -> Drive {
+        let mut drive = self.any_drive(object, scanner, dice);
+        for _ in 1..MOST_DRAWS {
+            if drive.uncovered_share(object, self) >= self.least_uncovered_share {
+                break;
+            }
+            drive = self.any_drive(object, scanner, dice);
+        }
+        drive
+    }
+
+    fn any_drive(&self, object: &LoneObject, scanner: &PlanarScanner, dice: &mut ChaCha8Rng) -> Drive {
         let mut draw = |[least, greatest]: [f32; 2]| dice.random_range(least..greatest);
         let [tilt_deg, height_m, speed_m_per_s, aside_m, stop_m] =
             [self.tilt_deg, self.height_m, self.speed_m_per_s, self.aside_m, self.stop_m].map(&mut draw);
-        let (sine, cosine) = portable_math::sin_cos(f64::from(tilt_deg).to_radians());
-        let slope = (sine / cosine) as f32;
-        // Nothing of what is lower than the scanner is seen by one that is turned up.
-        let is_up = dice.random_bool(0.5) && height_m < object.top_m();
-        let uncovered_m = if is_up { object.top_m() - height_m } else { height_m };
-        let first_strip_m = (uncovered_m / slope + self.lead_m).min(scanner.turning.max_range_m);
-        let to_m = object.reach_m() + stop_m;
-        Drive {
-            tilt_deg: if is_up { tilt_deg } else { -tilt_deg },
-            height_m,
-            speed_m_per_s,
-            aside_m,
-            from_m: (object.reach_m() + first_strip_m).max(to_m),
-            to_m,
-        }
+        let tilt_deg = if dice.random_bool(0.5) { tilt_deg } else { -tilt_deg };
+        let slope = slope(tilt_deg);
+        let first_strip_m = if slope > 0.0 {
+            object.reach_backward_m(f32::INFINITY) + ((object.top_m() - height_m) / slope).max(0.0)
+        } else {
+            object.reach_backward_m(self.vehicle_height_m) + height_m / -slope
+        };
+        let to_m = object.reach_backward_m(self.vehicle_height_m) + stop_m;
+        let from_m = (first_strip_m + self.lead_m).min(scanner.turning.max_range_m).max(to_m);
+        Drive { tilt_deg, height_m, speed_m_per_s, aside_m, from_m, to_m }
     }
+}
+
+/// A drive that uncovers enough is looked for so often: of things that cannot be uncovered, the last one is taken.
+const MOST_DRAWS: u32 = 200;
+
+/// By how much a plane that is turned up by `tilt_deg` rises on a metre.
+fn slope(tilt_deg: f32) -> f32 {
+    let (sine, cosine) = portable_math::sin_cos(f64::from(tilt_deg).to_radians());
+    (sine / cosine) as f32
 }
 
 /// The points of `object`, number `number`, as `drive` gathers them, in the order of its scans; a moment for each step of the way on
@@ -127,6 +146,16 @@ impl Drive {
     /// Way from scan to scan, in metres.
     fn step_m(&self, scanner: &PlanarScanner) -> f32 {
         self.speed_m_per_s / scanner.turning.turns_per_second
+    }
+
+    /// The share of the height of `object` that the plane passes on the way, as seen from what stands in the way of the vehicle.
+    fn uncovered_share(&self, object: &LoneObject, params: &ApproachParams) -> f32 {
+        let near_m = object.reach_backward_m(params.vehicle_height_m);
+        let passed_m = [self.from_m, self.to_m].map(|before_m| {
+            let height_m = self.height_m + slope(self.tilt_deg) * (before_m - near_m);
+            height_m.clamp(0.0, object.top_m())
+        });
+        (passed_m[0] - passed_m[1]).abs() / object.top_m().max(0.01)
     }
 
     /// How often `scanner` turns on the way.
@@ -269,16 +298,23 @@ mod tests {
     #[test]
     fn drives_are_as_the_parameters_say() {
         let (scanner, params) = (PlanarScanner::embedded(), ApproachParams::shipped());
-        let mut n_up = 0;
+        let (mut n_up, mut n_tall, mut n_half) = (0, 0, 0);
         for number in 0..200 {
             let object = ObjectNumber { seed: 5, class: PartialClass::Tree, number };
             let lone = LoneObject::new(&object.draw());
             let drive = params.drive(&lone, &scanner, &mut object.dice(DiceUse::Viewpoint));
             assert!((5.0..40.0).contains(&drive.tilt_deg.abs()) && (0.2..2.0).contains(&drive.height_m));
             assert!((0.5..3.0).contains(&drive.speed_m_per_s) && drive.aside_m.abs() < 0.8);
-            assert!(drive.from_m >= drive.to_m && drive.to_m > lone.reach_m() + 0.99);
+            assert!(drive.from_m >= drive.to_m && drive.to_m >= lone.reach_backward_m(2.0) + 0.99);
+            assert!(drive.from_m <= scanner.turning.max_range_m.max(drive.to_m));
+            // Nobody looks down on as much as half of a tree.
+            n_tall += u32::from(lone.top_m() > 4.0);
             n_up += u32::from(drive.tilt_deg > 0.0);
+            n_half += u32::from(drive.uncovered_share(&lone, &params) >= 0.5);
         }
-        assert!((70..130).contains(&n_up), "{n_up} of 200 look up");
+        assert!(
+            n_half > 195 && n_tall <= n_up,
+            "{n_half} of 200 uncover half; {n_tall} are tall, {n_up} look up"
+        );
     }
 }

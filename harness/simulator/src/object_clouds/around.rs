@@ -1,6 +1,6 @@
 //! Objects scanned from all round, as surveyors do.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use detector::PointCloud;
 use rand::RngExt;
@@ -40,7 +40,9 @@ pub fn scanned_around(
         let distance_m = object.reach_m() + dice.random_range(CLEARANCES_M);
         let (sine, cosine) = portable_math::sin_cos(bearing_rad);
         let plan_m = [cosine as f32 * distance_m, sine as f32 * distance_m];
-        let world_from_sensor = sensor_pose(plan_m, scanner.height_above_road_m, bearing_rad + PI, 0.0);
+        // Not straight at the object: a thin trunk would stand between the same two pulses from everywhere.
+        let heading_rad = bearing_rad + dice.random_range(0.0..TAU);
+        let world_from_sensor = sensor_pose(plan_m, scanner.height_above_road_m, heading_rad, 0.0);
         let look = Look { sensor: scanner, errors: &errors, world_from_sensor };
         let pulses = |beam| number.dice(DiceUse::Pulses { scan, beam });
         for point in object.points_in(&look, |_| true, pulses) {

@@ -1,15 +1,18 @@
 //! An object alone on a level road, and what a sensor sees of it.
 
+use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Vector};
+use parry3d::query::Ray;
 use rand_chacha::ChaCha8Rng;
 
 use super::drawn_object::DrawnObject;
 use crate::angular_window::AngularWindow;
 use crate::ground::Ground;
+use crate::material::Passage;
 use crate::portable_math;
 use crate::pulse_path::Surroundings;
 use crate::scan::{BeamError, part_of_turn};
-use crate::scene::{Leaf, LeafForm, Scene};
+use crate::scene::{Hit, Leaf, LeafForm, Pulse, Scene};
 use crate::sensor::SensorModel;
 use crate::staged_scene::{level_road, on_the_road};
 
@@ -19,8 +22,8 @@ pub struct LoneObject {
     ground: Ground,
     standing: Scene,
     moving: Scene,
-    // Of the boxes around its parts.
-    corners: Vec<Vector>,
+    // Around its parts.
+    boxes: Vec<Aabb>,
     /// Its length, width and height in metres.
     pub extents_m: [f32; 3],
 }
@@ -50,15 +53,15 @@ impl LoneObject {
     pub fn new(object: &DrawnObject) -> Self {
         let (sine, cosine) = portable_math::sin_cos(f64::from(object.yaw_rad));
         let world_from_object = on_the_road([0.0; 2], [sine as f32, cosine as f32]);
-        let (mut corners, mut leaves) = (Vec::new(), Vec::new());
+        let (mut boxes, mut leaves) = (Vec::new(), Vec::new());
         for part in &object.shape.parts {
             let solid = part.solid.placed(&world_from_object);
-            corners.extend(solid.bounds().vertices());
+            boxes.push(solid.bounds());
             leaves.push(Leaf { form: LeafForm::Solid(solid), material: part.material, object_idx: Some(0) });
         }
         Self {
             ground: level_road(),
-            corners,
+            boxes,
             standing: Scene::new(leaves),
             moving: Scene::new(Vec::new()),
             extents_m: object.shape.bounds().extents().into(),
@@ -67,13 +70,38 @@ impl LoneObject {
 
     /// The longest way from its middle to its outline, on the ground plan, in metres.
     pub fn reach_m(&self) -> f32 {
-        let reaches_m = self.corners.iter().map(|it| (it.x * it.x + it.y * it.y).sqrt());
+        let reaches_m = self.corners().map(|it| (it.x * it.x + it.y * it.y).sqrt());
         reaches_m.fold(0.0, f32::max)
+    }
+
+    /// How far its parts below `height_m` reach from its middle toward −x, in metres.
+    pub fn reach_backward_m(&self, height_m: f32) -> f32 {
+        let low = self.boxes.iter().filter(|it| it.mins.z < height_m);
+        low.map(|it| -it.mins.x).fold(0.0, f32::max)
     }
 
     /// Height of its top above the road, in metres.
     pub fn top_m(&self) -> f32 {
-        self.corners.iter().map(|it| it.z).fold(0.0, f32::max)
+        self.boxes.iter().map(|it| it.maxs.z).fold(0.0, f32::max)
+    }
+
+    /// Of the boxes around its parts.
+    fn corners(&self) -> impl Iterator<Item = Vector> + Clone {
+        self.boxes.iter().flat_map(Aabb::vertices)
+    }
+
+    /// Where `pulse`, coming from above the road, meets it.
+    pub fn met_by(&self, pulse: &Pulse) -> Option<Hit> {
+        self.standing.cast(pulse, f32::INFINITY)
+    }
+
+    /// Whether `ray` begins among its leaves, or behind pales or mesh.
+    pub fn is_among_leaves(&self, ray: &Ray) -> bool {
+        self.standing.leaves().iter().any(|leaf| {
+            let LeafForm::Solid(solid) = &leaf.form else { return false };
+            let is_open = matches!(leaf.material.passage, Passage::FreePath(_));
+            is_open && solid.crossing(ray).is_some_and(|it| it.enter < 0.0)
+        })
     }
 
     /// Its points in one turn of the sensor, of which it sends the firings that `is_sent` says. Points of the road are not among them, nor those
@@ -85,7 +113,7 @@ impl LoneObject {
         pulses: impl Fn(u32) -> ChaCha8Rng,
     ) -> Vec<SeenPoint> {
         let sensor_from_world = look.world_from_sensor.inverse();
-        let window = AngularWindow::around(self.corners.iter().map(|it| sensor_from_world * *it));
+        let window = AngularWindow::around(self.corners().map(|it| sensor_from_world * it));
         let n_firings = look.sensor.n_firings_per_turn as usize;
         let firings = |rise| {
             let n_met = if window.may_meet(rise) { n_firings } else { 0 };

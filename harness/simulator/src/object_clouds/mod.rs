@@ -1,4 +1,4 @@
-//! Clouds of single objects: scanned from all round, in a single scan, or by a tilted scanner on a vehicle that approaches.
+//! Clouds of single objects: scanned from all round, in a single scan, from the air, or by a tilted scanner on a vehicle that approaches.
 //!
 //! An object is drawn from a seed, its class and its number, and nothing else: every way of looking at it shows the same one. The same seed
 //! gives the same bytes, as everywhere in the simulator.
@@ -14,8 +14,10 @@ pub mod drawn_object;
 pub mod lone_object;
 pub mod around;
 pub mod single_scan;
+pub mod from_the_air;
 pub mod planar_scanner;
 pub mod approach;
 
 // What has a name.
 pub mod simulated_objects;
+pub mod open_objects;

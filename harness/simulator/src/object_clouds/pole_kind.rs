@@ -119,7 +119,7 @@ fn mast_arm(rng: &mut ChaCha8Rng) -> ObjectShape {
     pole(parts)
 }
 
-/// A mast of a power or telephone line, of wood or concrete, with cross-arms.
+/// A mast of a power or telephone line, of wood or concrete, with cross-arms and sometimes with the beginnings of wires.
 fn line_mast(rng: &mut ChaCha8Rng) -> ObjectShape {
     let height_m = rng.random_range(6.5_f32..12.5);
     let radius_m = rng.random_range(0.1_f32..0.2);
@@ -137,6 +137,9 @@ fn line_mast(rng: &mut ChaCha8Rng) -> ObjectShape {
             parts.push((Solid::cylinder(foot_m, top_m, 0.04), Material::MASONRY));
         }
     }
+    if rng.random_bool(0.5) {
+        parts.extend(wires(height_m, rng));
+    }
     if rng.random_bool(0.3) {
         let z_m = height_m - rng.random_range(1.8_f32..3.0);
         let beside_m = radius_m + 0.25;
@@ -146,6 +149,17 @@ fn line_mast(rng: &mut ChaCha8Rng) -> ObjectShape {
         ));
     }
     pole(parts)
+}
+
+/// The pieces of wires that are taken for parts of their mast, along x.
+fn wires(height_m: f32, rng: &mut ChaCha8Rng) -> Parts {
+    let wire = |_| {
+        let from_m = [0.0, rng.random_range(-0.8_f32..0.8), height_m * rng.random_range(0.6_f32..1.0)];
+        let along_m = rng.random_range(1.0_f32..4.5) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
+        let to_m = [along_m, from_m[1], from_m[2] + along_m.abs() * rng.random_range(-0.1_f32..0.02)];
+        (Solid::cylinder(from_m, to_m, 0.015), Material::RUBBER)
+    };
+    (0..4).map(wire).collect()
 }
 
 /// A mast without anything on it, such as one for flags or wires.
@@ -194,7 +208,8 @@ mod tests {
             assert_eq!(shape.class, AnnotationClass::Pole);
             assert!(bounds.mins.z.abs() < 0.01, "it stands on the ground: {}", bounds.mins.z);
             assert!((0.5..13.5).contains(&bounds.maxs.z), "height {}", bounds.maxs.z);
-            assert!(bounds.extents().y < 6.2, "arms {}", bounds.extents().y);
+            let size = bounds.extents();
+            assert!(size.x < 9.2 && size.y < 6.2, "arms and wires {size:?}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Simulated objects by name: `objects-around`, `objects-approach`, and one for each rotating sensor.
+//! Simulated objects by name: `objects-around`, `objects-air`, `objects-approach`, and one for each rotating sensor.
 
 use detector::PointCloud;
 use reports::vocabulary::partial_class::PartialClass;
@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::approach::{ApproachParams, Drive, approached};
 use super::around::{scanned_around, survey_scanner};
 use super::drawn_object::{DiceUse, ObjectNumber};
+use super::from_the_air::scanned_from_the_air;
 use super::lone_object::LoneObject;
 use super::planar_scanner::PlanarScanner;
 use super::single_scan::{RANGES_M, scanned_once};
@@ -19,12 +20,13 @@ use crate::sensor::SensorModel;
 use crate::street::SIMULATOR_VERSION;
 
 /// The names of all simulated sets of objects.
-pub const OBJECT_SETS: [&str; 6] = [
+pub const OBJECT_SETS: [&str; 7] = [
     "objects-around",
     "objects-hdl-64e-s2",
     "objects-hdl-32e",
     "objects-vlp-16",
     "objects-os1-128",
+    "objects-air",
     "objects-approach",
 ];
 
@@ -75,6 +77,7 @@ pub struct SimulatedObjects {
 enum Viewing {
     Around(SensorModel),
     Once(SensorModel),
+    FromTheAir,
     Approach(PlanarScanner, ApproachParams),
 }
 
@@ -108,6 +111,7 @@ pub fn open_simulated_objects(
     };
     let viewing = match name.strip_prefix("objects-").ok_or_else(unknown)? {
         "around" => Viewing::Around(survey_scanner()),
+        "air" => Viewing::FromTheAir,
         "approach" => Viewing::Approach(PlanarScanner::embedded(), ApproachParams::shipped()),
         _ if !OBJECT_SETS.contains(&name) => return Err(unknown()),
         sensor => Viewing::Once(SensorModel::embedded(sensor).ok_or_else(unknown)?),
@@ -135,6 +139,7 @@ impl ObjectCloudSet for SimulatedObjects {
         let (cloud, moments) = match &self.viewing {
             Viewing::Around(scanner) => scanned_around(&object, number, scanner),
             Viewing::Once(sensor) => well_scanned(&object, number, sensor),
+            Viewing::FromTheAir => scanned_from_the_air(&object, number),
             Viewing::Approach(scanner, params) => {
                 let (_, cloud, moments) = well_approached(&object, number, scanner, params);
                 (cloud, moments)
@@ -205,6 +210,7 @@ mod tests {
     use super::*;
     use scans::conversion::object_folder_writer::write_object_folder;
     use scans::object_cloud::class_folders::open_class_folders;
+    use sha2::{Digest as _, Sha256};
 
     #[test]
     fn every_name_opens_its_objects_and_others_are_refused() {
@@ -258,5 +264,29 @@ mod tests {
             written.remove(place.unwrap_or_else(|| panic!("{} was not written", found.whole.id)));
         }
         assert!(written.is_empty());
+    }
+
+    fn digest_of(name: &str) -> String {
+        let objects = open_simulated_objects(name, ObjectPart::Training, 2).unwrap();
+        let mut digest = Sha256::new();
+        for object_idx in 0..10 {
+            let object = objects.read(object_idx).unwrap();
+            let points = object.whole.cloud.positions_m().zip(object.whole.cloud.intensity());
+            for ([x, y, z], intensity) in points {
+                digest.update([x, y, z, *intensity].map(f32::to_le_bytes).concat());
+            }
+            for moment in &object.moments {
+                digest.update((moment.n_points as u64).to_le_bytes());
+            }
+        }
+        let [a, b, c, d, ..] = digest.finalize()[..] else { panic!("a digest has 32 bytes") };
+        format!("{:08x}", u32::from_be_bytes([a, b, c, d]))
+    }
+
+    /// What models are trained on changes with these, and results with it.
+    #[test]
+    fn objects_are_the_same_bytes_on_every_machine() {
+        let names = ["objects-around", "objects-vlp-16", "objects-air", "objects-approach"];
+        assert_eq!(names.map(digest_of), ["3583a52b", "51de4456", "f85f1123", "f47c80f5"]);
     }
 }

@@ -42,9 +42,9 @@ struct Branching {
 }
 
 const LEAFY: Branching =
-    Branching { fork_m: 1.2..3.6, limb_m: 1.0..3.2, n_forks: 2, clump_share: Some(0.45..0.9) };
+    Branching { fork_m: 1.2..4.0, limb_m: 1.0..4.4, n_forks: 2, clump_share: Some(0.45..0.9) };
 
-const BARE: Branching = Branching { fork_m: 1.0..3.4, limb_m: 1.2..3.4, n_forks: 3, clump_share: None };
+const BARE: Branching = Branching { fork_m: 1.0..4.0, limb_m: 1.2..4.4, n_forks: 3, clump_share: None };
 
 /// A trunk that forks into limbs, these into branches, and so on.
 fn branched(kind: &Branching, rng: &mut ChaCha8Rng) -> ObjectShape {
@@ -118,7 +118,7 @@ fn forks(stem: &Branch, generation: u32, rng: &mut ChaCha8Rng) -> Vec<Branch> {
 
 /// A fir or spruce: its crown begins near the ground and narrows to a tip.
 fn conifer(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let height_m = rng.random_range(3.0_f32..14.0);
+    let height_m = rng.random_range(3.0_f32..18.0);
     let clear_m = rng.random_range(0.15_f32..1.6);
     let foot_radius_m = height_m * rng.random_range(0.14_f32..0.26);
     let leaves = Material::foliage(rng.random_range(0.2..0.8));
@@ -138,7 +138,7 @@ fn conifer(rng: &mut ChaCha8Rng) -> ObjectShape {
 
 /// A poplar, cypress or pillar of hornbeam.
 fn columnar(rng: &mut ChaCha8Rng) -> ObjectShape {
-    let height_m = rng.random_range(4.0_f32..13.0);
+    let height_m = rng.random_range(4.0_f32..17.0);
     let clear_m = rng.random_range(0.2_f32..1.9);
     let radius_m = height_m * rng.random_range(0.07_f32..0.14);
     let half_m = (height_m - clear_m) / 2.0;
@@ -200,12 +200,12 @@ mod tests {
 
     #[test]
     fn trees_are_as_large_as_along_streets() {
-        check(any_tree, 1.9..16.0, 0.6..15.0);
-        check(conifer, 2.9..14.8, 0.7..8.0);
-        check(columnar, 3.9..13.6, 0.5..4.2);
+        check(any_tree, 1.9..21.0, 0.6..20.0);
+        check(conifer, 2.9..19.0, 0.7..10.5);
+        check(columnar, 3.9..17.6, 0.5..5.2);
         check(young, 2.0..6.5, 0.8..2.9);
-        check(|rng| branched(&BARE, rng), 2.5..15.0, 1.5..15.0);
-        check(|rng| branched(&LEAFY, rng), 2.5..15.0, 1.5..15.0);
+        check(|rng| branched(&BARE, rng), 2.5..21.0, 1.5..20.0);
+        check(|rng| branched(&LEAFY, rng), 2.5..21.0, 1.5..20.0);
     }
 
     #[test]
