@@ -42,6 +42,9 @@ pub enum MethodKind {
     VehicleValues,
 }
 
+/// A name, and what is changed.
+type Variant<'a> = (&'a str, &'a dyn Fn(&mut PartialParams));
+
 /// The name of our method in tables.
 pub const OURS: &str = "bag of graphs";
 
@@ -60,7 +63,7 @@ impl Method {
 
     /// The bag of graphs whole, and without each of its parts.
     pub fn ablation(whole: &PartialParams) -> Vec<Self> {
-        let variants: [(&str, &dyn Fn(&mut PartialParams)); 11] = [
+        let variants: [Variant<'_>; 11] = [
             (OURS, &|_| ()),
             ("without graphs", &|it| {
                 it.patterns
@@ -68,7 +71,7 @@ impl Method {
                     .retain(|kind| !matches!(kind, PatternKind::Graph | PatternKind::CenteredGraph));
             }),
             ("without keypoints by themselves", &|it| {
-                it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint)
+                it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint);
             }),
             ("without extents", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Extents)),
             ("without heights", &|it| it.patterns.height_edges_m.clear()),
@@ -82,7 +85,7 @@ impl Method {
             ("r halved", &|it| it.surface.radius_m *= 0.5),
             ("r doubled", &|it| it.surface.radius_m *= 2.0),
         ];
-        let variant = |(name, change): (&str, &dyn Fn(&mut PartialParams))| {
+        let variant = |(name, change): Variant<'_>| {
             let mut params = whole.clone();
             change(&mut params);
             Self { name: name.to_owned(), kind: MethodKind::BagOfGraphs(Box::new(params)) }

@@ -38,7 +38,7 @@ impl<const D: usize> PairwiseSvm<D> {
     ) -> Result<Self, NuSvcError> {
         let all: Vec<usize> = (0..vectors.len()).collect();
         let (held_out, others): (Vec<usize>, Vec<usize>) =
-            all.iter().partition(|&&it| groups[it] % HOLD_OUT_EVERY == 0);
+            all.iter().partition(|&&it| groups[it].is_multiple_of(HOLD_OUT_EVERY));
         let of_others =
             Self { n_classes, machines: machines(vectors, classes, &others, n_classes)?, sharpness: 1.0 };
         let scores =
