@@ -14,8 +14,8 @@ pub struct TrainingBag {
     pub entries: Vec<(u32, f32)>,
 }
 
-/// The weights, a list for each class, under which the bags are most likely: multinomial logistic regression, with a penalty on the squares of
-/// weights.
+/// The weights, a list for each class, under which the bags are most likely: multinomial logistic regression, with a penalty
+/// on the squares of weights.
 ///
 /// Descent with steps of a length of its own for each weight (Kingma and Ba 2015), which shorten to nothing.
 pub fn learn_class_weights(

@@ -16,8 +16,8 @@ pub struct DecisionParams {
     pub min_keypoints: usize,
     /// Where bins of the number of keypoints end, ascending: how sure a decision is differs from bin to bin.
     pub evidence_edges: Vec<usize>,
-    /// Share of the training clouds that are near enough to their own class; what is farther from every class than the others is none of
-    /// these. 1: nothing is too far.
+    /// Share of the training clouds that are near enough to their own class; what is farther from every class than the others
+    /// is none of these. 1: nothing is too far.
     pub near_share: f64,
     /// A class of this name is none of these; empty: there is no such class.
     pub rejected_class: String,

@@ -5,8 +5,8 @@ use super::seeded_draws::SeededDraws;
 /// Rounds after which the grouping ends in any case.
 const MOST_ROUNDS: usize = 100;
 
-/// The means of at most `n_groups` groups of `vectors`, by the method of Lloyd from a start drawn as in k-means++; fewer if there are
-/// fewer different vectors. None without vectors.
+/// The means of at most `n_groups` groups of `vectors`, by the method of Lloyd from a start drawn as in k-means++; fewer if
+/// there are fewer different vectors. None without vectors.
 ///
 /// The same vectors in the same order and the same seed give the same means to the bit.
 ///
@@ -53,7 +53,8 @@ fn squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     sum
 }
 
-/// The first vector drawn from all, each next one with a chance that grows with the square of its distance to those drawn before.
+/// The first vector drawn from all, each next one with a chance that grows with the square of its distance to those drawn
+/// before.
 fn drawn_start<const D: usize>(vectors: &[[f64; D]], n_groups: usize, seed: u64) -> Vec<[f64; D]> {
     let mut draws = SeededDraws::new(seed);
     let mut centers: Vec<[f64; D]> = Vec::with_capacity(n_groups);

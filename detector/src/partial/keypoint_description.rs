@@ -38,8 +38,8 @@ pub struct DescribedCloud {
 }
 
 impl KeypointDescriber {
-    /// The keypoints of an object with these points, in metres, in a frame with z up and the ground at z = 0. Their order is arbitrary but
-    /// does not depend on that of the points.
+    /// The keypoints of an object with these points, in metres, in a frame with z up and the ground at z = 0. Their order is
+    /// arbitrary but does not depend on that of the points.
     ///
     /// Paper: BG section 3.1.
     pub fn describe(

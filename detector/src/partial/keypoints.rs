@@ -32,8 +32,8 @@ pub struct Keypoints {
 }
 
 impl Keypoints {
-    /// Chooses keypoints, the strongest first: the point with the largest λ₁ of all that lie in no sphere yet, until none is left.
-    /// Its sphere has the radius ρ₁ = √(2/λ₁). Of equals the first is taken.
+    /// Chooses keypoints, the strongest first: the point with the largest λ₁ of all that lie in no sphere yet, until none is
+    /// left. Its sphere has the radius ρ₁ = √(2/λ₁). Of equals the first is taken.
     ///
     /// Paper: BG section 3.1.
     pub fn fill(

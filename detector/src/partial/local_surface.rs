@@ -254,8 +254,8 @@ mod tests {
 
     #[test]
     fn a_paraboloid_has_the_curvatures_of_its_sphere_in_units_of_the_radius() {
-        // z = x²/4 + y²/4 touches a sphere of 2 m: half a unit of curvature at a radius of 1 m, one at 2 m. Its Harris matrix is
-        // 2 p₁² on the diagonal.
+        // z = x²/4 + y²/4 touches a sphere of 2 m: half a unit of curvature at a radius of 1 m, one at 2 m. Its Harris matrix
+        // is 2 p₁² on the diagonal.
         let surface = surface_at_origin(1.0, |x, y| 0.25 * (x * x + y * y));
         check_near(surface.curvatures.map(f64::abs), [0.5, 0.5], 1e-9);
         check_near(surface.harris, [0.5, 0.5], 1e-9);

@@ -7,7 +7,8 @@ use super::keypoint_description::KeypointDescriber;
 use super::partial_model::PartialModel;
 use super::patterns::{LabeledKeypoint, N_VERTICES, Patterns};
 
-/// A trained bag of graphs with buffers for one cloud after another: nothing is allocated once the first clouds have sized them.
+/// A trained bag of graphs with buffers for one cloud after another: nothing is allocated once the first clouds have sized
+/// them.
 ///
 /// ```
 /// use detector::describe::trained_file::Provenance;

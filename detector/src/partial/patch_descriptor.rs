@@ -15,8 +15,8 @@ use crate::portable_math::atan2;
 /// Number of values.
 pub const N_DESCRIPTOR_VALUES: usize = N_ANGLE_BINS + 4;
 
-/// The values of a keypoint: the eight bins of the point feature histogram; the cosine between normals at two scales; the modified shape
-/// index; ρ₂; the volume of the patch.
+/// The values of a keypoint: the eight bins of the point feature histogram; the cosine between normals at two scales; the
+/// modified shape index; ρ₂; the volume of the patch.
 pub type Descriptor = [f64; N_DESCRIPTOR_VALUES];
 
 /// Tuning of [`PatchDescriber`].
@@ -96,8 +96,8 @@ impl PatchDescriber {
         values
     }
 
-    /// The cosine between the normals of the points within two radii, without its sign: a plane has two normals. 1 if the smaller
-    /// one has fewer than three points, which have none.
+    /// The cosine between the normals of the points within two radii, without its sign: a plane has two normals. 1 if the
+    /// smaller one has fewer than three points, which have none.
     ///
     /// Paper: BG equation 4.
     fn normal_cosine(&mut self, around: &Neighborhoods, center_m: [f64; 3], radii_m: [f64; 2]) -> f64 {

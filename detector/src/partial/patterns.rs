@@ -31,14 +31,15 @@ pub struct PatternParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PatternKind {
-    /// Its graph: the labels of its four vertices without order, with the height of their mean and the volume that they span. The paper's.
+    /// Its graph: the labels of its four vertices without order, with the height of their mean and the volume that they span.
+    /// The paper's.
     Graph,
     /// Its graph, with its own label apart from the other three.
     CenteredGraph,
     /// Its own label and height: a bag of words, without graphs.
     Keypoint,
-    /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose shares say nothing of
-    /// size.
+    /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
+    /// shares say nothing of size.
     Extents,
 }
 
@@ -106,8 +107,8 @@ pub struct Patterns {
 impl Patterns {
     /// The graphs and patterns of these keypoints.
     ///
-    /// Of keypoints that are equally far the first is nearer. Where there are fewer than four, every graph has all of them, and its
-    /// volume is 0.
+    /// Of keypoints that are equally far the first is nearer. Where there are fewer than four, every graph has all of them,
+    /// and its volume is 0.
     ///
     /// Paper: BG section 3.2.
     pub fn fill(&mut self, keypoints: &[LabeledKeypoint], extents: &SeenExtents, params: &PatternParams) {
@@ -124,7 +125,8 @@ impl Patterns {
         }
     }
 
-    /// The keypoints of every graph: the one that it belongs to, and the nearest, from near to far; `u32::MAX` where one is missing.
+    /// The keypoints of every graph: the one that it belongs to, and the nearest, from near to far; `u32::MAX` where one is
+    /// missing.
     pub fn graphs(&self) -> &[[u32; N_VERTICES]] {
         &self.graphs
     }

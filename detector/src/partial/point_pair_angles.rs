@@ -33,16 +33,16 @@ pub enum Pairs {
 pub enum AngleSigns {
     /// Each angle has a bin for either sign.
     Count,
-    /// Normals have no sign: each angle has a bin for its small and for its large amounts, parted at 1/2 for the cosines and at 45
-    /// degrees for θ.
+    /// Normals have no sign: each angle has a bin for its small and for its large amounts, parted at 1/2 for the cosines and
+    /// at 45 degrees for θ.
     Folded,
 }
 
 /// The shares of the pairs in the bins of α, φ and θ together, α in the highest bit; all 0 if there is no pair.
 ///
-/// Of two points, the source is the one whose normal is nearer to the line between them (Rusu 2009), the first if both are as near.
-/// With `d` from source to target, `u = n_s; v = u × d; w = u × v` and `α = v·n_t; φ = u·d; θ = atan(w·n_t, u·n_t)`. v is a unit vector; a
-/// pair whose d lies along u has none and is left out, and so is one of the same place.
+/// Of two points, the source is the one whose normal is nearer to the line between them (Rusu 2009), the first if both are as
+/// near. With `d` from source to target, `u = n_s; v = u × d; w = u × v` and `α = v·n_t; φ = u·d; θ = atan(w·n_t, u·n_t)`. v
+/// is a unit vector; a pair whose d lies along u has none and is left out, and so is one of the same place.
 ///
 /// Paper: BG section 3.1, equations 2 and 3 (which print `w·n_t` for α).
 pub fn point_feature_histogram(
@@ -130,8 +130,8 @@ mod tests {
         check(ends, [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]], AngleSigns::Count, Some(0b111));
         check(ends, [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]], AngleSigns::Folded, Some(0b100));
         check(ends, [[0.0, 0.0, 1.0], [0.0, -0.6, 0.8]], AngleSigns::Count, Some(0b011));
-        // Here the second is the source: its normal leans to the line. u = (0.8, 0, 0.6), d = −x, v = u × d = (0, −0.6, 0) → −y,
-        // w = u × −y = (0.6, 0, −0.8); φ = −0.8, α = 0, θ = atan(−0.8, 0.6).
+        // Here the second is the source: its normal leans to the line. u = (0.8, 0, 0.6), d = −x, v = u × d = (0, −0.6, 0) →
+        // −y, w = u × −y = (0.6, 0, −0.8); φ = −0.8, α = 0, θ = atan(−0.8, 0.6).
         check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Folded, Some(0b011));
         check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Count, Some(0b100));
     }

@@ -10,8 +10,8 @@ pub struct PrincipalFrame {
 }
 
 impl PrincipalFrame {
-    /// The frame of these points; the axes of the coordinates without any spread. Of points on a line the last axis is that across it which is
-    /// nearest to upright, or x for an upright line. `None` without points.
+    /// The frame of these points; the axes of the coordinates without any spread. Of points on a line the last axis is that
+    /// across it which is nearest to upright, or x for an upright line. `None` without points.
     pub fn around(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Option<Self> {
         let (mut n, mut sum) = (0.0, [0.0; 3]);
         for point_m in points_m.clone() {
@@ -59,8 +59,8 @@ const MOST_SWEEPS: usize = 12;
 /// What is left beside the diagonal, of the whole, when it ends.
 const SMALL: f64 = 1e-14;
 
-/// The eigenvectors of a symmetric matrix, of which the upper half is read, with their eigenvalues from the largest to the least, by
-/// Jacobi's method.
+/// The eigenvectors of a symmetric matrix, of which the upper half is read, with their eigenvalues from the largest to the
+/// least, by Jacobi's method.
 fn eigenvectors(mut a: [[f64; 3]; 3]) -> ([[f64; 3]; 3], [f64; 3]) {
     // Columns are the vectors.
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

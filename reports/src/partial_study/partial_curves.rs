@@ -194,7 +194,8 @@ impl<'a> Objects<'a> {
         Some(Distribution::new((0..N_RESAMPLES).map(mean), self.resamples.blocks())?.interval())
     }
 
-    /// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of these.
+    /// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of
+    /// these.
     fn kept(&self, steps: &[PartialStep]) -> (Option<f64>, Option<f64>) {
         let n_steps = steps.len() as f64;
         let kept_from = |of: &BTreeMap<u32, bool>| {

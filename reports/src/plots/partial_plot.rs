@@ -4,8 +4,8 @@ use super::curve_panel::{Note, NoteShape, Panel, Place, Series, panels_svg};
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::vocabulary::partial_class::PartialClass;
 
-/// The mean errors of each class to every class over the steps, a panel for each class of the objects. The upright line is at the first
-/// step at which all of them could be judged.
+/// The mean errors of each class to every class over the steps, a panel for each class of the objects. The upright line is at
+/// the first step at which all of them could be judged.
 ///
 /// Paper: BG Figs. 4 to 7.
 pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> String {
@@ -31,8 +31,8 @@ pub fn partial_error_plot(curve: &PartialCurve, title: &str) -> String {
     panels_svg(&panels.collect::<Vec<_>>(), title)
 }
 
-/// The mean of recalls over the steps with its interval over objects: a series for each curve, at most four of one data set and direction
-/// to a panel.
+/// The mean of recalls over the steps with its interval over objects: a series for each curve, at most four of one data set
+/// and direction to a panel.
 pub fn partial_accuracy_plot(curves: &[PartialCurve], title: &str) -> String {
     let of_same = |a: &PartialCurve, b: &PartialCurve| (&a.data, &a.direction) == (&b.data, &b.direction);
     let panels = curves.chunk_by(of_same).flat_map(|same| same.chunks(4)).map(|few| {

@@ -1,5 +1,5 @@
-//! What objects are told to be of which only a part has been seen: the ten-step experiment, its rivals, and what each part of the method is
-//! worth.
+//! What objects are told to be of which only a part has been seen: the ten-step experiment, its rivals, and what each part of
+//! the method is worth.
 
 pub mod object_parts;
 pub mod rival_values;
