@@ -11,6 +11,7 @@ mod stage_products;
 mod steady_state;
 mod tree_of_groupings;
 mod reference;
+mod partial_reference;
 mod drawn_objects;
 mod partial_objects;
 mod same_as_reference;

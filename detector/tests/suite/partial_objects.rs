@@ -9,7 +9,7 @@ use detector::partial::partial_model::PartialModel;
 use detector::partial::partial_params::PartialParams;
 
 use crate::drawn_objects::{CLASSES, drawn_model, drawn_object};
-use crate::reference::partial::{check_same, descriptors};
+use crate::partial_reference::{check_same, descriptors};
 
 fn classifier(params: &PartialParams) -> PartialClassifier {
     PartialClassifier::new(Arc::new(drawn_model(params)))

@@ -270,7 +270,7 @@ pub(crate) mod tests {
 
     #[test]
     fn the_interval_is_over_objects() {
-        let told = |it: u32| if it % 4 == 0 { Told::Pole } else { Told::Tree };
+        let told = |it: u32| if it.is_multiple_of(4) { Told::Pole } else { Told::Tree };
         let tree = |it: u32| row(PartialClass::Tree, &format!("tree-{it}"), 1, told(it), [1.0; 4]);
         let rows: Vec<PartialRow> = (0..100).map(tree).collect();
         let [low, high] = PartialCurve::all(&rows)[0].steps[0].within.unwrap().ends;

@@ -13,7 +13,6 @@ mod separation;
 mod boxes;
 mod completion;
 pub mod twins;
-pub mod partial;
 
 use detector::classify::size_gate::size_gate;
 use detector::params::HierarchicalParams;

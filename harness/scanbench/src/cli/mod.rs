@@ -52,7 +52,7 @@ pub use init::InitArgs;
 pub use output::OutputArgs;
 pub use parameters::{ConfigArgs, CriterionName, MatchingArgs};
 pub use params::ParamsArgs;
-pub use partial::PartialArgs;
+pub use partial::{LearnedFrom, PartialArgs};
 pub use program::{Cli, Command};
 pub use report::ReportArgs;
 pub use results::{NamedResults, ResultFilesArgs};

@@ -1,6 +1,6 @@
 //! Arguments of `scanbench partial`.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::data_objects::ObjectArgs;
 use super::help_text::{JUDGING, TRAINING};
@@ -25,9 +25,9 @@ pub struct PartialArgs {
     /// Of recorded objects that are also judged, every second is learned from, and the others are judged.
     #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
     pub train: Option<String>,
-    /// Learn from whole clouds alone, as the paper does
-    #[arg(long, help_heading = TRAINING)]
-    pub whole_only: bool,
+    /// Learn from whole clouds, as the paper does, from all their parts, or from each in turn
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT", default_value = "whole,parts", help_heading = TRAINING)]
+    pub trained_on: Vec<LearnedFrom>,
     /// Compare the method with itself without each part, instead of with rivals
     #[arg(long, help_heading = JUDGING)]
     pub ablation: bool,
@@ -40,6 +40,15 @@ pub struct PartialArgs {
     /// Where everything is written.
     #[command(flatten)]
     pub output: OutputArgs,
+}
+
+/// What methods learn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LearnedFrom {
+    /// Whole clouds
+    Whole,
+    /// All parts of them
+    Parts,
 }
 
 const PARTIAL_EXAMPLES: &str = "\

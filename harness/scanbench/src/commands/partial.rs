@@ -20,7 +20,7 @@ use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use simulator::object_clouds::open_objects::{ObjectOptions, open_objects};
 use simulator::object_clouds::simulated_objects::ObjectPart;
 
-use crate::cli::PartialArgs;
+use crate::cli::{LearnedFrom, PartialArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
 use crate::commands::open_datasets::{open_catalogue, open_options};
 use crate::commands::paper_files::{write_figure, write_table};
@@ -96,14 +96,17 @@ impl Compared {
         let methods =
             if arguments.ablation { Method::ablation(&PartialParams::shipped()) } else { Method::all() };
         let parts = if arguments.drives { TrainedOn::Drives } else { TrainedOn::Parts };
-        let trained_on = [TrainedOn::Whole, parts];
-        let trained_on = if arguments.whole_only { &trained_on[..1] } else { &trained_on };
+        let trained_on = arguments.trained_on.iter().map(|it| match it {
+            LearnedFrom::Whole => TrainedOn::Whole,
+            LearnedFrom::Parts => parts,
+        });
+        let trained_on: Vec<TrainedOn> = trained_on.collect();
         let experiment = PartialExperiment {
             training: ObjectsOf { set: &*self.training, object_indices: &of_training },
             judged: ObjectsOf { set: &*self.judged, object_indices: &of_judged },
             judged_parts: if arguments.drives { PartsSeen::Driven } else { PartsSeen::Uncovered },
             classes: if arguments.others { &PartialClass::ALL } else { &PartialClass::LEARNT },
-            trained_on,
+            trained_on: &trained_on,
             methods: &methods,
         };
         let progress =

@@ -38,8 +38,16 @@ fn objects_are_uncovered_and_told_and_the_same_comes_out_again() {
 #[test]
 fn drives_show_more_and_more_and_the_ablation_has_a_row_for_each_part() {
     let workplace = Workplace::new();
-    let arguments =
-        ["partial", "objects-approach", "--drives", "--ablation", "--whole-only", "--per-class", "3"];
+    let arguments = [
+        "partial",
+        "objects-approach",
+        "--drives",
+        "--ablation",
+        "--trained-on",
+        "whole",
+        "--per-class",
+        "3",
+    ];
     workplace.succeed(&[&arguments[..], &["-o", "out"]].concat());
     let found = rows(&workplace, "out/partial.csv");
     assert!(found.iter().all(|it| it[2] == "drive"), "{:?}", found[0]);
@@ -57,7 +65,8 @@ fn of_recorded_objects_half_is_learned_from_and_the_others_are_judged() {
     let workplace = Workplace::new();
     let folder = test_data!("data/object_clouds");
     let folder = Path::new(&folder).to_str().unwrap();
-    let ended = workplace.succeed(&["partial", folder, "--train", folder, "--whole-only", "-o", "out"]);
+    let ended =
+        workplace.succeed(&["partial", folder, "--train", folder, "--trained-on", "whole", "-o", "out"]);
     assert!(ended.stdout.contains("learned from object_clouds, the other half of it"), "{ended:#?}");
     let found = rows(&workplace, "out/partial.csv");
     let ours: Vec<_> = found.iter().filter(|it| it[4] == "bag of graphs" && it[3] == "10").collect();
