@@ -25,13 +25,13 @@ pub struct PartialArgs {
     /// Of recorded objects that are also judged, every second is learned from, and the others are judged.
     #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
     pub train: Option<String>,
-    /// Learn from whole clouds, as the paper does, from all their parts, or from each in turn
+    /// Learn from whole clouds, as the paper does, from parts, or each in turn
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT", default_value = "whole,parts", help_heading = TRAINING)]
     pub trained_on: Vec<LearnedFrom>,
     /// Compare the method with itself without each part, instead of with rivals
     #[arg(long, help_heading = JUDGING)]
     pub ablation: bool,
-    /// Also judge fences, hedges and the like, of which none is a class that is learned
+    /// Also fences, hedges and the like, which are none of the four
     #[arg(long, help_heading = JUDGING)]
     pub others: bool,
     /// Show objects of objects-approach as the drive does, and not step by step
@@ -56,8 +56,7 @@ Examples:
   scanbench partial --per-class 60
   scanbench partial objects-approach --drives --per-class 60 --part judging
   scanbench partial ~/data/object_clouds --train ~/data/object_clouds
-  scanbench partial ~/data/object_clouds --train objects-air --ablation
+  scanbench partial ~/data/object_clouds --train objects-air
 
-What is a tree, car, pole or pedestrian, of which a part has been seen? Every object
-is uncovered in ten steps, from below and from above, each a tenth of its largest
-extent more.";
+Every object is uncovered in ten steps, from below and from above, each a tenth of
+its largest extent more.";
