@@ -7,7 +7,7 @@ use simulator::object_clouds::open_objects::open_objects;
 
 use crate::cli::DataObjectsArgs;
 use crate::commands::failure::Failure;
-use crate::commands::open_datasets::{open_catalogue, open_options};
+use crate::commands::open_datasets::{open_catalogue, open_options, refuse_scan_options};
 use crate::commands::standard_streams::print_result;
 
 /// Writes single objects, a folder for each class.
@@ -16,6 +16,7 @@ use crate::commands::standard_streams::print_result;
 ///
 /// If there are no such objects, they are damaged, or the folder exists or cannot be written; nothing is left behind then.
 pub fn data_objects(arguments: &DataObjectsArgs) -> Result<(), Failure> {
+    refuse_scan_options(&arguments.objects, &arguments.source)?;
     let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
     let options = open_options(&arguments.source, &ClassTable::default())?;
     let objects = open_objects(&arguments.objects, &arguments.choice.options(), &options, &catalogue)?;

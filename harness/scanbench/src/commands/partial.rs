@@ -22,7 +22,7 @@ use simulator::object_clouds::simulated_objects::ObjectPart;
 
 use crate::cli::{LearnedFrom, PartialArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
-use crate::commands::open_datasets::{open_catalogue, open_options};
+use crate::commands::open_datasets::{open_catalogue, open_options, refuse_scan_options};
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::progress_over_results;
 use crate::commands::provenance::{command_line, compact_utc, git_state, rfc3339_utc, rustc_version};
@@ -69,6 +69,7 @@ struct Compared {
 
 impl Compared {
     fn open(arguments: &PartialArgs, name: &str) -> Result<Self, Failure> {
+        refuse_scan_options(name, &arguments.source)?;
         let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
         let options = open_options(&arguments.source, &ClassTable::default())?;
         let open = |name: &str, objects: &ObjectOptions| open_objects(name, objects, &options, &catalogue);

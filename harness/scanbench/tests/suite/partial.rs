@@ -55,6 +55,14 @@ fn drives_show_more_and_more_and_the_ablation_has_a_row_for_each_part() {
     assert!(methods.contains("without graphs") && methods.len() > 8, "{methods:?}");
     let refused = workplace.run(&["partial", "objects-around", "--drives", "-o", "x"]);
     assert!(refused.exit_code == Some(2) && refused.stderr.contains("objects-approach"), "{refused:#?}");
+    for verb in [&["partial"][..], &["data", "objects"]] {
+        let seeded = [verb, &["objects-around", "--seed", "7", "-o", "x"]].concat();
+        let refused = workplace.run(&seeded);
+        assert!(
+            refused.exit_code == Some(2) && refused.stderr.contains("--seed is for data sets"),
+            "{refused:#?}"
+        );
+    }
     let refused = workplace.run(&["partial", "objects-nowhere", "-o", "x"]);
     assert_eq!(refused.exit_code, Some(2), "{refused:#?}");
     assert!(!workplace.path("x").exists());
