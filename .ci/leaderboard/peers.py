@@ -22,6 +22,8 @@ PAGE = ROOT / "docs/leaderboard.md"
 # What is written between these lines is not to be written by hand.
 SWEPT = re.compile(r"(# Swept: [^\n]*\n).*\Z", re.DOTALL)
 OURS = ["hierarchical", "kd-tree-same-walls", "kd-tree", "pca"]
+# The name of a run whose times are reported for those of the run without it.
+TIMED_APART = "-times"
 RUNS = {"streets": ["streets"], "kitti": ["{data}/data/kitti_tracking"]}
 
 
@@ -88,19 +90,23 @@ def inline(parameters):
     return "{ " + ", ".join(f"{name} = {json.dumps(value)}" for name, value in parameters.items()) + " }"
 
 
-def run(folder, names, extra):
-    """The runs that are reported: all detectors of ours and of scanbench.toml on the same scans."""
+def run(folder, names, extra, are_timed_apart=False):
+    """The runs that are reported: all detectors of ours and of scanbench.toml on the same scans. Those that are timed apart are
+    without the rows that differ by their vehicles alone."""
     theirs = list(tomllib.loads(CONFIG.read_text())["detector"])
     chosen = OURS + [name for name in theirs if not names or SUFFIX.sub("", name) in names]
+    if are_timed_apart:
+        chosen = [name for name in chosen if not name.endswith("-model")]
     for name, datasets in RUNS.items():
-        if (folder / "runs" / name / "report.json").is_file():
+        target = name + TIMED_APART if are_timed_apart else name
+        if (folder / "runs" / target / "report.json").is_file():
             continue
         data = os.environ.get("SCANBENCH_TEST_DATA")
         if any("{data}" in it for it in datasets) and not data:
             print(f"left out, because SCANBENCH_TEST_DATA is not set: {name}", file=sys.stderr)
             continue
         datasets = [it.format(data=data) for it in datasets]
-        rest = ["-d", ",".join(chosen), "--on-detector-failure", "skip", "--no-rrd", "-o", name]
+        rest = ["-d", ",".join(chosen), "--on-detector-failure", "skip", "--no-rrd", "-o", target]
         scanbench(["run", *datasets, *extra, *rest], folder / "runs")
 
 
@@ -108,9 +114,12 @@ def write_tables(folder):
     """The tables of docs/leaderboard.md from the runs that are there; those of others stay as they are."""
     text = PAGE.read_text()
     for name in RUNS:
-        directory = folder / "runs" / name
+        directory, timed = folder / "runs" / name, folder / "runs" / (name + TIMED_APART)
         if (directory / "report.json").is_file():
-            for table, lines in lines_of(directory).items():
+            tables = lines_of(directory)
+            if (timed / "report.json").is_file():
+                tables["times"] = lines_of(timed)["times"]
+            for table, lines in tables.items():
                 if name != "streets" and table == "detectors":
                     continue
                 block = re.compile(rf"(<!-- made by \.ci/peers: {name} {table} -->\n).*?(\n<!-- end of what \.ci/peers made -->)", re.DOTALL)
@@ -122,14 +131,14 @@ def write_tables(folder):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("step", choices=["sweep", "run", "tables"])
+    parser.add_argument("step", choices=["sweep", "run", "times", "tables"])
     parser.add_argument("folder", type=Path)
     parser.add_argument("-d", dest="names", type=lambda it: it.split(","), default=[])
     given, extra = parser.parse_known_args()
     if given.step == "sweep":
         sweep(given.folder, given.names)
-    elif given.step == "run":
-        run(given.folder, given.names, extra)
+    elif given.step in ("run", "times"):
+        run(given.folder, given.names, extra, are_timed_apart=given.step == "times")
     else:
         write_tables(given.folder)
 

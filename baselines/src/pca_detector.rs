@@ -1,5 +1,6 @@
 //! The rival of the vehicle model: an occupancy grid, and boxes along principal axes.
 
+use detector::classify::object_classifier::NO_VEHICLE;
 use detector::classify::size_gate::{SizeGateParams, size_gate};
 use detector::classify::vehicle_model::class_by_decision;
 use detector::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
@@ -168,12 +169,9 @@ impl PcaDetector {
             };
             self.object_points.clear();
             self.object_points.extend(members.iter().map(|&place| point_indices[place as usize]));
-            output.detections.push(Detection {
-                point_indices: &self.object_points,
-                bounding_box: *bounding_box,
-                class,
-                score,
-            });
+            let (point_indices, bounding_box) = (&self.object_points[..], *bounding_box);
+            let detection = Detection { point_indices, bounding_box, class, score };
+            output.push_ranked(detection, NO_VEHICLE);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::detection::Detections;
+use crate::detection::{DetectedClass, Detection, Detections};
 use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
 use crate::stage_product::StageProduct;
@@ -87,6 +87,9 @@ pub trait Detector: Send {
 pub struct DetectorOutput {
     /// The objects.
     pub detections: Detections,
+    /// What may be a vehicle though it was told none, each with a score below all detections of vehicles: for protocols that rank
+    /// detections by score, and for nothing else. Some are among `detections` as objects, others have too few points for that.
+    pub unlikely_vehicles: Detections,
     /// How long each stage took, in the order of the stages.
     pub stage_times: Vec<StageTime>,
     /// Clusters that did not become detections because of their size.
@@ -94,9 +97,31 @@ pub struct DetectorOutput {
 }
 
 impl DetectorOutput {
+    /// Appends a detection. What is no vehicle by its score, but has one above `least_score`, is an unlikely vehicle, too.
+    pub fn push_ranked(&mut self, detection: Detection<'_>, least_score: f32) {
+        self.detections.push(detection);
+        if detection.class == DetectedClass::Object {
+            self.rank(detection, least_score);
+        }
+    }
+
+    /// Drops a cluster of too few points. What may be a vehicle by its score, which is above `least_score` then, is an unlikely one.
+    pub fn drop_small(&mut self, cluster: Detection<'_>, least_score: f32) {
+        let n_points = cluster.point_indices.len();
+        self.dropped_clusters.push(DroppedCluster { n_points, reason: DropReason::TooFewPoints });
+        self.rank(cluster, least_score);
+    }
+
+    fn rank(&mut self, detection: Detection<'_>, least_score: f32) {
+        if detection.score.is_some_and(|it| it > least_score && it <= 0.0) {
+            self.unlikely_vehicles.push(Detection { class: DetectedClass::Vehicle, ..detection });
+        }
+    }
+
     /// Forgets the content and keeps the memory.
     pub fn clear(&mut self) {
         self.detections.clear();
+        self.unlikely_vehicles.clear();
         self.stage_times.clear();
         self.dropped_clusters.clear();
     }

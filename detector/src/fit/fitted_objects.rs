@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::detection::{DetectedClass, Detection};
 use crate::oriented_box::OrientedBox;
 
 /// The objects of one scan after another, in reusable buffers.
@@ -24,6 +25,18 @@ pub struct FittedObject {
     /// How surely it is a vehicle, once that was asked.
     pub decision: Option<f32>,
     hull: Range<usize>,
+}
+
+impl FittedObject {
+    /// What is reported of it, where `members` are its points and those of others.
+    pub fn detection<'a>(&self, members: &'a Members, class: DetectedClass) -> Detection<'a> {
+        Detection {
+            point_indices: members.point_indices(&self.members),
+            bounding_box: self.bounding_box,
+            class,
+            score: self.decision,
+        }
+    }
 }
 
 impl FittedObjects {

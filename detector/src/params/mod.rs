@@ -79,6 +79,8 @@ pub struct GroupingParams {
     pub enabled: bool,
     /// What an object costs: one that is expected to have a smaller intersection over union is none.
     pub object_cost: f32,
+    /// The least probability of a vehicle with which an object is ranked as one, by protocols that do.
+    pub ranked_probability: f32,
     /// The points that are grouped.
     pub candidates: CandidatesParams,
     /// The gaps between them.

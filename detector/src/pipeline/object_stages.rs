@@ -1,11 +1,12 @@
 //! From objects with boxes to detections. Shared with baselines that classify as the paper does.
 
+use crate::classify::object_classifier::NO_VEHICLE;
 use crate::classify::size_gate::size_gate;
 use crate::classify::vehicle_model::{VehicleModel, class_by_decision};
 use crate::complete::completed_object::{box_with_points, merge_points};
 use crate::complete::completion::Completion;
 use crate::detection::{DetectedClass, Detection};
-use crate::detector::{DetectorOutput, DropReason, DroppedCluster, StageClock};
+use crate::detector::{DetectorOutput, StageClock};
 use crate::drawn::fitted_boxes::fitted_boxes;
 use crate::drawn::point_clusters::point_clusters;
 use crate::drawn::vehicle_shapes::vehicle_shapes;
@@ -134,16 +135,15 @@ impl ObjectStages {
 
     /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.
     fn drop_small_background(&mut self, output: &mut DetectorOutput) {
-        let is_kept = |it: &FittedObject| {
+        let FittedObjects { objects, members, .. } = &mut self.fitted;
+        objects.retain(|it| {
             let n_points = it.members.len();
             let is_kept = n_points >= self.min_points || it.decision.is_some_and(|decision| decision > 0.0);
             if !is_kept {
-                let reason = DropReason::TooFewPoints;
-                output.dropped_clusters.push(DroppedCluster { n_points, reason });
+                output.drop_small(it.detection(members, DetectedClass::Object), NO_VEHICLE);
             }
             is_kept
-        };
-        self.fitted.objects.retain(is_kept);
+        });
     }
 
     /// Finds the points in the boxes of objects that are no foreground.
@@ -162,12 +162,13 @@ impl ObjectStages {
             let added = self.completion.added_to(object_idx).iter().map(|&[_, point_idx]| point_idx);
             let own = self.fitted.members.point_indices(&object.members);
             merge_points(own, added.clone(), &mut self.point_indices);
-            output.detections.push(Detection {
+            let detection = Detection {
                 point_indices: &self.point_indices,
                 bounding_box: box_with_points(object.bounding_box, cloud, added),
                 class: self.class_of(object),
                 score: object.decision,
-            });
+            };
+            output.push_ranked(detection, NO_VEHICLE);
         }
     }
 

@@ -1,10 +1,11 @@
 //! The detector of the papers to the letter.
 
+use crate::classify::object_classifier::NO_VEHICLE;
 use crate::classify::paper_model::PaperModel;
 use crate::classify::size_gate::size_gate;
 use crate::classify::vehicle_model::class_by_decision;
 use crate::describe::paper_features::N_PAPER_FEATURES;
-use crate::detection::{DetectedClass, Detection};
+use crate::detection::DetectedClass;
 use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
 use crate::drawn::cut_borders::cut_borders;
 use crate::drawn::fitted_boxes::fitted_boxes;
@@ -191,12 +192,7 @@ impl PaperDetector {
 
     fn report(&self, output: &mut DetectorOutput) {
         for object in &self.fitted.objects {
-            output.detections.push(Detection {
-                point_indices: self.fitted.members.point_indices(&object.members),
-                bounding_box: object.bounding_box,
-                class: self.class_of(object),
-                score: object.decision,
-            });
+            output.push_ranked(object.detection(&self.fitted.members, self.class_of(object)), NO_VEHICLE);
         }
     }
 

@@ -9,7 +9,7 @@ use crate::complete::completed_object::{box_with_points, merge_points};
 use crate::complete::completion::Completion;
 use crate::describe::vehicle_features::VehicleDescriber;
 use crate::detection::{DetectedClass, Detection};
-use crate::detector::{Detector, DetectorOutput, DropReason, DroppedCluster, StageClock};
+use crate::detector::{Detector, DetectorOutput, StageClock};
 use crate::drawn::fitted_boxes::fitted_boxes;
 use crate::drawn::groups::{candidate_classes, smallest_groups};
 use crate::drawn::point_clusters::point_clusters;
@@ -24,6 +24,7 @@ use crate::group::node_values::N_NODE_VALUES;
 use crate::params::HierarchicalParams;
 use crate::pipeline::grouping_stages::GroupingStages;
 use crate::point_cloud::PointCloud;
+use crate::portable_math::ln;
 use crate::rule::Rule;
 use crate::stage;
 use crate::stage_product::{Shape, StageProduct};
@@ -44,6 +45,8 @@ pub struct TreeDetector {
     worth_of_node: Vec<f32>,
     best_cut: BestCut,
     taken: Vec<u32>,
+    // Log odds of the least likely vehicle that is ranked.
+    ranked_log_odds: f32,
     // Places of the taken groups among the described ones.
     places: Vec<u32>,
     points: NodePoints,
@@ -57,7 +60,9 @@ pub struct TreeDetector {
 impl TreeDetector {
     /// A detector for a sensor `sensor_height_m` above the road, which tells vehicles by their size.
     pub fn new(params: HierarchicalParams, model: Arc<GroupingModel>, sensor_height_m: f32) -> Self {
+        let ranked_probability = f64::from(params.grouping.ranked_probability);
         Self {
+            ranked_log_odds: ln(ranked_probability / (1.0 - ranked_probability)) as f32,
             completion: Completion::new(params.completion.clone()),
             describer: VehicleDescriber::new(model.library.clone()),
             grouping: GroupingStages::new(params, sensor_height_m),
@@ -133,12 +138,13 @@ impl TreeDetector {
     /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.
     fn drop_small(&mut self, output: &mut DetectorOutput) {
         let min_points = self.grouping.params().cluster.min_points;
-        self.fitted.objects.retain(|it| {
+        let FittedObjects { objects, members, .. } = &mut self.fitted;
+        objects.retain(|it| {
             let n_points = it.members.len();
             let is_kept = n_points >= min_points || it.decision.is_some_and(|decision| decision > 0.0);
             if !is_kept {
-                let reason = DropReason::TooFewPoints;
-                output.dropped_clusters.push(DroppedCluster { n_points, reason });
+                let cluster = it.detection(members, DetectedClass::Object);
+                output.drop_small(cluster, self.ranked_log_odds);
             }
             is_kept
         });
@@ -166,12 +172,13 @@ impl TreeDetector {
                     size_gate(object.members.len(), &object.bounding_box, sizes)
                 }
             };
-            output.detections.push(Detection {
+            let detection = Detection {
                 point_indices: &self.point_indices,
                 bounding_box: box_with_points(object.bounding_box, cloud, added),
                 class,
                 score: object.decision,
-            });
+            };
+            output.push_ranked(detection, self.ranked_log_odds);
         }
     }
 }

@@ -37,6 +37,32 @@ fn no_point_belongs_to_two_objects_and_each_has_its_worth() {
 }
 
 #[test]
+fn what_may_be_a_vehicle_is_ranked_below_all_vehicles() {
+    let cloud = main_road();
+    let ranked = |ranked_probability: f32| {
+        let change = |it: &mut HierarchicalParams| {
+            it.grouping.ranked_probability = ranked_probability;
+            it.cluster.min_points = 100;
+        };
+        let output = found(&mut detector(change), &cloud);
+        let scores: Vec<f32> = output.unlikely_vehicles.iter().filter_map(|it| it.score).collect();
+        assert_eq!(scores.len(), output.unlikely_vehicles.len(), "all have a score");
+        assert!(output.unlikely_vehicles.iter().all(|it| it.class == DetectedClass::Vehicle));
+        (scores, output.detections)
+    };
+    let (all, detections) = ranked(0.001);
+    assert!(all.iter().all(|it| *it <= 0.0));
+    let objects = detections.iter().filter(|it| it.class == DetectedClass::Object).count();
+    let n_dropped = all.len() - objects;
+    assert!(objects > 0 && n_dropped > 0, "{objects} objects, {n_dropped} too small");
+    // Log odds of a twentieth.
+    let (likely, same_detections) = ranked(0.05);
+    assert_eq!(likely, all.iter().copied().filter(|it| *it > (0.05_f32 / 0.95).ln()).collect::<Vec<_>>());
+    assert_eq!(same_detections, detections);
+    assert!(ranked(0.5).0.is_empty());
+}
+
+#[test]
 fn the_dearer_an_object_the_fewer_there_are() {
     let cloud = main_road();
     let number = |object_cost: f32| {
