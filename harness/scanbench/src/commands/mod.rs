@@ -5,6 +5,7 @@ pub mod standard_streams;
 pub mod interruption;
 pub mod exit_code;
 pub mod progress;
+pub mod chosen_shard;
 pub mod config;
 pub mod counted_dataset;
 pub mod frame_facts;
