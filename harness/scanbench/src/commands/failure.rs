@@ -30,6 +30,8 @@ use reports::verdicts::verdict::{Conclusion, JudgeError};
 use scans::conversion::ConversionError;
 use scans::dataset::DatasetError;
 
+use crate::commands::shard_auto::engine_shard_error::EngineShardError;
+
 /// What is told about a failure: an error with all that caused it.
 pub type Reason = Box<dyn Error + Send + Sync>;
 
@@ -224,6 +226,12 @@ impl From<JournalError> for Failure {
             }
             JournalError::Io { source, .. } => Self::of_writing(source.kind(), error),
         }
+    }
+}
+
+impl From<EngineShardError> for Failure {
+    fn from(error: EngineShardError) -> Self {
+        Self::Usage(error.into())
     }
 }
 

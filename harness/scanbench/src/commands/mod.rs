@@ -1,5 +1,6 @@
 //! The verbs of the command line: from arguments to work done and a result printed.
 
+pub mod shard_auto;
 pub mod failure;
 pub mod standard_streams;
 pub mod interruption;
