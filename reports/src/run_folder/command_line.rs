@@ -46,7 +46,8 @@ fn output_option(argument: &str) -> OutputOption {
 /// `text` as a word of a shell's command line.
 pub fn shell_word(text: &str) -> String {
     let is_plain = |it: char| it.is_ascii_alphanumeric() || "-_=./:,+@%~".contains(it);
-    if !text.is_empty() && text.chars().all(is_plain) {
+    // A shell puts a folder in the place of `~`, but only at the beginning.
+    if !text.is_empty() && !text.starts_with('~') && text.chars().all(is_plain) {
         text.to_owned()
     } else {
         format!("'{}'", text.replace('\'', r"'\''"))
@@ -61,8 +62,8 @@ mod tests {
     #[test]
     fn words_of_a_command_line_survive_a_shell() {
         assert_eq!(
-            ["run", "0..500:5", "a b", "it's", "", "x<y"].map(shell_word),
-            ["run", "0..500:5", "'a b'", r"'it'\''s'", "''", "'x<y'"]
+            ["run", "0..500:5", "a b", "it's", "", "x<y", "~/a", "a~"].map(shell_word),
+            ["run", "0..500:5", "'a b'", r"'it'\''s'", "''", "'x<y'", "'~/a'", "a~"]
         );
     }
 

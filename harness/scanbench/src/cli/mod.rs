@@ -33,6 +33,7 @@ mod data;
 mod fit_density;
 mod train;
 mod init;
+mod submit;
 mod program;
 
 pub use self::scans::{CatalogueArgs, DatasetArgs, SourceArgs};
@@ -63,6 +64,7 @@ pub use selftest::SelftestArgs;
 pub use serve::ServeArgs;
 pub use shard::{ShardArgs, ShardOption};
 pub use stream::StreamArgs;
+pub use submit::{KubernetesArgs, SlurmArgs, SubmitCommand};
 pub use sweep::SweepArgs;
 pub use train::{DEFAULT_VEHICLES, ModelName, TrainArgs};
 pub use view::{OutcomeName, ViewArgs};

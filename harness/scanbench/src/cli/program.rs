@@ -19,6 +19,7 @@ use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
 use super::selftest::SelftestArgs;
 use super::serve::ServeArgs;
+use super::submit::SubmitCommand;
 use super::sweep::SweepArgs;
 use super::train::TrainArgs;
 use super::view::ViewArgs;
@@ -125,6 +126,12 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
         command: Vec<String>,
     },
+    /// Hand a run to Slurm or Kubernetes, as shards and a merge
+    #[command(
+        subcommand,
+        after_help = "Example:\n  scanbench submit slurm --shards 40 -o runs/fleet -- run data/fleet"
+    )]
+    Submit(SubmitCommand),
     /// Write a folder to begin with: a detector in Python, scans with labels, a gate
     Init(InitArgs),
     /// Print a completion script for a shell

@@ -2,7 +2,7 @@
 
 use clap::CommandFactory as _;
 
-use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
+use crate::cli::{BaselineCommand, Cli, Command, DataCommand, SubmitCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::baseline::{baseline_accept, baseline_init};
 use crate::commands::boxes::boxes;
@@ -29,6 +29,8 @@ use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::serve::serve;
 use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
+use crate::commands::submit::kubernetes::submit_kubernetes;
+use crate::commands::submit::slurm::submit_slurm;
 use crate::commands::sweep::sweep;
 use crate::commands::train::train;
 use crate::commands::view::view;
@@ -71,6 +73,8 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline_accept(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Sweep(arguments) => sweep(arguments),
+        Command::Submit(SubmitCommand::Slurm(arguments)) => submit_slurm(arguments),
+        Command::Submit(SubmitCommand::Kubernetes(arguments)) => submit_kubernetes(arguments),
         Command::Init(arguments) => init(arguments),
         Command::Params(arguments) => params(arguments),
         Command::Serve(arguments) => serve(arguments),

@@ -63,5 +63,7 @@ pub mod view;
 pub mod gate;
 pub mod gate_workflow;
 pub mod baseline;
+pub mod empty_folder;
 pub mod init;
+pub mod submit;
 pub mod dispatch;
