@@ -12,6 +12,7 @@ use super::gaps::GapsArgs;
 use super::gate::{BaselineCommand, GateArgs};
 use super::help_text::{GENERAL, with_details};
 use super::init::InitArgs;
+use super::merge::MergeArgs;
 use super::params::ParamsArgs;
 use super::partial::PartialArgs;
 use super::report::ReportArgs;
@@ -78,6 +79,8 @@ Exit codes:
 pub enum Command {
     /// Run detectors on labelled scans and score them
     Run(RunArgs),
+    /// Put the shards of a run together
+    Merge(MergeArgs),
     /// Run one detector on one scan
     Detect(DetectArgs),
     /// Compare two runs, or two detectors of one run

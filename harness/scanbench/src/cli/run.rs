@@ -61,7 +61,7 @@ pub struct RunArgs {
     /// Write an MCAP recording for Foxglove, too
     ///
     /// It is run.mcap in the run directory; of several data sets, one file each.
-    #[arg(long, help_heading = OUTPUT)]
+    #[arg(long, help_heading = OUTPUT, conflicts_with = "shard")]
     pub mcap: bool,
     /// What is written for the evaluators of others.
     #[command(flatten)]

@@ -21,6 +21,7 @@ use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::gate::gate;
 use crate::commands::init::init;
+use crate::commands::merge::merge;
 use crate::commands::params::params;
 use crate::commands::partial::partial;
 use crate::commands::report::report;
@@ -48,6 +49,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
     });
     match &cli.command {
         Command::Run(arguments) => run(arguments),
+        Command::Merge(arguments) => merge(arguments),
         Command::Detect(arguments) => detect(arguments),
         Command::Ablation(arguments) => ablation(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),

@@ -8,13 +8,13 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use evaluation::journal::JournalError;
 use evaluation::process::problem::DetectorFailure;
 use evaluation::realism::survey::SurveyError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
 use evaluation::run::side_by_side::RunError;
 use evaluation::run::single_scan::SingleScanError;
-use evaluation::sweep::journal::JournalError;
 use evaluation::sweep::quality_pass::SweepError;
 use evaluation::sweep::sweep_plan::SweepPlanError;
 use reports::files::archive::ArchiveError;
@@ -22,6 +22,7 @@ use reports::files::causes::with_causes;
 use reports::numbers::run_report::RunReportError;
 use reports::pages::run_page::PageError;
 use reports::run_folder::run_target::RunDirectoryError;
+use reports::run_folder::shard_check::ShardMismatch;
 use reports::tables::table_error::TableError;
 use reports::verdicts::accept::AcceptError;
 use reports::verdicts::comparability::NotComparable;
@@ -315,6 +316,12 @@ impl From<GateClosed> for Failure {
 
 impl From<NotComparable> for Failure {
     fn from(error: NotComparable) -> Self {
+        Self::NotComparable(error.into())
+    }
+}
+
+impl From<ShardMismatch> for Failure {
+    fn from(error: ShardMismatch) -> Self {
         Self::NotComparable(error.into())
     }
 }
