@@ -94,6 +94,8 @@ fn record(
     let side_by_side = SideBySide {
         dataset,
         scan_indices,
+        part: 0..scan_indices.len(),
+        n_before: 0,
         matching: MatchingParams { criterion, eligibility: EligibilityParams::STANDARD },
         n_warmup: 1,
         n_repeats: NonZeroUsize::MIN,
@@ -101,7 +103,7 @@ fn record(
         on_failure: OnDetectorFailure::Stop,
         interrupted: &AtomicBool::new(false),
     };
-    let watched = WatchedDataset { dataset, scan_indices, criterion };
+    let watched = WatchedDataset { dataset, scan_indices, n_scans: scan_indices.len(), n_before: 0, criterion };
     let (mut times, mut n_points) = (Vec::new(), 0);
     side_by_side.run(&mut detectors, |results| -> Result<(), Box<dyn std::error::Error>> {
         n_points += results.scan.cloud.len();

@@ -26,7 +26,6 @@ pub struct RunRecording {
     stream: Stream,
     elsewhere: Option<RecordingElsewhere>,
     every: u32,
-    n_scans: u32,
     drive: DriveFrame,
     tally: Tally,
     viewer_was_lost: bool,
@@ -73,7 +72,6 @@ impl RunRecording {
             stream: Stream::open(&stream, detectors)?,
             elsewhere,
             every,
-            n_scans: 0,
             drive: DriveFrame::default(),
             tally: Tally::default(),
             viewer_was_lost: false,
@@ -90,20 +88,19 @@ impl ScanRecorder for RunRecording {
     type Error = RecordingError;
 
     fn record(&mut self, recorded: &RecordedScan<'_>) -> Result<Option<String>, RecordingError> {
-        let number = self.n_scans;
-        self.n_scans += 1;
         let RecordedScan { judged, marks } = *recorded;
+        let number = judged.number();
         for row in judged.rows.iter().flat_map(|it| &it.tasks) {
             self.tally.add_scan(&row.scan);
         }
-        if !number.is_multiple_of(self.every) {
+        if !number.is_multiple_of(self.every as usize) {
             return Ok(None);
         }
         let (results, description) = (judged.results, judged.dataset());
         let scan = results.scan;
         let pose = judged.watched.dataset.world_from_sensor(judged.scan_idx())?;
         let world_from_sensor = pose.map(|it| self.drive.start_from_sensor(&description.id, &scan.id, it));
-        let step = i64::from(number);
+        let step = number as i64;
         let drive_m = self.drive.places_m();
         self.stream.log_scan(&ScanView { scan, step, marks, world_from_sensor, drive_m })?;
         for (result, detector) in results.results.iter().zip(results.detectors) {

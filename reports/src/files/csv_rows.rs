@@ -1,5 +1,6 @@
 //! Rows to and from the CSV files of a run.
 
+use std::io::Read;
 use std::marker::PhantomData;
 use std::path::Path;
 
@@ -73,6 +74,26 @@ pub fn to_csv_bytes<Row: CsvRow>(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
     Ok(writer.into_inner().expect("memory takes all that is written"))
 }
 
+/// Rows as they stand in a CSV file, without the names of the columns.
+///
+/// # Errors
+///
+/// If a number of a row is not finite.
+pub fn to_csv_lines<'a, Row: CsvRow + 'a>(rows: impl IntoIterator<Item = &'a Row>) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    Ok(writer.into_inner().expect("memory takes all that is written"))
+}
+
+/// The line with the names of the columns.
+pub fn csv_head<Row: CsvRow>() -> Vec<u8> {
+    let mut line = Row::COLUMNS.join(",").into_bytes();
+    line.push(b'\n');
+    line
+}
+
 /// A full disk is not the fault of the row.
 fn not_written(path: &Path, error: csv::Error) -> ArchiveError {
     let path = path.to_path_buf();
@@ -102,11 +123,24 @@ pub fn read_rows<Row: CsvRow>(path: &Path) -> Result<Vec<Row>, ArchiveError> {
 /// # Errors
 ///
 /// As [`read_rows`].
-pub fn each_row<Row: CsvRow>(path: &Path, mut on_row: impl FnMut(Row)) -> Result<(), ArchiveError> {
-    let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
+pub fn each_row<Row: CsvRow>(path: &Path, on_row: impl FnMut(Row)) -> Result<(), ArchiveError> {
     let file = std::fs::File::open(path)
         .map_err(|source| ArchiveError::Read { path: path.to_path_buf(), source })?;
-    let mut reader = csv::Reader::from_reader(file);
+    each_row_of(file, path, on_row)
+}
+
+/// The same of what `reader` gives, which is called `path`.
+///
+/// # Errors
+///
+/// As [`read_rows`].
+pub fn each_row_of<Row: CsvRow>(
+    reader: impl Read,
+    path: &Path,
+    mut on_row: impl FnMut(Row),
+) -> Result<(), ArchiveError> {
+    let bad_row = |source| ArchiveError::Csv { path: path.to_path_buf(), source };
+    let mut reader = csv::Reader::from_reader(reader);
     let columns = reader.headers().map_err(bad_row)?;
     if !columns.iter().eq(Row::COLUMNS.iter().copied()) {
         return Err(ArchiveError::Columns {

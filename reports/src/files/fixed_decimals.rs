@@ -23,6 +23,14 @@ pub(crate) fn three_digits(value: f64) -> String {
 #[serde(transparent)]
 pub(crate) struct Fixed<const DECIMALS: usize>(pub(crate) f64);
 
+impl<const DECIMALS: usize> Fixed<DECIMALS> {
+    /// `value` as whoever reads it back has it.
+    pub(crate) fn rounded(value: f64) -> Self {
+        // What is no number is refused when it is written.
+        Self(fixed_decimals(value, DECIMALS).parse().unwrap_or(value))
+    }
+}
+
 impl<const DECIMALS: usize> Serialize for Fixed<DECIMALS> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if !self.0.is_finite() {
@@ -52,6 +60,16 @@ mod tests {
         check(-0.004, 2, "0.00");
         check(-0.006, 2, "-0.01");
         check(-0.4, 0, "0");
+    }
+
+    #[test]
+    fn rounding_twice_is_rounding_once() {
+        for value in [0.0, -0.000_04, 1.0 / 3.0, 2.5e-5, 1e9 / 7.0, -12.345_678] {
+            let once = Fixed::<4>::rounded(value);
+            assert_eq!(Fixed::rounded(once.0), once);
+            assert_eq!(fixed_decimals(once.0, 4), fixed_decimals(value, 4));
+        }
+        assert!(Fixed::<4>::rounded(f64::NAN).0.is_nan());
     }
 
     #[test]

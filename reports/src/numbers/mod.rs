@@ -2,6 +2,7 @@
 
 // Of a run.
 pub mod blocks;
+pub mod shard_cut;
 pub mod sums;
 pub mod latencies;
 pub(crate) mod times;
@@ -9,6 +10,7 @@ pub mod average_precision;
 pub mod precision_recall_row;
 pub mod tally;
 pub mod run_report;
+pub mod processor_time_row;
 
 // Of a study.
 pub mod operating_curve;

@@ -66,6 +66,17 @@ pub struct Tally {
     // Of each of `datasets`.
     times: Vec<Times>,
     of_key: BTreeMap<Key, Gathered>,
+    processors: Processors,
+}
+
+/// Whether times may be put together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Processors {
+    /// They are all of processors of one kind.
+    #[default]
+    Alike,
+    /// They are not: only ratios of times that were taken side by side mean something.
+    Unlike,
 }
 
 /// Places of data set, task and detector.
@@ -89,6 +100,11 @@ pub(crate) struct Gathered {
 }
 
 impl Tally {
+    /// Nothing yet, of rows that were made on such processors.
+    pub fn of_processors(processors: Processors) -> Self {
+        Self { processors, ..Self::default() }
+    }
+
     /// Adds what one detector made of one scan in one task.
     pub fn add_scan(&mut self, row: &ScanRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
@@ -122,7 +138,12 @@ impl Tally {
         if let Some((least_ms, reference_ms)) = times_ms.filter(|it| it.0 > 0.0 && it.1 > 0.0) {
             sums.add(Term::TimedScans, 1.0);
             sums.add(Term::LogTimeRatio, (least_ms / reference_ms).ln());
-            sums.add(Term::LogReference, reference_ms.ln());
+            let log_reference = match self.processors {
+                Processors::Alike => reference_ms.ln(),
+                // A mean over unlike processors is none of any.
+                Processors::Unlike => f64::NAN,
+            };
+            sums.add(Term::LogReference, log_reference);
         }
         let times = &mut self.times[key.dataset];
         let of_kinds = [
@@ -131,7 +152,7 @@ impl Tally {
             (TimeKind::Door, numbers.door_ms),
         ];
         for (kind, time_ms) in of_kinds {
-            if let Some(time_ms) = time_ms {
+            if let Some(time_ms) = time_ms.filter(|_| self.processors == Processors::Alike) {
                 times.add_scan(kind, key.task, key.detector, time_ms);
             }
         }
@@ -140,6 +161,9 @@ impl Tally {
 
     /// Adds how long a stage of a detector took on a scan.
     pub fn add_stage(&mut self, row: &StageRow) {
+        if self.processors == Processors::Unlike {
+            return;
+        }
         let dataset = self.dataset_place(&row.dataset);
         let detector = place_of(&mut self.detectors, &row.detector);
         self.times[dataset].add_stage(detector, &row.stage, row.time_ms);
@@ -178,6 +202,13 @@ impl Tally {
             | MatchOutcome::IgnoredDetection { .. }
             | MatchOutcome::Unknowable { .. } => {}
         }
+    }
+
+    /// Whether a row of this scan was added.
+    pub fn has_scan(&self, dataset: &str, sequence: &str, scan: u32) -> bool {
+        let dataset_idx = self.datasets.iter().position(|it| it == dataset);
+        let drive = dataset_idx.and_then(|it| self.scans[it].get(sequence));
+        drive.is_some_and(|it| it.contains_key(&scan))
     }
 
     fn key(&mut self, dataset: &str, task: Task, detector: &str) -> Key {

@@ -16,7 +16,7 @@ use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
+    MATCHES_CSV, PRECISION_RECALL_CSV, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
@@ -28,6 +28,7 @@ use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 use crate::worst::places::{WorstPlace, WorstPlaces};
 use crate::worst::points::WorstPoints;
+use crate::worst::recorded::Recordings;
 
 /// What a page is made of.
 #[derive(Debug)]
@@ -52,6 +53,8 @@ pub(super) struct RunFacts {
     pub(super) points: Option<WorstPoints>,
     /// Detectors that gave no answer to some scans, in the order of the run.
     pub(super) failures: Vec<FailedDetector>,
+    /// Where the worst mistakes are recorded, of a run that was made in parts.
+    pub(super) recordings: Option<Recordings>,
     /// Whether there is a recording for the viewer.
     pub(super) has_recording: bool,
 }
@@ -107,7 +110,7 @@ impl RunFacts {
         let manifest = Manifest::read(&directory.join(MANIFEST_JSON))?;
         let report = RunReport::read(&directory.join(REPORT_JSON))?;
         let detectors: Vec<String> = manifest.detectors.iter().map(|it| it.name.clone()).collect();
-        let mut tally = Tally::default();
+        let mut tally = manifest.tally();
         let mut times_ms: Vec<(String, Vec<f64>)> =
             detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
         let mut first_task = None;
@@ -120,7 +123,8 @@ impl RunFacts {
                 let scan = (row.dataset.clone(), row.sequence.clone(), row.scan);
                 failures.entry(row.detector.clone()).or_insert((scan, reason));
             }
-            let times = times_ms.iter_mut().find(|(name, _)| is_first && *name == row.detector);
+            let is_timed = is_first && manifest.is_of_like_processors();
+            let times = times_ms.iter_mut().find(|(name, _)| is_timed && *name == row.detector);
             if let (Some((_, times)), ScanOutcome::Evaluated(numbers)) = (times, &row.outcome) {
                 times.extend(numbers.latency_ms.filter(|it| *it > 0.0));
             }
@@ -149,6 +153,7 @@ impl RunFacts {
             boxes: boxes_of(&matches, &worst)?,
             points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
             failures,
+            recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
             has_recording: directory.join("run.rrd").is_file(),
             times_ms,
             worst,

@@ -97,6 +97,9 @@ fn scene(facts: &RunFacts, task: Task, detector: &str, kind: Mistake, place: &Wo
                 strong { (word) " " (place.class) } ": " (place.reason) br;
                 (place.n_points) " points, " (format!("{range_m:.1}")) " m away" br;
                 span.where { (object.dataset) @if is_simulated { " (simulated)" } ", " (object.sequence) ", scan " (object.scan) }
+                @if let Some(place) = facts.recordings.as_ref().and_then(|it| it.of(object)) {
+                    br; "recorded in " a href=(place.recording) { (place.recording) } ", at scan " (place.step)
+                }
             }
         }
     }

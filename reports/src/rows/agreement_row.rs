@@ -30,3 +30,42 @@ impl CsvRow for AgreementRow {
     const COLUMNS: &'static [&'static str] =
         &["dataset", "task", "detector", "other", "n_scans", "n_detections", "n_other", "n_both"];
 }
+
+/// Adds `rows` to those of `sums` about the same detectors, task and data set.
+pub fn add_agreement(sums: &mut Vec<AgreementRow>, rows: impl IntoIterator<Item = AgreementRow>) {
+    for row in rows {
+        let about = |it: &AgreementRow| (it.dataset.clone(), it.task, it.detector.clone(), it.other.clone());
+        match sums.iter_mut().find(|it| about(it) == about(&row)) {
+            None => sums.push(row),
+            Some(sum) => {
+                sum.n_scans += row.n_scans;
+                sum.n_detections += row.n_detections;
+                sum.n_other += row.n_other;
+                sum.n_both += row.n_both;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_about_the_same_detectors_is_summed() {
+        let row = |other: &str, n_both| AgreementRow {
+            dataset: "street".to_owned(),
+            task: Task::Objects,
+            detector: "pca".to_owned(),
+            other: other.to_owned(),
+            n_scans: 1,
+            n_detections: 5,
+            n_other: 4,
+            n_both,
+        };
+        let mut sums = Vec::new();
+        add_agreement(&mut sums, [row("kd-tree", 3), row("grid", 1), row("kd-tree", 2)]);
+        let n: Vec<_> = sums.iter().map(|it| (it.other.as_str(), it.n_scans, it.n_both)).collect();
+        assert_eq!(n, [("kd-tree", 2, 5), ("grid", 1, 1)]);
+    }
+}

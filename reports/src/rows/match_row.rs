@@ -35,6 +35,13 @@ pub struct MatchRow {
     pub outcome: MatchOutcome,
 }
 
+impl MatchRow {
+    /// The row as it is read back from its file: with as many decimals as it is written with.
+    pub fn as_written(self) -> Self {
+        Self::try_from(MatchRecord::from(self)).expect("what was made of a row makes one")
+    }
+}
+
 impl CsvRow for MatchRow {
     const COLUMNS: &'static [&'static str] = &[
         "dataset",
@@ -245,7 +252,7 @@ type PlaceColumns = [Option<Fixed<4>>; 7];
 fn box_columns(bounding_box: BoxFacts) -> PlaceColumns {
     let BoxFacts { center_m: [x, y, z], length_width_height_m: [length, width, height], yaw_rad } =
         bounding_box;
-    [x, y, z, length, width, height, yaw_rad].map(|it| Some(Fixed(f64::from(it))))
+    [x, y, z, length, width, height, yaw_rad].map(|it| Some(Fixed::rounded(f64::from(it))))
 }
 
 /// Of its box or, without one, of its points, whose centroid has neither size nor heading.
@@ -253,7 +260,7 @@ fn columns_of_annotation(annotation: &AnnotationFacts) -> PlaceColumns {
     match (annotation.bounding_box, annotation.centroid_m) {
         (Some(bounding_box), _) => box_columns(bounding_box),
         (None, Some(centroid_m)) => {
-            let [x, y, z] = centroid_m.map(|it| Some(Fixed(f64::from(it))));
+            let [x, y, z] = centroid_m.map(|it| Some(Fixed::rounded(f64::from(it))));
             [x, y, z, None, None, None, None]
         }
         (None, None) => [None; 7],
@@ -289,7 +296,7 @@ impl From<MatchRow> for MatchRecord {
             kind,
             outcome,
             reason,
-            cost: cost.map(Fixed),
+            cost: cost.map(Fixed::rounded),
             annotation_id: annotation_ref.map(|it| it.id),
             annotation_track: annotation_ref.and_then(|it| it.track),
             annotation_n_points: annotation_ref.map(|it| it.n_points),
@@ -304,7 +311,7 @@ impl From<MatchRow> for MatchRecord {
             annotation_height_m: annotation_box[5],
             annotation_yaw_rad: annotation_box[6],
             detection_id: detection_ref.map(|it| it.id),
-            detection_score: detection_ref.and_then(|it| it.score).map(|it| Fixed(f64::from(it))),
+            detection_score: detection_ref.and_then(|it| it.score).map(|it| Fixed::rounded(f64::from(it))),
             detection_n_points: detection_ref.map(|it| it.n_points),
             detection_class: detection_ref.map(|it| it.class),
             detection_center_x_m: detection_box[0],

@@ -118,6 +118,11 @@ pub struct SegmentationNumbers {
 }
 
 impl ScanRow {
+    /// The row as it is read back from its file: with as many decimals as it is written with.
+    pub fn as_written(self) -> Self {
+        Self::try_from(ScanRecord::from(self)).expect("what was made of a row makes one")
+    }
+
     /// Its numbers; `None` if it was not evaluated.
     pub fn numbers(&self) -> Option<&ScanNumbers> {
         match &self.outcome {
@@ -218,17 +223,17 @@ impl From<ScanRow> for ScanRecord {
             dataset: row.dataset,
             sequence: row.sequence,
             scan: row.scan,
-            time_s: Fixed(row.time_s),
+            time_s: Fixed::rounded(row.time_s),
             detector: row.detector,
             task: row.task,
             status,
             reason,
             n_points: numbers.map(|it| it.n_points),
-            latency_ms: numbers.and_then(|it| it.latency_ms).map(Fixed),
-            least_latency_ms: numbers.and_then(|it| it.least_latency_ms).map(Fixed),
-            reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed),
-            cpu_ms: numbers.and_then(|it| it.cpu_ms).map(Fixed),
-            door_ms: numbers.and_then(|it| it.door_ms).map(Fixed),
+            latency_ms: numbers.and_then(|it| it.latency_ms).map(Fixed::rounded),
+            least_latency_ms: numbers.and_then(|it| it.least_latency_ms).map(Fixed::rounded),
+            reference_ms: numbers.and_then(|it| it.reference_ms).map(Fixed::rounded),
+            cpu_ms: numbers.and_then(|it| it.cpu_ms).map(Fixed::rounded),
+            door_ms: numbers.and_then(|it| it.door_ms).map(Fixed::rounded),
             no: counts.map(Counts::no),
             tp: counts.map(Counts::tp),
             mo: counts.map(Counts::mo),
@@ -240,8 +245,8 @@ impl From<ScanRow> for ScanRecord {
             holding: segmentation.map(|it| it.n_holding),
             joining: segmentation.map(|it| it.n_joining),
             touching: segmentation.map(|it| it.n_touching),
-            ose_nats: segmentation.map(|it| Fixed(it.over_entropy_nats)),
-            use_nats: segmentation.map(|it| Fixed(it.under_entropy_nats)),
+            ose_nats: segmentation.map(|it| Fixed::rounded(it.over_entropy_nats)),
+            use_nats: segmentation.map(|it| Fixed::rounded(it.under_entropy_nats)),
             dropped_too_small: numbers.map(|it| it.n_dropped_too_small),
             dropped_too_large: numbers.map(|it| it.n_dropped_too_large),
         }

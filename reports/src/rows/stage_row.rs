@@ -23,6 +23,13 @@ pub struct StageRow {
     pub time_ms: f64,
 }
 
+impl StageRow {
+    /// The row as it is read back from its file: with as many decimals as it is written with.
+    pub fn as_written(self) -> Self {
+        Self { time_ms: Fixed::<4>::rounded(self.time_ms).0, ..self }
+    }
+}
+
 impl CsvRow for StageRow {
     const COLUMNS: &'static [&'static str] = &["dataset", "sequence", "scan", "detector", "stage", "time_ms"];
 }

@@ -23,6 +23,29 @@ impl Manifest {
     }
 }
 
+/// The command line of the whole run that one of its shards belongs to, which leaves it in `output`.
+///
+/// Without what says which shard it is; `output` stands where the folder of the shards stood.
+pub fn command_of_whole_run(argv: &[String], output: &str) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut arguments = argv.iter();
+    while let Some(argument) = arguments.next() {
+        if argument == "--shard" || argument == "--shards" {
+            arguments.next();
+        } else if argument.starts_with("--shard=") || argument.starts_with("--shards=") {
+            continue;
+        } else if matches!(output_option(argument), OutputOption::ValueFollows) {
+            arguments.next();
+            words.extend([argument.clone(), output.to_owned()]);
+        } else if let Some(option) = ["--output=", "-o"].into_iter().find(|it| argument.starts_with(it)) {
+            words.push(format!("{option}{output}"));
+        } else {
+            words.push(argument.clone());
+        }
+    }
+    words
+}
+
 /// Whether an argument says where a run is left.
 enum OutputOption {
     /// It says something else.
@@ -46,7 +69,8 @@ fn output_option(argument: &str) -> OutputOption {
 /// `text` as a word of a shell's command line.
 pub fn shell_word(text: &str) -> String {
     let is_plain = |it: char| it.is_ascii_alphanumeric() || "-_=./:,+@%~".contains(it);
-    if !text.is_empty() && text.chars().all(is_plain) {
+    // A shell puts a folder in the place of `~`, but only at the beginning.
+    if !text.is_empty() && !text.starts_with('~') && text.chars().all(is_plain) {
         text.to_owned()
     } else {
         format!("'{}'", text.replace('\'', r"'\''"))
@@ -61,9 +85,21 @@ mod tests {
     #[test]
     fn words_of_a_command_line_survive_a_shell() {
         assert_eq!(
-            ["run", "0..500:5", "a b", "it's", "", "x<y"].map(shell_word),
-            ["run", "0..500:5", "'a b'", r"'it'\''s'", "''", "'x<y'"]
+            ["run", "0..500:5", "a b", "it's", "", "x<y", "~/a", "a~"].map(shell_word),
+            ["run", "0..500:5", "'a b'", r"'it'\''s'", "''", "'x<y'", "'~/a'", "a~"]
         );
+    }
+
+    #[test]
+    fn the_command_of_a_shard_is_that_of_the_run_but_for_two_options() {
+        for (of_shard, of_run) in [
+            ("run my/data --shard 3/8 -o shards -d pca", "run my/data -o whole -d pca"),
+            ("run --shard=3/8 --output=shards --overwrite", "run --output=whole --overwrite"),
+            ("run --shard auto --shards 8 -oshards", "run -owhole"),
+        ] {
+            let argv: Vec<String> = of_shard.split(' ').map(str::to_owned).collect();
+            assert_eq!(command_of_whole_run(&argv, "whole").join(" "), of_run);
+        }
     }
 
     #[test]

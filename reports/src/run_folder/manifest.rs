@@ -6,6 +6,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, read_json};
+use crate::numbers::tally::{Processors, Tally};
+use crate::run_folder::shard_record::{ShardRecord, processors_of};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::origin::Origin;
@@ -52,6 +54,12 @@ pub struct Manifest {
     /// What an experiment put up, as it describes it; `None` for a run over data sets that were named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub experiment: Option<serde_json::Value>,
+    /// Which part of a run it is; `None` of a whole one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<ShardRecord>,
+    /// The parts that it was put together of; none of a run in one piece.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shards: Vec<ShardRecord>,
 }
 
 /// Which annotations of any data set do not count, whatever the detector.
@@ -269,6 +277,17 @@ impl Manifest {
         }
     }
 
+    /// Whether all its scans were timed on processors of one kind. Times of others are never put together.
+    pub fn is_of_like_processors(&self) -> bool {
+        processors_of(&self.shards).len() < 2
+    }
+
+    /// Nothing yet, for rows of this run.
+    pub fn tally(&self) -> Tally {
+        let processors = if self.is_of_like_processors() { Processors::Alike } else { Processors::Unlike };
+        Tally::of_processors(processors)
+    }
+
     /// The content of `manifest.json`.
     pub fn to_json(&self) -> String {
         let mut json = serde_json::to_string_pretty(self).expect("a manifest has text keys only");
@@ -335,6 +354,8 @@ mod tests {
             rerun_version: None,
             machine: Machine { cpu_model: "some processor".to_owned(), n_cores: 2, os: "linux".to_owned() },
             experiment: None,
+            shard: None,
+            shards: Vec::new(),
         }
     }
 

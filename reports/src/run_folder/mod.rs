@@ -1,6 +1,8 @@
 //! The folder of a run: how the run came about, how the folder is written, and all of it read back.
 
+pub mod shard_record;
 pub mod manifest;
+pub mod shard_check;
 pub mod command_line;
 pub mod comparison_manifest;
 pub mod run_target;

@@ -42,7 +42,7 @@ impl RunArchive {
 
     /// Its sums.
     pub fn tally(&self) -> Tally {
-        let mut tally = Tally::default();
+        let mut tally = self.manifest.tally();
         for row in &self.scans {
             tally.add_scan(row);
         }

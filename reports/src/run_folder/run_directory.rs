@@ -25,6 +25,10 @@ pub const STAGES_CSV: &str = "stages.csv";
 pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 /// What the sensor saw around the worst mistakes.
 pub const WORST_POINTS_JSON: &str = "worst_points.json";
+/// How far detectors agree on scans without labels.
+pub const AGREEMENT_CSV: &str = "agreement.csv";
+/// Where the scans of the worst mistakes are recorded, of a run that was made in parts.
+pub const RECORDINGS_JSON: &str = "recordings.json";
 /// The run as a page.
 pub const REPORT_HTML: &str = "report.html";
 /// Folder of the figures of the page, each as a file of its own.

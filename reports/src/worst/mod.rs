@@ -3,3 +3,4 @@
 pub mod mistakes;
 pub mod places;
 pub mod points;
+pub mod recorded;

@@ -49,6 +49,18 @@ pub struct ObjectName {
     pub id: u64,
 }
 
+impl ObjectName {
+    /// The object that `row` calls a mistake; `None` if it calls none so.
+    pub fn of_mistake(row: &MatchRow) -> Option<Self> {
+        let (detector, id) = match &row.outcome {
+            MatchOutcome::Missed { annotation, .. } => (None, annotation.id),
+            MatchOutcome::False { detection, .. } => (Some(row.detector.clone()), detection.id),
+            _ => return None,
+        };
+        Some(Self { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan, detector, id })
+    }
+}
+
 /// A mistake with a place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorstPlace<T> {
@@ -104,14 +116,13 @@ impl<T> WorstPlaces<T> {
     /// Takes `row` in if it is a mistake with a place and worse than what is there: seen by more points. `kept` is asked only
     /// then.
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
-        let (kind, class, reason, n_points, bounding_box, id, track) = match &row.outcome {
+        let (kind, class, reason, n_points, bounding_box, track) = match &row.outcome {
             MatchOutcome::Missed { annotation: it, reason } => (
                 Mistake::Missed,
                 it.class.name(),
                 reason.name(),
                 it.n_points,
                 subject_of(it),
-                it.id,
                 it.track,
             ),
             MatchOutcome::False { detection: it, reason } => (
@@ -120,7 +131,6 @@ impl<T> WorstPlaces<T> {
                 reason.name(),
                 it.n_points,
                 Some(it.bounding_box),
-                it.id,
                 None,
             ),
             _ => return,
@@ -140,13 +150,7 @@ impl<T> WorstPlaces<T> {
             list.remove(place);
         }
         let window = PlanWindow::around(&bounding_box);
-        let object = ObjectName {
-            dataset: row.dataset.clone(),
-            sequence: row.sequence.clone(),
-            scan: row.scan,
-            detector: (kind == Mistake::False).then(|| row.detector.clone()),
-            id,
-        };
+        let Some(object) = ObjectName::of_mistake(row) else { return };
         let place =
             WorstPlace { object, class, reason, n_points, bounding_box, window, track, kept: kept(&window) };
         list.insert(list.partition_point(|it| it.n_points >= n_points), place);
@@ -165,13 +169,14 @@ impl<T> WorstPlaces<T> {
 }
 
 impl<T> WorstPlace<T> {
-    /// Whether `row` shows it once more: the same track or, where that is unknown, one of the scans within a second.
+    /// Whether `row` shows it once more: the same track or, where both have none, one of the scans within a second. So the worst of
+    /// a run are among the worst of its parts.
     fn is_same_object(&self, row: &MatchRow, track: Option<u32>) -> bool {
         let is_same_drive = self.object.dataset == row.dataset && self.object.sequence == row.sequence;
         is_same_drive
             && match (self.track, track) {
-                (Some(ours), Some(theirs)) => ours == theirs,
-                _ => self.object.scan / SCANS_PER_SECOND == row.scan / SCANS_PER_SECOND,
+                (None, None) => self.object.scan / SCANS_PER_SECOND == row.scan / SCANS_PER_SECOND,
+                (ours, theirs) => ours == theirs,
             }
     }
 }

@@ -48,8 +48,11 @@ impl WorstPoints {
     /// The cells that were kept with each place, each object once.
     pub fn new(places: &WorstPlaces<PlanCells>) -> Self {
         let of_lists = places.lists().flat_map(|(_, places)| places);
-        let mut patches: Vec<Patch> =
-            of_lists.map(|it| Patch { object: it.object.clone(), cells: it.kept.clone() }).collect();
+        Self::of_patches(of_lists.map(|it| Patch { object: it.object.clone(), cells: it.kept.clone() }).collect())
+    }
+
+    /// These cells, each object once.
+    pub fn of_patches(mut patches: Vec<Patch>) -> Self {
         patches.sort_by(|a, b| a.object.cmp(&b.object));
         patches.dedup_by(|a, b| a.object == b.object);
         Self { schema: SCHEMA, cell_m: PLAN_CELL_M, patches }

@@ -242,6 +242,8 @@ mod tests {
         let side_by_side = SideBySide {
             dataset: &pairs,
             scan_indices: &(0..pairs.scan_ids().len()).collect::<Vec<_>>(),
+            part: 0..pairs.scan_ids().len(),
+            n_before: 0,
             matching: config.matching,
             n_warmup: 0,
             n_repeats: NonZeroUsize::MIN,

@@ -41,6 +41,8 @@ pub struct TaskRows {
 impl DetectorRows {
     /// The rows of what a detector made of a scan, which comes with the time it was taken at, in seconds since the first of its
     /// drive.
+    ///
+    /// They are as they are written, so that numbers made of the files are those of the run, to the last digit.
     pub fn new(
         dataset: &DatasetDescription,
         criterion: Criterion,
@@ -48,12 +50,15 @@ impl DetectorRows {
         result: &DetectorScan,
     ) -> Self {
         let of_task = |assignment: &Assignment| TaskRows {
-            scan: scan_row(dataset, (scan, time_s), result, assignment),
-            matches: match_rows(dataset, criterion.kind(), scan, result, assignment),
+            scan: scan_row(dataset, (scan, time_s), result, assignment).as_written(),
+            matches: match_rows(dataset, criterion.kind(), scan, result, assignment)
+                .into_iter()
+                .map(MatchRow::as_written)
+                .collect(),
         };
         Self {
             tasks: result.assignments.iter().map(of_task).collect(),
-            stages: stage_rows(dataset, scan, result),
+            stages: stage_rows(dataset, scan, result).into_iter().map(StageRow::as_written).collect(),
         }
     }
 }

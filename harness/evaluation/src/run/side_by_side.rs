@@ -1,6 +1,7 @@
 //! All detectors on all scans, one scan after the other.
 
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -23,6 +24,10 @@ pub struct SideBySide<'a> {
     pub dataset: &'a dyn Dataset,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
+    /// Which of these are looked at, as places among them: all, or those of a shard.
+    pub part: Range<usize>,
+    /// Scans that were selected of the data sets before this one.
+    pub n_before: usize,
     /// How detections are judged.
     pub matching: MatchingParams,
     /// Detections of the first scan, for each detector, that are thrown away before anything is timed.
@@ -80,7 +85,7 @@ pub struct DetectionTimes {
 
 /// One scan with what all detectors made of it.
 pub struct ScanResults<'a> {
-    /// Place of the scan in the run, from 0.
+    /// Place of the scan among all that were selected of its data set, from 0, whatever part of them is run.
     pub run_idx: usize,
     /// The scan.
     pub scan: &'a LabeledScan,
@@ -143,10 +148,10 @@ impl SideBySide<'_> {
         let mut reference = GridWrite::default();
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
         let times_s = scan_times_s(self.dataset);
-        for (batch_idx, batch) in self.scan_indices.chunks(self.n_jobs.max(1)).enumerate() {
+        for (batch_idx, batch) in self.scan_indices[self.part.clone()].chunks(self.n_jobs.max(1)).enumerate() {
             let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
             for (scan, in_batch_idx) in scans.into_iter().zip(0..) {
-                let run_idx = batch_idx * self.n_jobs.max(1) + in_batch_idx;
+                let run_idx = self.part.start + batch_idx * self.n_jobs.max(1) + in_batch_idx;
                 let scan = match scan {
                     Ok(scan) => scan,
                     Err(error) => {
@@ -161,8 +166,8 @@ impl SideBySide<'_> {
                     is_warm = true;
                 }
                 if self.is_interrupted() {
-                    let n_scans = self.scan_indices.len();
-                    return Err(RunError::Interrupted { n_done: run_idx, n_scans }.into());
+                    let (n_done, n_scans) = (run_idx - self.part.start, self.part.len());
+                    return Err(RunError::Interrupted { n_done, n_scans }.into());
                 }
                 let asked = (run_idx, &scan, time_s);
                 let turns = self.detect_all(asked, (detectors, &mut outputs), &mut reference)?;

@@ -15,6 +15,10 @@ pub struct WatchedDataset<'a> {
     pub dataset: &'a dyn Dataset,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
+    /// How many of them are looked at: all, or those of a shard.
+    pub n_scans: usize,
+    /// Scans that were selected of the data sets before it.
+    pub n_before: usize,
     /// How detections are judged.
     pub criterion: Criterion,
 }
@@ -95,6 +99,11 @@ impl<'a> JudgedScan<'a> {
         self.watched.scan_indices[self.results.run_idx]
     }
 
+    /// Its number among all scans that were selected for the run, from 0, whatever part of them is run.
+    pub fn number(&self) -> usize {
+        self.watched.n_before + self.results.run_idx
+    }
+
     /// What is known about its data set.
     pub fn dataset(&self) -> &'a DatasetDescription {
         self.watched.dataset.description()
@@ -121,6 +130,8 @@ pub fn run_watched<E: From<RunError>>(
     let watched = WatchedDataset {
         dataset: side_by_side.dataset,
         scan_indices: side_by_side.scan_indices,
+        n_scans: side_by_side.part.len(),
+        n_before: side_by_side.n_before,
         criterion: side_by_side.matching.criterion,
     };
     sinks.iter_mut().try_for_each(|it| it.begin_dataset(&watched))?;
@@ -216,6 +227,8 @@ mod tests {
         let side_by_side = SideBySide {
             dataset: &*street,
             scan_indices: &[3, 0, 2],
+            part: 0..3,
+            n_before: 0,
             matching: MatchingParams {
                 criterion: Criterion::POINTS,
                 eligibility: EligibilityParams::STANDARD,

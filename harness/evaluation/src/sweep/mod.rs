@@ -5,7 +5,7 @@ pub mod sweep_plan;
 pub mod programs;
 pub mod scan_at_point;
 pub mod timed_scan;
-pub mod journal;
+pub mod journal_entry;
 pub mod quality_pass;
 pub mod timing_pass;
 pub mod block_resamples;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use detector::DetectorOutput;
 
 use crate::run::entrant::Entrant;
-use crate::sweep::journal::JournalEntry;
+use crate::sweep::journal_entry::JournalEntry;
 use crate::sweep::programs::Programs;
 use crate::sweep::quality_pass::{SweepError, SweepPass};
 use crate::sweep::timed_scan::TimedScan;

@@ -12,6 +12,8 @@ pub const JUDGING: &str = "Judging";
 pub const MISTAKES: &str = "Mistakes";
 /// Options that say what is written, and where.
 pub const OUTPUT: &str = "Output";
+/// Options of what shards are handed to.
+pub const ENGINE: &str = "Engine";
 /// Options of the Rerun viewer.
 pub const VIEWER: &str = "Viewer";
 /// Options of every verb.

@@ -12,6 +12,7 @@ use super::gaps::GapsArgs;
 use super::gate::{BaselineCommand, GateArgs};
 use super::help_text::{GENERAL, with_details};
 use super::init::InitArgs;
+use super::merge::MergeArgs;
 use super::params::ParamsArgs;
 use super::partial::PartialArgs;
 use super::report::ReportArgs;
@@ -19,6 +20,7 @@ use super::robustness::RobustnessArgs;
 use super::run::RunArgs;
 use super::selftest::SelftestArgs;
 use super::serve::ServeArgs;
+use super::submit::SubmitCommand;
 use super::sweep::SweepArgs;
 use super::train::TrainArgs;
 use super::view::ViewArgs;
@@ -77,6 +79,8 @@ Exit codes:
 pub enum Command {
     /// Run detectors on labelled scans and score them
     Run(RunArgs),
+    /// Put the shards of a run together
+    Merge(MergeArgs),
     /// Run one detector on one scan
     Detect(DetectArgs),
     /// Compare two runs, or two detectors of one run
@@ -125,6 +129,12 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
         command: Vec<String>,
     },
+    /// Hand a run to Slurm or Kubernetes, as shards and a merge
+    #[command(
+        subcommand,
+        after_help = "Example:\n  scanbench submit slurm --shards 40 -o runs/fleet -- run data/fleet"
+    )]
+    Submit(SubmitCommand),
     /// Write a folder to begin with: a detector in Python, scans with labels, a gate
     Init(InitArgs),
     /// Print a completion script for a shell

@@ -12,6 +12,7 @@ use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
 use super::results::{ForeignArgs, ResultFilesArgs};
 use super::scans::{DamageArgs, DatasetArgs};
+use super::shard::ShardArgs;
 use super::stream::StreamArgs;
 use super::timing::TimingArgs;
 
@@ -22,6 +23,9 @@ pub struct RunArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
     /// What becomes of damaged ones.
     #[command(flatten)]
     pub damage: DamageArgs,
@@ -57,7 +61,7 @@ pub struct RunArgs {
     /// Write an MCAP recording for Foxglove, too
     ///
     /// It is run.mcap in the run directory; of several data sets, one file each.
-    #[arg(long, help_heading = OUTPUT)]
+    #[arg(long, help_heading = OUTPUT, conflicts_with = "shard")]
     pub mcap: bool,
     /// What is written for the evaluators of others.
     #[command(flatten)]

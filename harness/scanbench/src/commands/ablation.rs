@@ -31,7 +31,7 @@ use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::survival_study::survival_study;
-use crate::commands::watched_run::WatchedRun;
+use crate::commands::watched_run::{WatchedRun, WithoutLabels};
 use reports::plots::study_plots::ablation_plot;
 
 /// The method whose parts are left out.
@@ -70,7 +70,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
         on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
-        goes_on_without_labels: false,
+        without_labels: WithoutLabels::Refuse,
     };
     watched.run(sinks)?;
     let manifest = run_manifest(RunSettings {

@@ -20,6 +20,13 @@ impl PointsLeftOut {
         Some((by_scan.values().sum(), by_scan.len(), *first))
     }
 
+    /// The number of points in the scans at `scan_indices`, which ascend.
+    pub fn n_points_in(&self, scan_indices: &[usize]) -> usize {
+        let by_scan = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_in = |scan_idx: &&usize| scan_indices.binary_search(scan_idx).is_ok();
+        by_scan.iter().filter(|(scan_idx, _)| is_in(scan_idx)).map(|(_, n_points)| n_points).sum()
+    }
+
     fn note(&self, scan_idx: usize, n_points: usize) {
         if n_points > 0 {
             // A scan may be read several times.
@@ -59,6 +66,10 @@ impl Dataset for CountedDataset {
 
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         self.dataset.oddities()
+    }
+
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        self.dataset.scan_n_bytes(scan_idx)
     }
 
     fn left_out(&self) -> Option<&str> {

@@ -2,7 +2,7 @@
 
 use clap::CommandFactory as _;
 
-use crate::cli::{BaselineCommand, Cli, Command, DataCommand};
+use crate::cli::{BaselineCommand, Cli, Command, DataCommand, SubmitCommand};
 use crate::commands::ablation::ablation;
 use crate::commands::baseline::{baseline_accept, baseline_init};
 use crate::commands::boxes::boxes;
@@ -21,6 +21,7 @@ use crate::commands::fit_density::fit_density;
 use crate::commands::gaps::gaps;
 use crate::commands::gate::gate;
 use crate::commands::init::init;
+use crate::commands::merge::merge;
 use crate::commands::params::params;
 use crate::commands::partial::partial;
 use crate::commands::report::report;
@@ -29,6 +30,8 @@ use crate::commands::run::run;
 use crate::commands::selftest::selftest;
 use crate::commands::serve::serve;
 use crate::commands::standard_streams::{Verbosity, print_result, set_verbosity};
+use crate::commands::submit::kubernetes::submit_kubernetes;
+use crate::commands::submit::slurm::submit_slurm;
 use crate::commands::sweep::sweep;
 use crate::commands::train::train;
 use crate::commands::view::view;
@@ -46,6 +49,7 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
     });
     match &cli.command {
         Command::Run(arguments) => run(arguments),
+        Command::Merge(arguments) => merge(arguments),
         Command::Detect(arguments) => detect(arguments),
         Command::Ablation(arguments) => ablation(arguments),
         Command::Data(DataCommand::List(arguments)) => data_list(arguments),
@@ -71,6 +75,8 @@ pub fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Command::Baseline(BaselineCommand::Accept(arguments)) => baseline_accept(arguments),
         Command::Selftest(arguments) => selftest(arguments),
         Command::Sweep(arguments) => sweep(arguments),
+        Command::Submit(SubmitCommand::Slurm(arguments)) => submit_slurm(arguments),
+        Command::Submit(SubmitCommand::Kubernetes(arguments)) => submit_kubernetes(arguments),
         Command::Init(arguments) => init(arguments),
         Command::Params(arguments) => params(arguments),
         Command::Serve(arguments) => serve(arguments),

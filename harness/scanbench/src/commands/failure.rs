@@ -8,13 +8,13 @@ use std::fmt;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use evaluation::journal::JournalError;
 use evaluation::process::problem::DetectorFailure;
 use evaluation::realism::survey::SurveyError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
 use evaluation::run::side_by_side::RunError;
 use evaluation::run::single_scan::SingleScanError;
-use evaluation::sweep::journal::JournalError;
 use evaluation::sweep::quality_pass::SweepError;
 use evaluation::sweep::sweep_plan::SweepPlanError;
 use reports::files::archive::ArchiveError;
@@ -22,6 +22,7 @@ use reports::files::causes::with_causes;
 use reports::numbers::run_report::RunReportError;
 use reports::pages::run_page::PageError;
 use reports::run_folder::run_target::RunDirectoryError;
+use reports::run_folder::shard_check::ShardMismatch;
 use reports::tables::table_error::TableError;
 use reports::verdicts::accept::AcceptError;
 use reports::verdicts::comparability::NotComparable;
@@ -29,6 +30,8 @@ use reports::verdicts::tolerances_file::TolerancesError;
 use reports::verdicts::verdict::{Conclusion, JudgeError};
 use scans::conversion::ConversionError;
 use scans::dataset::DatasetError;
+
+use crate::commands::shard_auto::engine_shard_error::EngineShardError;
 
 /// What is told about a failure: an error with all that caused it.
 pub type Reason = Box<dyn Error + Send + Sync>;
@@ -227,6 +230,12 @@ impl From<JournalError> for Failure {
     }
 }
 
+impl From<EngineShardError> for Failure {
+    fn from(error: EngineShardError) -> Self {
+        Self::Usage(error.into())
+    }
+}
+
 impl From<ConfigError> for Failure {
     fn from(error: ConfigError) -> Self {
         Self::Usage(error.into())
@@ -307,6 +316,12 @@ impl From<GateClosed> for Failure {
 
 impl From<NotComparable> for Failure {
     fn from(error: NotComparable) -> Self {
+        Self::NotComparable(error.into())
+    }
+}
+
+impl From<ShardMismatch> for Failure {
+    fn from(error: ShardMismatch) -> Self {
         Self::NotComparable(error.into())
     }
 }

@@ -33,7 +33,7 @@ use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::watched_run::WatchedRun;
+use crate::commands::watched_run::{WatchedRun, WithoutLabels};
 
 /// The ablation, the method, its rival.
 const DETECTORS: [&str; 3] = ["simple-grid", "hierarchical", "kd-tree"];
@@ -67,7 +67,7 @@ pub fn gaps(arguments: &GapsArgs) -> Result<(), Failure> {
         on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
-        goes_on_without_labels: false,
+        without_labels: WithoutLabels::Refuse,
     };
     watched.run(sinks)?;
     write_numbers(&directory, &manifest(arguments, &asked, &pairs, &datasets), &tally)?;

@@ -1,6 +1,6 @@
 //! `scanbench init`.
 
-use std::io::{ErrorKind, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
@@ -15,7 +15,8 @@ use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
 
 use crate::cli::InitArgs;
-use crate::commands::failure::{Failure, Usage};
+use crate::commands::empty_folder::refuse_occupied;
+use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::progress::progress_over_scans;
 use crate::commands::standard_streams::print_result;
@@ -40,7 +41,7 @@ const SENSOR: &str = "hdl-32e";
 ///
 /// # Errors
 ///
-/// [`Usage`] if the folder has something in it; if it cannot be written. Nothing is left behind then.
+/// [`Usage`](crate::commands::failure::Usage) if the folder has something in it; if it cannot be written. Nothing is left behind then.
 pub fn init(arguments: &InitArgs) -> Result<(), Failure> {
     let folder = &arguments.folder;
     refuse_occupied(folder)?;
@@ -61,18 +62,6 @@ pub fn init(arguments: &InitArgs) -> Result<(), Failure> {
     let n_scans = write_street(&data)?;
     files.into_iter().try_for_each(WholeFile::finish)?;
     print_result(next_steps(folder, n_scans))
-}
-
-fn refuse_occupied(folder: &Path) -> Result<(), Failure> {
-    let occupied = match std::fs::read_dir(folder) {
-        Ok(mut entries) => entries.next().is_some(),
-        Err(error) if error.kind() == ErrorKind::NotFound => false,
-        Err(error) => return Err(Failure::usage(format!("cannot write {folder:?}"), error)),
-    };
-    if occupied {
-        return Err(Usage(format!("{folder:?} is not empty; name a new folder")).into());
-    }
-    Ok(())
 }
 
 fn new_folder(folder: &Path) -> Result<NewFolders, ArchiveError> {

@@ -4,7 +4,7 @@
 //! enough, is ended a moment later, or by the second signal; what is unfinished on the disk is removed then.
 
 use std::io::{IsTerminal as _, Write as _};
-use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -13,8 +13,8 @@ use reports::files::unfinished;
 use crate::commands::failure::{Failure, Reason};
 use crate::commands::standard_streams::{Verbosity, is_said};
 
-/// Work that is asked to end has this long for it.
-const GRACE: Duration = Duration::from_millis(700);
+/// Work that is asked to end has this long for it, in milliseconds, unless it says otherwise.
+static GRACE_MS: AtomicU64 = AtomicU64::new(700);
 /// Last words are waited for this long: whoever should read them may have stopped reading.
 const LONGEST_WORDS: Duration = Duration::from_millis(100);
 /// Shells report a signal as this and its number.
@@ -33,6 +33,11 @@ pub fn interruption_flag() -> &'static AtomicBool {
 /// The exit code of a program that was interrupted: 130 for Ctrl-C, 143 for a request to terminate.
 pub fn interruption_exit_code() -> u8 {
     (SIGNALLED + SIGNAL.load(Ordering::Relaxed)) as u8
+}
+
+/// From now on, work that is asked to end has so long for it. A second signal still ends it at once.
+pub fn set_grace(grace: Duration) {
+    GRACE_MS.store(grace.as_millis() as u64, Ordering::Relaxed);
 }
 
 /// What is said on stderr if the program is ended in the middle of its work.
@@ -88,7 +93,7 @@ fn on_signal(signal: i32) {
     SIGNAL.store(signal, Ordering::Relaxed);
     INTERRUPTED.store(true, Ordering::Relaxed);
     let end_later = move || {
-        std::thread::sleep(GRACE);
+        std::thread::sleep(Duration::from_millis(GRACE_MS.load(Ordering::Relaxed)));
         end(signal)
     };
     if std::thread::Builder::new().spawn(end_later).is_err() {

@@ -1,10 +1,12 @@
 //! The verbs of the command line: from arguments to work done and a result printed.
 
+pub mod shard_auto;
 pub mod failure;
 pub mod standard_streams;
 pub mod interruption;
 pub mod exit_code;
 pub mod progress;
+pub mod chosen_shard;
 pub mod config;
 pub mod counted_dataset;
 pub mod frame_facts;
@@ -20,7 +22,13 @@ pub mod run_manifest;
 pub mod run_numbers;
 pub mod sinks;
 pub mod watched_run;
+pub mod shards;
+pub mod run_setup;
+pub mod run_ending;
+pub mod run_shard;
 pub mod run;
+pub mod times_of_processors;
+pub mod merge;
 pub mod survival_study;
 pub mod ablation;
 pub mod result_file;
@@ -61,5 +69,7 @@ pub mod view;
 pub mod gate;
 pub mod gate_workflow;
 pub mod baseline;
+pub mod empty_folder;
 pub mod init;
+pub mod submit;
 pub mod dispatch;

@@ -1,6 +1,7 @@
 //! From the names on the command line to data sets and the scans taken from them.
 
 use std::cell::RefCell;
+use std::ops::Range;
 use std::path::Path;
 use std::str::FromStr as _;
 
@@ -33,6 +34,8 @@ pub struct OpenedDataset {
     pub dataset: Box<dyn Dataset>,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: Vec<usize>,
+    /// Which of these are run, as places among them: all, or those of a shard.
+    pub part: Range<usize>,
     /// What was left out because it is damaged: when it was opened, and later.
     pub skipped: RefCell<Vec<SkippedScan>>,
     /// Points without a position in the scans that have been read.
@@ -51,6 +54,7 @@ impl OpenedDataset {
         let (dataset, points_left_out) = CountedDataset::new(dataset);
         Self {
             scan_indices: (0..dataset.scan_ids().len()).collect(),
+            part: 0..dataset.scan_ids().len(),
             dataset: Box::new(dataset),
             skipped: RefCell::default(),
             points_left_out,
@@ -116,6 +120,7 @@ impl OpenedDataset {
             let reason = format!("every scan of {:?} is damaged", self.dataset.description().id);
             return Err(NothingEvaluated { reason }.into());
         }
+        self.part = 0..sound.len();
         self.scan_indices = sound;
         Ok(())
     }
@@ -198,6 +203,7 @@ pub fn open_datasets_past_damage(
         let (dataset, points_left_out) = CountedDataset::new(dataset);
         opened.push(OpenedDataset {
             dataset: Box::new(dataset),
+            part: 0..scan_indices.len(),
             scan_indices,
             skipped: RefCell::new(left_out.into_iter().collect()),
             points_left_out,

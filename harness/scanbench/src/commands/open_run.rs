@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_archive::RunArchive;
+use reports::run_folder::run_target::MANIFEST_JSON;
+use reports::run_folder::shard_record::ShardRecord;
 
 use crate::commands::failure::{Failure, Usage};
 
@@ -15,5 +18,23 @@ pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
     if !directory.is_dir() {
         return Err(Usage(format!("there is no run directory {}", directory.display())).into());
     }
+    refuse_shard(directory)?;
     RunArchive::read(directory).map_err(|error| Failure::damaged_run(directory, error))
+}
+
+/// A shard has no numbers of its own.
+///
+/// # Errors
+///
+/// [`Failure::NotComparable`] if there is one in `directory`.
+pub fn refuse_shard(directory: &Path) -> Result<(), Failure> {
+    match Manifest::read(&directory.join(MANIFEST_JSON)) {
+        Ok(Manifest { shard: Some(shard), .. }) => {
+            let (name, ShardRecord { index, count, .. }) = (directory.display(), shard);
+            let words = format!("{name} is shard {index} of {count}: `scanbench merge` makes a run of all of them");
+            Err(Failure::NotComparable(words.into()))
+        }
+        // Whoever reads the run says what is wrong with it.
+        _ => Ok(()),
+    }
 }

@@ -2,6 +2,7 @@
 
 use jiff::Timestamp;
 use reports::run_folder::manifest::{GitState, Machine};
+use scans::dataset::checksum::sha256;
 
 /// The command line, the program's name first.
 pub fn command_line() -> Vec<String> {
@@ -13,6 +14,11 @@ pub fn git_state() -> Option<GitState> {
     let commit = env!("SCANBENCH_GIT_COMMIT");
     (!commit.is_empty())
         .then(|| GitState { commit: commit.to_owned(), dirty: env!("SCANBENCH_GIT_DIRTY") == "true" })
+}
+
+/// SHA-256 of the program's own bytes: a version, or a commit with changes on top, would not tell two builds apart.
+pub fn program_checksum() -> String {
+    sha256(std::env::current_exe().and_then(std::fs::read).unwrap_or_default())
 }
 
 /// The compiler that built the program.

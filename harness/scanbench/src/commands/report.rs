@@ -6,6 +6,7 @@ use reports::run_folder::run_directory::REPORT_HTML;
 
 use crate::cli::ReportArgs;
 use crate::commands::failure::{Failure, Usage};
+use crate::commands::open_run::refuse_shard;
 use crate::commands::standard_streams::print_diagnostic;
 
 /// Makes the page of a run or a sweep, of its files alone.
@@ -19,6 +20,7 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     if !directory.is_dir() {
         return Err(Usage(format!("there is no run directory {}", directory.display())).into());
     }
+    refuse_shard(directory)?;
     if SweepPage::is_sweep(directory) {
         SweepPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else {

@@ -26,7 +26,7 @@ use crate::commands::run_numbers::write_numbers;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
-use crate::commands::watched_run::WatchedRun;
+use crate::commands::watched_run::{WatchedRun, WithoutLabels};
 use reports::plots::study_plots::robustness_plot;
 
 /// All there are, the method first.
@@ -60,7 +60,7 @@ pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
         on_failure: OnDetectorFailure::Stop,
         interrupted,
         progress: &progress,
-        goes_on_without_labels: false,
+        without_labels: WithoutLabels::Refuse,
     };
     watched.run(sinks)?;
     let numbers = write_numbers(&directory, &manifest(arguments, &asked, &datasets), &tally)?;

@@ -66,6 +66,8 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         rerun_version: rerun_version(),
         machine: machine(),
         experiment: None,
+        shard: None,
+        shards: Vec::new(),
     }
 }
 
@@ -162,7 +164,7 @@ pub fn dataset_entry(opened: &OpenedDataset, selection: Option<&str>) -> Dataset
         seen: opened.first_look.seen.clone(),
         doubts: opened.first_look.doubts.iter().map(ToString::to_string).collect(),
         classes: opened.classes.written(),
-        n_points_left_out: opened.points_left_out.sum().map_or(0, |(n_points, ..)| n_points as u64),
+        n_points_left_out: opened.points_left_out.n_points_in(&opened.scan_indices) as u64,
         selection: selection.map(str::to_owned),
         sensor_height_m: description.sensor_height_m,
         sensor: description.sensor.clone(),

@@ -4,7 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use evaluation::sweep::journal::{Journal, JournalEntry, JournalError, OtherJournal};
+use evaluation::journal::{Journal, JournalError, JournalKind, OtherJournal};
+use evaluation::sweep::journal_entry::JournalEntry;
 use evaluation::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
 use evaluation::sweep::scan_at_point::ScanAtPoint;
 use evaluation::sweep::summary::SweepResults;
@@ -117,7 +118,8 @@ impl<'a> Sweep<'a> {
         let other =
             if self.arguments.output.overwrite { OtherJournal::Discard } else { OtherJournal::Refuse };
         let identity = sweep_identity(self.arguments, &self.plan, &self.datasets);
-        let (journal, done) = Journal::open(&path, &identity, other)?;
+        let mut done = Vec::new();
+        let journal = Journal::open(&path, (JournalKind::Sweep, &identity), other, |it| done.push(it))?;
         if !done.is_empty() {
             print_diagnostic(format_args!("Continuing with {} results from {}", done.len(), path.display()));
         }

@@ -38,8 +38,19 @@ pub struct WatchedRun<'a> {
     pub interrupted: &'a AtomicBool,
     /// How far it is.
     pub progress: &'a RunProgress,
-    /// Whether there is something to be seen in data sets without labels.
-    pub goes_on_without_labels: bool,
+    /// What becomes of data sets in which there is nothing to find.
+    pub without_labels: WithoutLabels,
+}
+
+/// What becomes of data sets in which there is nothing to find.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WithoutLabels {
+    /// The run ends.
+    Refuse,
+    /// Without any labels, detectors are compared with one another; otherwise the run ends.
+    Compare,
+    /// Whoever puts the shards together asks. What a shard has done is kept if it is interrupted.
+    AskLater,
 }
 
 impl WatchedRun<'_> {
@@ -49,9 +60,15 @@ impl WatchedRun<'_> {
     ///
     /// If data are damaged, a data set has nothing to be found, the run is interrupted, or a sink cannot go on.
     pub fn run(&self, mut sinks: Sinks<'_, Failure>) -> Result<(), Failure> {
+        let mut n_before = 0;
         for opened in self.datasets {
-            if let Err(failure) = self.run_dataset(opened, &mut sinks) {
-                if matches!(failure, Failure::Detector(_)) {
+            let result = self.run_dataset(opened, n_before, &mut sinks);
+            n_before += opened.scan_indices.len();
+            if let Err(failure) = result {
+                let is_shard = self.without_labels == WithoutLabels::AskLater;
+                if matches!(failure, Failure::Detector(_))
+                    || (is_shard && matches!(failure, Failure::Interrupted(_)))
+                {
                     // What others and earlier scans made is not lost.
                     sinks.into_iter().try_for_each(RunSink::finish)?;
                 }
@@ -61,7 +78,15 @@ impl WatchedRun<'_> {
         sinks.into_iter().try_for_each(RunSink::finish)
     }
 
-    fn run_dataset(&self, opened: &OpenedDataset, sinks: &mut Sinks<'_, Failure>) -> Result<(), Failure> {
+    fn run_dataset(
+        &self,
+        opened: &OpenedDataset,
+        n_before: usize,
+        sinks: &mut Sinks<'_, Failure>,
+    ) -> Result<(), Failure> {
+        if opened.part.is_empty() {
+            return Ok(());
+        }
         let description = opened.dataset.description();
         let Some(first) = self.entrants.first() else { return Ok(()) };
         warn_of_unknown_sensor(&first.config, &description.sensor);
@@ -76,6 +101,8 @@ impl WatchedRun<'_> {
         let side_by_side = SideBySide {
             dataset: &*opened.dataset,
             scan_indices: &opened.scan_indices,
+            part: opened.part.clone(),
+            n_before,
             matching: first.config.matching,
             n_warmup: self.n_warmup.into(),
             n_repeats: self.n_repeats,
@@ -89,20 +116,31 @@ impl WatchedRun<'_> {
             print_diagnostic(format_args!("warning: {warning}"));
         }
         opened.warn_of_points_left_out();
-        if judged.n_labels == 0 && self.goes_on_without_labels {
-            print_diagnostic(format_args!(
-                "warning: {:?} has no labels: nothing is scored, and detectors are compared with one another",
-                description.id
-            ));
-        } else if judged.n_annotations == 0 {
-            let doubts: Vec<String> = opened.first_look.doubts.iter().map(ToString::to_string).collect();
-            let why = if doubts.is_empty() { String::new() } else { format!("; {}", doubts.join("; ")) };
-            let reason = format!(
-                "none of the {} scans of {:?} has an annotation that counts{why}",
-                judged.n_scans, description.id
-            );
-            return Err(NothingEvaluated { reason }.into());
+        let goes_on = self.without_labels == WithoutLabels::Compare;
+        let is_asked_later = self.without_labels == WithoutLabels::AskLater;
+        if is_asked_later || judged.n_annotations > 0 {
+            return Ok(());
         }
-        Ok(())
+        let has_labels = judged.n_labels > 0 || !goes_on;
+        let doubts: Vec<String> = opened.first_look.doubts.iter().map(ToString::to_string).collect();
+        tell_of_nothing(&description.id, has_labels, judged.n_scans, &doubts)
     }
+}
+
+/// Says that nothing is to be found in the scans of a data set: a warning without any labels, and an error with some, of which none
+/// counts.
+///
+/// # Errors
+///
+/// [`NothingEvaluated`] with labels.
+pub fn tell_of_nothing(id: &str, has_labels: bool, n_scans: u64, doubts: &[String]) -> Result<(), Failure> {
+    if !has_labels {
+        print_diagnostic(format_args!(
+            "warning: {id:?} has no labels: nothing is scored, and detectors are compared with one another"
+        ));
+        return Ok(());
+    }
+    let why = if doubts.is_empty() { String::new() } else { format!("; {}", doubts.join("; ")) };
+    let reason = format!("none of the {n_scans} scans of {id:?} has an annotation that counts{why}");
+    Err(NothingEvaluated { reason }.into())
 }

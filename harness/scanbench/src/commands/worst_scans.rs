@@ -176,7 +176,7 @@ impl RunAgain {
         // Detectors of every data set that has had a scan.
         let mut begun = BTreeMap::new();
         let progress = progress_over_scans(scans.len(), "worst scans");
-        for WorstScan { place: [dataset_idx, scan_idx], marks } in scans {
+        for (number, WorstScan { place: [dataset_idx, scan_idx], marks }) in scans.iter().enumerate() {
             let (dataset_idx, scan_idx) = (*dataset_idx, *scan_idx);
             let opened = &self.datasets[dataset_idx];
             let description = opened.dataset.description();
@@ -190,6 +190,8 @@ impl RunAgain {
             let side_by_side = SideBySide {
                 dataset: &*opened.dataset,
                 scan_indices: &[scan_idx],
+                part: 0..1,
+                n_before: number,
                 matching: config.matching,
                 n_warmup: n_warmup.into(),
                 n_repeats: NonZeroUsize::MIN,
@@ -201,6 +203,8 @@ impl RunAgain {
                 let watched = WatchedDataset {
                     dataset: &*opened.dataset,
                     scan_indices: &[scan_idx],
+                    n_scans: 1,
+                    n_before: number,
                     criterion: config.matching.criterion,
                 };
                 let judged = JudgedScan::new(watched, &results);

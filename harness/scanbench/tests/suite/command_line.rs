@@ -17,7 +17,7 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 30] = [
+const VERBS: [&str; 33] = [
     "run",
     "detect",
     "compare",
@@ -46,13 +46,16 @@ const VERBS: [&str; 30] = [
     "gaps",
     "boxes",
     "params",
+    "submit",
+    "submit slurm",
+    "submit kubernetes",
     "init",
     "completions",
 ];
 
 /// The headings of options, in order.
-const HEADINGS: [&str; 8] =
-    ["Data", "Detectors", "Training", "Judging", "Mistakes", "Output", "Viewer", "General"];
+const HEADINGS: [&str; 9] =
+    ["Data", "Detectors", "Training", "Judging", "Mistakes", "Output", "Engine", "Viewer", "General"];
 
 #[test]
 fn every_verb_has_help_with_an_example() {
@@ -121,6 +124,7 @@ fn help_lists_every_verb_and_exit_code() {
         "train ",
         "selftest ",
         "params ",
+        "submit ",
         "init ",
         "completions ",
     ] {

@@ -24,6 +24,8 @@ mod readers;
 mod fit_density;
 mod gate;
 mod init;
+#[cfg(unix)]
+mod submit;
 mod sweep;
 mod train;
 mod boxes;

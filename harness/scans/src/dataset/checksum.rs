@@ -41,11 +41,29 @@ impl DatasetChecksum {
     }
 }
 
+/// SHA-256 of content that comes piece by piece.
+#[derive(Debug, Clone, Default)]
+pub struct ContentChecksum(Sha256);
+
+impl ContentChecksum {
+    /// Adds what comes next.
+    pub fn add(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+
+    /// The checksum in lower-case hexadecimal.
+    pub fn finish(self) -> String {
+        let digest = self.0.finalize();
+        let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
+        digits.map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)])).collect()
+    }
+}
+
 /// SHA-256 of `content` in lower-case hexadecimal.
 pub fn sha256(content: impl AsRef<[u8]>) -> String {
-    let digest = Sha256::digest(content);
-    let digits = digest.iter().flat_map(|byte| [byte >> 4, byte & 15]);
-    digits.map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)])).collect()
+    let mut checksum = ContentChecksum::default();
+    checksum.add(content.as_ref());
+    checksum.finish()
 }
 
 #[cfg(test)]

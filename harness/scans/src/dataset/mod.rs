@@ -84,6 +84,12 @@ pub trait Dataset: Send + Sync {
         None
     }
 
+    /// Size of the file that scan `scan_idx` has for itself, in bytes: how much work it is, without reading it. `None` where scans share a
+    /// file, or have none.
+    fn scan_n_bytes(&self, _scan_idx: usize) -> Option<u64> {
+        None
+    }
+
     /// What was left out when it was opened, since it is damaged and that was to be skipped.
     fn left_out(&self) -> Option<&str> {
         None

@@ -77,6 +77,10 @@ impl Dataset for MountedDataset {
         self.dataset.scan_time_ns(scan_idx)
     }
 
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        self.dataset.scan_n_bytes(scan_idx)
+    }
+
     fn left_out(&self) -> Option<&str> {
         self.dataset.left_out()
     }

@@ -1,9 +1,9 @@
 //! What watches a run, a file each.
 
 mod csv_files;
-mod plan_cells;
+pub mod plan_cells;
 mod worst_mistakes;
-mod terminal;
+pub mod terminal;
 pub mod of_every_run;
 pub mod mcap_results;
 pub mod detection_files;

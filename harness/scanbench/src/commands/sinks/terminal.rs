@@ -21,7 +21,7 @@ impl Terminal {
 
 impl RunSink<Failure> for Terminal {
     fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
-        self.0.begin(watched.scan_indices.len(), &watched.dataset.description().id);
+        self.0.begin(watched.n_scans, &watched.dataset.description().id);
         Ok(())
     }
 

@@ -110,6 +110,10 @@ impl Dataset for KittiObjects {
         }
     }
 
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        Some(self.scans[scan_idx].path.metadata().ok()?.len())
+    }
+
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         let scan = &self.scans[scan_idx];
         Ok(scan.calibration.foreign_frame(scan.image_size_px))

@@ -112,6 +112,12 @@ impl Dataset for KittiTracking {
         }
     }
 
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        let id = &self.listing.scan_ids[scan_idx];
+        let file = numbered_file(&self.sequences[&id.sequence].folder, id.index, "bin");
+        Some(file.metadata().ok()?.len())
+    }
+
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         let sequence = &self.sequences[&self.scan_ids()[scan_idx].sequence];
         Ok(sequence.calibration.foreign_frame(sequence.image_size_px))

@@ -183,6 +183,12 @@ impl Dataset for KittiRaw {
             image_size_px: it.view.image_size_px,
         }))
     }
+
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        let id = &self.listing.scan_ids[scan_idx];
+        let file = self.drives[&id.sequence].folder.join(SCANS).join(format!("{:010}.bin", id.index));
+        Some(file.metadata().ok()?.len())
+    }
 }
 
 /// The folders of drives: `folder` itself, or those in it or in its folders.

@@ -146,6 +146,10 @@ impl Dataset for ScanFolder {
             Isometry3::from_parts(Translation3::from(Vector3::from(origin_m)), UnitQuaternion::identity());
         Ok((origin_m != [0.0; 3]).then_some(pose))
     }
+
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        Some(self.scans[scan_idx].metadata().ok()?.len())
+    }
 }
 
 impl ScanFolder {

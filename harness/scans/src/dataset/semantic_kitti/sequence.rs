@@ -108,6 +108,12 @@ impl Dataset for SemanticKitti {
         self.sequences[&id.sequence].times_ns.get(id.index as usize).copied()
     }
 
+    fn scan_n_bytes(&self, scan_idx: usize) -> Option<u64> {
+        let id = &self.listing.scan_ids[scan_idx];
+        let scans = self.listing.description.root.as_deref()?.join(SEQUENCES).join(&id.sequence).join(SCANS);
+        Some(numbered_file(&scans, id.index, "bin").metadata().ok()?.len())
+    }
+
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let id = &self.listing.scan_ids[scan_idx];
         Ok(self.sequences[&id.sequence].world_from_sensor.get(id.index as usize).copied())

@@ -1,32 +1,38 @@
-//! What a sweep has done so far, in a file that grows with it and outlives whatever ends the program.
+//! What a sweep, or a shard of a run, has done so far, in a file that grows with it and outlives whatever ends the program.
 //!
-//! The first line says which sweep it is; every other one is a result. A line is written at once, so that a program that
+//! The first line says what it belongs to; every other one is a result. A line is written at once, so that a program that
 //! is ended in the middle loses what it was doing and nothing else.
 
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
-use std::io::{self, Read as _, Seek as _, Write as _};
+use std::io::{self, BufRead as _, BufReader, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use crate::sweep::scan_at_point::ScanAtPoint;
-use crate::sweep::timed_scan::TimedScan;
+/// Everything that decides the results, by name.
+pub type JournalIdentity = Map<String, Value>;
 
-/// A result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum JournalEntry {
-    /// Of the detections.
-    Quality(ScanAtPoint),
-    /// Of the clock.
-    Times(TimedScan),
+/// What a journal is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JournalKind {
+    /// Of a sweep.
+    Sweep,
+    /// Of a shard of a run.
+    Shard,
 }
 
-/// Everything that decides the results of a sweep, by name.
-pub type SweepIdentity = Map<String, Value>;
+impl JournalKind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sweep => "sweep",
+            Self::Shard => "shard",
+        }
+    }
+}
 
 /// An open journal, which no other program can open.
 #[derive(Debug)]
@@ -38,23 +44,29 @@ pub struct Journal {
 /// Why a journal cannot be worked with.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// It is that of another sweep.
-    #[error("{path:?} belongs to another sweep: {} differ; continue that sweep with its own options, choose another directory, or start again with --overwrite", differences.join(", "))]
+    /// It is that of another sweep, or of another run.
+    #[error("{path:?} belongs to another {}: {} differ; continue that {0} with its own options, choose another directory, or start again with --overwrite", kind.name(), differences.join(", "))]
     Another {
+        /// What it is of.
+        kind: JournalKind,
         /// The file.
         path: PathBuf,
         /// What is not the same.
         differences: Vec<String>,
     },
     /// Its first line says nothing.
-    #[error("{path:?} is not the journal of a sweep; remove it")]
+    #[error("{path:?} is not the journal of a {}; remove it", kind.name())]
     NoJournal {
+        /// What it should be of.
+        kind: JournalKind,
         /// The file.
         path: PathBuf,
     },
     /// Another program has it open.
-    #[error("another sweep is writing to {path:?}")]
+    #[error("another {} is writing to {path:?}", kind.name())]
     Locked {
+        /// What it is of.
+        kind: JournalKind,
         /// The file.
         path: PathBuf,
     },
@@ -68,7 +80,7 @@ pub enum JournalError {
     },
 }
 
-/// What to do with the journal of another sweep.
+/// What to do with a journal of something else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OtherJournal {
     /// Leave it and fail.
@@ -78,53 +90,66 @@ pub enum OtherJournal {
 }
 
 impl Journal {
-    /// Opens the journal at `path`, or begins it, and returns it with the results that are in it.
+    /// Opens the journal at `path`, or begins it, and hands the results that are in it to `on_entry`.
     ///
     /// Whatever stands from the first damaged line on, as a program that is ended in the middle of a line leaves it, is cut
     /// off, and is to be done again.
     ///
     /// # Errors
     ///
-    /// [`JournalError`] if the file is of another sweep than `identity`, in use, or cannot be written.
-    pub fn open(
+    /// [`JournalError`] if the file is of something else than `identity`, in use, or cannot be written.
+    pub fn open<Entry: DeserializeOwned>(
         path: &Path,
-        identity: &SweepIdentity,
+        (kind, identity): (JournalKind, &JournalIdentity),
         other: OtherJournal,
-    ) -> Result<(Self, Vec<JournalEntry>), JournalError> {
+        on_entry: impl FnMut(Entry),
+    ) -> Result<Self, JournalError> {
         let refused = |source| JournalError::Io { path: path.to_owned(), source };
         let mut options = File::options();
-        let mut file = options.read(true).append(true).create(true).open(path).map_err(refused)?;
+        let file = options.read(true).append(true).create(true).open(path).map_err(refused)?;
         match file.try_lock() {
             Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(JournalError::Locked { path: path.to_owned() }),
+            Err(TryLockError::WouldBlock) => {
+                return Err(JournalError::Locked { kind, path: path.to_owned() });
+            }
             Err(TryLockError::Error(source)) => return Err(refused(source)),
         }
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(refused)?;
-        let mut lines = bytes.split_inclusive(|&byte| byte == b'\n');
-        let head = lines.next().filter(|it| it.ends_with(b"\n"));
-        let entries = match (head.map(|head| differences(head, identity)), other) {
-            (Some(Some(differences)), _) if differences.is_empty() => {
-                let (entries, n_bytes) = sound_entries(lines);
-                let n_kept = head.map_or(0, <[u8]>::len) + n_bytes;
-                file.set_len(n_kept as u64).map_err(refused)?;
-                Some(entries)
-            }
+        let mut reader = BufReader::new(&file);
+        let mut head = Vec::new();
+        reader.read_until(b'\n', &mut head).map_err(refused)?;
+        let differences = head.ends_with(b"\n").then(|| differences(&head, identity));
+        let is_ours = match (differences, other) {
+            (Some(Some(differences)), _) if differences.is_empty() => true,
             (Some(Some(differences)), OtherJournal::Refuse) => {
-                return Err(JournalError::Another { path: path.to_owned(), differences });
+                return Err(JournalError::Another { kind, path: path.to_owned(), differences });
             }
             // Not to destroy what was never ours.
             (Some(None), OtherJournal::Refuse) => {
-                return Err(JournalError::NoJournal { path: path.to_owned() });
+                return Err(JournalError::NoJournal { kind, path: path.to_owned() });
             }
-            _ => None,
+            _ => false,
         };
+        if is_ours {
+            let n_bytes = each_sound_entry(&mut reader, on_entry).map_err(refused)?;
+            file.set_len(head.len() as u64 + n_bytes).map_err(refused)?;
+            return Ok(Self { file: Mutex::new(file), path: path.to_owned() });
+        }
         let journal = Self { file: Mutex::new(file), path: path.to_owned() };
-        let Some(entries) = entries else {
-            journal.restart(identity)?;
-            return Ok((journal, Vec::new()));
-        };
-        Ok((journal, entries))
+        journal.restart(identity)?;
+        Ok(journal)
+    }
+
+    /// Hands all results to `on_entry` once more.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError::Io`] if the file cannot be read.
+    pub fn each_entry<Entry: DeserializeOwned>(&self, on_entry: impl FnMut(Entry)) -> Result<(), JournalError> {
+        let file = File::open(&self.path).map_err(|source| self.refused(source))?;
+        let mut reader = BufReader::new(file);
+        let head = reader.read_until(b'\n', &mut Vec::new());
+        head.and_then(|_| each_sound_entry(&mut reader, on_entry)).map_err(|source| self.refused(source))?;
+        Ok(())
     }
 
     /// Adds a result.
@@ -132,7 +157,7 @@ impl Journal {
     /// # Errors
     ///
     /// [`JournalError::Io`] if the disk does not take it.
-    pub fn add(&self, entry: &JournalEntry) -> Result<(), JournalError> {
+    pub fn add(&self, entry: &impl Serialize) -> Result<(), JournalError> {
         self.add_line(entry)
     }
 
@@ -145,7 +170,7 @@ impl Journal {
         std::fs::remove_file(&self.path).map_err(|source| self.refused(source))
     }
 
-    fn restart(&self, identity: &SweepIdentity) -> Result<(), JournalError> {
+    fn restart(&self, identity: &JournalIdentity) -> Result<(), JournalError> {
         {
             let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
             file.set_len(0).and_then(|()| file.rewind()).map_err(|source| self.refused(source))?;
@@ -166,45 +191,55 @@ impl Journal {
 }
 
 /// The names under which `head` and `identity` do not say the same; `None` if `head` says nothing.
-fn differences(head: &[u8], identity: &SweepIdentity) -> Option<Vec<String>> {
-    let found: SweepIdentity = serde_json::from_slice(head).ok()?;
+fn differences(head: &[u8], identity: &JournalIdentity) -> Option<Vec<String>> {
+    let found: JournalIdentity = serde_json::from_slice(head).ok()?;
     let names: BTreeSet<&String> = found.keys().chain(identity.keys()).collect();
     let differ = names.into_iter().filter(|name| found.get(*name) != identity.get(*name));
     Some(differ.map(|name| name.replace('_', " ")).collect())
 }
 
-/// The results up to the first damaged line, and how many bytes they take.
-fn sound_entries<'a>(lines: impl Iterator<Item = &'a [u8]>) -> (Vec<JournalEntry>, usize) {
-    let (mut entries, mut n_bytes) = (Vec::new(), 0);
-    for line in lines {
-        match serde_json::from_slice(line) {
-            Ok(entry) if line.ends_with(b"\n") => entries.push(entry),
-            _ => break,
+/// Hands the results up to the first damaged line to `on_entry`, and returns how many bytes they take.
+fn each_sound_entry<Entry: DeserializeOwned>(
+    reader: &mut impl io::BufRead,
+    mut on_entry: impl FnMut(Entry),
+) -> io::Result<u64> {
+    let (mut line, mut n_bytes) = (Vec::new(), 0);
+    loop {
+        line.clear();
+        reader.read_until(b'\n', &mut line)?;
+        match serde_json::from_slice(&line) {
+            Ok(entry) if line.ends_with(b"\n") => on_entry(entry),
+            _ => return Ok(n_bytes),
         }
-        n_bytes += line.len();
+        n_bytes += line.len() as u64;
     }
-    (entries, n_bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::scan_at_point::DetectorAtPoint;
 
-    fn identity(seed: u64) -> SweepIdentity {
+    fn identity(seed: u64) -> JournalIdentity {
         let Value::Object(identity) = serde_json::json!({ "data_sets": [seed], "points": ["0.1"] }) else {
             unreachable!("it is written so")
         };
         identity
     }
 
-    fn entry(point_idx: usize) -> JournalEntry {
-        let detectors = vec![DetectorAtPoint { counts: Vec::new(), cells: None }];
-        JournalEntry::Quality(ScanAtPoint { dataset_idx: 0, scan_idx: 1, point_idx, detectors })
+    /// A result as long as those of real sweeps.
+    fn entry(point_idx: usize) -> String {
+        format!("point {point_idx} of a sweep over cell sizes")
     }
 
-    fn open(path: &Path, seed: u64) -> Result<(Journal, Vec<JournalEntry>), JournalError> {
-        Journal::open(path, &identity(seed), OtherJournal::Refuse)
+    fn open(path: &Path, seed: u64) -> Result<(Journal, Vec<String>), JournalError> {
+        open_or(path, seed, OtherJournal::Refuse)
+    }
+
+    fn open_or(path: &Path, seed: u64, other: OtherJournal) -> Result<(Journal, Vec<String>), JournalError> {
+        let mut entries = Vec::new();
+        let identity = (JournalKind::Sweep, &identity(seed));
+        let journal = Journal::open(path, identity, other, |it| entries.push(it))?;
+        Ok((journal, entries))
     }
 
     #[test]
@@ -218,6 +253,9 @@ mod tests {
         drop(journal);
         let (journal, entries) = open(&path, 1).unwrap();
         assert_eq!(entries, [entry(0), entry(1)]);
+        let mut again: Vec<String> = Vec::new();
+        journal.each_entry(|it| again.push(it)).unwrap();
+        assert_eq!(again, entries);
         journal.remove().unwrap();
         assert!(!path.exists());
     }
@@ -256,7 +294,7 @@ mod tests {
         let error = open(&path, 2).unwrap_err().to_string();
         assert!(error.contains("another sweep: data sets differ;"), "{error}");
         assert_eq!(open(&path, 1).unwrap().1, [entry(0)]);
-        let (_, entries) = Journal::open(&path, &identity(2), OtherJournal::Discard).unwrap();
+        let (_, entries) = open_or(&path, 2, OtherJournal::Discard).unwrap();
         assert!(entries.is_empty());
         assert!(open(&path, 2).is_ok());
     }

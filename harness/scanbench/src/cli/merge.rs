@@ -1,0 +1,29 @@
+//! Arguments of `scanbench merge`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::output::OutputArgs;
+
+/// Arguments of `scanbench merge`.
+#[derive(Debug, Args)]
+#[command(after_help = MERGE_EXAMPLES)]
+pub struct MergeArgs {
+    /// Directories of all shards of a run, in any order
+    #[arg(value_name = "SHARD", required = true)]
+    pub shards: Vec<PathBuf>,
+    /// Where the run is written.
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const MERGE_EXAMPLES: &str = "\
+Examples:
+  scanbench run --shard 1/2 -o shards && scanbench run --shard 2/2 -o shards
+  scanbench merge shards/* -o runs/whole
+
+The run is what it would have been in one piece, but for its times. Shards are refused
+(exit code 5) if one is missing or there twice, or if data, parameters or programs
+differ. Times on unlike processors are never put together: table_times.md and
+times_of_processors.csv have each by itself. docs/many-machines.md says more.";

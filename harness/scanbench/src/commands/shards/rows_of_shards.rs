@@ -1,0 +1,244 @@
+//! The rows of shards, one after the other: copied as they are, and read for the numbers that are made of them.
+
+use std::fs::File;
+use std::io::{self, Read, Write as _};
+use std::path::PathBuf;
+
+use reports::files::archive::ArchiveError;
+use reports::files::csv_rows::{CsvRow, csv_head, each_row_of};
+use reports::files::whole_file::WholeFile;
+use reports::numbers::tally::Tally;
+use reports::rows::match_row::MatchRow;
+use reports::rows::scan_row::ScanRow;
+use reports::rows::stage_row::StageRow;
+use reports::run_folder::manifest::Manifest;
+use reports::run_folder::run_directory::{MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON};
+use reports::run_folder::shard_check::{NamedShard, ShardMismatch};
+use reports::run_folder::shard_record::{ShardRecord, processors_of};
+use reports::worst::places::{ObjectName, WorstPlaces};
+use reports::worst::points::WorstPoints;
+use scans::dataset::checksum::ContentChecksum;
+
+use crate::commands::failure::Failure;
+use crate::commands::progress::progress_over_results;
+
+/// A shard on the disk.
+pub struct ShardDirectory<'a> {
+    /// Where it is.
+    pub folder: PathBuf,
+    /// Its manifest.
+    pub manifest: &'a Manifest,
+}
+
+impl<'a> ShardDirectory<'a> {
+    /// The shard at the path that is its name.
+    pub fn new(named: &'a NamedShard) -> Self {
+        Self { folder: PathBuf::from(&named.name), manifest: &named.manifest }
+    }
+
+    /// What its manifest says of it.
+    pub fn record(&self) -> Option<&'a ShardRecord> {
+        self.manifest.shard.as_ref()
+    }
+
+    /// What was seen around its worst mistakes.
+    ///
+    /// # Errors
+    ///
+    /// [`Failure::Data`] if the file is missing or damaged.
+    pub fn worst_points(&self) -> Result<WorstPoints, Failure> {
+        let read = WorstPoints::read(&self.folder.join(WORST_POINTS_JSON));
+        let read = read.map_err(|error| Failure::damaged_run(&self.folder, error))?;
+        read.ok_or_else(|| self.damaged(format!("it has no {WORST_POINTS_JSON}")))
+    }
+
+    /// It does not say what was seen around one of its worst mistakes.
+    pub fn lacks(&self, object: &ObjectName) -> Failure {
+        let ObjectName { dataset, sequence, scan, id, .. } = object;
+        self.damaged(format!("{WORST_POINTS_JSON} lacks object {id} of scan {dataset} {sequence} {scan}"))
+    }
+
+    fn damaged(&self, problem: String) -> Failure {
+        Failure::damaged_run(&self.folder, problem)
+    }
+}
+
+/// What rows of shards come to.
+pub struct MergedRows {
+    /// Their sums.
+    pub tally: Tally,
+    /// The worst mistakes, with the place of the shard that each is in.
+    pub worst: WorstPlaces<usize>,
+    /// The times of each kind of processor by themselves, where these are unlike.
+    pub of_processors: Vec<(String, Tally)>,
+}
+
+/// Writes the rows of `shards`, which are in the order of the run, into `directory`.
+///
+/// # Errors
+///
+/// [`Failure::Data`] if a file is not as its shard wrote it, [`Failure::NotComparable`] if two shards have the same scan, and if the
+/// disk does not take the files.
+pub fn merge_rows(
+    shards: &[ShardDirectory<'_>],
+    manifest: &Manifest,
+    directory: &RunDirectory,
+) -> Result<MergedRows, Failure> {
+    let processors = processors_of(&manifest.shards);
+    let unlike = processors.iter().filter(|_| processors.len() > 1);
+    let mut merged = MergedRows {
+        tally: manifest.tally(),
+        worst: WorstPlaces::default(),
+        of_processors: unlike.map(|it| ((*it).to_owned(), Tally::default())).collect(),
+    };
+    let progress = progress_over_results(3 * shards.len(), 0, "files");
+    let mut output = Output::begin::<ScanRow>(directory, SCANS_CSV)?;
+    for shard in shards {
+        merged.add_scans(shard, &mut output)?;
+        progress.inc(1);
+    }
+    output.finish()?;
+    let mut output = Output::begin::<MatchRow>(directory, MATCHES_CSV)?;
+    for (shard_idx, shard) in shards.iter().enumerate() {
+        let MergedRows { tally, worst, .. } = &mut merged;
+        copy_rows(shard, &mut output, |row: MatchRow| {
+            tally.add_match(&row);
+            worst.add(&row, |_| shard_idx);
+        })?;
+        progress.inc(1);
+    }
+    output.finish()?;
+    let mut output = Output::begin::<StageRow>(directory, STAGES_CSV)?;
+    for shard in shards {
+        copy_rows(shard, &mut output, |row: StageRow| merged.tally.add_stage(&row))?;
+        progress.inc(1);
+    }
+    output.finish()?;
+    progress.finish_and_clear();
+    Ok(merged)
+}
+
+impl MergedRows {
+    fn add_scans(&mut self, shard: &ShardDirectory<'_>, output: &mut Output) -> Result<(), Failure> {
+        let stretches = shard.record().map_or(&[][..], |it| &it.processors);
+        let (mut stretch_idx, mut n_left) = (0, stretches.first().map_or(0, |it| it.n_scan_rows));
+        let (mut last, mut twice, mut n_surplus) = (None, None, 0_u64);
+        copy_rows(shard, output, |row: ScanRow| {
+            let scan = (row.dataset.clone(), row.sequence.clone(), row.scan);
+            if last.as_ref() != Some(&scan) {
+                if twice.is_none() && self.tally.has_scan(&row.dataset, &row.sequence, row.scan) {
+                    twice = Some(scan.clone());
+                }
+                last = Some(scan);
+            }
+            self.tally.add_scan(&row);
+            while n_left == 0 && stretch_idx + 1 < stretches.len() {
+                stretch_idx += 1;
+                n_left = stretches[stretch_idx].n_scan_rows;
+            }
+            match n_left.checked_sub(1) {
+                Some(n) => n_left = n,
+                None => n_surplus += 1,
+            }
+            let model = stretches.get(stretch_idx).map(|it| &it.cpu_model);
+            let of_processor = self.of_processors.iter_mut().find(|(name, _)| Some(name) == model);
+            if let Some((_, tally)) = of_processor {
+                tally.add_scan(&row);
+            }
+        })?;
+        if let Some((dataset, sequence, scan)) = twice {
+            let (name, scan) = (shard.folder.display().to_string(), format!("{dataset} {sequence} {scan}"));
+            return Err(ShardMismatch::SameScan { name, scan }.into());
+        }
+        if n_left > 0 || n_surplus > 0 || stretch_idx + 1 < stretches.len() {
+            return Err(shard.damaged(format!("{SCANS_CSV} has another number of rows than its manifest says")));
+        }
+        Ok(())
+    }
+}
+
+/// A file of the run that rows are copied to.
+struct Output {
+    name: &'static str,
+    path: PathBuf,
+    file: WholeFile,
+}
+
+impl Output {
+    fn begin<Row: CsvRow>(directory: &RunDirectory, name: &'static str) -> Result<Self, ArchiveError> {
+        let path = directory.path_of(name);
+        let mut file = directory.begin_file(name)?;
+        let written = file.write_all(&csv_head::<Row>());
+        written.map_err(|source| ArchiveError::Write { path: path.clone(), source })?;
+        Ok(Self { name, path, file })
+    }
+
+    fn finish(self) -> Result<(), ArchiveError> {
+        self.file.finish()
+    }
+}
+
+/// Copies the rows of a file of `shard`, and hands each to `on_row`. What was copied is compared with the checksum of the shard.
+fn copy_rows<Row: CsvRow>(
+    shard: &ShardDirectory<'_>,
+    output: &mut Output,
+    on_row: impl FnMut(Row),
+) -> Result<(), Failure> {
+    let name = output.name;
+    let path = shard.folder.join(name);
+    let written = shard.record().and_then(|it| it.files.iter().find(|it| it.name == name));
+    let written = written.ok_or_else(|| shard.damaged(format!("its manifest says nothing of {name}")))?;
+    let source = File::open(&path).map_err(|source| ArchiveError::Read { path: path.clone(), source });
+    let source = source.map_err(|error| Failure::damaged_run(&shard.folder, error))?;
+    let mut reader = CopyingReader {
+        source,
+        n_head_left: csv_head::<Row>().len(),
+        checksum: ContentChecksum::default(),
+        n_bytes: 0,
+        copy: &mut output.file,
+        refused: None,
+    };
+    let read = each_row_of(&mut reader, &path, on_row);
+    if let Some(source) = reader.refused {
+        return Err(ArchiveError::Write { path: output.path.clone(), source }.into());
+    }
+    let (n_bytes, checksum) = (reader.n_bytes, reader.checksum);
+    read.map_err(|error| Failure::damaged_run(&shard.folder, error))?;
+    let sha256 = checksum.finish();
+    if (n_bytes, &sha256) != (written.n_bytes, &written.sha256) {
+        let problem = format!(
+            "{name} is not what the shard wrote: {n_bytes} bytes with SHA-256 {sha256}, where {} bytes with SHA-256 {} are expected",
+            written.n_bytes, written.sha256
+        );
+        return Err(shard.damaged(problem));
+    }
+    Ok(())
+}
+
+/// Copies what is read, but for the names of the columns.
+struct CopyingReader<'a> {
+    source: File,
+    n_head_left: usize,
+    checksum: ContentChecksum,
+    n_bytes: u64,
+    copy: &'a mut WholeFile,
+    // Why the copy cannot be written.
+    refused: Option<io::Error>,
+}
+
+impl Read for CopyingReader<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n_read = self.source.read(buffer)?;
+        let bytes = &buffer[..n_read];
+        self.checksum.add(bytes);
+        self.n_bytes += n_read as u64;
+        let n_head = self.n_head_left.min(n_read);
+        self.n_head_left -= n_head;
+        if let Err(error) = self.copy.write_all(&bytes[n_head..]) {
+            let kind = error.kind();
+            self.refused = Some(error);
+            return Err(kind.into());
+        }
+        Ok(n_read)
+    }
+}

@@ -1,0 +1,84 @@
+//! What the journal of a shard holds: everything about a scan that its files are made of.
+
+use std::collections::BTreeMap;
+
+use reports::rows::agreement_row::AgreementRow;
+use reports::run_folder::shard_record::ShardRecording;
+use reports::worst::points::Patch;
+use serde::{Deserialize, Serialize};
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShardEntry {
+    /// The program began, or began again, on this processor.
+    Began {
+        /// The processor's own name.
+        cpu_model: String,
+    },
+    /// A scan was judged.
+    Scan(Box<ShardScan>),
+    /// A scan was left out because it is damaged.
+    Skipped {
+        /// Place of its data set in the run.
+        dataset_idx: usize,
+        /// Which it is.
+        scan: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A recording was completed.
+    Recorded(ShardRecording),
+}
+
+/// A scan that was judged.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShardScan {
+    /// Place of its data set in the run.
+    pub dataset_idx: usize,
+    /// Its place among the scans of the data set that were selected.
+    pub place: usize,
+    /// Its number among all scans of the run.
+    pub number: u64,
+    /// Annotations of any kind.
+    pub n_labels: u64,
+    /// Points without a position.
+    pub n_points_left_out: u64,
+    /// Lines of `scans.csv`.
+    pub scans: String,
+    /// How many these are.
+    pub n_scan_rows: u64,
+    /// Lines of `matches.csv`.
+    pub matches: String,
+    /// Lines of `stages.csv`.
+    pub stages: String,
+    /// How far detectors agree; nothing where something is labelled.
+    pub agreement: Vec<AgreementRow>,
+    /// What the sensor saw around those of its mistakes that may be among the worst.
+    pub patches: Vec<Patch>,
+}
+
+/// How far a shard is.
+#[derive(Debug, Clone, Default)]
+pub struct ShardProgress {
+    /// Of each data set that has been begun, the place behind its last scan that was judged.
+    pub next_places: BTreeMap<usize, usize>,
+    /// Scans that were judged.
+    pub n_scans: usize,
+    /// How often it was begun.
+    pub n_starts: usize,
+}
+
+impl ShardProgress {
+    /// Takes in what happened.
+    pub fn add(&mut self, entry: &ShardEntry) {
+        match entry {
+            ShardEntry::Began { .. } => self.n_starts += 1,
+            ShardEntry::Scan(scan) => {
+                self.n_scans += 1;
+                self.next_places.insert(scan.dataset_idx, scan.place + 1);
+            }
+            ShardEntry::Skipped { .. } | ShardEntry::Recorded(_) => {}
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! From the journal of a shard to its files.
+
+use std::collections::BTreeSet;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use evaluation::journal::Journal;
+use reports::files::archive::ArchiveError;
+use reports::files::csv_rows::{CsvRow, csv_head, each_row_of, to_csv_bytes};
+use reports::files::whole_file::WholeFile;
+use reports::rows::agreement_row::{AgreementRow, add_agreement};
+use reports::rows::match_row::MatchRow;
+use reports::rows::scan_row::ScanRow;
+use reports::rows::stage_row::StageRow;
+use reports::run_folder::manifest::{Manifest, SkippedScan};
+use reports::run_folder::run_directory::{
+    AGREEMENT_CSV, MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON,
+};
+use reports::run_folder::shard_record::{ProcessorRows, ShardFile, ShardRecord, ShardRecording};
+use reports::worst::places::{ObjectName, WorstPlace, WorstPlaces};
+use reports::worst::points::{Patch, PlanCells, WorstPoints};
+use reports::worst::recorded::RecordedPlace;
+use scans::dataset::checksum::{ContentChecksum, sha256};
+
+use super::shard_entry::{ShardEntry, ShardScan};
+use crate::commands::failure::Failure;
+
+/// Writes the rows of `journal` into `directory`, and what they are into `manifest` and `record`.
+///
+/// # Errors
+///
+/// If the journal cannot be read or a file cannot be written.
+pub fn write_shard_files(
+    journal: &Journal,
+    directory: &RunDirectory,
+    (manifest, record): (&mut Manifest, &mut ShardRecord),
+) -> Result<(), Failure> {
+    let mut files = ShardFiles::begin(directory, record.parts.len())?;
+    let mut failure = None;
+    journal.each_entry(|entry: ShardEntry| {
+        if failure.is_none() {
+            failure = files.add(entry).err();
+        }
+    })?;
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    files.finish(directory, (manifest, record))
+}
+
+/// What is known of a data set after some scans.
+#[derive(Default)]
+struct DatasetSoFar {
+    n_labels: u64,
+    n_points_left_out: u64,
+    skipped: Vec<SkippedScan>,
+    skipped_names: BTreeSet<String>,
+    agreement: Vec<AgreementRow>,
+}
+
+/// A mistake with what was seen around it, and the number of its scan.
+type SeenMistake = (PlanCells, u64);
+
+struct ShardFiles {
+    scans: ChecksummedFile,
+    matches: ChecksummedFile,
+    stages: ChecksummedFile,
+    datasets: Vec<DatasetSoFar>,
+    worst: WorstPlaces<SeenMistake>,
+    processors: Vec<ProcessorRows>,
+    recordings: Vec<ShardRecording>,
+}
+
+impl ShardFiles {
+    fn begin(directory: &RunDirectory, n_datasets: usize) -> Result<Self, Failure> {
+        Ok(Self {
+            scans: ChecksummedFile::begin::<ScanRow>(directory, SCANS_CSV)?,
+            matches: ChecksummedFile::begin::<MatchRow>(directory, MATCHES_CSV)?,
+            stages: ChecksummedFile::begin::<StageRow>(directory, STAGES_CSV)?,
+            datasets: (0..n_datasets).map(|_| DatasetSoFar::default()).collect(),
+            worst: WorstPlaces::default(),
+            processors: Vec::new(),
+            recordings: Vec::new(),
+        })
+    }
+
+    fn add(&mut self, entry: ShardEntry) -> Result<(), Failure> {
+        match entry {
+            ShardEntry::Began { cpu_model } => {
+                if self.processors.last().is_none_or(|it| it.cpu_model != cpu_model) {
+                    self.processors.push(ProcessorRows { cpu_model, n_scan_rows: 0 });
+                }
+            }
+            ShardEntry::Scan(scan) => self.add_scan(*scan)?,
+            ShardEntry::Skipped { dataset_idx, scan, reason } => {
+                let dataset = &mut self.datasets[dataset_idx];
+                // Whoever was interrupted behind it has met it twice.
+                if dataset.skipped_names.insert(scan.clone()) {
+                    dataset.skipped.push(SkippedScan { scan, reason });
+                }
+            }
+            ShardEntry::Recorded(recording) => self.recordings.push(recording),
+        }
+        Ok(())
+    }
+
+    fn add_scan(&mut self, scan: ShardScan) -> Result<(), Failure> {
+        let dataset = &mut self.datasets[scan.dataset_idx];
+        dataset.n_labels += scan.n_labels;
+        dataset.n_points_left_out += scan.n_points_left_out;
+        add_agreement(&mut dataset.agreement, scan.agreement);
+        if let Some(processor) = self.processors.last_mut() {
+            processor.n_scan_rows += scan.n_scan_rows;
+        }
+        self.scans.write(scan.scans.as_bytes())?;
+        self.matches.write(scan.matches.as_bytes())?;
+        self.stages.write(scan.stages.as_bytes())?;
+        let worst = &mut self.worst;
+        let lines = [csv_head::<MatchRow>(), scan.matches.into_bytes()].concat();
+        each_row_of(&lines[..], &self.matches.path, |row: MatchRow| {
+            let of = |it: &&Patch| ObjectName::of_mistake(&row).as_ref() == Some(&it.object);
+            let cells = || scan.patches.iter().find(of).map(|it| it.cells.clone()).unwrap_or_default();
+            worst.add(&row, |_| (cells(), scan.number));
+        })?;
+        Ok(())
+    }
+
+    fn finish(
+        self,
+        directory: &RunDirectory,
+        (manifest, record): (&mut Manifest, &mut ShardRecord),
+    ) -> Result<(), Failure> {
+        record.files = vec![self.scans.finish()?, self.matches.finish()?, self.stages.finish()?];
+        let places = || self.worst.lists().flat_map(|(_, places)| places);
+        let patch = |it: &WorstPlace<SeenMistake>| Patch {
+            object: it.object.clone(),
+            cells: it.kept.0.clone(),
+        };
+        let points = WorstPoints::of_patches(places().map(patch).collect()).to_json();
+        record.files.push(write_checksummed(directory, WORST_POINTS_JSON, points.as_bytes())?);
+        record.worst_recorded = recorded_places(places().map(|it| (&it.object, it.kept.1)), &self.recordings);
+        let mut agreement = Vec::new();
+        for (dataset_idx, dataset) in self.datasets.into_iter().enumerate() {
+            record.parts[dataset_idx].n_labels = dataset.n_labels;
+            let entry = &mut manifest.datasets[dataset_idx];
+            entry.n_points_left_out = dataset.n_points_left_out;
+            entry.skipped_scans.extend(dataset.skipped);
+            if dataset.n_labels == 0 {
+                agreement.extend(dataset.agreement);
+            }
+        }
+        if !agreement.is_empty() {
+            record.files.push(write_checksummed(directory, AGREEMENT_CSV, &to_csv_bytes(&agreement)?)?);
+        }
+        record.processors = self.processors;
+        record.recordings = self.recordings;
+        Ok(())
+    }
+}
+
+/// Those of `places`, objects with the numbers of their scans, that are in one of `recordings`; each once.
+fn recorded_places<'a>(
+    places: impl Iterator<Item = (&'a ObjectName, u64)>,
+    recordings: &[ShardRecording],
+) -> Vec<RecordedPlace> {
+    let mut recorded: Vec<RecordedPlace> = Vec::new();
+    for (object, step) in places {
+        let holds = |it: &&ShardRecording| (it.first..it.end).contains(&step) && step.is_multiple_of(it.every);
+        let Some(recording) = recordings.iter().find(holds) else { continue };
+        if recorded.iter().all(|it| it.object != *object) {
+            recorded.push(RecordedPlace { object: object.clone(), recording: recording.file.clone(), step });
+        }
+    }
+    recorded
+}
+
+fn write_checksummed(directory: &RunDirectory, name: &str, content: &[u8]) -> Result<ShardFile, Failure> {
+    directory.write_file(name, content)?;
+    Ok(ShardFile { name: name.to_owned(), n_bytes: content.len() as u64, sha256: sha256(content) })
+}
+
+/// A file that grows, and its checksum with it.
+struct ChecksummedFile {
+    name: &'static str,
+    path: PathBuf,
+    file: WholeFile,
+    checksum: ContentChecksum,
+    n_bytes: u64,
+}
+
+impl ChecksummedFile {
+    fn begin<Row: CsvRow>(directory: &RunDirectory, name: &'static str) -> Result<Self, ArchiveError> {
+        let (file, path) = (directory.begin_file(name)?, directory.path_of(name));
+        let mut begun = Self { name, path, file, checksum: ContentChecksum::default(), n_bytes: 0 };
+        begun.write(&csv_head::<Row>())?;
+        Ok(begun)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), ArchiveError> {
+        self.checksum.add(bytes);
+        self.n_bytes += bytes.len() as u64;
+        let path = || self.path.clone();
+        self.file.write_all(bytes).map_err(|source| ArchiveError::Write { path: path(), source })
+    }
+
+    fn finish(self) -> Result<ShardFile, ArchiveError> {
+        self.file.finish()?;
+        Ok(ShardFile { name: self.name.to_owned(), n_bytes: self.n_bytes, sha256: self.checksum.finish() })
+    }
+}

@@ -1,0 +1,98 @@
+//! A command that is run as shards.
+
+use clap::Parser as _;
+
+use crate::cli::{Cli, Command, OutputArgs, ShardArgs};
+use crate::commands::failure::Usage;
+
+/// A command of `scanbench` of which each task makes one shard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShardedCommand {
+    verb: String,
+    arguments: Vec<String>,
+}
+
+impl ShardedCommand {
+    /// Reads `words`, which are what follows `scanbench`.
+    ///
+    /// # Errors
+    ///
+    /// [`Usage`] if they are wrong, are no verb that has shards, or say themselves where they write or which shard they are.
+    pub fn read(words: &[String]) -> Result<Self, Usage> {
+        let parsed =
+            Cli::try_parse_from(std::iter::once("scanbench").chain(words.iter().map(String::as_str)))
+                .map_err(|error| {
+                    Usage(format!("the command after -- is wrong\n{}", error.to_string().trim_end()))
+                })?;
+        let (verb, arguments) = words.split_first().expect("clap wants a verb");
+        let Some((output, shard)) = outputs_of(&parsed.command) else {
+            return Err(Usage(format!("{verb} has no shards; write -- run …")));
+        };
+        if verb.starts_with('-') {
+            return Err(Usage(format!("write the verb first, and {verb} after it")));
+        }
+        if let Some(path) = &output.output {
+            return Err(Usage(format!(
+                "leave -o {} away: submit says where shards are written",
+                path.display()
+            )));
+        }
+        if output.overwrite {
+            return Err(Usage("leave --overwrite away: shards that are done stay".to_owned()));
+        }
+        if shard.shard.is_some() {
+            return Err(Usage("leave --shard away: the engine says which shard a task is".to_owned()));
+        }
+        Ok(Self { verb: verb.clone(), arguments: arguments.to_vec() })
+    }
+
+    /// The words after `scanbench` by which one task of `n_shards` makes its shard in `folder`.
+    pub fn of_one_shard(&self, n_shards: u32, folder: &str) -> Vec<String> {
+        let n_shards = n_shards.to_string();
+        // Before the arguments, which may end in `--`.
+        let added = [&self.verb, "--shard", "auto", "--shards", &n_shards, "-o", folder].map(str::to_owned);
+        added.into_iter().chain(self.arguments.iter().cloned()).collect()
+    }
+}
+
+/// Where a verb that has shards writes, and which of them it makes; `None` for other verbs.
+fn outputs_of(command: &Command) -> Option<(&OutputArgs, &ShardArgs)> {
+    match command {
+        Command::Run(it) => Some((&it.output, &it.shard)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<ShardedCommand, Usage> {
+        ShardedCommand::read(&text.split(' ').map(str::to_owned).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_task_makes_one_shard_of_the_command() {
+        let words = read("run data -d pca -P a=b -q").unwrap().of_one_shard(8, "out/shards");
+        assert_eq!(words.join(" "), "run --shard auto --shards 8 -o out/shards data -d pca -P a=b -q");
+        let parsed = Cli::try_parse_from(["scanbench".to_owned()].into_iter().chain(words)).unwrap();
+        let Command::Run(arguments) = parsed.command else { panic!("{parsed:?}") };
+        assert!(arguments.shard.shard.is_some() && arguments.output.output.is_some());
+    }
+
+    #[test]
+    fn what_cannot_be_sharded_is_refused_before_anything_is_written() {
+        for (text, why) in [
+            ("run data -o out", "leave -o out away"),
+            ("run data --overwrite", "leave --overwrite away"),
+            ("run data --shard 1/2 -o out", "leave -o out away"),
+            ("run data --detector pca", "unexpected argument '--detector'"),
+            ("compare a b", "compare has no shards"),
+            ("-q run data", "write the verb first"),
+            ("fly", "unrecognized subcommand 'fly'"),
+        ] {
+            let said = read(text).unwrap_err().to_string();
+            assert!(said.contains(why), "{text}: {said}");
+        }
+    }
+}

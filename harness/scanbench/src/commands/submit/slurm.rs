@@ -1,0 +1,121 @@
+//! `scanbench submit slurm`.
+
+use std::path::Path;
+use std::process::Command;
+
+use reports::run_folder::command_line::shell_word;
+
+use crate::cli::SlurmArgs;
+use crate::commands::failure::Failure;
+use crate::commands::standard_streams::print_result;
+use crate::commands::submit::job_folder::{
+    MERGED_RUN, SHARDS, SUBMIT_SH, absolute_text, job_name, shard_pattern, write_job_folder,
+};
+use crate::commands::submit::sharded_command::ShardedCommand;
+use crate::commands::submit::template::filled;
+
+const SHARDS_SH: &str = include_str!("slurm/shards.sh");
+const MERGE_SH: &str = include_str!("slurm/merge.sh");
+const SUBMIT: &str = include_str!("slurm/submit.sh");
+
+/// Writes an array of shards, a merge and what submits them; submits them if asked to.
+///
+/// # Errors
+///
+/// [`Usage`](crate::commands::failure::Usage) if the command has no shards or the folder is taken; if the folder cannot be written, or `sbatch` fails. The folder
+/// stays then.
+pub fn submit_slurm(arguments: &SlurmArgs) -> Result<(), Failure> {
+    let submitted = &arguments.submitted;
+    let command = ShardedCommand::read(&submitted.command)?;
+    let program = std::env::current_exe()
+        .map_err(|error| Failure::internal("cannot tell where this program is", error))?;
+    let place = Place {
+        name: job_name(&submitted.output)?,
+        folder: absolute_text(&submitted.output)?,
+        workplace: absolute_text(Path::new("."))?,
+        program: absolute_text(&program)?,
+    };
+    let files = [
+        ("shards.sh", place.shards_sh(arguments, &command)),
+        ("merge.sh", place.merge_sh(arguments)),
+        (SUBMIT_SH, filled(SUBMIT, &[("run", MERGED_RUN)])),
+    ];
+    write_job_folder(&submitted.output, &files)?;
+    let submit_sh = Path::new(&place.folder).join(SUBMIT_SH);
+    if arguments.now {
+        submit(&submit_sh)
+    } else {
+        let submit_sh = shell_word(&submit_sh.to_string_lossy());
+        print_result(format_args!(
+            "{}: scripts for {} shards.\n\n  bash {submit_sh}",
+            place.folder, submitted.shards
+        ))
+    }
+}
+
+/// What the scripts have in common; paths are absolute.
+struct Place {
+    name: String,
+    folder: String,
+    workplace: String,
+    program: String,
+}
+
+impl Place {
+    fn shards_sh(&self, arguments: &SlurmArgs, command: &ShardedCommand) -> String {
+        let n_shards = arguments.submitted.shards;
+        let limit = |option: &str, value: &Option<String>| {
+            value.as_ref().map(|it| format!("#SBATCH --{option}={it}\n")).unwrap_or_default()
+        };
+        let limits =
+            limit("time", &arguments.time) + &limit("mem", &arguments.memory) + &partition(arguments);
+        let shards = format!("{}/{SHARDS}", self.folder);
+        let words = command.of_one_shard(n_shards, &shards);
+        let words: Vec<String> = words.iter().map(|it| shell_word(it)).collect();
+        filled(
+            SHARDS_SH,
+            &[
+                ("name", &self.name),
+                ("n_shards", &n_shards.to_string()),
+                ("limits", &limits),
+                ("workplace", &shell_word(&self.workplace)),
+                ("shards", &shell_word(&shards)),
+                ("shard", &shard_pattern(n_shards)),
+                ("program", &shell_word(&self.program)),
+                ("words", &words.join(" ")),
+            ],
+        )
+    }
+
+    fn merge_sh(&self, arguments: &SlurmArgs) -> String {
+        let below = |name: &str| shell_word(&format!("{}/{name}", self.folder));
+        filled(
+            MERGE_SH,
+            &[
+                ("name", &self.name),
+                ("n_shards", &arguments.submitted.shards.to_string()),
+                ("limits", &partition(arguments)),
+                ("workplace", &shell_word(&self.workplace)),
+                ("program", &shell_word(&self.program)),
+                ("shards", &below(SHARDS)),
+                ("run", &below(MERGED_RUN)),
+            ],
+        )
+    }
+}
+
+fn partition(arguments: &SlurmArgs) -> String {
+    arguments.partition.as_ref().map(|it| format!("#SBATCH --partition={it}\n")).unwrap_or_default()
+}
+
+fn submit(submit_sh: &Path) -> Result<(), Failure> {
+    let status = Command::new("bash").arg(submit_sh).status();
+    let status = status.map_err(|error| Failure::internal("cannot run bash", error))?;
+    if status.success() {
+        return Ok(());
+    }
+    Err(Failure::internal(
+        "nothing was submitted, or not all of it",
+        format!("{} ended with {status}", submit_sh.display()),
+    ))
+}

@@ -1,0 +1,250 @@
+//! Runs as tasks of an engine: which shard a task is, and what `submit` writes.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::process::Command;
+
+use crate::drawn_dataset::DrawnDataset;
+use crate::program::{Ended, Workplace};
+
+/// What a machine that runs these tests may have set itself.
+const OF_ENGINES: [&str; 18] = [
+    "SLURM_ARRAY_TASK_ID",
+    "SLURM_ARRAY_TASK_MIN",
+    "SLURM_ARRAY_TASK_MAX",
+    "SLURM_ARRAY_TASK_STEP",
+    "SLURM_ARRAY_TASK_COUNT",
+    "JOB_COMPLETION_INDEX",
+    "JOB_COMPLETIONS",
+    "AWS_BATCH_JOB_ARRAY_INDEX",
+    "PBS_ARRAY_INDEX",
+    "PBS_ARRAYID",
+    "LSB_JOBINDEX",
+    "CI_NODE_INDEX",
+    "CI_NODE_TOTAL",
+    "BUILDKITE_PARALLEL_JOB",
+    "BUILDKITE_PARALLEL_JOB_COUNT",
+    "CIRCLE_NODE_INDEX",
+    "CIRCLE_NODE_TOTAL",
+    "TEST_SHARD_INDEX",
+];
+
+/// A `sbatch` that runs a job at once, an array task by task; a job that depends on another only if that has succeeded.
+const SBATCH: &str = r##"#!/bin/bash
+set -u
+count=0
+for argument; do
+    case $argument in
+    --dependency=afterok:*) after=${argument##*:} ;;
+    esac
+done
+script=${!#}
+id=$(($(cat ids 2> /dev/null || echo 40) + 1))
+echo "$id" > ids
+last=$(sed -n 's/^#SBATCH --array=1-//p' "$script")
+failed=0
+if [[ -n ${after:-} && $(cat "failed.$after") != 0 ]]; then
+    echo "cancelled" >&2
+else
+    for task in $(seq 1 "${last:-1}"); do
+        if [[ -n $last ]]; then
+            export SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_MAX=$last
+            export SLURM_ARRAY_TASK_STEP=1 SLURM_ARRAY_TASK_COUNT=$last
+        fi
+        bash "$script" >> log 2>&1 || failed=1
+    done
+fi
+echo "$failed" > "failed.$id"
+echo "$id;cluster"
+"##;
+
+/// The program with `arguments` as a task that has these variables.
+fn task(workplace: &Workplace, arguments: &[&str], variables: &[(&str, &str)]) -> Ended {
+    let mut command = workplace.command(arguments);
+    OF_ENGINES.iter().for_each(|it| _ = command.env_remove(it));
+    Ended::from(command.envs(variables.iter().copied()).output().unwrap())
+}
+
+/// The program with `arguments`, and a `sbatch` that runs jobs at once.
+fn with_sbatch(workplace: &Workplace, arguments: &[&str]) -> Ended {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    let programs = workplace.path("programs");
+    std::fs::create_dir_all(&programs).unwrap();
+    std::fs::write(programs.join("sbatch"), SBATCH).unwrap();
+    std::fs::set_permissions(programs.join("sbatch"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let mut command = workplace.command(arguments);
+    OF_ENGINES.iter().for_each(|it| _ = command.env_remove(it));
+    let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
+    Ended::from(command.env("PATH", path).output().unwrap())
+}
+
+fn no_recording() -> &'static [&'static str] {
+    if cfg!(feature = "viewer") { &["--no-rrd"] } else { &[] }
+}
+
+#[test]
+fn a_task_runs_the_shard_that_its_engine_says_or_nothing() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 4);
+    let run = [&["run", "street", "-d", "pca", "-o", "shards", "--shard", "auto"], no_recording()].concat();
+    let second = [("CI_NODE_INDEX", "2"), ("CI_NODE_TOTAL", "2")];
+    let ended = task(&workplace, &run, &second);
+    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+    assert!(ended.stderr.contains("Shard 2/2, says GitLab (CI_NODE_INDEX=2, CI_NODE_TOTAL=2)"), "{ended:#?}");
+    assert!(workplace.path("shards/shard-2-of-2/manifest.json").is_file());
+
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 4);
+    for (variables, why) in [
+        (&[][..], "no engine says which shard this is"),
+        (&[("CI_NODE_TOTAL", "1")], "GitLab runs this job once"),
+        (&[("JOB_COMPLETION_INDEX", "1")], "JOB_COMPLETIONS is not set"),
+        (
+            &[("CI_NODE_INDEX", "2"), ("CI_NODE_TOTAL", "2"), ("BUILDKITE_PARALLEL_JOB", "0")],
+            "Buildkite says half",
+        ),
+    ] {
+        let ended = task(&workplace, &run, variables);
+        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        assert!(ended.stderr.contains(why), "{ended:#?}");
+        assert_eq!(workplace.top_names(), ["street"]);
+    }
+    let told_twice = [&run[..], &["--shards", "2"]].concat().join(" ").replace("auto", "1/2");
+    let ended = task(&workplace, &told_twice.split(' ').collect::<Vec<_>>(), &[]);
+    assert!(ended.exit_code == Some(2) && ended.stderr.contains("leave --shards 2 away"), "{ended:#?}");
+}
+
+#[test]
+fn bazel_finds_the_file_that_it_waits_for() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 4);
+    let run = [&["run", "street", "-d", "pca", "-o", "shards", "--shard", "auto"], no_recording()].concat();
+    let status_file = workplace.path("status");
+    let status_file = status_file.to_str().unwrap();
+    let first =
+        [("TEST_SHARD_INDEX", "0"), ("TEST_TOTAL_SHARDS", "2"), ("TEST_SHARD_STATUS_FILE", status_file)];
+    assert_eq!(task(&workplace, &run, &first).exit_code, Some(0));
+    assert_eq!(workplace.read("status"), "");
+}
+
+#[test]
+fn an_array_of_slurm_and_its_merge_give_the_rows_of_the_whole_run() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 40);
+    let data = "it's \"a\" $(street) {{name}}";
+    std::fs::rename(workplace.path("street"), workplace.path(data)).unwrap();
+    let run = [&["run", data, "-d", "pca"], no_recording()].concat();
+    workplace.succeed(&[&run[..], &["-o", "whole"]].concat());
+    let submit = [&["submit", "slurm", "--shards", "3", "--now", "-o", "my 'jobs'", "--"], &run[..]].concat();
+    let ended = with_sbatch(&workplace, &submit);
+    assert_eq!(ended.exit_code, Some(0), "{ended:#?}");
+    assert!(ended.stdout.contains("shards: job 41, merge: job 42, merged run: "), "{ended:#?}");
+    let log = workplace.read("my 'jobs'/log");
+    for shard in ["1/3", "2/3", "3/3"] {
+        assert!(log.contains(&format!("Shard {shard}, says Slurm")), "{log}");
+    }
+    assert_eq!(workplace.read("my 'jobs'/run/matches.csv"), workplace.read("whole/matches.csv"), "{log}");
+
+    // Once more: what is done is left alone, and what is gone is made again.
+    std::fs::remove_dir_all(workplace.path("my 'jobs'/run")).unwrap();
+    std::fs::remove_dir_all(workplace.path("my 'jobs'/shards/shard-2-of-3")).unwrap();
+    let first = workplace.path("my 'jobs'/shards/shard-1-of-3/manifest.json");
+    let made = std::fs::metadata(&first).unwrap().modified().unwrap();
+    let path = format!("{}:{}", workplace.path("programs").display(), std::env::var("PATH").unwrap());
+    let again = Command::new("bash").arg(workplace.path("my 'jobs'/submit.sh")).env("PATH", path).output();
+    let again = Ended::from(again.unwrap());
+    assert_eq!(again.exit_code, Some(0), "{again:#?}");
+    let log = workplace.read("my 'jobs'/log");
+    assert_eq!(workplace.read("my 'jobs'/run/matches.csv"), workplace.read("whole/matches.csv"), "{log}");
+    assert_eq!(std::fs::metadata(&first).unwrap().modified().unwrap(), made, "it was made again");
+}
+
+#[test]
+fn nothing_is_merged_where_a_shard_fails() {
+    let workplace = Workplace::new();
+    DrawnDataset::tracking(workplace.folder(), 4);
+    std::fs::write(workplace.path("street/training/velodyne/0000/000003.bin"), "damaged").unwrap();
+    let run = [&["run", "street", "-d", "pca"], no_recording()].concat();
+    let submit = [&["submit", "slurm", "--shards", "2", "--now", "-o", "jobs", "--"], &run[..]].concat();
+    let ended = with_sbatch(&workplace, &submit);
+    assert!(ended.stderr.contains("cancelled"), "{ended:#?}");
+    assert!(!workplace.path("jobs/run").exists());
+}
+
+#[test]
+fn where_slurm_takes_nothing_the_scripts_stay() {
+    let workplace = Workplace::new();
+    let mut command = workplace.command(&["submit", "slurm", "--now", "-o", "jobs", "--", "run", "street"]);
+    // bash, and no sbatch.
+    std::fs::create_dir(workplace.path("programs")).unwrap();
+    for program in ["bash", "dirname", "mkdir"] {
+        let found = Command::new("sh").args(["-c", &format!("command -v {program}")]).output().unwrap();
+        let found = String::from_utf8(found.stdout).unwrap();
+        std::os::unix::fs::symlink(found.trim(), workplace.path("programs").join(program)).unwrap();
+    }
+    let ended = Ended::from(command.env("PATH", workplace.path("programs")).output().unwrap());
+    assert_eq!(ended.exit_code, Some(1), "{ended:#?}");
+    assert!(ended.stderr.contains("nothing was submitted, or not all of it"), "{ended:#?}");
+    assert!(workplace.path("jobs/submit.sh").is_file());
+}
+
+#[test]
+fn a_wrong_submission_writes_nothing() {
+    let workplace = Workplace::new();
+    workplace.write("taken", "");
+    for (arguments, why) in [
+        ("slurm -o jobs -- run street -o out", "leave -o out away"),
+        ("slurm -o jobs -- run street --bad", "unexpected argument '--bad'"),
+        ("slurm -o jobs -- compare a b", "compare has no shards"),
+        ("slurm -o jobs --shards 0 -- run street", "0 is not in"),
+        ("slurm -o jobs --shards 1000001 -- run street", "1000001 is not in 1..=1000000"),
+        ("slurm -o jobs --partition a;b -- run street", "has to be of letters"),
+        ("slurm -o jobs", "required arguments were not provided"),
+        ("slurm -o taken -- run street", "cannot write"),
+        ("slurm -o / -- run street", "does not end in a name"),
+        ("kubernetes -o jobs -- run street", "--image <IMAGE>"),
+        ("kubernetes -o jobs --image a b --claim c -- run street", "unexpected argument 'b'"),
+    ] {
+        let words: Vec<&str> = ["submit"].into_iter().chain(arguments.split(' ')).collect();
+        let ended = workplace.run(&words);
+        assert_eq!(ended.exit_code, Some(2), "{ended:#?}");
+        assert!(ended.stderr.contains(why), "{arguments}: {ended:#?}");
+        assert_eq!(workplace.top_names(), ["taken"]);
+    }
+}
+
+#[test]
+fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
+    let workplace = Workplace::new();
+    let submit = [
+        "submit",
+        "kubernetes",
+        "--image",
+        "a/b:1",
+        "--claim",
+        "scans",
+        "--shards",
+        "2",
+        "-o",
+        "runs/Fleet_1",
+    ];
+    let ended = workplace.succeed(&[&submit[..], &["--", "run", "$(HOME) {{name}}", "-d", "pca"]].concat());
+    assert!(ended.stdout.contains("runs/Fleet_1/submit.sh"), "{ended:#?}");
+    let shards = workplace.read("runs/Fleet_1/shards.yaml");
+    for line in [
+        "  name: fleet-1-shards\n",
+        "  completionMode: Indexed\n  completions: 2\n  parallelism: 2\n",
+        "          image: \"a/b:1\"\n",
+        "$$(printf shard-%01d-of-2 $$((JOB_COMPLETION_INDEX + 1)))\n",
+        "            - \"--shards\"\n            - \"2\"\n",
+        "            - \"$$(HOME) {{name}}\"\n            - \"-d\"\n            - \"pca\"\n          env:\n",
+        "            - name: JOB_COMPLETIONS\n              value: \"2\"\n",
+        "            claimName: \"scans\"\n",
+    ] {
+        assert!(shards.contains(line), "{line}\n{shards}");
+    }
+    let merge = workplace.read("runs/Fleet_1/merge.yaml");
+    let words = ["merge", "fleet-1/shards/shard-1-of-2", "fleet-1/shards/shard-2-of-2", "-o", "fleet-1/run"];
+    let lines: String = words.iter().map(|it| format!("            - {it:?}\n")).collect();
+    assert!(merge.contains(&lines), "{merge}");
+}

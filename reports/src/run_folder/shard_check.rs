@@ -1,0 +1,323 @@
+//! Whether shards make a run: all of one run, and each once.
+
+use std::collections::BTreeSet;
+
+use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
+use crate::run_folder::shard_record::ShardRecord;
+use crate::vocabulary::shard::{Shard, ShardError};
+
+/// A directory that should be a shard, and its manifest.
+#[derive(Debug, Clone)]
+pub struct NamedShard {
+    /// The directory, as it was named.
+    pub name: String,
+    /// Its manifest.
+    pub manifest: Manifest,
+}
+
+/// Why shards do not make a run.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ShardMismatch {
+    /// One is a whole run.
+    #[error("{name} is no shard, but a whole run")]
+    NoShard {
+        /// Which directory.
+        name: String,
+    },
+    /// One has a number that there is not.
+    #[error("{name}: {problem}")]
+    Number {
+        /// Which directory.
+        name: String,
+        /// What is wrong with it.
+        problem: ShardError,
+    },
+    /// They were judged by different rules.
+    #[error("{first} has scoring version {version}, {other} has {other_version}")]
+    ScoringVersion {
+        /// A directory.
+        first: String,
+        /// Its version.
+        version: u32,
+        /// Another directory.
+        other: String,
+        /// Its version.
+        other_version: u32,
+    },
+    /// They were made by different programs.
+    #[error("{first} and {other} were made by different programs: {versions}")]
+    Program {
+        /// A directory.
+        first: String,
+        /// Another directory.
+        other: String,
+        /// What the programs say of themselves.
+        versions: String,
+    },
+    /// They are of different data.
+    #[error("{first} and {other} are of different data: {what}")]
+    Data {
+        /// A directory.
+        first: String,
+        /// Another directory.
+        other: String,
+        /// What differs.
+        what: String,
+    },
+    /// Detectors or judging had different parameters.
+    #[error("{first} and {other} have different parameters: {what}")]
+    Parameters {
+        /// A directory.
+        first: String,
+        /// Another directory.
+        other: String,
+        /// What differs.
+        what: String,
+    },
+    /// They were cut into different numbers of shards.
+    #[error("{first} is one of {count} shards, {other} one of {other_count}")]
+    Count {
+        /// A directory.
+        first: String,
+        /// Of how many it is one.
+        count: u32,
+        /// Another directory.
+        other: String,
+        /// Of how many that is one.
+        other_count: u32,
+    },
+    /// One is there more than once.
+    #[error("{first} and {other} are both shard {shard}")]
+    Twice {
+        /// A directory.
+        first: String,
+        /// Another directory.
+        other: String,
+        /// Which shard.
+        shard: Shard,
+    },
+    /// Some are not there.
+    #[error("{} of {count} shards are missing: {}", missing.len(), in_words(missing))]
+    Missing {
+        /// How many there should be.
+        count: u32,
+        /// Their numbers.
+        missing: Vec<u32>,
+    },
+    /// A scan is in two of them.
+    #[error("{first} and {other} overlap: both have scans of {dataset:?} from place {place} on")]
+    Overlap {
+        /// A directory.
+        first: String,
+        /// Another directory.
+        other: String,
+        /// The data set.
+        dataset: String,
+        /// The first place of both.
+        place: u64,
+    },
+    /// Rows of a scan are in two of them.
+    #[error("{name} overlaps with an earlier shard: both have scan {scan}")]
+    SameScan {
+        /// The later directory.
+        name: String,
+        /// Which scan.
+        scan: String,
+    },
+    /// A scan is in none of them.
+    #[error("{n_scans} scans of {dataset:?} from place {place} on are in no shard")]
+    Gap {
+        /// The data set.
+        dataset: String,
+        /// The first of them.
+        place: u64,
+        /// How many they are.
+        n_scans: u64,
+    },
+}
+
+/// The first few of `numbers`.
+fn in_words(numbers: &[u32]) -> String {
+    const MOST: usize = 10;
+    let mut words: Vec<String> = numbers.iter().take(MOST).map(u32::to_string).collect();
+    if numbers.len() > MOST {
+        words.push("…".to_owned());
+    }
+    words.join(", ")
+}
+
+/// Checks that `shards` are those of one run, each once, and returns their places in the order of the run.
+///
+/// Names of folders that data lie in, dates and processors may differ.
+///
+/// # Errors
+///
+/// [`ShardMismatch`] with the first that differs.
+pub fn check_shards(shards: &[NamedShard]) -> Result<Vec<usize>, ShardMismatch> {
+    let mut records: Vec<(usize, Shard, &ShardRecord)> = Vec::new();
+    for (idx, NamedShard { name, manifest }) in shards.iter().enumerate() {
+        let no_shard = || ShardMismatch::NoShard { name: name.clone() };
+        let record = manifest.shard.as_ref().ok_or_else(no_shard)?;
+        let bad_number = |problem| ShardMismatch::Number { name: name.clone(), problem };
+        records.push((idx, record.shard().map_err(bad_number)?, record));
+    }
+    let Some((first, others)) = shards.split_first() else { return Ok(Vec::new()) };
+    for other in others {
+        check_same_run(first, other)?;
+    }
+    check_numbers(shards, &mut records)?;
+    check_scans(shards, &records)?;
+    Ok(records.into_iter().map(|(idx, ..)| idx).collect())
+}
+
+fn check_same_run(first: &NamedShard, other: &NamedShard) -> Result<(), ShardMismatch> {
+    let names = || (first.name.clone(), other.name.clone());
+    let (ours, theirs) = (&first.manifest, &other.manifest);
+    if ours.scoring_version != theirs.scoring_version {
+        let (first, other) = names();
+        let [version, other_version] = [ours, theirs].map(|it| it.scoring_version);
+        return Err(ShardMismatch::ScoringVersion { first, version, other, other_version });
+    }
+    let program = |it: &Manifest| it.shard.as_ref().map(|it| it.program.clone());
+    if program(ours) != program(theirs) {
+        let (first, other) = names();
+        let versions = [ours, theirs].map(program_in_words).join(" and ");
+        return Err(ShardMismatch::Program { first, other, versions });
+    }
+    if let Some(what) = different_data(ours, theirs) {
+        let (first, other) = names();
+        return Err(ShardMismatch::Data { first, other, what });
+    }
+    if let Some(what) = different_parameters(ours, theirs) {
+        let (first, other) = names();
+        return Err(ShardMismatch::Parameters { first, other, what });
+    }
+    Ok(())
+}
+
+fn program_in_words(manifest: &Manifest) -> String {
+    let commit = manifest.git.as_ref().map_or_else(String::new, |it| {
+        let changed = if it.dirty { " with changes" } else { "" };
+        format!(", commit {}{changed}", it.commit)
+    });
+    let checksum = manifest.shard.as_ref().map_or_else(String::new, |it| it.program.chars().take(12).collect());
+    format!("version {}{commit}, SHA-256 {checksum}…", manifest.scanbench_version)
+}
+
+fn different_data(ours: &Manifest, theirs: &Manifest) -> Option<String> {
+    let ids = |it: &Manifest| it.datasets.iter().map(|it| it.id.clone()).collect::<Vec<_>>();
+    if ids(ours) != ids(theirs) {
+        return Some(format!("{} and {}", ids(ours).join(", "), ids(theirs).join(", ")));
+    }
+    if ours.seeds != theirs.seeds {
+        return Some("their seeds differ".to_owned());
+    }
+    let selected = |it: &Manifest| {
+        let parts = it.shard.iter().flat_map(|it| &it.parts);
+        parts.map(|it| it.selected.clone()).collect::<Vec<_>>()
+    };
+    let entries = ours.datasets.iter().zip(&theirs.datasets);
+    let of_entries = entries.zip(selected(ours).into_iter().zip(selected(theirs)));
+    of_entries.into_iter().find_map(|((ours, theirs), (our_scans, their_scans))| {
+        let id = &ours.id;
+        if ours.checksum != theirs.checksum {
+            return Some(format!("the checksums of {id:?} differ"));
+        }
+        if our_scans != their_scans {
+            return Some(format!("other scans of {id:?} were selected"));
+        }
+        (common(ours) != common(theirs)).then(|| format!("{id:?} was opened in another way"))
+    })
+}
+
+/// What all shards say of a data set, wherever it lies.
+fn common(entry: &DatasetEntry) -> DatasetEntry {
+    DatasetEntry { root: None, skipped_scans: Vec::new(), n_points_left_out: 0, ..entry.clone() }
+}
+
+fn different_parameters(ours: &Manifest, theirs: &Manifest) -> Option<String> {
+    let names = |it: &Manifest| it.detectors.iter().map(|it| it.name.clone()).collect::<Vec<_>>().join(", ");
+    let about = |it: &Manifest| {
+        [
+            ("detectors", names(it)),
+            ("the matching criterion", it.matching_criterion.clone()),
+            ("the ignored annotations", format!("{:?}", it.ignored)),
+            ("--warmup", it.n_warmup_detections.to_string()),
+            ("--repeats", it.n_repeats.to_string()),
+        ]
+    };
+    let differing = about(ours).into_iter().zip(about(theirs)).find(|(ours, theirs)| ours != theirs);
+    if let Some(((what, ours), (_, theirs))) = differing {
+        return Some(format!("{what}: {ours} and {theirs}"));
+    }
+    let of_detectors = ours.detectors.iter().zip(&theirs.detectors);
+    let detector = { of_detectors }.find(|(ours, theirs)| !is_same_detector(ours, theirs));
+    if let Some((detector, _)) = detector {
+        return Some(format!("those of {}", detector.name));
+    }
+    (ours.config != theirs.config).then(|| "those of the configuration".to_owned())
+}
+
+/// A program of others introduces itself only where it had a scan to look at.
+fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
+    let (Some(our_program), Some(their_program)) = (&ours.foreign, &theirs.foreign) else { return ours == theirs };
+    let is_same = |one: &Option<String>, other: &Option<String>| one.is_none() || other.is_none() || one == other;
+    let silent = |it: &DetectorEntry| {
+        let mut it = it.clone();
+        if let Some(foreign) = &mut it.foreign {
+            (foreign.reported_name, foreign.version) = (None, None);
+        }
+        it
+    };
+    is_same(&our_program.reported_name, &their_program.reported_name)
+        && is_same(&our_program.version, &their_program.version)
+        && silent(ours) == silent(theirs)
+}
+
+/// Sorts `records` by their numbers, each of which has to be there once.
+fn check_numbers(
+    shards: &[NamedShard],
+    records: &mut [(usize, Shard, &ShardRecord)],
+) -> Result<(), ShardMismatch> {
+    let name = |idx: usize| shards[idx].name.clone();
+    if let Some([one, other]) = records.array_windows().find(|[one, other]| one.1.count() != other.1.count()) {
+        let (first, other_name) = (name(one.0), name(other.0));
+        let (count, other_count) = (one.1.count(), other.1.count());
+        return Err(ShardMismatch::Count { first, count, other: other_name, other_count });
+    }
+    records.sort_by_key(|(idx, shard, _)| (shard.index(), *idx));
+    if let Some([one, other]) = records.array_windows().find(|[one, other]| one.1 == other.1) {
+        return Err(ShardMismatch::Twice { first: name(one.0), other: name(other.0), shard: one.1 });
+    }
+    let there: BTreeSet<u32> = records.iter().map(|it| it.1.index()).collect();
+    let count = records.first().map_or(0, |it| it.1.count());
+    let missing: Vec<u32> = (1..=count).filter(|it| !there.contains(it)).collect();
+    if missing.is_empty() { Ok(()) } else { Err(ShardMismatch::Missing { count, missing }) }
+}
+
+/// Every scan that was selected has to be in one of `records`.
+fn check_scans(shards: &[NamedShard], records: &[(usize, Shard, &ShardRecord)]) -> Result<(), ShardMismatch> {
+    let datasets = shards.first().map_or(&[][..], |it| &it.manifest.datasets);
+    for (dataset_idx, entry) in datasets.iter().enumerate() {
+        let dataset = || entry.id.clone();
+        let (mut place, mut last) = (0, None);
+        for (idx, _, record) in records {
+            let Some(part) = record.parts.get(dataset_idx).filter(|it| it.first < it.end) else { continue };
+            if part.first < place {
+                let first = shards[last.unwrap_or(*idx)].name.clone();
+                let other = shards[*idx].name.clone();
+                return Err(ShardMismatch::Overlap { first, other, dataset: dataset(), place: part.first });
+            }
+            if part.first > place {
+                let n_scans = part.first - place;
+                return Err(ShardMismatch::Gap { dataset: dataset(), place, n_scans });
+            }
+            (place, last) = (part.end, Some(*idx));
+        }
+        if place < entry.n_scans {
+            let n_scans = entry.n_scans - place;
+            return Err(ShardMismatch::Gap { dataset: dataset(), place, n_scans });
+        }
+    }
+    Ok(())
+}

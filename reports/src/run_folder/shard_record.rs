@@ -1,0 +1,121 @@
+//! What a manifest says of a shard: which scans it has, and what it left.
+
+use serde::{Deserialize, Serialize};
+
+use crate::vocabulary::shard::{Shard, ShardError};
+use crate::worst::recorded::RecordedPlace;
+
+/// A part of a run that was made by itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShardRecord {
+    /// Which one, from 1.
+    pub index: u32,
+    /// How many there are.
+    pub count: u32,
+    /// When it was begun, in UTC as RFC 3339 writes it.
+    pub created: String,
+    /// SHA-256 of the program.
+    pub program: String,
+    /// By what the work was shared out.
+    pub cut_by: WorkMeasure,
+    /// Its scans, in the order of the data sets of the run.
+    pub parts: Vec<ShardPart>,
+    /// Where it ran: the processors in the order of its rows, more than one if it was continued elsewhere.
+    pub processors: Vec<ProcessorRows>,
+    /// Its rows, for whoever puts it together with the others.
+    pub files: Vec<ShardFile>,
+    /// Its recordings, in the order of their scans.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<ShardRecording>,
+    /// Those of its worst mistakes whose scans are in them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub worst_recorded: Vec<RecordedPlace>,
+}
+
+/// By what the work of scans is measured before they are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WorkMeasure {
+    /// The sizes of their files, which go with the number of points.
+    FileSizes,
+    /// Each scan is as much as any other.
+    Scans,
+}
+
+/// What a shard has of a data set.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShardPart {
+    /// Its first scan, as a place among those that were selected, from 0.
+    pub first: u64,
+    /// The place behind its last one.
+    pub end: u64,
+    /// SHA-256 of the names and times of all scans that were selected.
+    pub selected: String,
+    /// Annotations of any kind in its scans.
+    pub n_labels: u64,
+}
+
+/// How many rows of `scans.csv` were made on a processor.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProcessorRows {
+    /// The processor's own name.
+    pub cpu_model: String,
+    /// Rows.
+    pub n_scan_rows: u64,
+}
+
+/// A file of a shard.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShardFile {
+    /// Its name.
+    pub name: String,
+    /// Its size in bytes.
+    pub n_bytes: u64,
+    /// SHA-256 of its content.
+    pub sha256: String,
+}
+
+/// A recording of some scans of a shard.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShardRecording {
+    /// The name of the file.
+    pub file: String,
+    /// The first scan that may be in it, counted from 0 over all scans of the run.
+    pub first: u64,
+    /// The number behind the last one.
+    pub end: u64,
+    /// Every so many scans are in it: those whose number this divides.
+    pub every: u64,
+}
+
+impl ShardRecord {
+    /// Which shard it is.
+    ///
+    /// # Errors
+    ///
+    /// [`ShardError`] if there is none like it.
+    pub fn shard(&self) -> Result<Shard, ShardError> {
+        Shard::new(self.index, self.count)
+    }
+
+    /// Number of its scans.
+    pub fn n_scans(&self) -> u64 {
+        self.parts.iter().map(|it| it.end.saturating_sub(it.first)).sum()
+    }
+}
+
+/// The different processors of `shards`, in order.
+pub fn processors_of<'a>(shards: impl IntoIterator<Item = &'a ShardRecord>) -> Vec<&'a str> {
+    let mut models: Vec<&str> = Vec::new();
+    for model in shards.into_iter().flat_map(|it| &it.processors).map(|it| it.cpu_model.as_str()) {
+        if !models.contains(&model) {
+            models.push(model);
+        }
+    }
+    models
+}

@@ -1,0 +1,77 @@
+//! `recordings.json`: where the scans of the worst mistakes are recorded, of a run that was made in parts.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::archive::{ArchiveError, SCHEMA, read_json};
+use crate::worst::places::ObjectName;
+
+/// The recordings of a run that was put together.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recordings {
+    schema: u32,
+    /// One for every object whose scan is recorded.
+    pub places: Vec<RecordedPlace>,
+}
+
+/// An object whose scan is recorded.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedPlace {
+    /// Which object.
+    pub object: ObjectName,
+    /// The recording: a file beside this one, or a path from there.
+    pub recording: String,
+    /// The place on its timeline.
+    pub step: u64,
+}
+
+impl Recordings {
+    /// Of these objects.
+    pub fn new(places: Vec<RecordedPlace>) -> Self {
+        Self { schema: SCHEMA, places }
+    }
+
+    /// The content of the file.
+    pub fn to_json(&self) -> String {
+        let mut json = serde_json::to_string_pretty(self).expect("names and numbers are JSON");
+        json.push('\n');
+        json
+    }
+
+    /// Reads the file; `None` if there is none.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if it cannot be read or is damaged.
+    pub fn read(path: &Path) -> Result<Option<Self>, ArchiveError> {
+        if path.exists() { read_json(path).map(Some) } else { Ok(None) }
+    }
+
+    /// Where the scan of `object` is recorded.
+    pub fn of(&self, object: &ObjectName) -> Option<&RecordedPlace> {
+        self.places.iter().find(|it| it.object == *object)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_read_back_as_they_were() {
+        let [dataset, sequence] = ["street", "drive"].map(str::to_owned);
+        let object = ObjectName { dataset, sequence, scan: 3, detector: None, id: 4 };
+        let place = RecordedPlace { object: object.clone(), recording: "../a/run.rrd".to_owned(), step: 17 };
+        let recordings = Recordings::new(vec![place.clone()]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("recordings.json");
+        assert_eq!(Recordings::read(&path).unwrap(), None);
+        std::fs::write(&path, recordings.to_json()).unwrap();
+        let read = Recordings::read(&path).unwrap().unwrap();
+        assert_eq!(read.of(&object), Some(&place));
+        assert_eq!(read.of(&ObjectName { id: 5, ..object }), None);
+    }
+}
