@@ -2,8 +2,8 @@
 
     protocol_nuscenes.py SCANBENCH FOLDER
 
-On a made-up data set: submissions with distinct scores, with scores alike, of one class, of nothing, and the labels themselves; one of them
-shuffled. Where scores are alike the devkit takes the last of its list first, and so it is given lists in the order that scanbench makes.
+On a made-up data set: submissions with distinct scores, with scores alike, of one class, of one box, and the labels themselves; two of them
+shuffled. The devkit cannot read one without any box. Where scores are alike the devkit takes the last of its list first, and so it is given lists in the order that scanbench makes.
 """
 
 import json
@@ -65,7 +65,7 @@ def main(scanbench: str, folder: Path) -> None:
         "alike": alike,
         "alike-shuffled": shuffled(alike),
         "cars": noisy(made, 3, {"car"}),
-        "nothing": {sample: [] for sample in made.labels},
+        "one-box": {sample: distinct[sample][:1] if place == 0 else [] for place, sample in enumerate(made.labels)},
         "truth": made.labels,
     }
     for name, found in cases.items():

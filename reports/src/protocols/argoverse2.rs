@@ -199,3 +199,83 @@ fn mean_errors(class: &RankedClass, times: &[u16]) -> [f64; 3] {
     }
     if n > 0.0 { sums.map(|it| it / n) } else { LARGEST_ERRORS }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocols::made_rows::{found, labelled, number, right_false_right};
+    use crate::rows::ranked_box_row::RankedBoxRow;
+    use proptest::prelude::*;
+
+    const HERE: RankedProtocol = RankedProtocol::Argoverse2;
+
+    #[track_caller]
+    fn check(rows: &[RankedBoxRow], class: &str, metric: &str, expected: f64) {
+        let value = number(rows, &[1, 1], class, metric).unwrap_or_else(|| panic!("{metric} of {class}"));
+        assert!((value - expected).abs() < 1e-12, "{metric} of {class} is {value}, not {expected}");
+    }
+
+    #[test]
+    fn one_class_can_be_done_in_the_head() {
+        let rows = right_false_right(HERE, "BUS");
+        // The best precision at a recall or higher: 1 at fifty of 101, 2/3 from 0.5 on.
+        let average = (50.0 + 51.0 * 2.0 / 3.0) / 101.0;
+        let composite = average * (1.0 - 0.25 + 1.0 - 0.2 + 1.0 - 0.3 / PI) / 3.0;
+        for class in ["BUS", "present"] {
+            check(&rows, class, "ap", average);
+            check(&rows, class, "ate_m", 0.5);
+            check(&rows, class, "cds", composite);
+        }
+        check(&rows, "BUS", "ap_4m", average);
+        // 25 classes have nothing, and the largest errors.
+        check(&rows, "all", "cds", composite / 26.0);
+        check(&rows, "all", "ate_m", (0.5 + 25.0 * 2.0) / 26.0);
+        check(&rows, "all", "aoe_rad", (0.3 + 25.0 * PI) / 26.0);
+    }
+
+    #[test]
+    fn what_is_never_found_has_the_largest_errors() {
+        let rows = [labelled(HERE, 0, "SIGN"), labelled(HERE, 1, "SIGN"), found(HERE, (0, 0), "SIGN", 0.5, None)];
+        check(&rows, "SIGN", "ap", 0.0);
+        check(&rows, "SIGN", "aoe_rad", PI);
+        check(&rows, "SIGN", "cds", 0.0);
+    }
+
+    /// Mean over recalls as the definition reads: of each recall the best precision of all points from there on, on the straight line
+    /// between points.
+    fn slow_average(is_right: &[bool], n: usize) -> f64 {
+        let mut points = Vec::new();
+        let mut n_found = 0;
+        for (place, it) in is_right.iter().enumerate() {
+            n_found += usize::from(*it);
+            points.push([n_found as f64 / n as f64, n_found as f64 / (place + 1) as f64]);
+        }
+        for place in (1..points.len()).rev() {
+            points[place - 1][1] = points[place - 1][1].max(points[place][1]);
+        }
+        let at = |recall: f64| {
+            let Some(first) = points.first() else { return 0.0 };
+            let Some(last) = points.iter().rposition(|it| it[0] <= recall) else { return first[1] };
+            match points.get(last + 1) {
+                Some(next) => on_line(recall, points[last], *next),
+                None if points[last][0] == recall => points[last][1],
+                None => 0.0,
+            }
+        };
+        (0..N_RECALLS).map(|it| at(recall_at(it))).sum::<f64>() / N_RECALLS as f64
+    }
+
+    proptest! {
+        #[test]
+        fn precision_is_as_the_definition_reads(is_right in prop::collection::vec(any::<bool>(), 0..40)) {
+            let n = is_right.iter().filter(|it| **it).count() + 2;
+            let mut rows: Vec<RankedBoxRow> = (0..n as u32).map(|it| labelled(HERE, it, "DOG")).collect();
+            let numbered = is_right.iter().zip(0..);
+            rows.extend(numbered.map(|(right, id)| {
+                found(HERE, (0, id), "DOG", 1.0 - f64::from(id) / 64.0, right.then_some(0))
+            }));
+            let value = number(&rows, &vec![1; n], "DOG", "ap").unwrap();
+            prop_assert!((value - slow_average(&is_right, n)).abs() < 1e-12);
+        }
+    }
+}

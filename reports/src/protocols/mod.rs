@@ -8,4 +8,6 @@ mod recall_grid;
 pub mod nuscenes;
 pub mod argoverse2;
 pub mod protocol_tally;
+#[cfg(test)]
+mod made_rows;
 pub mod protocol_report;

@@ -274,3 +274,105 @@ fn running_means(class: &RankedClass, times: &[u16]) -> (Vec<f64>, Vec<[f64; N_E
     }
     (scores, means)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocols::made_rows::{found, labelled, number, right_false_right};
+    use crate::rows::ranked_box_row::RankedBoxRow;
+    use proptest::prelude::*;
+
+    const HERE: RankedProtocol = RankedProtocol::Nuscenes;
+
+    #[track_caller]
+    fn check(rows: &[RankedBoxRow], class: &str, metric: &str, expected: Option<f64>) {
+        let value = number(rows, &[1, 1], class, metric);
+        let is_near = match (value, expected) {
+            (Some(value), Some(expected)) => (value - expected).abs() < 1e-12,
+            (value, expected) => value == expected,
+        };
+        assert!(is_near, "{metric} of {class} is {value:?}, not {expected:?}");
+    }
+
+    #[test]
+    fn one_class_can_be_done_in_the_head() {
+        let rows = right_false_right(HERE, "car");
+        // Precision is 1 below a recall of 0.5, 1/2 at it, and from there rises to 2/3. Of 90 recalls each counts less a tenth.
+        let at_half_and_above: f64 = (0..=50_i32).map(|it| 0.5 + f64::from(it) / 300.0).sum();
+        let average = (39.0 + at_half_and_above - 9.0) / (0.9 * 90.0);
+        check(&rows, "car", "ap", Some(average));
+        check(&rows, "car", "ap_0.5m", Some(average));
+        for (metric, error) in [("ate_m", 0.5), ("ase", 0.2), ("aoe_rad", 0.3), ("ave_m_per_s", 2.0)] {
+            check(&rows, "car", metric, Some(error));
+            check(&rows, "present", metric, Some(error));
+        }
+        check(&rows, "car", "aae", None);
+        // Four errors are known; a velocity of 2 m/s too much counts as 1.
+        check(&rows, "present", "nds", Some((5.0 * average + 0.5 + 0.8 + 0.7) / 9.0));
+        // Nine classes have nothing: no precision, and errors of 1.
+        check(&rows, "all", "ap", Some(average / 10.0));
+        check(&rows, "all", "ate_m", Some(9.5 / 10.0));
+        check(&rows, "all", "aoe_rad", Some(8.3 / 9.0));
+        check(&rows, "all", "aae", Some(1.0));
+    }
+
+    #[test]
+    fn a_scan_that_is_drawn_twice_counts_twice() {
+        let rows = right_false_right(HERE, "car");
+        let [once, twice] = [[1, 0], [2, 0]].map(|times| number(&rows, &times, "car", "ap"));
+        // One annotation, which is found first of all: precision is 1 up to any recall but 1, where it is 1/2.
+        let expected = (89.0 + (0.5 - 0.1) / 0.9) / 90.0;
+        assert!([once, twice].iter().all(|it| (it.unwrap() - expected).abs() < 1e-12), "{once:?} {twice:?}");
+        assert_eq!(number(&rows, &[0, 0], "car", "ap"), None);
+    }
+
+    #[test]
+    fn errors_are_means_up_to_a_recall_and_cones_have_no_heading() {
+        let rows = right_false_right(HERE, "traffic_cone");
+        check(&rows, "traffic_cone", "aoe_rad", None);
+        check(&rows, "present", "aoe_rad", None);
+        check(&rows, "traffic_cone", "ate_m", Some(0.5));
+    }
+
+    #[test]
+    fn too_low_a_recall_has_the_largest_errors() {
+        let mut rows: Vec<RankedBoxRow> = (0..20).map(|scan| labelled(HERE, scan, "bus")).collect();
+        rows.push(found(HERE, (0, 0), "bus", 0.5, Some(0)));
+        assert_eq!(number(&rows, &[1; 20], "bus", "ate_m"), Some(1.0));
+        assert_eq!(number(&rows, &[1; 20], "bus", "ap"), Some(0.0));
+    }
+
+    fn drawn_rows() -> impl Strategy<Value = Vec<RankedBoxRow>> {
+        let detection = (0..4_u32, 0..5_u8, any::<bool>());
+        prop::collection::vec(detection, 0..30).prop_map(|detections| {
+            let mut rows: Vec<RankedBoxRow> =
+                (0..8).map(|it| labelled(HERE, it % 4, ["car", "bus"][it as usize % 2])).collect();
+            let numbered = detections.iter().zip(0..);
+            rows.extend(numbered.map(|((scan, score, is_right), id)| {
+                let class = ["car", "bus"][id as usize % 2];
+                found(HERE, (*scan, id), class, f64::from(*score) / 4.0, is_right.then_some(0))
+            }));
+            rows
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn the_order_of_rows_changes_nothing(rows in drawn_rows(), seed in any::<u64>()) {
+            let mut shuffled = rows.clone();
+            shuffled.sort_by_key(|it| (u64::from(it.ranked_box.id) + 3 * u64::from(it.scan.scan)).wrapping_mul(seed | 1));
+            for metric in ["ap", "nds", "ate_m"] {
+                let [a, b] = [&rows, &shuffled].map(|it| number(it, &[1, 2, 0, 1], "present", metric));
+                prop_assert_eq!(a, b);
+            }
+        }
+
+        #[test]
+        fn what_finds_all_and_nothing_else_has_a_precision_of_one(scores in prop::collection::vec(1..9_u8, 4)) {
+            let mut rows: Vec<RankedBoxRow> = (0..4).map(|it| labelled(HERE, it, "car")).collect();
+            let numbered = scores.iter().zip(0..);
+            rows.extend(numbered.map(|(score, scan)| found(HERE, (scan, 0), "car", f64::from(*score), Some(0))));
+            prop_assert_eq!(number(&rows, &[1; 4], "present", "ap"), Some(1.0));
+        }
+    }
+}

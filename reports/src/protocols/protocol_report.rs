@@ -45,3 +45,52 @@ impl ProtocolReport {
         read_json(path)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+    use crate::protocols::protocol_number::ProtocolMetric;
+    use crate::vocabulary::metric::Direction;
+    use crate::vocabulary::protocol::Protocol;
+
+    fn number(value: Option<f64>) -> ProtocolNumber {
+        let blocks = BlockCount::of_dataset(3, BlockKind::Seconds);
+        ProtocolNumber {
+            protocol: Protocol::Nuscenes,
+            dataset: "street".to_owned(),
+            detector: "mine".to_owned(),
+            metric: ProtocolMetric {
+                class: "car".to_owned(),
+                id: "ate_m".to_owned(),
+                unit: "m",
+                direction: Direction::LowerIsBetter,
+                n: 12,
+            },
+            value,
+            interval: value.map(|it| Interval { ends: [it - 0.1, it + 0.1], blocks }),
+        }
+    }
+
+    fn read(text: &str) -> Result<ProtocolReport, ArchiveError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("protocols.json");
+        std::fs::write(&path, text).unwrap();
+        ProtocolReport::read(&path)
+    }
+
+    #[test]
+    fn a_report_reads_back_as_it_was() {
+        let report = ProtocolReport::new(vec![number(Some(0.25)), number(None)]);
+        assert_eq!(read(&report.to_json()).unwrap(), report);
+        assert!(report.to_json().contains("\"caveat\":\"interval from only 3 blocks of scans\""));
+    }
+
+    #[test]
+    fn damage_is_refused() {
+        let json = ProtocolReport::new(vec![number(Some(0.25))]).to_json();
+        for (from, to) in [("\"m\"", "\"mile\""), ("nuscenes", "newscenes"), ("\"n\"", "\"m\""), ("seconds", "hours")] {
+            assert!(read(&json.replacen(from, to, 1)).is_err(), "{to}");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! A run as it is read back from its directory.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::{each_row, read_rows};
@@ -26,6 +26,8 @@ pub struct RunArchive {
     pub matches: Vec<MatchRow>,
     /// What came of it under protocols of others.
     pub protocols: ProtocolTally,
+    /// The files of rows that this was made of.
+    pub protocol_files: Vec<PathBuf>,
 }
 
 impl RunArchive {
@@ -41,19 +43,14 @@ impl RunArchive {
             scans: read_rows(&directory.join(SCANS_CSV))?,
             matches: read_rows(&directory.join(MATCHES_CSV))?,
             protocols: Self::protocol_tally(directory)?,
+            protocol_files: protocol_files(directory),
         })
     }
 
-    /// Its rows under protocols of others.
-    ///
-    /// # Errors
-    ///
-    /// [`ArchiveError`] if a file is damaged.
     fn protocol_tally(directory: &Path) -> Result<ProtocolTally, ArchiveError> {
         let mut tally = ProtocolTally::default();
-        let boxes = directory.join(PROTOCOL_BOXES_CSV);
-        if boxes.exists() {
-            each_row(&boxes, |row| tally.add_ranked_box(&row))?;
+        for path in protocol_files(directory) {
+            each_row(&path, |row| tally.add_ranked_box(&row))?;
         }
         Ok(tally)
     }
@@ -69,4 +66,10 @@ impl RunArchive {
         }
         tally
     }
+}
+
+/// The files of rows under protocols of others that `directory` has.
+fn protocol_files(directory: &Path) -> Vec<PathBuf> {
+    let files = [PROTOCOL_BOXES_CSV].map(|it| directory.join(it));
+    files.into_iter().filter(|it| it.is_file()).collect()
 }

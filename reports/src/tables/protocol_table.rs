@@ -52,6 +52,11 @@ impl<'a> ProtocolTable<'a> {
         format!("table_protocol_{}", self.protocol.name())
     }
 
+    /// Its numbers, in the order of `protocols.json`.
+    pub(crate) fn numbers(&self) -> &[&'a ProtocolNumber] {
+        &self.numbers
+    }
+
     fn detectors(&self) -> Vec<&str> {
         let names = self.manifest.detectors.iter().map(|it| it.name.as_str());
         names.filter(|name| self.numbers.iter().any(|it| it.detector == *name)).collect()
@@ -115,9 +120,12 @@ impl<'a> ProtocolTable<'a> {
             )
         });
         let about_scores = "Detections without a score have 1; vehicles whose class nobody tells are cars.";
+        let has_gaps = self.numbers.iter().any(|it| it.value.is_none());
+        let about_gaps = has_gaps.then(|| "–: no annotation that it could be of, or not known.".to_owned());
         let more = (self.lines == ProtocolLines::Summary && has_classes)
             .then(|| format!("Class by class: {}.md.", self.file_stem()));
-        [about_classes, Some(about_scores.to_owned()), about_intervals, more].into_iter().flatten().collect()
+        let about_scores = Some(about_scores.to_owned());
+        [about_classes, about_scores, about_gaps, about_intervals, more].into_iter().flatten().collect()
     }
 }
 
@@ -140,4 +148,80 @@ fn number_cells(number: &ProtocolNumber) -> [Cell; 2] {
         Cell::interval(it.ends.map(|end| fixed_decimals(end, 4)).join(" to "), it.blocks)
     });
     [Cell::new(fixed_decimals(value, 4)), interval]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+    use crate::protocols::protocol_number::ProtocolMetric;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::lists::protocol_formats;
+    use crate::tables::formats::terminal::Terminal;
+    use crate::tables::sample;
+    use crate::vocabulary::metric::Direction;
+
+    fn report() -> ProtocolReport {
+        let number = |detector: &str, class: &str, id: &str, value: Option<f64>| {
+            let blocks = BlockCount::of_dataset(12, BlockKind::Seconds);
+            ProtocolNumber {
+                protocol: Protocol::Nuscenes,
+                dataset: "main_road".to_owned(),
+                detector: detector.to_owned(),
+                metric: ProtocolMetric {
+                    class: class.to_owned(),
+                    id: id.to_owned(),
+                    unit: "ratio",
+                    direction: Direction::HigherIsBetter,
+                    n: 41,
+                },
+                value,
+                interval: value.map(|it| Interval { ends: [it - 0.1, it + 0.1], blocks }),
+            }
+        };
+        let of_detector = |name: &str, value: Option<f64>| {
+            [number(name, "all", "ap", value), number(name, "all", "nds", Some(0.5)), number(name, "car", "ap", value)]
+        };
+        let rows = [of_detector("hierarchical", Some(0.25)), of_detector("pca", None)];
+        ProtocolReport::new(rows.concat())
+    }
+
+    #[test]
+    fn a_summary_has_no_classes_and_a_table_all() {
+        let (report, manifest) = (report(), sample::manifest());
+        let tables = |lines| ProtocolTable::all(&report, &manifest, lines);
+        let text = |lines| Terminal::UNFOLDED.text(&tables(lines)[0]);
+        insta::assert_snapshot!(text(ProtocolLines::Summary), @r"
+        Protocol nuscenes. n: annotations that count.
+
+                                                         hierarchical                   pca
+                                                   ────────────────────────   ────────────────────────
+        data set               class  metric   n    value              95 %    value              95 %
+        ──────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)  all    ap      41   0.2500  0.1500 to 0.3500   –
+                                      nds          0.5000  0.4000 to 0.6000   0.5000  0.4000 to 0.6000
+
+        all: the mean over all classes, as the makers have it; classes without annotations count as not
+          found. present: over classes with annotations, and errors that are known.
+        Detections without a score have 1; vehicles whose class nobody tells are cars.
+        –: no annotation that it could be of, or not known.
+        95 % interval: cluster bootstrap, 1000 resamples of seconds, because there are fewer than 10 drives:
+          they cover other scans of the same drives, but not other drives.
+        Class by class: table_protocol_nuscenes.md.
+        simulated: from a simulator, not recorded.
+        ");
+        assert!(text(ProtocolLines::Every).contains("car"));
+        assert_eq!(tables(ProtocolLines::Every).len(), 1);
+    }
+
+    #[test]
+    fn every_format_has_every_number() {
+        let (report, manifest) = (report(), sample::manifest());
+        let table = &ProtocolTable::all(&report, &manifest, ProtocolLines::Every)[0];
+        for format in protocol_formats() {
+            let text = format.text(table);
+            assert!(text.contains("0.25") && text.contains("car") && text.ends_with('\n'), "{text}");
+        }
+        assert_eq!(protocol_formats()[0].text(table).lines().count(), 7);
+    }
 }

@@ -97,3 +97,38 @@ fn turned_rad(difference_rad: f64) -> f64 {
     let angle_rad = difference_rad.abs();
     if angle_rad < PI { angle_rad } else { PI - angle_rad % PI }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Isometry3;
+
+    fn at(x_m: f64, z_m: f64) -> OfficialObject {
+        OfficialObject::new("BUS", &Isometry3::translation(x_m, 0.0, z_m), [4.0, 2.0, 1.0])
+    }
+
+    #[test]
+    fn only_the_best_of_those_that_pick_an_annotation_may_find_it() {
+        let annotations = [at(0.0, 0.0), at(3.0, 0.0)];
+        let detections = [at(0.9, 0.0), at(0.1, 0.0), at(3.0, 0.0)];
+        let pairs = Argoverse2::pairs(&detections.each_ref(), &annotations.each_ref());
+        // The second is nearer, but comes later, and does not get the other annotation either.
+        assert_eq!(pairs, [[None, Some(0), Some(0), Some(0)], [None; 4], [Some(1); 4]]);
+    }
+
+    #[test]
+    fn distances_are_in_space() {
+        let pairs = Argoverse2::pairs(&[&at(3.0, 0.0)], &[&at(3.0, 1.5)]);
+        assert_eq!(pairs, [[None, None, Some(0), Some(0)]]);
+        assert_eq!(Argoverse2::state("BUS", &at(149.9, 0.0), &[]), BoxState::Counts);
+        assert_eq!(Argoverse2::state("BUS", &at(120.0, 90.0), &[]), BoxState::BeyondRange);
+    }
+
+    #[test]
+    fn angles_are_as_the_makers_wrap_them() {
+        for (difference_rad, expected) in [(0.5, 0.5), (-0.5, 0.5), (PI, PI), (2.0 * PI - 0.5, 0.5), (2.0 * PI, PI)] {
+            let turned = turned_rad(difference_rad);
+            assert!((turned - expected).abs() < 1e-12, "{difference_rad} becomes {turned}");
+        }
+    }
+}

@@ -134,3 +134,97 @@ fn ranked_box(candidate: Candidate, kind: BoxKind, id: u32) -> RankedBox {
         kind,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocols::argoverse2::Argoverse2;
+    use crate::protocols::nuscenes::Nuscenes;
+    use crate::protocols::official_objects::OfficialScanView;
+    use detector::{Detections, OrientedBox, PointCloud};
+    use proptest::prelude::*;
+    use reports::rows::scan_name::ScanName;
+    use reports::vocabulary::class::AnnotationClass;
+    use scans::annotation::{Annotation, LabeledArea, LabeledScan, ScanId};
+
+    /// Cars of one point at these places.
+    fn scan(places_m: &[[f32; 2]]) -> LabeledScan {
+        let annotation = |[x_m, y_m]: &[f32; 2]| Annotation {
+            class: AnnotationClass::Car,
+            bounding_box: Some(OrientedBox {
+                center_m: [*x_m, *y_m, 0.0],
+                length_width_height_m: [4.0, 2.0, 1.5],
+                yaw_rad: 0.1,
+            }),
+            point_indices: vec![0],
+            track: None,
+            occlusion: None,
+            truncation: None,
+        };
+        LabeledScan {
+            id: ScanId { sequence: "drawn".to_owned(), index: 0 },
+            cloud: PointCloud::default(),
+            annotations: places_m.iter().map(annotation).collect(),
+            point_regions: Vec::new(),
+            labeled_area: LabeledArea::Everywhere,
+            points_left_out: Vec::new(),
+        }
+    }
+
+    fn rows_of<Rules: RankedRules>(scan: &LabeledScan, objects: &[OfficialObject]) -> Vec<RankedBoxRow> {
+        let view = OfficialScanView::of_annotations(scan);
+        rows_by::<Rules>(&FoundInScan {
+            name: ScanName { dataset: "drawn".to_owned(), sequence: "drawn".to_owned(), scan: 0 },
+            detector: "mine",
+            view: &view,
+            detections: &Detections::default(),
+            objects,
+        })
+    }
+
+    fn n_found(rows: &[RankedBoxRow]) -> usize {
+        let is_found = |it: &&RankedBoxRow| {
+            matches!(it.ranked_box.kind, BoxKind::Detection { pairs: [Some(_), ..], errors: Some(_), .. })
+        };
+        rows.iter().filter(is_found).count()
+    }
+
+    #[test]
+    fn a_hundred_of_a_class_are_evaluated_by_argoverse() {
+        let scan = scan(&[[5.0, 0.0]]);
+        let echoed = OfficialScanView::of_annotations(&scan).echoed();
+        let rows = rows_of::<Argoverse2>(&scan, &vec![echoed[0].clone(); 103]);
+        let n_of = |state| rows.iter().filter(|it| it.ranked_box.state == state).count();
+        assert_eq!((n_of(BoxState::Counts), n_of(BoxState::BeyondNumber), n_found(&rows)), (101, 3, 1));
+    }
+
+    proptest! {
+        #[test]
+        fn the_order_of_labels_and_detections_changes_nothing(
+            places_m in prop::collection::vec(prop::array::uniform2(-9.0_f32..9.0), 1..12),
+            moved_m in prop::collection::vec(-2.0_f64..2.0, 12),
+            n_turns in 0..12_usize,
+        ) {
+            let (mut turned, n) = (places_m.clone(), places_m.len());
+            turned.rotate_left(n_turns % n);
+            let [scan, other] = [scan(&places_m), scan(&turned)];
+            let mut objects = OfficialScanView::of_annotations(&scan).echoed();
+            for (object, moved_m) in objects.iter_mut().zip(&moved_m) {
+                object.center_m[0] += moved_m;
+                object.score = Some((2.0 * moved_m).round());
+            }
+            let mut reversed = objects.clone();
+            reversed.reverse();
+            prop_assert_eq!(rows_of::<Nuscenes>(&scan, &objects), rows_of::<Nuscenes>(&other, &reversed));
+            prop_assert_eq!(rows_of::<Argoverse2>(&scan, &objects), rows_of::<Argoverse2>(&other, &reversed));
+        }
+
+        #[test]
+        fn labels_find_themselves(places_m in prop::collection::vec(prop::array::uniform2(-9.0_f32..9.0), 1..12)) {
+            let scan = scan(&places_m);
+            let echoed = OfficialScanView::of_annotations(&scan).echoed();
+            prop_assert_eq!(n_found(&rows_of::<Nuscenes>(&scan, &echoed)), places_m.len());
+            prop_assert_eq!(n_found(&rows_of::<Argoverse2>(&scan, &echoed)), places_m.len());
+        }
+    }
+}

@@ -5,9 +5,8 @@ use reports::protocols::protocol_report::ProtocolReport;
 use reports::protocols::protocol_tally::ProtocolTally;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{PROTOCOLS_JSON, RunDirectory};
-use reports::tables::formats::format::Format;
-use reports::tables::formats::latex::Latex;
-use reports::tables::formats::markdown::Markdown;
+use reports::tables::formats::format::Format as _;
+use reports::tables::formats::lists::protocol_formats;
 use reports::tables::protocol_table::{ProtocolLines, ProtocolTable};
 
 use crate::commands::failure::Failure;
@@ -30,8 +29,7 @@ pub fn write_protocols(
     let report = ProtocolReport::new(rows.numbers(tally));
     directory.write_file(PROTOCOLS_JSON, report.to_json().as_bytes())?;
     for table in ProtocolTable::all(&report, manifest, ProtocolLines::Every) {
-        let formats: [&dyn Format<ProtocolTable<'_>>; 2] = [&Markdown, &Latex];
-        for format in formats {
+        for format in protocol_formats() {
             directory.write_file(&format.file_name(&table.file_stem()), format.text(&table).as_bytes())?;
         }
     }

@@ -13,7 +13,7 @@ use reports::vocabulary::metric::Direction;
 use reports::vocabulary::protocol::Protocol;
 use scans::dataset::source::DamagePolicy;
 
-use crate::commands::failure::Failure;
+use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::progress_over_scans;
 
@@ -55,7 +55,7 @@ impl std::fmt::Display for CheckedProtocol {
 ///
 /// # Errors
 ///
-/// If data cannot be read.
+/// [`NothingEvaluated`] if no label has a class of one of them; if data cannot be read.
 pub fn check_protocols(
     opened: &OpenedDataset,
     policy: DamagePolicy,
@@ -99,7 +99,13 @@ pub fn check_protocols(
     progress.finish_and_clear();
     let scans = DrawnScans::undrawn(names);
     let checks = protocols.iter().zip(n_beyond_number);
-    Ok(checks.map(|(protocol, n)| checked(id, *protocol, n, (&tally, &scans))).collect())
+    let checks: Vec<CheckedProtocol> =
+        checks.map(|(protocol, n)| checked(id, *protocol, n, (&tally, &scans))).collect();
+    if let Some(nothing) = checks.iter().find(|it| it.n_numbers == 0) {
+        let reason = format!("no label of {id:?} that counts has a class of the protocol {}", nothing.protocol);
+        return Err(NothingEvaluated { reason }.into());
+    }
+    Ok(checks)
 }
 
 fn checked(
