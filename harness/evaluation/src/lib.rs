@@ -13,5 +13,6 @@ pub mod training;
 pub mod partial;
 pub mod process;
 pub mod run;
+pub mod protocols;
 pub mod results_mcap;
 pub mod sweep;

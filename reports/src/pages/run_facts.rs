@@ -11,12 +11,14 @@ use crate::numbers::run_report::{RunReport, Subject};
 use crate::numbers::sums::Term;
 use crate::numbers::tally::Tally;
 use crate::plots::range_plot::{RateInRange, RatesOverRange};
+use crate::protocols::protocol_report::ProtocolReport;
 use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, PRECISION_RECALL_CSV, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
+    MATCHES_CSV, PRECISION_RECALL_CSV, PROTOCOLS_JSON, RECORDINGS_JSON, REPORT_JSON, SCANS_CSV,
+    WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
@@ -55,8 +57,15 @@ pub(super) struct RunFacts {
     pub(super) failures: Vec<FailedDetector>,
     /// Where the worst mistakes are recorded, of a run that was made in parts.
     pub(super) recordings: Option<Recordings>,
+    /// Its numbers under protocols of others; `None` if it was evaluated under none.
+    pub(super) protocols: Option<ProtocolReport>,
     /// Whether there is a recording for the viewer.
     pub(super) has_recording: bool,
+}
+
+fn protocols_of(directory: &Path, manifest: &Manifest) -> Result<Option<ProtocolReport>, ArchiveError> {
+    let is_evaluated = !manifest.protocols.is_empty();
+    is_evaluated.then(|| ProtocolReport::read(&directory.join(PROTOCOLS_JSON))).transpose()
 }
 
 /// A detector that gave no answer to some scans.
@@ -154,6 +163,7 @@ impl RunFacts {
             points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
             failures,
             recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
+            protocols: protocols_of(directory, &manifest)?,
             has_recording: directory.join("run.rrd").is_file(),
             times_ms,
             worst,

@@ -45,7 +45,7 @@ pub fn comparison_plot(comparison: &Comparison) -> String {
     let parts = [(Metric::FRate, "F-rate"), (Metric::Recall, "recall")].map(|(metric, name)| {
         let of_metric = comparison.differences.iter().filter(|it| it.difference.metric == metric);
         let rows = of_metric.map(|it| {
-            let name = format!("{}, {}, {}", it.task, it.detector, it.slice.name());
+            let name = format!("{}, {}, {}", it.task, it.detector, it.slice);
             row(name, 0, Some(it.difference.difference()), it.difference.interval)
         });
         (format!("After minus before, {name}"), rows.collect())

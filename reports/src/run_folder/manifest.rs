@@ -11,6 +11,7 @@ use crate::run_folder::shard_record::{ShardRecord, processors_of};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::origin::Origin;
+use crate::vocabulary::protocol::Protocol;
 
 /// Everything that decides the numbers of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,6 +36,9 @@ pub struct Manifest {
     /// How often each detector looked at each scan.
     #[serde(default = "once")]
     pub n_repeats: u32,
+    /// The protocols of others that it was evaluated under, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub protocols: Vec<Protocol>,
     /// By what a detection was matched with an annotation, in words, such as `points, Jaccard at least 0.5`.
     pub matching_criterion: String,
     /// Which annotations do not count.
@@ -356,6 +360,7 @@ mod tests {
             experiment: None,
             shard: None,
             shards: Vec::new(),
+            protocols: Vec::new(),
         }
     }
 

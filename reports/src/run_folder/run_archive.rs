@@ -1,15 +1,16 @@
 //! A run as it is read back from its directory.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::files::archive::ArchiveError;
-use crate::files::csv_rows::read_rows;
+use crate::files::csv_rows::{each_row, read_rows};
 use crate::numbers::run_report::RunReport;
 use crate::numbers::tally::Tally;
+use crate::protocols::protocol_tally::ProtocolTally;
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
-use crate::run_folder::run_directory::{MATCHES_CSV, REPORT_JSON, SCANS_CSV};
+use crate::run_folder::run_directory::{MATCHES_CSV, PROTOCOL_BOXES_CSV, REPORT_JSON, SCANS_CSV};
 use crate::run_folder::run_target::MANIFEST_JSON;
 
 /// Everything that a run left behind but pictures and recordings.
@@ -23,6 +24,10 @@ pub struct RunArchive {
     pub scans: Vec<ScanRow>,
     /// One row for every pair, and for every annotation and detection that is in none.
     pub matches: Vec<MatchRow>,
+    /// What came of it under protocols of others.
+    pub protocols: ProtocolTally,
+    /// The files of rows that this was made of.
+    pub protocol_files: Vec<PathBuf>,
 }
 
 impl RunArchive {
@@ -37,7 +42,17 @@ impl RunArchive {
             report: RunReport::read(&directory.join(REPORT_JSON))?,
             scans: read_rows(&directory.join(SCANS_CSV))?,
             matches: read_rows(&directory.join(MATCHES_CSV))?,
+            protocols: Self::protocol_tally(directory)?,
+            protocol_files: protocol_files(directory),
         })
+    }
+
+    fn protocol_tally(directory: &Path) -> Result<ProtocolTally, ArchiveError> {
+        let mut tally = ProtocolTally::default();
+        for path in protocol_files(directory) {
+            each_row(&path, |row| tally.add_ranked_box(&row))?;
+        }
+        Ok(tally)
     }
 
     /// Its sums.
@@ -51,4 +66,10 @@ impl RunArchive {
         }
         tally
     }
+}
+
+/// The files of rows under protocols of others that `directory` has.
+fn protocol_files(directory: &Path) -> Vec<PathBuf> {
+    let files = [PROTOCOL_BOXES_CSV].map(|it| directory.join(it));
+    files.into_iter().filter(|it| it.is_file()).collect()
 }

@@ -31,6 +31,10 @@ pub const AGREEMENT_CSV: &str = "agreement.csv";
 pub const RECORDINGS_JSON: &str = "recordings.json";
 /// The run as a page.
 pub const REPORT_HTML: &str = "report.html";
+/// The numbers under protocols of others.
+pub const PROTOCOLS_JSON: &str = "protocols.json";
+/// Every annotation and detection under protocols that rank boxes by distance, for each detector.
+pub const PROTOCOL_BOXES_CSV: &str = "protocol_boxes.csv";
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
 /// Rates of a sweep.

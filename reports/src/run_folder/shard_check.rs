@@ -200,7 +200,8 @@ fn program_in_words(manifest: &Manifest) -> String {
         let changed = if it.dirty { " with changes" } else { "" };
         format!(", commit {}{changed}", it.commit)
     });
-    let checksum = manifest.shard.as_ref().map_or_else(String::new, |it| it.program.chars().take(12).collect());
+    let checksum =
+        manifest.shard.as_ref().map_or_else(String::new, |it| it.program.chars().take(12).collect());
     format!("version {}{commit}, SHA-256 {checksum}…", manifest.scanbench_version)
 }
 
@@ -260,8 +261,11 @@ fn different_parameters(ours: &Manifest, theirs: &Manifest) -> Option<String> {
 
 /// A program of others introduces itself only where it had a scan to look at.
 fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
-    let (Some(our_program), Some(their_program)) = (&ours.foreign, &theirs.foreign) else { return ours == theirs };
-    let is_same = |one: &Option<String>, other: &Option<String>| one.is_none() || other.is_none() || one == other;
+    let (Some(our_program), Some(their_program)) = (&ours.foreign, &theirs.foreign) else {
+        return ours == theirs;
+    };
+    let is_same =
+        |one: &Option<String>, other: &Option<String>| one.is_none() || other.is_none() || one == other;
     let silent = |it: &DetectorEntry| {
         let mut it = it.clone();
         if let Some(foreign) = &mut it.foreign {
@@ -280,7 +284,8 @@ fn check_numbers(
     records: &mut [(usize, Shard, &ShardRecord)],
 ) -> Result<(), ShardMismatch> {
     let name = |idx: usize| shards[idx].name.clone();
-    if let Some([one, other]) = records.array_windows().find(|[one, other]| one.1.count() != other.1.count()) {
+    if let Some([one, other]) = records.array_windows().find(|[one, other]| one.1.count() != other.1.count())
+    {
         let (first, other_name) = (name(one.0), name(other.0));
         let (count, other_count) = (one.1.count(), other.1.count());
         return Err(ShardMismatch::Count { first, count, other: other_name, other_count });

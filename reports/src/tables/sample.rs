@@ -46,6 +46,7 @@ pub(crate) fn manifest() -> Manifest {
         experiment: None,
         shard: None,
         shards: Vec::new(),
+        protocols: Vec::new(),
     }
 }
 

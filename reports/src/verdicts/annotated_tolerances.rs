@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::verdicts::built_in_tolerances::Sizes;
-use crate::verdicts::tolerances::{QualityRule, SpeedRule, Tolerances};
+use crate::verdicts::tolerances::{ProtocolRule, QualityRule, SpeedRule, Tolerances};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 
@@ -29,6 +29,11 @@ impl Tolerances {
             text.push('\n');
             push_comment(&mut text, &meaning(rule, &sizes));
             push_quality(&mut text, rule);
+        }
+        for rule in &self.protocols {
+            text.push('\n');
+            push_comment(&mut text, &sizes.protocols.meaning);
+            push_protocol(&mut text, rule);
         }
         if let Some(rule) = &self.speed {
             text.push('\n');
@@ -60,6 +65,17 @@ fn push_quality(text: &mut String, rule: &QualityRule) {
     if let Some(tasks) = &rule.tasks {
         push_names(text, "tasks", &tasks.iter().map(|it| it.name().to_owned()).collect::<Vec<_>>());
     }
+    if let Some(detectors) = &rule.detectors {
+        push_names(text, "detectors", detectors);
+    }
+    push_size(text, "absolute", rule.absolute);
+    push_size(text, "relative", rule.relative);
+}
+
+fn push_protocol(text: &mut String, rule: &ProtocolRule) {
+    writeln!(text, "[[protocol]]\nprotocol = {}", quoted(rule.protocol.name())).expect("a string takes all");
+    push_names(text, "metrics", &rule.metrics);
+    push_names(text, "classes", &rule.classes);
     if let Some(detectors) = &rule.detectors {
         push_names(text, "detectors", detectors);
     }

@@ -3,11 +3,17 @@
 use serde::Deserialize;
 
 use crate::numbers::tally::Tally;
+use crate::protocols::drawn_scans::DrawnScans;
+use crate::protocols::protocol_number::{ALL_CLASSES, ProtocolMetric};
+use crate::protocols::protocol_tally::ProtocolQuestion;
 use crate::run_folder::run_archive::RunArchive;
 use crate::uncertainty::sample::{Draw, Question};
-use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule, Tolerances, is_meant};
+use crate::verdicts::tolerances::{
+    DriftRule, Origin, ProtocolRule, QualityRule, SpeedRule, Tolerances, is_meant,
+};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
+use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
@@ -19,6 +25,7 @@ const SIZES: &str = include_str!("built_in_tolerances.toml");
 pub(super) struct Sizes {
     pub(super) metric: Vec<MetricSize>,
     pub(super) slices: SliceSize,
+    pub(super) protocols: ProtocolSize,
     pub(super) speed: SpeedSize,
 }
 
@@ -39,6 +46,16 @@ pub(super) struct SliceSize {
     metric: String,
     pub(super) meaning: String,
     patterns: Vec<String>,
+    absolute: f64,
+    relative: f64,
+}
+
+/// Of the numbers of all classes together under a protocol of others.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ProtocolSize {
+    pub(super) meaning: String,
+    metrics: Vec<String>,
     absolute: f64,
     relative: f64,
 }
@@ -79,8 +96,41 @@ impl Tolerances {
         let of_slices = numbers.rules_about_slices(&sizes.slices);
         let quality = of_metrics.chain(of_slices).collect();
         let speed = numbers.speed_rule(&sizes.speed);
-        Self { origin: Origin::BuiltIn, quality, speed, drift: DriftRule::Fail, problems: Vec::new() }
+        let protocols = protocol_rules(baseline, &sizes.protocols);
+        Self {
+            origin: Origin::BuiltIn,
+            quality,
+            protocols,
+            speed,
+            drift: DriftRule::Fail,
+            problems: Vec::new(),
+        }
     }
+}
+
+/// One rule for each protocol that the baseline was evaluated under, about those of `metrics` that it has of all classes together.
+fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<ProtocolRule> {
+    let tally = baseline.tally();
+    let scans = DrawnScans::undrawn(DrawnScans::of(&tally, OVERALL).names().to_vec());
+    let rule = |protocol: Protocol| {
+        let of_detectors = tally
+            .detectors()
+            .iter()
+            .filter_map(|detector| baseline.protocols.rows(ProtocolQuestion { protocol, detector }, &scans));
+        let known: Vec<ProtocolMetric> = of_detectors.flat_map(|it| it.metrics()).collect();
+        let has_it = |id: &&String| known.iter().any(|it| it.class == ALL_CLASSES && it.id == **id);
+        let metrics: Vec<String> = size.metrics.iter().filter(has_it).cloned().collect();
+        (!metrics.is_empty()).then(|| ProtocolRule {
+            line: None,
+            protocol,
+            metrics,
+            classes: vec![ALL_CLASSES.to_owned()],
+            detectors: None,
+            absolute: size.absolute,
+            relative: size.relative,
+        })
+    };
+    baseline.protocols.protocols().into_iter().filter_map(rule).collect()
 }
 
 /// The numbers of a run, without their intervals.

@@ -8,7 +8,7 @@ use crate::verdicts::finding::Finding;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleProblems, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{GatedPlace, QualityRule, Tolerances, is_meant};
+use crate::verdicts::tolerances::{GatedPlace, QualityRule, Tolerances, is_meant, names_meant};
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -17,14 +17,16 @@ use crate::vocabulary::task::Task;
 /// A number that is gated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatedMetric {
-    /// The task.
-    pub task: Task,
+    /// Name of the task, or of the protocol.
+    pub task: String,
     /// Name of the detector.
     pub detector: String,
-    /// The slice.
-    pub slice: Slice,
+    /// Name of the slice, or of the class under a protocol.
+    pub slice: String,
     /// What was measured.
     pub metric: Metric,
+    /// Place of the rule that decides about it, among those of its kind.
+    pub rule_idx: usize,
     /// Before and after, or where there is no number.
     pub difference: Result<PairedDifference, Missing>,
     /// How much worse it may become.
@@ -92,8 +94,9 @@ impl Sides<'_> {
                     let wanted: Vec<(&Metric, usize)> = wanted.collect();
                     if !wanted.is_empty() {
                         let samples = self.samples(task, detector, slice);
-                        let of_metric =
-                            |(metric, rule)| gated_metric(metric, place, &samples, &tolerances.quality[rule]);
+                        let of_metric = |(metric, rule_idx)| {
+                            gated_metric(metric, place, &samples, (rule_idx, &tolerances.quality[rule_idx]))
+                        };
                         gated.extend(wanted.into_iter().filter_map(of_metric));
                     }
                 }
@@ -165,10 +168,7 @@ fn void_rules(tolerances: &Tolerances, gated: &[GatedMetric], known: &[RuleProbl
         for metric in &rule.metrics {
             for pattern in &rule.slices {
                 let is_held = |it: &&GatedMetric| {
-                    let place = GatedPlace { task: it.task, detector: &it.detector, slice: it.slice };
-                    it.metric == *metric
-                        && is_meant(pattern, it.slice)
-                        && tolerances.rule_about(&it.metric, place) == Some(rule_idx)
+                    it.metric == *metric && names_meant(pattern, &it.slice) && it.rule_idx == rule_idx
                 };
                 if !gated.iter().any(|it| is_held(&it)) {
                     let what = format!(
@@ -188,7 +188,7 @@ fn gated_metric(
     metric: &Metric,
     place: GatedPlace<'_>,
     [before, after]: &[Option<Sample>; 2],
-    rule: &QualityRule,
+    (rule_idx, rule): (usize, &QualityRule),
 ) -> Option<GatedMetric> {
     let [value_before, value_after] = [before, after].map(|it| it.as_ref().and_then(|it| it.value(metric)));
     let difference = match (value_before, value_after) {
@@ -205,6 +205,7 @@ fn gated_metric(
         .as_ref()
         .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
     let GatedPlace { task, detector, slice } = place;
-    let (detector, metric) = (detector.to_owned(), metric.clone());
-    Some(GatedMetric { task, detector, slice, metric, difference, tolerance, finding })
+    let (task, detector, slice) = (task.name().to_owned(), detector.to_owned(), slice.name());
+    let metric = metric.clone();
+    Some(GatedMetric { task, detector, slice, metric, rule_idx, difference, tolerance, finding })
 }

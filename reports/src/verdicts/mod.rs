@@ -4,6 +4,7 @@
 
 pub mod comparability;
 pub mod paired_difference;
+pub mod protocol_differences;
 pub mod standing;
 pub mod drift;
 mod suggestion;
@@ -14,6 +15,7 @@ pub mod built_in_tolerances;
 pub mod annotated_tolerances;
 pub mod finding;
 pub mod gated_metrics;
+mod gated_protocols;
 pub mod gated_speeds;
 pub mod verdict;
 pub mod accept;

@@ -29,6 +29,8 @@ pub enum RuleTable {
     Top,
     /// A rule about quality, by its place among them.
     Quality(usize),
+    /// A rule about a protocol of others, by its place among them.
+    Protocol(usize),
     /// The rule about times.
     Speed,
 }
@@ -39,6 +41,7 @@ impl fmt::Display for RuleProblem {
         let table = match self.place.table {
             RuleTable::Top => None,
             RuleTable::Quality(rule_idx) => Some(format!("[[quality]] {}", rule_idx + 1)),
+            RuleTable::Protocol(rule_idx) => Some(format!("[[protocol]] {}", rule_idx + 1)),
             RuleTable::Speed => Some("[speed]".to_owned()),
         };
         let place: Vec<String> = line.into_iter().chain(table).collect();

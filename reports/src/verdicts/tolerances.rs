@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleTable};
 use crate::vocabulary::metric::Metric;
+use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
@@ -14,6 +15,8 @@ pub struct Tolerances {
     pub origin: Origin,
     /// Rules about what is deterministic; the first that is about a number decides.
     pub quality: Vec<QualityRule>,
+    /// Rules about numbers under protocols of others; the first that is about a number decides.
+    pub protocols: Vec<ProtocolRule>,
     /// The rule about times; without it they are not gated.
     pub speed: Option<SpeedRule>,
     /// The rule about results that changed.
@@ -51,6 +54,25 @@ pub struct QualityRule {
     pub slices: Vec<String>,
     /// The tasks; all, if left out.
     pub tasks: Option<Vec<Task>>,
+    /// Names of detectors; all, if left out.
+    pub detectors: Option<Vec<String>>,
+    /// In the unit of the metric.
+    pub absolute: f64,
+    /// As a share of the baseline's value.
+    pub relative: f64,
+}
+
+/// How much worse some numbers under a protocol of others may become.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProtocolRule {
+    /// Its line in the file; `None` if it stands in none.
+    pub line: Option<usize>,
+    /// The protocol.
+    pub protocol: Protocol,
+    /// Names of metrics; a name that ends in `*` stands for all that begin so.
+    pub metrics: Vec<String>,
+    /// Names of classes, in the same way.
+    pub classes: Vec<String>,
     /// Names of detectors; all, if left out.
     pub detectors: Option<Vec<String>>,
     /// In the unit of the metric.
@@ -149,6 +171,26 @@ impl QualityRule {
     }
 }
 
+impl ProtocolRule {
+    /// Where it stands, as rule number `rule_idx`.
+    pub(super) fn place(&self, rule_idx: usize) -> RulePlace {
+        RulePlace { line: self.line, table: RuleTable::Protocol(rule_idx) }
+    }
+
+    /// How much worse a number may become from `before`.
+    pub fn tolerance(&self, before: f64) -> f64 {
+        self.absolute.max(self.relative * before.abs())
+    }
+
+    /// Whether it is about this metric of this class.
+    pub fn is_about(&self, (protocol, detector): (Protocol, &str), class: &str, metric: &str) -> bool {
+        self.protocol == protocol
+            && self.metrics.iter().any(|it| names_meant(it, metric))
+            && self.classes.iter().any(|it| names_meant(it, class))
+            && self.detectors.as_ref().is_none_or(|it| it.iter().any(|name| name == detector))
+    }
+}
+
 impl SpeedRule {
     /// Whether the times of `detector` are held to this.
     pub fn is_about(&self, detector: &str) -> bool {
@@ -158,6 +200,10 @@ impl SpeedRule {
 
 /// Whether `pattern` stands for `slice`: it is its name, or a beginning of it and a `*`.
 pub fn is_meant(pattern: &str, slice: Slice) -> bool {
-    let name = slice.name();
+    names_meant(pattern, &slice.name())
+}
+
+/// Whether `pattern` stands for `name`.
+pub fn names_meant(pattern: &str, name: &str) -> bool {
     pattern.strip_suffix('*').map_or(pattern == name, |beginning| name.starts_with(beginning))
 }

@@ -8,11 +8,13 @@ use toml::de::{DeTable, DeValue};
 
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
-use crate::verdicts::tolerances::{DriftRule, Origin, QualityRule, SpeedRule, Tolerances};
+use crate::verdicts::tolerances::{DriftRule, Origin, ProtocolRule, QualityRule, SpeedRule, Tolerances};
 use crate::vocabulary::metric::{Direction, Metric, SPEED_REFERENCE};
+use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::task::Task;
 
-const TOP_FIELDS: [&str; 3] = ["drift", "quality", "speed"];
+const TOP_FIELDS: [&str; 4] = ["drift", "quality", "protocol", "speed"];
+const PROTOCOL_FIELDS: [&str; 6] = ["protocol", "metrics", "classes", "detectors", "absolute", "relative"];
 const QUALITY_FIELDS: [&str; 6] = ["metrics", "slices", "tasks", "detectors", "absolute", "relative"];
 const SPEED_FIELDS: [&str; 3] = ["reference", "detectors", "relative"];
 
@@ -51,12 +53,13 @@ impl Tolerances {
         let mut top = Section::new(&text, RuleTable::Top, 0, Some(table.get_ref()));
         let drift = drift_rule(&mut top);
         let quality = quality_rules(&mut top);
+        let protocols = protocol_rules(&mut top);
         let speed = top.take("speed").and_then(|it| {
             top.expect("a table", it, it.get_ref().as_table())?;
             Some(speed_rule(Section::of_value(&text, RuleTable::Speed, it), &mut top.problems))
         });
         let problems = top.finish(&TOP_FIELDS);
-        Ok(Self { origin: Origin::File(path.to_path_buf()), quality, speed, drift, problems })
+        Ok(Self { origin: Origin::File(path.to_path_buf()), quality, protocols, speed, drift, problems })
     }
 }
 
@@ -74,16 +77,30 @@ fn drift_rule(top: &mut Section<'_>) -> DriftRule {
 }
 
 fn quality_rules(top: &mut Section<'_>) -> Vec<QualityRule> {
-    let Some(tables) = top.require("quality") else { return Vec::new() };
-    let items = tables.get_ref().as_array();
-    let items = items.filter(|it| it.iter().all(|item| item.get_ref().is_table()));
-    let tables = top.expect("a list of tables, each below [[quality]]", tables, items);
-    let tables = tables.into_iter().flatten().enumerate();
-    let rules = tables.map(|(rule_idx, table)| {
-        let section = Section::of_value(top.text, RuleTable::Quality(rule_idx), table);
-        quality_rule(section, &mut top.problems)
-    });
-    rules.collect()
+    let tables = top.require("quality");
+    top.rules("quality", tables, RuleTable::Quality, quality_rule)
+}
+
+/// None where the file has none.
+fn protocol_rules(top: &mut Section<'_>) -> Vec<ProtocolRule> {
+    let tables = top.take("protocol");
+    top.rules("protocol", tables, RuleTable::Protocol, protocol_rule).into_iter().flatten().collect()
+}
+
+/// `None` if it names no protocol; what else is wrong is left out of the rule, and all is one of `problems`.
+fn protocol_rule(mut section: Section<'_>, problems: &mut Vec<RuleProblem>) -> Option<ProtocolRule> {
+    for name in ["metrics", "classes"] {
+        section.refuse_missing(name);
+    }
+    let protocol = section.text("protocol", protocol_problem);
+    let [metrics, classes] = ["metrics", "classes"].map(|it| section.names(it, |_| None).unwrap_or_default());
+    let detectors = section.names("detectors", |_| None);
+    let absolute = section.size("absolute", |size| absolute_problem(size, &[]));
+    let relative = section.size("relative", |size| share_problem("relative", size));
+    let line = Some(section.line);
+    problems.extend(section.finish(&PROTOCOL_FIELDS));
+    let protocol = Protocol::from_name(&protocol?)?;
+    Some(ProtocolRule { line, protocol, metrics, classes, detectors, absolute, relative })
 }
 
 /// What is wrong is left out of the rule, and is one of `problems`.
@@ -143,6 +160,25 @@ impl<'a> Section<'a> {
     fn complain(&mut self, line: usize, what: String) {
         let place = RulePlace { line: Some(line), table: self.table };
         self.problems.push(RuleProblem { place, what });
+    }
+
+    /// The rules of a list of tables called `name`, each made by `rule`.
+    fn rules<Rule>(
+        &mut self,
+        name: &str,
+        tables: Option<&'a Spanned<DeValue<'a>>>,
+        place: fn(usize) -> RuleTable,
+        rule: fn(Self, &mut Vec<RuleProblem>) -> Rule,
+    ) -> Vec<Rule> {
+        let Some(tables) = tables else { return Vec::new() };
+        let items = tables.get_ref().as_array();
+        let items = items.filter(|it| it.iter().all(|item| item.get_ref().is_table()));
+        let tables = self.expect(&format!("a list of tables, each below [[{name}]]"), tables, items);
+        let tables = tables.into_iter().flatten().enumerate();
+        let rules = tables.map(|(rule_idx, table)| {
+            rule(Section::of_value(self.text, place(rule_idx), table), &mut self.problems)
+        });
+        rules.collect()
     }
 
     fn take(&mut self, name: &str) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -246,6 +282,13 @@ fn task_problem(name: &str) -> Option<String> {
     Task::from_name(name)
         .is_none()
         .then(|| format!("there is no task {name:?}{}", did_you_mean(name, known.iter())))
+}
+
+fn protocol_problem(name: &str) -> Option<String> {
+    let known = Protocol::ALL.map(|it| it.name().to_owned());
+    Protocol::from_name(name)
+        .is_none()
+        .then(|| format!("there is no protocol {name:?}{}", did_you_mean(name, known.iter())))
 }
 
 fn metric_problem(id: &str) -> Option<String> {

@@ -60,6 +60,19 @@ pub enum Metric {
     TimeRatio,
     /// Median time of the stage of this name.
     StageP50(String),
+    /// A number under a protocol of others.
+    OfProtocol(ProtocolMetricName),
+}
+
+/// A number under a protocol of others.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ProtocolMetricName {
+    /// The name used in files, such as `ap` or `nds`.
+    pub id: String,
+    /// The unit of its values.
+    pub unit: &'static str,
+    /// Which way is better.
+    pub direction: Direction,
 }
 
 /// What two boxes are compared by.
@@ -102,7 +115,7 @@ pub enum LatencyStatistic {
 }
 
 /// Which way is better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Direction {
     /// More is better.
     HigherIsBetter,
@@ -196,6 +209,7 @@ impl Metric {
             Self::ReferenceTime => "reference_ms",
             Self::TimeRatio => "time_over_reference",
             Self::StageP50(stage) => return format!("{STAGE_PREFIX}{stage}"),
+            Self::OfProtocol(name) => &name.id,
         };
         id.to_owned()
     }
@@ -237,6 +251,7 @@ impl Metric {
                 "ms"
             }
             Self::TimeRatio => "times",
+            Self::OfProtocol(name) => name.unit,
         }
     }
 
@@ -270,6 +285,7 @@ impl Metric {
             | Self::FailedScans
             | Self::TimeRatio
             | Self::StageP50(_) => Direction::LowerIsBetter,
+            Self::OfProtocol(name) => name.direction,
         }
     }
 

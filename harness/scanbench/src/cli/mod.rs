@@ -6,6 +6,7 @@ mod detectors;
 mod output;
 mod shard;
 mod parameters;
+mod protocols;
 mod timing;
 mod results;
 pub mod stream;

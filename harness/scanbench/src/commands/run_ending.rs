@@ -31,14 +31,14 @@ pub fn write_agreement(directory: &RunDirectory, rows: &[AgreementRow]) -> Resul
     Ok(Some(terminal().text(&table)))
 }
 
-/// Prints tables and verdicts of the run that has been written to `finished`.
+/// Prints tables, `more` of them, and verdicts of the run that has been written to `finished`.
 ///
 /// # Errors
 ///
 /// If nobody takes them.
 pub fn print_ending(
     (numbers, manifest, tally): (&RunNumbers, &Manifest, &Tally),
-    (agreement, compared): (Option<String>, &[AgreementRow]),
+    (more, compared): (Vec<String>, &[AgreementRow]),
     finished: &Path,
 ) -> Result<(), Failure> {
     let is_compared = |it: &DatasetEntry| compared.iter().any(|row| row.dataset == it.id);
@@ -49,7 +49,7 @@ pub fn print_ending(
     let speeds = speeds(manifest, &numbers.report).sentence();
     let sentences = standings.iter().map(Standing::sentence).chain(speeds);
     let last = [terminal.text(&numbers.times), terminal.sentences(sentences)];
-    let texts = tables.chain(agreement).chain(last);
+    let texts = tables.chain(more).chain(last);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));

@@ -45,7 +45,16 @@ const JOURNAL: &str = "journal";
 pub fn run_shard(arguments: &RunArgs, shard: Shard) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
     if let Some(Some(_)) = &arguments.stream.save_rrd {
-        return Err(Usage("all shards would write the same file of --save-rrd; leave out its name".to_owned()).into());
+        return Err(Usage(
+            "all shards would write the same file of --save-rrd; leave out its name".to_owned(),
+        )
+        .into());
+    }
+    if !arguments.protocol.protocols.is_empty() {
+        return Err(Usage(
+            "--protocol does not work with --shard yet: merge keeps no rows of protocols".to_owned(),
+        )
+        .into());
     }
     let chosen = ChosenRun::of(arguments)?;
     let claimed = claim(&arguments.output, shard)?;
@@ -80,7 +89,8 @@ fn claim(output: &OutputArgs, shard: Shard) -> Result<ClaimedTarget, Failure> {
         output: output.output.as_ref().map(|it| it.join(shard.folder_name())),
         overwrite: output.overwrite,
     };
-    claim_named(&of_shard)?.ok_or_else(|| Usage("--shard needs -o, the folder of all shards".to_owned()).into())
+    claim_named(&of_shard)?
+        .ok_or_else(|| Usage("--shard needs -o, the folder of all shards".to_owned()).into())
 }
 
 fn record(shard: Shard, share: ShareOfWork, started: Timestamp) -> ShardRecord {

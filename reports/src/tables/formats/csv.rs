@@ -2,8 +2,10 @@
 
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::{BlockCount, Interval};
+use crate::protocols::protocol_number::ProtocolNumber;
 use crate::tables::formats::format::Format;
 use crate::tables::paper_figures::PaperRow;
+use crate::tables::protocol_table::ProtocolTable;
 use crate::tables::task_table::{MeasuredRow, RateIntervals, Score, TableRow, TaskTable};
 
 const COLUMNS: [&str; 26] = [
@@ -122,6 +124,60 @@ fn paper_record(table: &TaskTable, row: &PaperRow, detector: &str) -> Option<[St
     record[12] = fixed_decimals(score.f_rate_percent / 100.0, 2);
     record[16] = score.fps.to_string();
     Some(record)
+}
+
+const PROTOCOL_COLUMNS: [&str; 14] = [
+    "protocol",
+    "dataset",
+    "detector",
+    "class",
+    "metric",
+    "value",
+    "unit",
+    "higher_is_better",
+    "n",
+    "low",
+    "high",
+    "n_blocks",
+    "blocks",
+    "few_blocks",
+];
+
+impl Format<ProtocolTable<'_>> for Csv {
+    fn file_name(&self, stem: &str) -> String {
+        format!("{stem}.csv")
+    }
+
+    /// One row a number, with all digits; undefined values and unknown intervals are empty.
+    fn text(&self, table: &ProtocolTable<'_>) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let mut write =
+            |record: &[String]| writer.write_record(record).expect("memory takes rows of one length");
+        write(&PROTOCOL_COLUMNS.map(str::to_owned));
+        for ProtocolNumber { protocol, dataset, detector, metric, value, interval } in table.numbers() {
+            let text = |it: Option<f64>| it.map_or_else(String::new, |it| it.to_string());
+            let blocks = interval.map(|it| it.blocks);
+            let is_better = metric.direction.higher_is_better();
+            write(&[
+                protocol.name().to_owned(),
+                dataset.clone(),
+                detector.clone(),
+                metric.class.clone(),
+                metric.id.clone(),
+                text(*value),
+                metric.unit.to_owned(),
+                is_better.map_or_else(String::new, |it| it.to_string()),
+                metric.n.to_string(),
+                text(interval.map(|it| it.ends[0])),
+                text(interval.map(|it| it.ends[1])),
+                blocks.map_or_else(String::new, |it| it.n_blocks.to_string()),
+                blocks.map_or_else(String::new, |it| it.kind.name().to_owned()),
+                blocks.map_or_else(String::new, |it| it.are_too_few().to_string()),
+            ]);
+        }
+        let bytes = writer.into_inner().expect("memory takes all that is written");
+        String::from_utf8(bytes).expect("names are text")
+    }
 }
 
 #[cfg(test)]

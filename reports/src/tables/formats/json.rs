@@ -8,7 +8,6 @@ use crate::verdicts::gated_metrics::GatedMetric;
 use crate::verdicts::gated_speeds::{GatedSpeed, Slowdown, SpeedComparison};
 use crate::verdicts::paired_difference::PairedDifference;
 use crate::verdicts::verdict::Verdict;
-use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
 #[derive(Serialize)]
@@ -31,9 +30,9 @@ struct VerdictRecord<'a> {
 
 #[derive(Serialize)]
 struct MetricRecord<'a> {
-    task: Task,
+    task: &'a str,
     detector: &'a str,
-    slice: Slice,
+    slice: &'a str,
     metric: String,
     unit: &'static str,
     higher_is_better: Option<bool>,
@@ -118,9 +117,9 @@ impl Format<Verdict> for Json {
 fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
     let difference = gated.difference.as_ref().ok();
     MetricRecord {
-        task: gated.task,
+        task: &gated.task,
         detector: &gated.detector,
-        slice: gated.slice,
+        slice: &gated.slice,
         metric: gated.metric.id(),
         unit: gated.metric.unit(),
         higher_is_better: gated.metric.direction().higher_is_better(),

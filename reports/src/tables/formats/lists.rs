@@ -9,11 +9,17 @@ use crate::tables::formats::json::Json;
 use crate::tables::formats::junit::JUnit;
 use crate::tables::formats::latex::Latex;
 use crate::tables::formats::markdown::Markdown;
+use crate::tables::protocol_table::ProtocolTable;
 use crate::tables::task_table::TaskTable;
 use crate::verdicts::verdict::Verdict;
 
 /// Files of the table of a task.
 pub const TABLE_FORMATS: [&dyn Format<TaskTable>; 3] = [&Csv, &Markdown, &Latex];
+
+/// Files of the table of a protocol of others.
+pub fn protocol_formats<'a>() -> [&'a dyn Format<ProtocolTable<'a>>; 3] {
+    [&Csv, &Markdown, &Latex]
+}
 
 /// Files of a verdict.
 pub const VERDICT_FORMATS: [&dyn Format<Verdict>; 3] = [&Json, &Markdown, &JUnit];

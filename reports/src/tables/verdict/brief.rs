@@ -82,9 +82,9 @@ fn changes(verdict: &Verdict) -> Vec<Change> {
 
 /// `None` where nothing changed, or a number is missing, which is told elsewhere.
 fn of_metric(gated: &GatedMetric) -> Option<Change> {
-    let GatedMetric { task, detector, slice, metric, difference, tolerance, finding } = gated;
+    let GatedMetric { task, detector, slice, metric, difference, tolerance, finding, .. } = gated;
     let it = difference.as_ref().ok().filter(|it| it.difference() != 0.0)?;
-    let of_slice = if *slice == Slice::All { String::new() } else { format!(" of {slice}") };
+    let of_slice = if *slice == Slice::All.name() { String::new() } else { format!(" of {slice}") };
     let text = format!(
         "{}{of_slice}, {detector}, {task}: {} → {}{}, {}: {}",
         metric.id(),

@@ -1,6 +1,7 @@
 //! Two runs over the same scans side by side, or two detectors of one run, without a verdict.
 
 use crate::numbers::sums::RATIOS;
+use crate::protocols::protocol_number::ALL_CLASSES;
 use crate::run_folder::run_archive::RunArchive;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Sheet, Tabular};
@@ -13,7 +14,9 @@ use crate::verdicts::comparability::{
 };
 use crate::verdicts::drift::drift;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
+use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, all_scans, common_protocols, pairs};
 use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
@@ -36,12 +39,12 @@ pub struct Comparison {
 /// A difference with what it is of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedDifference {
-    /// The task.
-    pub task: Task,
+    /// Name of the task, or of the protocol.
+    pub task: String,
     /// Name of the detector, or of both.
     pub detector: String,
-    /// The slice.
-    pub slice: Slice,
+    /// Name of the slice, or of the class under a protocol.
+    pub slice: String,
     /// The numbers.
     pub difference: PairedDifference,
 }
@@ -82,6 +85,15 @@ pub fn compare_runs(
             }
         }
     }
+    let scans = all_scans(&tallies[0]);
+    for protocol in common_protocols(&before.protocols, &after.protocols) {
+        for detector in tallies[0].detectors() {
+            let side = |it: &RunArchive| ProtocolSide::of(&it.protocols, protocol, detector, &scans);
+            if let [Some(before), Some(after)] = [before, after].map(side) {
+                differences.extend(of_protocol(protocol, detector, pairs(&before, &after, &scans), slices));
+            }
+        }
+    }
     let title = "Two runs over the same scans, all data sets together".to_owned();
     let n_changed_scans = Some(drift(before, after).len());
     let new_detectors = detectors_only_in(after, before);
@@ -104,6 +116,14 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
             differences.extend(of_metrics.map(|it| named(task, &name, slice, it)));
         }
     }
+    let scans = all_scans(&tally);
+    for protocol in run.protocols.protocols() {
+        let side = |detector| ProtocolSide::of(&run.protocols, protocol, detector, &scans);
+        if let [Some(before), Some(after)] = [first, second].map(side) {
+            let name = format!("{second} − {first}");
+            differences.extend(of_protocol(protocol, &name, pairs(&before, &after, &scans), slices));
+        }
+    }
     let title =
         format!("{first} (before) and {second} (after) on the same scans of one run, all data sets together");
     Comparison {
@@ -119,7 +139,25 @@ fn is_compared(slice: Slice, slices: ComparedSlices) -> bool {
     slices == ComparedSlices::Each || slice == Slice::All
 }
 
+/// Numbers of single classes are told where slices are.
+fn of_protocol(
+    protocol: Protocol,
+    detector: &str,
+    pairs: Vec<ProtocolPair>,
+    slices: ComparedSlices,
+) -> Vec<NamedDifference> {
+    let has_summary = pairs.iter().any(|it| it.class == ALL_CLASSES);
+    let is_told =
+        |it: &ProtocolPair| slices == ComparedSlices::Each || !has_summary || it.class == ALL_CLASSES;
+    let named = |it: ProtocolPair| {
+        let (task, detector) = (protocol.name().to_owned(), detector.to_owned());
+        Some(NamedDifference { task, detector, slice: it.class, difference: it.difference? })
+    };
+    pairs.into_iter().filter(is_told).filter_map(named).collect()
+}
+
 fn named(task: Task, detector: &str, slice: Slice, difference: PairedDifference) -> NamedDifference {
+    let (task, slice) = (task.name().to_owned(), slice.name());
     NamedDifference { task, detector: detector.to_owned(), slice, difference }
 }
 
@@ -159,9 +197,9 @@ impl Comparison {
             let it = &named.difference;
             let metric = &it.metric;
             let cells = vec![
-                Cell::new(named.task.name()),
+                Cell::new(named.task.as_str()),
                 Cell::new(named.detector.clone()),
-                Cell::new(named.slice.name()),
+                Cell::new(named.slice.as_str()),
                 Cell::new(metric_text(metric)),
                 Cell::new(value_text(metric, it.before)),
                 Cell::new(value_text(metric, it.after)),

@@ -5,12 +5,11 @@ use serde::{Deserialize, Serialize};
 use crate::files::csv_rows::CsvRow;
 use crate::files::fixed_decimals::Fixed;
 use crate::tables::verdict::comparison::{Comparison, NamedDifference};
-use crate::vocabulary::task::Task;
 
 /// A difference, with its interval where there are enough blocks for one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DifferenceRow {
-    task: Task,
+    task: String,
     detector: String,
     slice: String,
     metric: String,
@@ -47,9 +46,9 @@ impl DifferenceRow {
 
     fn of(NamedDifference { task, detector, slice, difference }: &NamedDifference) -> Self {
         Self {
-            task: *task,
+            task: task.clone(),
             detector: detector.clone(),
-            slice: slice.name(),
+            slice: slice.clone(),
             metric: difference.metric.id(),
             before: Fixed(difference.before),
             after: Fixed(difference.after),

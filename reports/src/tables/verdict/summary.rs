@@ -37,7 +37,7 @@ pub struct InFull<'a>(pub &'a Verdict);
 impl Tabular for InFull<'_> {
     fn sheet(&self) -> Sheet {
         let shown: Vec<&GatedMetric> = self.0.metrics.iter().filter(|it| is_shown(it)).collect();
-        let of_detectors = shown.chunk_by(|a, b| (a.task, &a.detector) == (b.task, &b.detector));
+        let of_detectors = shown.chunk_by(|a, b| (&a.task, &a.detector) == (&b.task, &b.detector));
         let parts = of_detectors.map(|of_detector| {
             let grid = metric_grid(of_detector, self.0);
             let columns: Vec<usize> = (N_TITLE_COLUMNS..grid.columns.len()).collect();
@@ -186,7 +186,7 @@ fn finding_text(finding: Finding, verdict: &Verdict) -> String {
 fn is_shown(gated: &GatedMetric) -> bool {
     let is_changed = gated.difference.as_ref().is_ok_and(|it| it.difference() != 0.0);
     let is_headline = gated.metric == Metric::FRate || is_changed;
-    gated.finding != Finding::Pass || (gated.slice == Slice::All && is_headline)
+    gated.finding != Finding::Pass || (gated.slice == Slice::All.name() && is_headline)
 }
 
 fn sentences(verdict: &Verdict) -> Vec<String> {
@@ -228,7 +228,7 @@ fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
             Err(_) => ["–"; 5].map(Cell::new),
         };
         let tolerance = difference_text(metric, gated.tolerance).trim_start_matches('+').to_owned();
-        let names = [gated.task.to_string(), gated.detector.clone(), gated.slice.name(), metric_text(metric)];
+        let names = [gated.task.clone(), gated.detector.clone(), gated.slice.clone(), metric_text(metric)];
         let last = [tolerance, finding_text(gated.finding, verdict)];
         let cells = names.map(Cell::new).into_iter().chain(numbers).chain(last.map(Cell::new));
         Line { kind: LineKind::Dataset, cells: cells.collect() }

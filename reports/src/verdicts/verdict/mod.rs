@@ -11,6 +11,7 @@ use crate::verdicts::comparability::{
 use crate::verdicts::drift::{ScanDrift, drift};
 use crate::verdicts::finding::Finding;
 use crate::verdicts::gated_metrics::{GatedMetric, Sides};
+use crate::verdicts::gated_protocols::gated_protocols;
 use crate::verdicts::gated_speeds::SpeedComparison;
 use crate::verdicts::rule_problems::RuleProblems;
 use crate::verdicts::tolerances::{DriftRule, Tolerances};
@@ -173,6 +174,8 @@ pub fn judge(
     let sides = Sides { before: &before, after: &after, draws: &draws };
     let blocks = draws.iter().map(Draw::blocks).reduce(BlockCount::with);
     let nothing_run = || NotComparable { reasons: vec!["the baseline has no scans".to_owned()] };
+    let mut metrics = sides.gated_metrics(tolerances)?;
+    metrics.extend(gated_protocols(&before, [&baseline.protocols, &run.protocols], tolerances)?);
     Ok(Verdict {
         dataset: match before.datasets() {
             [only] => only.clone(),
@@ -181,7 +184,7 @@ pub fn judge(
         detectors: before.detectors().to_vec(),
         n_scans: n_scans(baseline),
         blocks: blocks.ok_or_else(nothing_run)?,
-        metrics: sides.gated_metrics(tolerances)?,
+        metrics,
         speed: sides.gated_speeds(
             tolerances.speed.as_ref(),
             [&baseline.manifest, &run.manifest].map(|it| &it.machine),

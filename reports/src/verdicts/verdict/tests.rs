@@ -1,5 +1,6 @@
 use super::*;
 use crate::numbers::run_report::RunReport;
+use crate::protocols::protocol_tally::ProtocolTally;
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
@@ -57,6 +58,8 @@ impl SampleScans<'_> {
                 .flat_map(move |step| (found(detector, step)..10).map(move |id| missed(detector, step, id)))
         });
         RunArchive {
+            protocols: ProtocolTally::default(),
+            protocol_files: Vec::new(),
             manifest: sample::manifest(),
             report: RunReport::new(1, Vec::new()).unwrap(),
             scans: rows.collect(),
@@ -111,7 +114,14 @@ fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
 /// These rules, without times.
 fn held_to(quality: Vec<QualityRule>) -> Tolerances {
     let origin = Origin::File("tolerances.toml".into());
-    Tolerances { origin, quality, speed: None, drift: DriftRule::Fail, problems: Vec::new() }
+    Tolerances {
+        origin,
+        quality,
+        protocols: Vec::new(),
+        speed: None,
+        drift: DriftRule::Fail,
+        problems: Vec::new(),
+    }
 }
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.

@@ -1,0 +1,8 @@
+//! Scans as others evaluate them: from labels and detections to the rows that numbers of a protocol are made of.
+
+pub mod official_objects;
+pub mod official_protocol;
+mod ranked_boxes;
+pub mod nuscenes;
+pub mod argoverse2;
+pub mod known_protocols;

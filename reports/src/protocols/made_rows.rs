@@ -1,0 +1,73 @@
+//! Rows that can be looked through in the head.
+
+use super::drawn_scans::DrawnScans;
+use super::protocol_tally::{ProtocolQuestion, ProtocolTally};
+use crate::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
+use crate::rows::scan_name::ScanName;
+use crate::vocabulary::ranked_protocol::RankedProtocol;
+
+/// An annotation of `class` in scan `scan`.
+pub(super) fn labelled(protocol: RankedProtocol, scan: u32, class: &'static str) -> RankedBoxRow {
+    RankedBoxRow {
+        scan: ScanName { dataset: "street".to_owned(), sequence: "0000".to_owned(), scan },
+        detector: "mine".to_owned(),
+        protocol,
+        ranked_box: RankedBox {
+            id: 0,
+            name: class.to_owned(),
+            class,
+            state: BoxState::Counts,
+            center_m: [10.0, 0.0, 0.0],
+            length_width_height_m: [4.0, 2.0, 1.5],
+            yaw_rad: 0.0,
+            velocity_m_per_s: Some([0.0, 0.0]),
+            attribute: None,
+            n_points: Some(7),
+            kind: BoxKind::Annotation,
+        },
+    }
+}
+
+/// A detection, which finds an annotation at all distances, half a metre off and turned by 0.3, or none.
+pub(super) fn found(
+    protocol: RankedProtocol,
+    (scan, id): (u32, u32),
+    class: &'static str,
+    score: f64,
+    annotation: Option<u32>,
+) -> RankedBoxRow {
+    let errors = PairErrors {
+        translation_m: 0.5,
+        scale: 0.2,
+        orientation_rad: 0.3,
+        velocity_m_per_s: Some(2.0),
+        attribute: None,
+    };
+    let mut row = labelled(protocol, scan, class);
+    row.ranked_box.id = id;
+    let pairs = [annotation; 4];
+    row.ranked_box.kind = BoxKind::Detection { score, pairs, errors: annotation.map(|_| errors) };
+    row
+}
+
+/// The ranking right, false, right, on two annotations of `class` in two scans.
+pub(super) fn right_false_right(protocol: RankedProtocol, class: &'static str) -> Vec<RankedBoxRow> {
+    vec![
+        labelled(protocol, 0, class),
+        labelled(protocol, 1, class),
+        found(protocol, (0, 0), class, 0.9, Some(0)),
+        found(protocol, (0, 1), class, 0.8, None),
+        found(protocol, (1, 0), class, 0.7, Some(0)),
+    ]
+}
+
+/// The number called `metric` of `class`, where scan *i* is there `times[i]` times.
+pub(super) fn number(rows: &[RankedBoxRow], times: &[u16], class: &str, metric: &str) -> Option<f64> {
+    let mut tally = ProtocolTally::default();
+    rows.iter().for_each(|it| tally.add_ranked_box(it));
+    let scans = DrawnScans::undrawn(rows.iter().map(|it| it.scan.clone()).collect());
+    let question = ProtocolQuestion { protocol: rows[0].protocol.protocol(), detector: "mine" };
+    let rows = tally.rows(question, &scans).expect("there are rows");
+    let place = rows.metrics().iter().position(|it| it.class == class && it.id == metric);
+    rows.values(times)[place.unwrap_or_else(|| panic!("no {metric} of {class}"))]
+}

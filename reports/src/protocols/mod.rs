@@ -1,0 +1,13 @@
+//! The numbers that others publish, made of rows as their makers make them, and how sure they are.
+
+pub mod protocol_number;
+pub mod under_protocol;
+pub mod drawn_scans;
+mod ranked_classes;
+mod recall_grid;
+pub mod nuscenes;
+pub mod argoverse2;
+pub mod protocol_tally;
+#[cfg(test)]
+mod made_rows;
+pub mod protocol_report;
