@@ -1,6 +1,6 @@
 //! Labels and detections of a scan as the makers of its data set have them, or as near to it as our own say.
 
-use detector::{DetectedClass, Detections, OrientedBox};
+use detector::{DetectedClass, DetectorOutput, OrientedBox};
 use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::LabeledScan;
@@ -52,9 +52,9 @@ impl<'a> OfficialScanView<'a> {
         annotations.collect()
     }
 
-    /// What was found, from where ranges are measured: `official` where results were read that have it, or else the vehicles among
-    /// `detections`, as cars. What has no score has 1.
-    pub fn found(&self, detections: &Detections, official: &[OfficialObject]) -> Vec<OfficialObject> {
+    /// What was found, from where ranges are measured: `official` where results were read that have it, or else the vehicles in `output`,
+    /// the unlikely ones, too, as cars: these protocols rank by score. What has no score has 1.
+    pub fn found(&self, output: &DetectorOutput, official: &[OfficialObject]) -> Vec<OfficialObject> {
         let with_score = |it: OfficialObject, score: Option<f64>| OfficialObject {
             score: Some(score.unwrap_or(SCORE_OF_NONE.into())),
             ..self.from_origin(it)
@@ -63,8 +63,8 @@ impl<'a> OfficialScanView<'a> {
             return official.iter().map(|it| with_score(it.clone(), it.score)).collect();
         }
         let file_from_sensor = self.official.as_ref().map_or_else(Isometry3::identity, |(_, it)| *it);
-        let vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
-        let vehicles = vehicles.map(|it| {
+        let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
+        let vehicles = vehicles.chain(output.unlikely_vehicles.iter()).map(|it| {
             let object = in_frame(AnnotationClass::Car, &it.bounding_box, &file_from_sensor);
             with_score(object, it.score.map(f64::from))
         });

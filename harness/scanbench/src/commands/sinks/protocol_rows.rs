@@ -56,7 +56,7 @@ impl RunSink<Failure> for ProtocolRowFiles<'_> {
             scan: results.scan.id.index,
         };
         for (result, detector) in results.results.iter().zip(results.detectors) {
-            let objects = view.found(&result.output.detections, detector.official_objects(&results.scan.id));
+            let objects = view.found(&result.output, detector.official_objects(&results.scan.id));
             let found = FoundInScan {
                 name: name.clone(),
                 detector: result.detector,

@@ -9,7 +9,7 @@ use std::time::Duration;
 use detector::detector::StageTime;
 use detector::stage_product::{LinkFate, ObjectCell, ProductCell, ProductLink, ProductSphere, Shape};
 use detector::surface_class::SurfaceClass;
-use detector::{DetectedClass, Detection, DetectorOutput, OrientedBox, StageProduct};
+use detector::{DetectedClass, Detection, Detections, DetectorOutput, OrientedBox, StageProduct};
 use evaluation::matching::mistake::{Mistake, MistakeKind};
 use evaluation::matching::outcome::{AnnotationOutcome, Assignment, DetectionOutcome};
 use evaluation::metrics::counts::FalseDetections;
