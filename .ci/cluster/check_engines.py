@@ -17,6 +17,8 @@ import yaml
 HERE = Path(__file__).resolve().parent
 # The release from which on an index may fail by itself: Kubernetes 1.29.
 OLDEST_MINOR = 29
+# A name that shells and Kubernetes take to pieces where it is not quoted.
+DATA = "it's $(HOME) $$ data/fleet"
 RUN = ["-d", "pca", "--no-rrd"] if os.environ.get("VIEWER", "1") == "1" else ["-d", "pca"]
 
 
@@ -70,14 +72,14 @@ def submit_sh(job, claim, state, folder):
 def check_kubernetes(scanbench, whole, folder):
     claim = folder / "claim"
     claim.mkdir()
-    shutil.copytree(folder / "data", claim / "it's $(HOME) $$ data")
+    shutil.copytree(folder / "fleet", claim / DATA)
     image = folder / "image"
     image.mkdir()
     (image / "scanbench").symlink_to(scanbench)
     job = folder / "jobs" / "Fleet"
     run(
         [scanbench, "submit", "kubernetes", "--image", "scanbench:0.2", "--claim", "scans", "--shards", "3", "-o", str(job), "--",
-         "run", "it's $(HOME) $$ data", *RUN],
+         "run", DATA, *RUN],
         folder,
     )
     versions = [check_schema(job / name) for name in ("shards.yaml", "merge.yaml")][0]
@@ -92,7 +94,7 @@ def check_kubernetes(scanbench, whole, folder):
     claim = folder / "broken"
     claim.mkdir()
     (claim / "fleet").write_text("in the way", encoding="utf-8")
-    shutil.copytree(folder / "data", claim / "it's $(HOME) $$ data")
+    shutil.copytree(folder / "fleet", claim / DATA)
     code, output = submit_sh(job, claim, folder / "state-broken", folder)
     if code != 1 or "fleet-shards failed" not in output or (folder / "state-broken" / "fleet-merge").exists():
         sys.exit(f"submit.sh of a job that fails: {code}\n{output}")
@@ -119,7 +121,7 @@ def as_here(command):
 def workplace(name, folder):
     place = folder / name
     (place / "data").mkdir(parents=True)
-    shutil.copytree(folder / "data", place / "data" / "fleet")
+    shutil.copytree(folder / "fleet", place / "data" / "fleet")
     return place
 
 
@@ -184,8 +186,8 @@ def main():
     folder.mkdir(parents=True)
     os.environ["PATH"] = f"{Path(scanbench).resolve().parent}:{os.environ['PATH']}"
     run([scanbench, "data", "simulate", "street-narrow", "--simulated-scans", "24", "--sensor", "hdl-32e",
-         "--to", "kitti-tracking", "-o", "data"], folder)
-    run([scanbench, "run", "data", *RUN, "-o", "whole"], folder)
+         "--to", "kitti-tracking", "-o", "fleet"], folder)
+    run([scanbench, "run", "fleet", *RUN, "-o", "whole"], folder)
     whole = folder / "whole"
     check_kubernetes(scanbench, whole, folder)
     check_pipelines(whole, folder)
