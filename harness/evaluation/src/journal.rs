@@ -144,7 +144,10 @@ impl Journal {
     /// # Errors
     ///
     /// [`JournalError::Io`] if the file cannot be read.
-    pub fn each_entry<Entry: DeserializeOwned>(&self, on_entry: impl FnMut(Entry)) -> Result<(), JournalError> {
+    pub fn each_entry<Entry: DeserializeOwned>(
+        &self,
+        on_entry: impl FnMut(Entry),
+    ) -> Result<(), JournalError> {
         let file = File::open(&self.path).map_err(|source| self.refused(source))?;
         let mut reader = BufReader::new(file);
         let head = reader.read_until(b'\n', &mut Vec::new());

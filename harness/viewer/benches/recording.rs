@@ -103,7 +103,8 @@ fn record(
         on_failure: OnDetectorFailure::Stop,
         interrupted: &AtomicBool::new(false),
     };
-    let watched = WatchedDataset { dataset, scan_indices, n_scans: scan_indices.len(), n_before: 0, criterion };
+    let watched =
+        WatchedDataset { dataset, scan_indices, n_scans: scan_indices.len(), n_before: 0, criterion };
     let (mut times, mut n_points) = (Vec::new(), 0);
     side_by_side.run(&mut detectors, |results| -> Result<(), Box<dyn std::error::Error>> {
         n_points += results.scan.cloud.len();

@@ -79,7 +79,9 @@ pub fn to_csv_bytes<Row: CsvRow>(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
 /// # Errors
 ///
 /// If a number of a row is not finite.
-pub fn to_csv_lines<'a, Row: CsvRow + 'a>(rows: impl IntoIterator<Item = &'a Row>) -> Result<Vec<u8>, csv::Error> {
+pub fn to_csv_lines<'a, Row: CsvRow + 'a>(
+    rows: impl IntoIterator<Item = &'a Row>,
+) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     for row in rows {
         writer.serialize(row)?;

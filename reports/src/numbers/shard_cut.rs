@@ -55,7 +55,8 @@ fn possible_cuts(datasets: &[Vec<ScanToCut>]) -> Vec<Cut> {
     let (mut place, mut work_before) = (0, 0);
     for scans in datasets {
         let blocks = Blocks::of(scans.iter().map(|it| it.second.clone()));
-        let blocks_of_scans: Vec<Option<usize>> = scans.iter().map(|it| blocks.place_of(&it.second)).collect();
+        let blocks_of_scans: Vec<Option<usize>> =
+            scans.iter().map(|it| blocks.place_of(&it.second)).collect();
         let mut last_scans = vec![0; blocks.len()];
         for (scan_idx, block_idx) in blocks_of_scans.iter().enumerate() {
             block_idx.iter().for_each(|it| last_scans[*it] = scan_idx);
@@ -111,7 +112,8 @@ mod tests {
     fn ten_drives_are_never_cut_and_nine_are() {
         let drives: Vec<String> = (0..10).map(|it| format!("{it}")).collect();
         let of = |n: usize| {
-            let seconds = drives[..n].iter().flat_map(|drive| (0..30).map(move |second| (drive.as_str(), second)));
+            let seconds =
+                drives[..n].iter().flat_map(|drive| (0..30).map(move |second| (drive.as_str(), second)));
             scans(&seconds.collect::<Vec<_>>())
         };
         let ends = |n: usize| parts(&[of(n)], 4).iter().map(|it| it[0].end).collect::<Vec<_>>();

@@ -57,7 +57,13 @@ impl ObjectName {
             MatchOutcome::False { detection, .. } => (Some(row.detector.clone()), detection.id),
             _ => return None,
         };
-        Some(Self { dataset: row.dataset.clone(), sequence: row.sequence.clone(), scan: row.scan, detector, id })
+        Some(Self {
+            dataset: row.dataset.clone(),
+            sequence: row.sequence.clone(),
+            scan: row.scan,
+            detector,
+            id,
+        })
     }
 }
 
@@ -117,22 +123,12 @@ impl<T> WorstPlaces<T> {
     /// then.
     pub fn add(&mut self, row: &MatchRow, kept: impl FnOnce(&PlanWindow) -> T) {
         let (kind, class, reason, n_points, bounding_box, track) = match &row.outcome {
-            MatchOutcome::Missed { annotation: it, reason } => (
-                Mistake::Missed,
-                it.class.name(),
-                reason.name(),
-                it.n_points,
-                subject_of(it),
-                it.track,
-            ),
-            MatchOutcome::False { detection: it, reason } => (
-                Mistake::False,
-                it.class.name(),
-                reason.name(),
-                it.n_points,
-                Some(it.bounding_box),
-                None,
-            ),
+            MatchOutcome::Missed { annotation: it, reason } => {
+                (Mistake::Missed, it.class.name(), reason.name(), it.n_points, subject_of(it), it.track)
+            }
+            MatchOutcome::False { detection: it, reason } => {
+                (Mistake::False, it.class.name(), reason.name(), it.n_points, Some(it.bounding_box), None)
+            }
             _ => return,
         };
         let Some(bounding_box) = bounding_box else { return };

@@ -48,7 +48,9 @@ impl WorstPoints {
     /// The cells that were kept with each place, each object once.
     pub fn new(places: &WorstPlaces<PlanCells>) -> Self {
         let of_lists = places.lists().flat_map(|(_, places)| places);
-        Self::of_patches(of_lists.map(|it| Patch { object: it.object.clone(), cells: it.kept.clone() }).collect())
+        Self::of_patches(
+            of_lists.map(|it| Patch { object: it.object.clone(), cells: it.kept.clone() }).collect(),
+        )
     }
 
     /// These cells, each object once.

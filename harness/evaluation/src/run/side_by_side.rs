@@ -148,7 +148,8 @@ impl SideBySide<'_> {
         let mut reference = GridWrite::default();
         let mut outputs = vec![DetectorOutput::default(); detectors.len()];
         let times_s = scan_times_s(self.dataset);
-        for (batch_idx, batch) in self.scan_indices[self.part.clone()].chunks(self.n_jobs.max(1)).enumerate() {
+        for (batch_idx, batch) in self.scan_indices[self.part.clone()].chunks(self.n_jobs.max(1)).enumerate()
+        {
             let scans: Vec<_> = batch.par_iter().map(|&scan_idx| self.dataset.read_scan(scan_idx)).collect();
             for (scan, in_batch_idx) in scans.into_iter().zip(0..) {
                 let run_idx = self.part.start + batch_idx * self.n_jobs.max(1) + in_batch_idx;

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetError};
 
-use crate::process::problem::DetectorFailure;
 use crate::journal::{Journal, JournalError};
+use crate::process::problem::DetectorFailure;
 use crate::sweep::journal_entry::JournalEntry;
 use crate::sweep::programs::Programs;
 use crate::sweep::scan_at_point::{ScanAtPoint, look_at_points};

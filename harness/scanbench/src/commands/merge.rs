@@ -8,9 +8,7 @@ use reports::numbers::tally::Tally;
 use reports::rows::agreement_row::{AgreementRow, add_agreement};
 use reports::run_folder::command_line::command_of_whole_run;
 use reports::run_folder::manifest::{Manifest, SkippedScan};
-use reports::run_folder::run_directory::{
-    AGREEMENT_CSV, RECORDINGS_JSON, RunDirectory, WORST_POINTS_JSON,
-};
+use reports::run_folder::run_directory::{AGREEMENT_CSV, RECORDINGS_JSON, RunDirectory, WORST_POINTS_JSON};
 use reports::run_folder::run_target::{LatestPointer, MANIFEST_JSON};
 use reports::run_folder::shard_check::{NamedShard, check_shards};
 use reports::run_folder::shard_record::processors_of;
@@ -94,7 +92,8 @@ fn whole_manifest(shards: &[ShardDirectory<'_>], target: &Path) -> Manifest {
     for (detector_idx, entry) in whole.detectors.iter_mut().enumerate() {
         // Who had no scan to look at did not introduce itself.
         let introduced = manifests().map(|it| &it.detectors[detector_idx]);
-        let introduced = { introduced }.find(|it| it.foreign.as_ref().is_some_and(|it| it.reported_name.is_some()));
+        let introduced =
+            { introduced }.find(|it| it.foreign.as_ref().is_some_and(|it| it.reported_name.is_some()));
         if let Some(introduced) = introduced {
             entry.clone_from(introduced);
         }

@@ -31,7 +31,8 @@ pub fn refuse_shard(directory: &Path) -> Result<(), Failure> {
     match Manifest::read(&directory.join(MANIFEST_JSON)) {
         Ok(Manifest { shard: Some(shard), .. }) => {
             let (name, ShardRecord { index, count, .. }) = (directory.display(), shard);
-            let words = format!("{name} is shard {index} of {count}: `scanbench merge` makes a run of all of them");
+            let words =
+                format!("{name} is shard {index} of {count}: `scanbench merge` makes a run of all of them");
             Err(Failure::NotComparable(words.into()))
         }
         // Whoever reads the run says what is wrong with it.

@@ -126,8 +126,7 @@ impl OpenedRun {
         file: PathBuf,
     ) -> Result<Option<Recorder>, Failure> {
         // False objects show only where they can be known: a run on cars and vans alone opens on the vehicles.
-        let covers_objects =
-            |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
+        let covers_objects = |it: &OpenedDataset| it.dataset.description().annotated.covers(Task::Objects);
         let shown_task =
             if self.datasets.iter().all(covers_objects) { Task::Objects } else { Task::Vehicles };
         let detectors: Vec<&str> = self.entrants.iter().map(|it| it.name).collect();

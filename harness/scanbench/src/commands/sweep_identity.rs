@@ -15,7 +15,11 @@ use crate::commands::provenance::program_checksum;
 use crate::commands::run_manifest::criterion_in_words;
 
 /// What the sweep of `plan` over `datasets` depends on. Results of another sweep, or of another program, are none of it.
-pub fn sweep_identity(arguments: &SweepArgs, plan: &SweepPlan, datasets: &[OpenedDataset]) -> JournalIdentity {
+pub fn sweep_identity(
+    arguments: &SweepArgs,
+    plan: &SweepPlan,
+    datasets: &[OpenedDataset],
+) -> JournalIdentity {
     let points: Vec<&Vec<String>> = plan.points.iter().map(|it| &it.values).collect();
     let data_sets: Vec<Value> = datasets.iter().map(data_set).collect();
     // Beyond the names of their directories.

@@ -17,8 +17,9 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 30] = [
+const VERBS: [&str; 31] = [
     "run",
+    "merge",
     "detect",
     "compare",
     "report",

@@ -12,7 +12,9 @@ use reports::rows::match_row::MatchRow;
 use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::{MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON};
+use reports::run_folder::run_directory::{
+    MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON,
+};
 use reports::run_folder::shard_check::{NamedShard, ShardMismatch};
 use reports::run_folder::shard_record::{ShardRecord, processors_of};
 use reports::worst::places::{ObjectName, WorstPlaces};
@@ -151,7 +153,9 @@ impl MergedRows {
             return Err(ShardMismatch::SameScan { name, scan }.into());
         }
         if n_left > 0 || n_surplus > 0 || stretch_idx + 1 < stretches.len() {
-            return Err(shard.damaged(format!("{SCANS_CSV} has another number of rows than its manifest says")));
+            return Err(
+                shard.damaged(format!("{SCANS_CSV} has another number of rows than its manifest says"))
+            );
         }
         Ok(())
     }

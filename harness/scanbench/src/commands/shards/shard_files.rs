@@ -132,10 +132,8 @@ impl ShardFiles {
     ) -> Result<(), Failure> {
         record.files = vec![self.scans.finish()?, self.matches.finish()?, self.stages.finish()?];
         let places = || self.worst.lists().flat_map(|(_, places)| places);
-        let patch = |it: &WorstPlace<SeenMistake>| Patch {
-            object: it.object.clone(),
-            cells: it.kept.0.clone(),
-        };
+        let patch =
+            |it: &WorstPlace<SeenMistake>| Patch { object: it.object.clone(), cells: it.kept.0.clone() };
         let points = WorstPoints::of_patches(places().map(patch).collect()).to_json();
         record.files.push(write_checksummed(directory, WORST_POINTS_JSON, points.as_bytes())?);
         record.worst_recorded = recorded_places(places().map(|it| (&it.object, it.kept.1)), &self.recordings);
@@ -165,7 +163,8 @@ fn recorded_places<'a>(
 ) -> Vec<RecordedPlace> {
     let mut recorded: Vec<RecordedPlace> = Vec::new();
     for (object, step) in places {
-        let holds = |it: &&ShardRecording| (it.first..it.end).contains(&step) && step.is_multiple_of(it.every);
+        let holds =
+            |it: &&ShardRecording| (it.first..it.end).contains(&step) && step.is_multiple_of(it.every);
         let Some(recording) = recordings.iter().find(holds) else { continue };
         if recorded.iter().all(|it| it.object != *object) {
             recorded.push(RecordedPlace { object: object.clone(), recording: recording.file.clone(), step });

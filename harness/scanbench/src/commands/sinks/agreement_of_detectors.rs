@@ -32,7 +32,8 @@ pub fn agreement_of(judged: &JudgedScan<'_>) -> Vec<AgreementRow> {
     });
     let row = |(task, pair): (Task, [usize; 2])| {
         let [detector, other] = pair.map(|it| &results[it]);
-        let agreement = Agreement::of([&detector.output.detections, &other.output.detections], task, n_points);
+        let agreement =
+            Agreement::of([&detector.output.detections, &other.output.detections], task, n_points);
         AgreementRow {
             dataset: judged.dataset().id.clone(),
             task,
