@@ -24,6 +24,11 @@ impl DriveSecond {
         let second = (time_s * 1000.0).round().div_euclid(1000.0) as i64;
         Self { drive: drive.to_owned(), second }
     }
+
+    /// The drive.
+    pub fn drive(&self) -> &str {
+        &self.drive
+    }
 }
 
 /// What is drawn.

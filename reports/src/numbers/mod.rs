@@ -4,6 +4,7 @@
 pub mod blocks;
 pub mod shard_cut;
 pub mod sums;
+pub(crate) mod block_sums;
 pub mod latencies;
 pub(crate) mod times;
 pub mod average_precision;

@@ -4,7 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::numbers::average_precision::RankedDetection;
-use crate::numbers::blocks::{Blocks, DriveSecond};
+use crate::numbers::block_sums::BlockSums;
+use crate::numbers::blocks::{Blocks, DriveSecond, FEWEST_DRIVES};
 use crate::numbers::sums::{FalseObjects, Sums, Term};
 use crate::numbers::times::{TimeKind, Times};
 use crate::rows::counts::Counts;
@@ -61,8 +62,8 @@ pub struct Tally {
     datasets: Vec<String>,
     tasks: Vec<Task>,
     detectors: Vec<String>,
-    // Of each of `datasets`, the scans of each drive with the seconds they were taken in.
-    scans: Vec<BTreeMap<String, BTreeMap<u32, DriveSecond>>>,
+    // Of each of `datasets`, the scans of each drive with when they were taken, in seconds.
+    scans: Vec<BTreeMap<String, BTreeMap<u32, f64>>>,
     // Of each of `datasets`.
     times: Vec<Times>,
     of_key: BTreeMap<Key, Gathered>,
@@ -93,8 +94,8 @@ pub(crate) struct Gathered {
     pub(crate) n_scans: u64,
     pub(crate) false_objects: FalseObjects,
     counts: Option<Counts>,
-    // Whether whole drives or seconds are drawn shows when all scans are known; seconds serve for both.
-    slices: BTreeMap<Slice, BTreeMap<DriveSecond, Sums>>,
+    has_enough_drives: bool,
+    slices: BTreeMap<Slice, BlockSums>,
     /// The detections that count, where they are ranked; nothing once one of them came without a score.
     pub(crate) ranked: Option<Vec<RankedDetection>>,
 }
@@ -109,10 +110,10 @@ impl Tally {
     pub fn add_scan(&mut self, row: &ScanRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
         let block = DriveSecond::of(&row.sequence, row.time_s);
-        let drives = &mut self.scans[key.dataset];
-        drives.entry(row.sequence.clone()).or_default().insert(row.scan, block.clone());
+        let has_enough_drives = self.add_time(key.dataset, row);
         let ScanOutcome::Evaluated(numbers) = &row.outcome else { return };
-        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task));
+        let gathered =
+            self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
         gathered.n_scans += 1;
         gathered.add_counts(numbers.counts);
         if numbers.counts.fo().is_none() {
@@ -173,9 +174,12 @@ impl Tally {
     /// is left out.
     pub fn add_match(&mut self, row: &MatchRow) {
         let key = self.key(&row.dataset, row.task, &row.detector);
-        let block = self.scans[key.dataset].get(&row.sequence).and_then(|scans| scans.get(&row.scan));
-        let Some(block) = block.cloned() else { return };
-        let gathered = self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task));
+        let drives = &self.scans[key.dataset];
+        let Some(time_s) = drives.get(&row.sequence).and_then(|scans| scans.get(&row.scan)) else { return };
+        let block = DriveSecond::of(&row.sequence, *time_s);
+        let has_enough_drives = drives.len() >= FEWEST_DRIVES;
+        let gathered =
+            self.of_key.entry(key).or_insert_with(|| Gathered::of_task(row.task, has_enough_drives));
         match &row.outcome {
             MatchOutcome::Matched { annotation, detection, .. } => {
                 gathered.add_to_slices(&slices_of_annotation(annotation), &block, Term::Annotations);
@@ -202,6 +206,21 @@ impl Tally {
             | MatchOutcome::IgnoredDetection { .. }
             | MatchOutcome::Unknowable { .. } => {}
         }
+    }
+
+    /// Notes when a scan was taken, and returns whether whole drives of its data set will be drawn.
+    fn add_time(&mut self, dataset_idx: usize, row: &ScanRow) -> bool {
+        let drives = &mut self.scans[dataset_idx];
+        if let Some(scans) = drives.get_mut(&row.sequence) {
+            scans.insert(row.scan, row.time_s);
+            return drives.len() >= FEWEST_DRIVES;
+        }
+        drives.insert(row.sequence.clone(), BTreeMap::from([(row.scan, row.time_s)]));
+        if drives.len() == FEWEST_DRIVES {
+            let of_dataset = self.of_key.iter_mut().filter(|(key, _)| key.dataset == dataset_idx);
+            of_dataset.for_each(|(_, gathered)| gathered.forget_seconds());
+        }
+        drives.len() >= FEWEST_DRIVES
     }
 
     /// Whether a row of this scan was added.
@@ -254,8 +273,17 @@ impl Tally {
 
     /// Which scans of each data set are drawn together, in the order of the data sets.
     pub fn blocks(&self) -> Vec<Blocks> {
-        let seconds = |drives: &BTreeMap<String, BTreeMap<u32, DriveSecond>>| {
-            Blocks::of(drives.values().flat_map(BTreeMap::values).cloned())
+        let seconds = |drives: &BTreeMap<String, BTreeMap<u32, f64>>| {
+            let of_drives = drives.iter().flat_map(|(drive, scans)| {
+                let mut seconds: Vec<DriveSecond> = Vec::new();
+                for second in scans.values().map(|it| DriveSecond::of(drive, *it)) {
+                    if seconds.last() != Some(&second) {
+                        seconds.push(second);
+                    }
+                }
+                seconds
+            });
+            Blocks::of(of_drives)
         };
         self.scans.iter().map(seconds).collect()
     }
@@ -282,9 +310,21 @@ impl Tally {
 }
 
 impl Gathered {
-    fn of_task(task: Task) -> Self {
-        let ranked = task.ranks_detections().then(Vec::new);
-        Self { n_scans: 0, false_objects: FalseObjects::Known, counts: None, slices: BTreeMap::new(), ranked }
+    fn of_task(task: Task, has_enough_drives: bool) -> Self {
+        Self {
+            n_scans: 0,
+            false_objects: FalseObjects::Known,
+            counts: None,
+            has_enough_drives,
+            slices: BTreeMap::new(),
+            ranked: task.ranks_detections().then(Vec::new),
+        }
+    }
+
+    /// Whole drives will be drawn.
+    fn forget_seconds(&mut self) {
+        self.has_enough_drives = true;
+        self.slices.values_mut().for_each(BlockSums::forget_seconds);
     }
 
     fn add_counts(&mut self, counts: Counts) {
@@ -296,22 +336,17 @@ impl Gathered {
 
     /// The sums of `slice`, with the places of their blocks; blocks without any are left out.
     pub(crate) fn sums_of_blocks(&self, slice: &Slice, blocks: &Blocks) -> Vec<(usize, Sums)> {
-        let mut of_blocks: BTreeMap<usize, Sums> = BTreeMap::new();
-        for (second, sums) in self.slices.get(slice).into_iter().flatten() {
-            if let Some(place) = blocks.place_of(second) {
-                of_blocks.entry(place).or_default().add_times(sums, 1.0);
-            }
-        }
-        of_blocks.into_iter().collect()
+        self.slices.get(slice).map_or_else(Vec::new, |it| it.placed(blocks))
     }
 
     /// The sum of `term` over everything.
     pub(crate) fn total(&self, term: Term) -> f64 {
-        self.slices.get(&Slice::All).into_iter().flatten().map(|(_, sums)| sums.of(term)).sum()
+        self.slices.get(&Slice::All).map_or(0.0, |it| it.total().of(term))
     }
 
     fn sums(&mut self, slice: Slice, block: &DriveSecond) -> &mut Sums {
-        self.slices.entry(slice).or_default().entry(block.clone()).or_default()
+        let has_enough_drives = self.has_enough_drives;
+        self.slices.entry(slice).or_insert_with(|| BlockSums::new(has_enough_drives)).of(block)
     }
 
     fn add_to_slices(&mut self, slices: &[Slice], block: &DriveSecond, term: Term) {

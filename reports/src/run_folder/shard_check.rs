@@ -326,3 +326,109 @@ fn check_scans(shards: &[NamedShard], records: &[(usize, Shard, &ShardRecord)]) 
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run_folder::shard_record::{ShardPart, WorkMeasure};
+    use crate::tables::sample;
+    use proptest::prelude::*;
+
+    /// Shard `index` of `count` of three data sets of twenty scans each, with these places of all sixty.
+    fn shard(index: u32, count: u32, scans: std::ops::Range<u64>) -> NamedShard {
+        let part = |dataset_idx: u64| {
+            let within = |place: u64| place.clamp(20 * dataset_idx, 20 * dataset_idx + 20) - 20 * dataset_idx;
+            ShardPart {
+                first: within(scans.start),
+                end: within(scans.end),
+                selected: String::new(),
+                n_labels: 0,
+            }
+        };
+        let record = ShardRecord {
+            index,
+            count,
+            created: String::new(),
+            program: "f00d".to_owned(),
+            cut_by: WorkMeasure::Scans,
+            parts: (0..3).map(part).collect(),
+            processors: Vec::new(),
+            files: Vec::new(),
+            recordings: Vec::new(),
+            worst_recorded: Vec::new(),
+        };
+        let manifest = Manifest { shard: Some(record), ..sample::manifest() };
+        NamedShard { name: format!("{index}-of-{count}"), manifest }
+    }
+
+    #[track_caller]
+    fn check_refused(shards: &[NamedShard], words: &str) {
+        let error = check_shards(shards).unwrap_err().to_string();
+        assert_eq!(error, words);
+    }
+
+    #[test]
+    fn shards_come_in_the_order_of_the_run() {
+        let shards = [shard(3, 3, 45..60), shard(1, 3, 0..30), shard(2, 3, 30..45)];
+        assert_eq!(check_shards(&shards), Ok(vec![1, 2, 0]));
+        // The second has nothing to do.
+        assert_eq!(
+            check_shards(&[shard(1, 3, 0..30), shard(2, 3, 30..30), shard(3, 3, 30..60)]),
+            Ok(vec![0, 1, 2])
+        );
+    }
+
+    #[test]
+    fn every_shard_is_there_once_and_every_scan_in_one() {
+        let halves = || [shard(1, 2, 0..30), shard(2, 2, 30..60)];
+        let [first, second] = halves();
+        check_refused(&[first.clone()], "1 of 2 shards are missing: 2");
+        check_refused(&[first.clone(), first.clone()], "1-of-2 and 1-of-2 are both shard 1/2");
+        check_refused(&[first.clone(), shard(2, 3, 30..60)], "1-of-2 is one of 2 shards, 2-of-3 one of 3");
+        check_refused(
+            &[first.clone(), shard(2, 2, 25..60)],
+            "1-of-2 and 2-of-2 overlap: both have scans of \"kitti_tracking\" from place 5 on",
+        );
+        check_refused(
+            &[first.clone(), shard(2, 2, 33..60)],
+            "3 scans of \"kitti_tracking\" from place 10 on are in no shard",
+        );
+        check_refused(
+            &[first, shard(2, 2, 30..58)],
+            "2 scans of \"kitti_object\" from place 18 on are in no shard",
+        );
+        let mut whole = second;
+        whole.manifest.shard = None;
+        check_refused(&[whole], "2-of-2 is no shard, but a whole run");
+    }
+
+    #[test]
+    fn folders_may_differ_and_data_may_not() {
+        let mut shards = [shard(1, 2, 0..30), shard(2, 2, 30..60)];
+        shards[1].manifest.datasets[0].root = Some("/elsewhere".to_owned());
+        shards[1].manifest.machine.cpu_model = "another".to_owned();
+        assert!(check_shards(&shards).is_ok());
+        shards[1].manifest.datasets[0].sensor_height_m = 2.0;
+        check_refused(
+            &shards,
+            "1-of-2 and 2-of-2 are of different data: \"main_road\" was opened in another way",
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn cuts_anywhere_make_a_run_and_none_without_one_of_them(
+            mut cuts in prop::collection::vec(0_u64..=60, 1..6),
+            left_out in 0_usize..6,
+        ) {
+            cuts.extend([0, 60]);
+            cuts.sort_unstable();
+            let count = cuts.len() as u32 - 1;
+            let mut shards: Vec<NamedShard> =
+                (1..).zip(cuts.windows(2)).map(|(index, ends)| shard(index, count, ends[0]..ends[1])).collect();
+            prop_assert!(check_shards(&shards).is_ok());
+            shards.remove(left_out % shards.len());
+            prop_assert!(shards.is_empty() || check_shards(&shards).is_err());
+        }
+    }
+}

@@ -41,15 +41,25 @@ pub struct StreamArgs {
         conflicts_with_all = ["connect", "spawn"]
     )]
     pub serve: Option<u16>,
-    /// Record only every Nth scan; all are evaluated
-    #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-    pub rerun_every: u32,
+    /// Record only every Nth scan; all are evaluated [default: 1, or more where it would be more than 2000 scans]
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rerun_every: Option<u32>,
     /// Record at most N points of a scan, or `all` [default: one in each cube of 10 cm, or of 25 cm in recordings of more than 20 scans]; detectors get all
     #[arg(long, hide_short_help = true, value_name = "N")]
     pub rerun_points: Option<RecordedPoints>,
     /// Tab that the recording opens with
     #[arg(long, hide_short_help = true, value_enum, value_name = "TAB", default_value = "compare")]
     pub blueprint: TabName,
+}
+
+/// Scans of a recording, unless more are asked for. Its index is in memory until its end and grows by a tenth of a megabyte with each.
+const MOST_RECORDED: usize = 2000;
+
+impl StreamArgs {
+    /// Every so many of `n_scans` scans are recorded.
+    pub fn every(&self, n_scans: usize) -> u32 {
+        self.rerun_every.unwrap_or_else(|| n_scans.div_ceil(MOST_RECORDED).max(1) as u32)
+    }
 }
 
 /// How many points of a scan are recorded.

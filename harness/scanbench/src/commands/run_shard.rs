@@ -44,18 +44,7 @@ const JOURNAL: &str = "journal";
 /// If anything asked for is not there, data are damaged, what is there is of another run, or the output cannot be written.
 pub fn run_shard(arguments: &RunArgs, shard: Shard) -> Result<(), Failure> {
     let (interrupted, started) = (interruption_flag(), Timestamp::now());
-    if let Some(Some(_)) = &arguments.stream.save_rrd {
-        return Err(Usage(
-            "all shards would write the same file of --save-rrd; leave out its name".to_owned(),
-        )
-        .into());
-    }
-    if !arguments.protocol.protocols.is_empty() {
-        return Err(Usage(
-            "--protocol does not work with --shard yet: merge keeps no rows of protocols".to_owned(),
-        )
-        .into());
-    }
+    refuse_what_is_for_whole_runs(arguments)?;
     let chosen = ChosenRun::of(arguments)?;
     let claimed = claim(&arguments.output, shard)?;
     let mut opened = chosen.open(arguments)?;
@@ -70,9 +59,7 @@ pub fn run_shard(arguments: &RunArgs, shard: Shard) -> Result<(), Failure> {
     unfinished.leave_out_what_is_done(&mut opened);
     let progress = RunProgress::new();
     if let Err(failure) = unfinished.run(arguments, &opened, (interrupted, &progress)) {
-        if matches!(failure, Failure::Interrupted(_) | Failure::Detector(_)) {
-            print_diagnostic(how_to_go_on);
-        }
+        print_diagnostic(how_to_go_on);
         return Err(failure);
     }
     // Programs of others have introduced themselves by now.
@@ -80,6 +67,23 @@ pub fn run_shard(arguments: &RunArgs, shard: Shard) -> Result<(), Failure> {
     let finished = unfinished.finish(claimed, manifest)?;
     set_last_words(String::new());
     print_diagnostic(format_args!("Shard {shard}: {n_scans} scans, {}", finished.display()));
+    Ok(())
+}
+
+/// Options that shards would have to share, or that have no end.
+fn refuse_what_is_for_whole_runs(arguments: &RunArgs) -> Result<(), Usage> {
+    let stream = &arguments.stream;
+    if matches!(stream.save_rrd, Some(Some(_))) {
+        return Err(Usage(
+            "all shards would write the same file of --save-rrd; leave out its name".to_owned(),
+        ));
+    }
+    if stream.serve.is_some() {
+        return Err(Usage("a shard ends, and nobody is served by it: leave out --serve".to_owned()));
+    }
+    if !arguments.protocol.protocols.is_empty() {
+        return Err(Usage("merge knows no rows of protocols of others: leave out --protocol".to_owned()));
+    }
     Ok(())
 }
 
@@ -188,6 +192,7 @@ impl Unfinished {
             first
         });
         let Some(first) = first else { return Ok(()) };
+        let n_left = opened.datasets.iter().map(|it| it.part.len()).sum();
         let file = match self.progress.n_starts {
             0 => "run.rrd".to_owned(),
             n => format!("run-{}.rrd", n + 1),
@@ -204,7 +209,7 @@ impl Unfinished {
         ]);
         let is_complete = matches!(ended, Ok(()) | Err(Failure::Interrupted(_) | Failure::Detector(_)));
         if let Some(end) = end.get().filter(|_| is_recorded && is_complete) {
-            let (first, every) = (first as u64, u64::from(arguments.stream.rerun_every));
+            let (first, every) = (first as u64, u64::from(arguments.stream.every(n_left)));
             self.journal.add(&ShardEntry::Recorded(ShardRecording { file, first, end, every }))?;
         }
         ended

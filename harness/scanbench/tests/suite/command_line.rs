@@ -17,8 +17,9 @@ fn help(arguments: &str) -> String {
 }
 
 /// Every verb.
-const VERBS: [&str; 33] = [
+const VERBS: [&str; 34] = [
     "run",
+    "merge",
     "detect",
     "compare",
     "report",

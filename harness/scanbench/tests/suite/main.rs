@@ -18,6 +18,7 @@ mod signals;
 #[cfg(target_os = "linux")]
 mod foreign_detectors;
 mod results_of_others;
+mod shards;
 mod start_up;
 mod realism;
 mod readers;

@@ -37,6 +37,10 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
     if arguments.no_rrd {
         return Ok(None);
     }
+    let every = arguments.every(plan.n_scans);
+    if arguments.rerun_every.is_none() && every > 1 {
+        print_diagnostic(format_args!("One of {every} scans is recorded; --rerun-every 1 records all"));
+    }
     let viewer = match (&arguments.connect, arguments.spawn, arguments.serve) {
         (Some(url), _, _) => ViewerChoice::Connect(url.parse()?),
         (None, true, _) => ViewerChoice::Spawn,
@@ -60,13 +64,13 @@ pub fn begin(plan: &RecordingPlan<'_>) -> Result<Option<Recorder>, Failure> {
             viewer,
             opening,
             points: match arguments.rerun_points {
-                None => PointChoice::for_scans(plan.n_scans.div_ceil(arguments.rerun_every as usize)),
+                None => PointChoice::for_scans(plan.n_scans.div_ceil(every as usize)),
                 Some(RecordedPoints::All) => PointChoice::All,
                 Some(RecordedPoints::AtMost(n)) => PointChoice::AtMost(n),
             },
         },
         elsewhere: arguments.save_rrd.clone().flatten(),
-        every: arguments.rerun_every,
+        every,
     };
     let recording = RunRecording::begin(options, plan.detectors)?;
     if let Some(url) = recording.served_at() {

@@ -1,0 +1,396 @@
+//! Shards of a run, and what `merge` makes of them: the run in one piece to the last byte, but for its times, or a refusal.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::process::{Child, Command};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use test_data::{needs_test_data, test_data};
+
+use crate::program::{Ended, Workplace};
+
+/// Two streets of a few seconds: forty scans.
+const STREETS: [&str; 8] =
+    ["street-narrow", "street-main-road", "--simulated-scans", "20", "--sensor", "vlp-16", "--no-rrd", "-q"];
+const QUICK: [&str; 2] = ["-d", "simple-grid,pca"];
+
+/// Runs what `run` asks for in `count` shards below `folder`.
+fn run_shards(workplace: &Workplace, run: &[&str], count: u32, folder: &str) {
+    for index in 1..=count {
+        let shard = format!("{index}/{count}");
+        workplace.succeed(&[&["run"][..], run, &["--shard", &shard, "-o", folder]].concat());
+    }
+}
+
+/// Puts together all shards below `folder`.
+fn merge(workplace: &Workplace, folder: &str, output: &str) -> Ended {
+    let shards = std::fs::read_dir(workplace.path(folder)).unwrap().map(|it| it.unwrap().path());
+    // The order on the command line does not matter.
+    let mut shards: Vec<PathBuf> = shards.collect();
+    shards.sort();
+    shards.reverse();
+    let names: Vec<&str> = shards.iter().map(|it| it.to_str().unwrap()).collect();
+    workplace.run(&[&["merge"], &names[..], &["-o", output]].concat())
+}
+
+fn merge_whole(workplace: &Workplace, folder: &str, output: &str) {
+    let merged = merge(workplace, folder, output);
+    assert_eq!(merged.exit_code, Some(0), "{merged:#?}");
+}
+
+/// All files of a run but its manifest.
+fn files_of(workplace: &Workplace, run: &str) -> BTreeSet<PathBuf> {
+    let names = workplace.names().into_iter();
+    let of_run = names.filter_map(|it| Some(it.strip_prefix(run).ok()?.to_owned()));
+    // PDF files of the same figure differ from one time to the next.
+    let is_compared =
+        |it: &PathBuf| !it.ends_with("manifest.json") && it.extension().is_none_or(|it| it != "pdf");
+    of_run.filter(|it| workplace.path(run).join(it).is_file() && is_compared(it)).collect()
+}
+
+/// Every file of both runs has the same bytes; only the page names its own folder.
+#[track_caller]
+fn check_same_bytes(workplace: &Workplace, whole: &str, merged: &str) {
+    assert_eq!(files_of(workplace, whole), files_of(workplace, merged));
+    for name in files_of(workplace, whole) {
+        let [one, other] = [whole, merged].map(|it| std::fs::read(workplace.path(it).join(&name)).unwrap());
+        if name.ends_with("report.html") {
+            let text = |it: Vec<u8>| String::from_utf8(it).unwrap();
+            let at = format!("-o {merged}");
+            assert!(text(one) == text(other).replace(&at, &format!("-o {whole}")), "{}", name.display());
+        } else if name.ends_with("scans.csv") {
+            // The reference is timed in any case.
+            assert_eq!(untimed_scans(workplace, whole), untimed_scans(workplace, merged));
+        } else {
+            assert!(one == other, "{} of {merged} has other bytes", name.display());
+        }
+    }
+}
+
+/// The lines of `scans.csv` without times.
+fn untimed_scans(workplace: &Workplace, run: &str) -> Vec<String> {
+    let text = workplace.read(&format!("{run}/scans.csv"));
+    let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let untimed = |line: &str| {
+        let cells = line.split(',').zip(&head).filter(|(_, name)| !name.ends_with("_ms"));
+        cells.map(|it| it.0).collect::<Vec<_>>().join(",")
+    };
+    text.lines().map(untimed).collect()
+}
+
+/// The numbers of `report.json` that are no times, as text.
+fn untimed_numbers(workplace: &Workplace, run: &str) -> String {
+    let report: Value = serde_json::from_str(&workplace.read(&format!("{run}/report.json"))).unwrap();
+    let is_time = |row: &&Value| {
+        let metric = row["metric"].as_str().unwrap();
+        ["fps_", "latency_", "stage_", "cpu_", "door_", "reference_ms", "time_over_reference"]
+            .iter()
+            .any(|it| metric.starts_with(it))
+    };
+    let rows = ["rows", "overall"].into_iter().flat_map(|it| report[it].as_array().unwrap());
+    let lines: Vec<String> = rows.filter(|it| !is_time(it)).map(Value::to_string).collect();
+    assert!(lines.len() > 20);
+    lines.join("\n")
+}
+
+/// Everything but times is the same.
+#[track_caller]
+fn check_same_but_times(workplace: &Workplace, whole: &str, merged: &str) {
+    assert_eq!(files_of(workplace, whole), files_of(workplace, merged));
+    for name in ["matches.csv", "precision_recall.csv", "worst_points.json"] {
+        let [one, other] = [whole, merged].map(|it| workplace.read(&format!("{it}/{name}")));
+        assert!(one == other && one.lines().count() > 2, "{name} of {merged}");
+    }
+    assert_eq!(untimed_scans(workplace, whole), untimed_scans(workplace, merged));
+    assert_eq!(untimed_numbers(workplace, whole), untimed_numbers(workplace, merged));
+    let n_stages = |run| workplace.read(&format!("{run}/stages.csv")).lines().count();
+    assert_eq!(n_stages(whole), n_stages(merged));
+}
+
+#[test]
+fn what_has_no_times_is_the_same_to_the_last_byte_in_any_number_of_shards() {
+    let workplace = Workplace::new();
+    let written = ["--detections-out", "found", "--as", "csv", "-o", "first"];
+    workplace.succeed(&[&["run"][..], &STREETS, &["-d", "simple-grid"], &written].concat());
+    // Results that were read have no times.
+    let read = [&STREETS[..], &["--detections", "grid=found/simple-grid", "-d", "grid"]].concat();
+    workplace.succeed(&[&["run"], &read[..], &["-o", "whole"]].concat());
+    for count in [1, 2, 3, 7, 16] {
+        let [shards, merged] = [format!("shards-{count}"), format!("merged-{count}")];
+        run_shards(&workplace, &read, count, &shards);
+        merge_whole(&workplace, &shards, &merged);
+        check_same_bytes(&workplace, "whole", &merged);
+    }
+    let manifest: Value = serde_json::from_str(&workplace.read("merged-3/manifest.json")).unwrap();
+    assert_eq!(manifest["shards"].as_array().unwrap().len(), 3);
+    assert!(manifest.get("shard").is_none());
+    workplace.succeed(&["gate", "merged-3", "--baseline", "whole"]);
+}
+
+#[test]
+fn detectors_of_ours_and_of_others_find_the_same_in_shards() {
+    let workplace = Workplace::new();
+    let program = env!("CARGO_BIN_EXE_scanbench");
+    let command = format!("[detector.served]\ncommand = [{program:?}, \"serve\", \"simple-grid\"]\n");
+    workplace.write("scanbench.toml", &command);
+    let run = [&STREETS[..], &["-d", "simple-grid,served,pca", "--scans", "0..20:2"]].concat();
+    workplace.succeed(&[&["run"], &run[..], &["-o", "whole"]].concat());
+    run_shards(&workplace, &run, 3, "shards");
+    merge_whole(&workplace, "shards", "merged");
+    check_same_but_times(&workplace, "whole", "merged");
+}
+
+#[needs_test_data("data/kitti_tracking")]
+fn recorded_drives_give_the_same_in_shards() {
+    let root = test_data!("data/kitti_tracking");
+    let workplace = Workplace::new();
+    let run = [root.to_str().unwrap(), "-d", "simple-grid,pca", "--scans", "0..60:4", "--no-rrd", "-q"];
+    workplace.succeed(&[&["run"], &run[..], &["-o", "whole"]].concat());
+    run_shards(&workplace, &run, 3, "shards");
+    merge_whole(&workplace, "shards", "merged");
+    check_same_but_times(&workplace, "whole", "merged");
+    let manifest: Value = serde_json::from_str(&workplace.read("merged/manifest.json")).unwrap();
+    assert_eq!(manifest["shards"][0]["cut_by"], "file-sizes");
+}
+
+/// A workplace with both halves of a run.
+fn halves() -> Workplace {
+    let workplace = Workplace::new();
+    run_shards(&workplace, &[&STREETS[..], &QUICK].concat(), 2, "shards");
+    workplace
+}
+
+/// Changes the manifest of the second half.
+fn change_manifest(workplace: &Workplace, change: impl FnOnce(&mut Value)) {
+    let name = "shards/shard-2-of-2/manifest.json";
+    let mut manifest: Value = serde_json::from_str(&workplace.read(name)).unwrap();
+    change(&mut manifest);
+    workplace.write(name, &manifest.to_string());
+}
+
+/// The shards are refused with this exit code and these words, and nothing is left.
+#[track_caller]
+fn check_refused(workplace: &Workplace, exit_code: i32, words: &str) {
+    let merged = merge(workplace, "shards", "whole");
+    assert_eq!(merged.exit_code, Some(exit_code), "{words}: {merged:#?}");
+    assert!(merged.stderr.contains(words), "{words}: {}", merged.stderr);
+    assert!(!workplace.path("whole").exists());
+}
+
+#[test]
+fn shards_that_do_not_make_a_run_are_refused_each_in_its_own_words() {
+    let workplace = halves();
+    let second = workplace.path("shards/shard-2-of-2");
+    let manifest = workplace.read("shards/shard-2-of-2/manifest.json");
+    let run = [&["run"][..], &STREETS, &QUICK].concat();
+    // Each is made in a folder of its own and stands in for the second half.
+    for (more, shard, words) in [
+        (&["--seed", "7"][..], "2/2", "are of different data: their seeds differ"),
+        (
+            &["--scans", "0..10"],
+            "2/2",
+            "are of different data: other scans of \"street-narrow\" were selected",
+        ),
+        (&["-P", "pca.grid.cell_size_m=0.7"], "2/2", "have different parameters: those of pca"),
+        (&["--warmup", "7"], "2/2", "have different parameters: --warmup: 3 and 7"),
+        (&["--criterion", "centre"], "2/2", "have different parameters: the matching criterion"),
+        (&[], "2/3", "is one of 2 shards"),
+    ] {
+        workplace.succeed(&[&run[..], more, &["--shard", shard, "-o", "others"]].concat());
+        std::fs::rename(&second, workplace.path("aside")).unwrap();
+        let made = format!("others/shard-{}-of-{}", &shard[..1], &shard[2..]);
+        std::fs::rename(workplace.path(&made), &second).unwrap();
+        check_refused(&workplace, 5, words);
+        std::fs::remove_dir_all(&second).unwrap();
+        std::fs::rename(workplace.path("aside"), &second).unwrap();
+    }
+    for (change, words) in [
+        ((|it| it["shard"]["program"] = "f00d".into()) as fn(&mut Value), "were made by different programs"),
+        (|it| it["scoring_version"] = 77.into(), "has scoring version 2, "),
+        (|it| it["datasets"][0]["checksum"] = "f00d".into(), "the checksums of \"street-narrow\" differ"),
+        (|it| it["shard"]["index"] = 1.into(), "are both shard 1/2"),
+        (|it| it["shard"]["index"] = 0.into(), "there is no shard 0"),
+        (|it| it["shard"]["parts"][1]["first"] = 3.into(), "from place"),
+        (|it| it["shard"] = Value::Null, "is no shard, but a whole run"),
+    ] {
+        change_manifest(&workplace, change);
+        check_refused(&workplace, 5, words);
+        workplace.write("shards/shard-2-of-2/manifest.json", &manifest);
+    }
+    std::fs::rename(&second, workplace.path("aside")).unwrap();
+    check_refused(&workplace, 5, "1 of 2 shards are missing: 2");
+    std::fs::rename(workplace.path("aside"), workplace.path("shards/shard-2-of-2.unfinished")).unwrap();
+    check_refused(&workplace, 5, "is an unfinished shard: give its command again");
+    std::fs::rename(workplace.path("shards/shard-2-of-2.unfinished"), &second).unwrap();
+    merge_whole(&workplace, "shards", "whole");
+}
+
+#[test]
+fn damaged_shards_are_refused() {
+    let workplace = halves();
+    for name in ["scans.csv", "matches.csv", "stages.csv"] {
+        let name = format!("shards/shard-2-of-2/{name}");
+        let sound = workplace.read(&name);
+        let without_last_line = sound.trim_end().rsplit_once('\n').unwrap().0.to_owned() + "\n";
+        let half_a_line = sound[..sound.len() - 20].to_owned();
+        for damaged in [without_last_line, half_a_line, "a,b\n".to_owned(), String::new()] {
+            workplace.write(&name, &damaged);
+            check_refused(&workplace, 3, "shard-2-of-2 cannot be read");
+        }
+        std::fs::remove_file(workplace.path(&name)).unwrap();
+        check_refused(&workplace, 3, "shard-2-of-2 cannot be read");
+        workplace.write(&name, &sound);
+    }
+    std::fs::remove_file(workplace.path("shards/shard-2-of-2/worst_points.json")).unwrap();
+    check_refused(&workplace, 3, "shard-2-of-2 cannot be read");
+}
+
+#[test]
+fn times_of_unlike_processors_are_never_put_together() {
+    let workplace = halves();
+    change_manifest(&workplace, |it| it["shard"]["processors"][0]["cpu_model"] = "Abacus 3".into());
+    merge_whole(&workplace, "shards", "whole");
+    let report: Value = serde_json::from_str(&workplace.read("whole/report.json")).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let values = |metric: &str| {
+        let of_metric = rows.iter().filter(|it| it["metric"] == metric);
+        of_metric.map(|it| it["value"].clone()).collect::<Vec<_>>()
+    };
+    for metric in ["latency_p50_ms", "fps_mean", "reference_ms"] {
+        let values = values(metric);
+        assert!(!values.is_empty() && values.iter().all(Value::is_null), "{metric}: {values:?}");
+    }
+    assert!(values("time_over_reference").iter().all(Value::is_number));
+    let times = workplace.read("whole/times_of_processors.csv");
+    let n = |model: &str| times.lines().filter(|it| it.starts_with(model)).count();
+    assert_eq!((n("Abacus 3") > 8, n("Abacus 3") * 2), (true, times.lines().count() - 1), "{times}");
+    assert!(workplace.read("whole/table_times.md").contains("on Abacus 3"));
+}
+
+#[test]
+fn an_empty_shard_is_a_sound_result_and_a_shard_is_no_run() {
+    let workplace = Workplace::new();
+    let run = ["street-narrow", "--simulated-scans", "3", "--sensor", "vlp-16", "-d", "pca", "--no-rrd"];
+    run_shards(&workplace, &run, 4, "shards");
+    let n_lines: Vec<usize> = (1..=4)
+        .map(|it| workplace.read(&format!("shards/shard-{it}-of-4/scans.csv")).lines().count())
+        .collect();
+    // Each scan is of a street of its own. Beside the names of columns it has a row for each task.
+    assert_eq!((n_lines.iter().filter(|it| **it == 1).count(), n_lines.iter().sum::<usize>()), (1, 4 + 6));
+    for verb in [&["report"][..], &["compare", "-d", "pca,pca"], &["view"]] {
+        let ended = workplace.run(&[verb, &["shards/shard-1-of-4"]].concat());
+        assert_eq!(ended.exit_code, Some(5), "{ended:#?}");
+        assert!(ended.stderr.contains("shards/shard-1-of-4 is shard 1 of 4"), "{ended:#?}");
+    }
+    merge_whole(&workplace, "shards", "whole");
+    workplace.succeed(&["report", "whole"]);
+}
+
+#[test]
+fn options_that_a_shard_cannot_keep_are_refused() {
+    let workplace = Workplace::new();
+    let shard = ["run", "street-narrow", "--simulated-scans", "3", "--shard", "1/2"];
+    for more in [
+        &[][..],
+        &["-o", "shards", "--mcap"],
+        &["-o", "shards", "--detections-out", "found", "--as", "csv"],
+        &["-o", "shards", "--save-rrd=mine.rrd"],
+        &["-o", "shards", "--serve=0"],
+    ] {
+        let ended = workplace.run(&[&shard[..], more].concat());
+        assert_eq!(ended.exit_code, Some(2), "{more:?}: {ended:#?}");
+    }
+    let ended = workplace.run(&["run", "street-narrow", "--shard", "0/2", "-o", "shards"]);
+    assert!(ended.stderr.contains("the first of 2 is 1/2, the last 2/2"), "{ended:#?}");
+    assert_eq!(workplace.top_names(), [""; 0]);
+}
+
+/// A shard of many scans.
+const LONG: [&str; 14] = [
+    "run",
+    "street-narrow",
+    "--simulated-scans",
+    "60",
+    "--sensor",
+    "vlp-16",
+    "-d",
+    "simple-grid",
+    "--no-rrd",
+    "--jobs",
+    "1",
+    "--shard",
+    "1/1",
+    "-o",
+];
+const UNFINISHED: &str = "shards/shard-1-of-1.unfinished/journal";
+
+/// Starts the long shard, and returns once some scans are in its journal.
+fn started(workplace: &Workplace) -> Child {
+    let n_bytes = || workplace.path(UNFINISHED).metadata().map_or(0, |it| it.len());
+    let n_before = n_bytes();
+    let child = workplace.start(&[&LONG[..], &["shards"]].concat());
+    let started = Instant::now();
+    while n_bytes() < n_before + 40_000 {
+        assert!(started.elapsed() < Duration::from_mins(2), "the shard does not get on");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child
+}
+
+fn send(child: &Child, signal: &str) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+}
+
+#[test]
+fn a_shard_goes_on_where_it_was_ended() {
+    let workplace = Workplace::new();
+    for (signal, exit_code) in [("-KILL", None), ("-TERM", Some(143))] {
+        let child = started(&workplace);
+        send(&child, signal);
+        let ended = Ended::from(child.wait_with_output().unwrap());
+        assert_eq!(ended.exit_code, exit_code, "{ended:#?}");
+        assert!(!workplace.path("shards/shard-1-of-1").exists());
+        if exit_code.is_some() {
+            let kept = "of the 60 scans of shard 1/1 is kept in shards/shard-1-of-1.unfinished: to go on with the others";
+            assert!(ended.stderr.contains(kept) && ended.stderr.contains("interrupted after"), "{ended:#?}");
+        }
+    }
+    // Another run does not go on with it.
+    let other = workplace.run(&[&LONG[..], &["shards", "--seed", "7"]].concat());
+    assert_eq!(other.exit_code, Some(2), "{other:#?}");
+    assert!(other.stderr.contains("belongs to another shard: "), "{other:#?}");
+    let ended = workplace.succeed(&[&LONG[..], &["shards"]].concat());
+    assert!(ended.stderr.contains("Continuing with "), "{ended:#?}");
+    merge_whole(&workplace, "shards", "merged");
+    workplace.succeed(&[&LONG[..11], &["-o", "whole"]].concat());
+    check_same_but_times(&workplace, "whole", "merged");
+    assert_eq!(workplace.top_names(), ["merged", "shards", "whole"]);
+}
+
+#[cfg(feature = "viewer")]
+#[test]
+fn the_page_leads_to_the_recordings_of_the_shards() {
+    let workplace = Workplace::new();
+    let run =
+        ["street-narrow", "--simulated-scans", "24", "--sensor", "vlp-16", "-d", "pca", "--rerun-every", "2"];
+    run_shards(&workplace, &run, 2, "shards");
+    assert!(workplace.path("shards/shard-2-of-2/run.rrd").is_file());
+    merge_whole(&workplace, "shards", "whole");
+    let recordings: Value = serde_json::from_str(&workplace.read("whole/recordings.json")).unwrap();
+    let places = recordings["places"].as_array().unwrap();
+    let page = workplace.read("whole/report.html");
+    for place in places {
+        let file = place["recording"].as_str().unwrap();
+        assert!(
+            file.starts_with("../shards/shard-") && workplace.path("whole").join(file).is_file(),
+            "{file}"
+        );
+        assert!(page.contains(&format!("href=\"{file}\"")), "{file}");
+        // By the number in the run, and not in the shard.
+        assert_eq!(place["step"].as_u64().unwrap() % 2, 0);
+    }
+    assert!(!places.is_empty());
+}
