@@ -10,3 +10,5 @@ pub mod cluster_of_point;
 pub mod training_row;
 pub mod agreement_row;
 pub mod partial_row;
+pub mod scan_name;
+pub mod kitti_object_row;

@@ -85,7 +85,7 @@ impl RunningDetector for ResultsDetector {
 
 /// What was found as objects: each box, or else each cluster.
 fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
-    let ForeignDetections { clusters, cluster_classes, boxes } = found;
+    let ForeignDetections { clusters, cluster_classes, boxes, .. } = found;
     let mut members = clusters.as_deref().map(members_of);
     if boxes.is_empty() {
         let class_of = |id: u32| cluster_classes.get(id as usize - 1).copied().flatten();
@@ -126,7 +126,7 @@ mod tests {
         let found = ForeignDetections {
             clusters: Some(vec![0, 9, 2, 9]),
             cluster_classes: vec![None, Some(AnnotationClass::Pole)],
-            boxes: Vec::new(),
+            ..ForeignDetections::default()
         };
         let pole = FoundObject { class: Some(AnnotationClass::Pole), ..FoundObject::of_points(vec![2]) };
         assert_eq!(objects_of(found), [pole, FoundObject::of_points(vec![1, 3])]);

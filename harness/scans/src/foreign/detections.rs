@@ -3,6 +3,7 @@
 use detector::OrientedBox;
 use reports::vocabulary::class::AnnotationClass;
 
+use crate::dataset::kitti::label::KittiObject;
 use crate::dataset::positioned_points::MAX_COORDINATE_M;
 
 /// A side of a box that is longer than this, in metres, is damage.
@@ -17,6 +18,8 @@ pub struct ForeignDetections {
     pub cluster_classes: Vec<Option<AnnotationClass>>,
     /// The boxes; beside clusters, that of cluster *k* at place *k* − 1.
     pub boxes: Vec<ForeignBox>,
+    /// Of KITTI's files, what a line says of each of `boxes`, to the last digit; empty of others.
+    pub kitti_objects: Vec<KittiObject>,
 }
 
 /// A box that another program found.

@@ -86,7 +86,7 @@ fn clusters_of(labels: &[u32], path: &Path, classes: &mut ClassReader<'_>) -> Fo
         let most = votes.iter().max_by(|a, b| a.1.cmp(b.1).then(b.0.cmp(a.0)));
         cluster_classes[instance as usize - 1] = most.and_then(|(class, _)| *class);
     }
-    ForeignDetections { clusters: Some(clusters), cluster_classes, boxes: Vec::new() }
+    ForeignDetections { clusters: Some(clusters), cluster_classes, ..ForeignDetections::default() }
 }
 
 #[cfg(test)]

@@ -1,0 +1,7 @@
+//! KITTI's object benchmark: from labels and results, as KITTI's files have them, to rows.
+
+pub mod overlaps;
+pub mod scan_facts;
+pub mod label_facts;
+#[cfg(test)]
+mod kit_vectors;

@@ -1,0 +1,12 @@
+//! Names a scan among those of a run.
+
+/// A scan. Sorted by the names of data sets and drives, so that nothing depends on the order in which scans were seen.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ScanName {
+    /// Id of the data set.
+    pub dataset: String,
+    /// The drive the scan belongs to.
+    pub sequence: String,
+    /// Number of the scan within the drive.
+    pub scan: u32,
+}
