@@ -51,7 +51,7 @@ impl KittiScan {
     ///
     /// # Errors
     ///
-    /// A sentence, if a place is missing, comes twice, or is named by a pair only; or a number is not finite.
+    /// A sentence, if a place is missing, comes twice, or is named by a pair only; or a region names a detection that is not there.
     pub fn of(facts: impl IntoIterator<Item = KittiFact>) -> Result<Self, String> {
         let (mut annotations, mut detections) = (BTreeMap::new(), BTreeMap::new());
         let (mut pairs, mut shares) = (BTreeMap::new(), Vec::new());
@@ -131,5 +131,40 @@ fn without_gaps<T>(by_place: BTreeMap<usize, T>, what: &str) -> Result<Vec<T>, S
     match by_place.keys().zip(0..).find(|(place, expected)| *place != expected) {
         Some((_, missing)) => Err(format!("there is no {what} {missing}")),
         None => Ok(by_place.into_values().collect()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::drawn_scan::boxed;
+    use super::*;
+    use crate::vocabulary::class::AnnotationClass::Car;
+
+    fn found(detection: u32) -> KittiFact {
+        KittiFact::Detection { detection, object: boxed(Car, 0.0), score: 0.5 }
+    }
+
+    #[track_caller]
+    fn check_refused(facts: &[KittiFact], problem: &str) {
+        assert_eq!(KittiScan::of(facts.iter().copied()), Err(problem.to_owned()));
+    }
+
+    #[test]
+    fn what_contradicts_itself_is_refused() {
+        let overlap = KittiOverlap { image: 0.9, birds_eye: 0.9, volume: 0.9 };
+        check_refused(&[found(0), found(0)], "detection 0 comes twice");
+        check_refused(&[found(1)], "there is no detection 0");
+        check_refused(&[KittiFact::DontCare { detection: 3, share: 0.9 }], "there is no detection 3");
+        check_refused(
+            &[found(0), KittiFact::Pair { annotation: 0, detection: 0, overlap }],
+            "annotation 0 and detection 0 are not both there",
+        );
+    }
+
+    #[test]
+    fn the_largest_share_in_a_region_counts() {
+        let share = |share| KittiFact::DontCare { detection: 0, share };
+        let scan = KittiScan::of([share(0.2), found(0), share(0.8), share(0.4)]).unwrap();
+        assert_eq!(scan.dont_care_share(0), 0.8);
     }
 }
