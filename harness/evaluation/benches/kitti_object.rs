@@ -40,7 +40,11 @@ fn main() -> ExitCode {
         let took_s = start.elapsed().as_secs_f64();
         least_s = least_s.min(took_s);
         let sum: f64 = values.iter().flatten().sum();
-        println!("{N_SCANS} scans of {N_BOXES} boxes: {took_s:.2} s, {} numbers of mean {:.3}", values.len(), sum / values.len() as f64);
+        println!(
+            "{N_SCANS} scans of {N_BOXES} boxes: {took_s:.2} s, {} numbers of mean {:.3}",
+            values.len(),
+            sum / values.len() as f64
+        );
     }
     if least_s <= MOST_S { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -1,3 +1,12 @@
 //! The numbers that others publish, made of rows as their makers make them, and how sure they are.
 
+pub mod protocol_number;
+pub mod under_protocol;
+pub mod drawn_scans;
+mod ranked_classes;
+mod recall_grid;
+pub mod nuscenes;
+pub mod argoverse2;
 pub mod kitti_object;
+pub mod protocol_tally;
+pub mod protocol_report;

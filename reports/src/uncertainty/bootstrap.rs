@@ -37,8 +37,13 @@ impl Resamples {
     /// The same data set is drawn from in the same way whatever else is in the run, and with any number of threads; so
     /// numbers of different detectors, or of different runs over the same scans, are of the same draws.
     pub fn draw(dataset: &str, blocks: BlockCount) -> Self {
+        Self::first(N_RESAMPLES, dataset, blocks)
+    }
+
+    /// The first `n_resamples` of these draws, for numbers that take long to make.
+    pub fn first(n_resamples: usize, dataset: &str, blocks: BlockCount) -> Self {
         let n_blocks = blocks.n_blocks as usize;
-        let mut times_drawn = vec![0_u16; N_RESAMPLES * n_blocks];
+        let mut times_drawn = vec![0_u16; n_resamples * n_blocks];
         let seed = SEED ^ fingerprint(dataset);
         if n_blocks > 0 {
             times_drawn.par_chunks_mut(n_blocks).enumerate().for_each(|(resample_idx, times_drawn)| {
@@ -61,6 +66,12 @@ impl Resamples {
     /// The blocks that are drawn from.
     pub fn blocks(&self) -> BlockCount {
         self.blocks
+    }
+
+    /// How often each block was drawn for resample `resample_idx`.
+    pub fn times_drawn(&self, resample_idx: usize) -> &[u16] {
+        let n_blocks = self.blocks.n_blocks as usize;
+        &self.times_drawn[resample_idx * n_blocks..][..n_blocks]
     }
 
     /// The sums of each resample, where `of_blocks` are the sums of blocks by their places; those of all others are zero.
@@ -231,6 +242,13 @@ mod tests {
         };
         assert_eq!(draw(1), draw(7));
         assert_ne!(draw(1), Resamples::draw("another", drives(20)).times_drawn);
+    }
+
+    #[test]
+    fn fewer_resamples_are_the_first_of_all() {
+        let [all, few] = [N_RESAMPLES, 3].map(|n| Resamples::first(n, "street", drives(7)));
+        assert!((0..3).all(|it| all.times_drawn(it) == few.times_drawn(it)));
+        assert_ne!(few.times_drawn(0), few.times_drawn(1));
     }
 
     #[test]

@@ -9,6 +9,8 @@ pub mod metric;
 pub mod slice;
 pub mod extent;
 pub mod origin;
+pub mod protocol;
+pub mod ranked_protocol;
 
 #[cfg(test)]
 pub(crate) mod tests;

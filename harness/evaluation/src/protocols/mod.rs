@@ -1,3 +1,9 @@
-//! What the protocols of others look at, in what detectors found.
+//! Scans as others evaluate them: from labels and detections to the rows that numbers of a protocol are made of.
 
+pub mod official_objects;
+pub mod official_protocol;
+mod ranked_boxes;
+pub mod nuscenes;
+pub mod argoverse2;
 pub mod kitti_object;
+pub mod known_protocols;

@@ -5,6 +5,8 @@ use detector::{DetectorOutput, PointCloud};
 use reports::files::causes::with_causes;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::conversion::results::detection_rows::clusters_of_points;
+use scans::dataset::kitti::label::KittiObject;
+use scans::dataset::official::OfficialObject;
 use scans::foreign::detections::ForeignDetections;
 use scans::foreign::foreign_results::ForeignResults;
 
@@ -18,7 +20,16 @@ pub struct ResultsDetector {
     results: Option<ForeignResults>,
     vehicles: ForeignVehicles,
     // Of the latest scan, which may be asked for again.
-    latest: Option<(ScanId, DetectorOutput)>,
+    latest: Option<ReadScan>,
+}
+
+/// What was read for a scan.
+struct ReadScan {
+    id: ScanId,
+    output: DetectorOutput,
+    official: Vec<OfficialObject>,
+    // `None` of results that are not in KITTI's files.
+    kitti_objects: Option<Vec<KittiObject>>,
 }
 
 impl ResultsDetector {
@@ -27,17 +38,20 @@ impl ResultsDetector {
         Self { name, results, vehicles, latest: None }
     }
 
-    fn read(&mut self, scan: &LabeledScan) -> Result<DetectorOutput, DetectorProblem> {
+    fn read(&mut self, scan: &LabeledScan) -> Result<ReadScan, DetectorProblem> {
         let Some(results) = &mut self.results else {
             let problem = "only `scanbench run` judges results of other programs";
             return Err(DetectorProblem::Machine(problem.to_owned()));
         };
         let found = results.read(scan).map_err(|error| DetectorProblem::Unreadable(with_causes(&error)))?;
         let mut output = DetectorOutput::default();
-        let objects = objects_of(found.unwrap_or_default());
+        let mut found = found.unwrap_or_default();
+        let official = std::mem::take(&mut found.official);
+        let kitti_objects = found.kitti_objects.take();
+        let objects = objects_of(found);
         let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
         made.map_err(DetectorProblem::Unreadable)?;
-        Ok(output)
+        Ok(ReadScan { id: scan.id.clone(), output, official, kitti_objects })
     }
 }
 
@@ -53,7 +67,7 @@ impl RunningDetector for ResultsDetector {
         output: &mut DetectorOutput,
     ) -> Result<Taken, DetectorFailure> {
         output.clear();
-        if self.latest.as_ref().is_none_or(|(id, _)| *id != scan.id) {
+        if self.latest.as_ref().is_none_or(|it| it.id != scan.id) {
             let read = self.read(scan).map_err(|problem| DetectorFailure {
                 detector: self.name.to_owned(),
                 scan: Some(scan.id.to_string()),
@@ -61,20 +75,28 @@ impl RunningDetector for ResultsDetector {
                 last_words: Vec::new(),
                 is_final: self.results.is_none(),
             })?;
-            self.latest = Some((scan.id.clone(), read));
+            self.latest = Some(read);
         }
-        if let Some((_, read)) = &self.latest {
-            output.clone_from(read);
+        if let Some(read) = &self.latest {
+            output.clone_from(&read.output);
         }
         Ok(Taken::default())
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let clusters = match &self.latest {
-            Some((_, output)) => clusters_of_points(&output.detections, cloud.len()),
+            Some(read) => clusters_of_points(&read.output.detections, cloud.len()),
             None => vec![None; cloud.len()],
         };
         vec![StageProduct { stage: "clusters", name: "clusters", shape: Shape::Clusters(clusters) }]
+    }
+
+    fn official_objects(&self, id: &ScanId) -> &[OfficialObject] {
+        self.latest.as_ref().filter(|it| it.id == *id).map_or(&[], |it| &it.official)
+    }
+
+    fn kitti_objects(&self, id: &ScanId) -> Option<&[KittiObject]> {
+        self.latest.as_ref().filter(|it| it.id == *id)?.kitti_objects.as_deref()
     }
 
     fn finish(self: Box<Self>) -> Vec<String> {

@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use detector::stage_product::StageProduct;
 use detector::{Detector, DetectorOutput, PointCloud, Rule};
-use scans::annotation::LabeledScan;
+use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::kitti::label::KittiObject;
+use scans::dataset::official::OfficialObject;
 
 use crate::process::problem::DetectorFailure;
 use crate::run::cpu_time::own_cpu_time;
@@ -48,6 +50,17 @@ pub trait RunningDetector: Send {
 
     /// What the stages of the latest detection left behind, as [`Detector::stage_products`].
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
+
+    /// What was found in the scan `id`, which it was asked for last, as the file that it was read from has it; nothing where there is no
+    /// such file.
+    fn official_objects(&self, _id: &ScanId) -> &[OfficialObject] {
+        &[]
+    }
+
+    /// The same of KITTI's files; `None` where it was read from no such file.
+    fn kitti_objects(&self, _id: &ScanId) -> Option<&[KittiObject]> {
+        None
+    }
 
     /// What it does beside finding clusters.
     fn rules(&self) -> Vec<Rule> {

@@ -7,6 +7,7 @@ use nalgebra::Isometry3;
 use scans::annotation::LabeledScan;
 use scans::dataset::foreign_frame::ForeignFrame;
 use scans::dataset::kitti::label::KittiLabel;
+use scans::dataset::official::OfficialScan;
 use scans::dataset::{Dataset, DatasetError, Listing};
 
 /// How many points without a position each scan has, of the scans that were read and have any.
@@ -76,5 +77,9 @@ impl Dataset for CountedDataset {
 
     fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
         self.dataset.kitti_labels(scan_idx)
+    }
+
+    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        self.dataset.official_scan(scan_idx)
     }
 }

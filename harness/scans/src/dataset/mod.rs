@@ -8,6 +8,7 @@ use reports::vocabulary::task::Task;
 
 use self::foreign_frame::ForeignFrame;
 use self::kitti::label::KittiLabel;
+use self::official::OfficialScan;
 use self::simulation::Simulation;
 use self::unpaired_files::few_of;
 use crate::annotation::{LabeledScan, ScanId};
@@ -35,6 +36,7 @@ pub mod data_sheet;
 pub mod dataset_format;
 pub mod source;
 pub mod foreign_frame;
+pub mod official;
 pub mod folder_name;
 
 // The formats, a folder each.
@@ -124,6 +126,15 @@ pub trait Dataset: Send + Sync {
     /// What KITTI's label files say about scan `scan_idx`, in their own frame and order; `None` in other formats.
     fn kitti_labels(&self, _scan_idx: usize) -> Option<&[KittiLabel]> {
         None
+    }
+
+    /// The labels of scan `scan_idx` as its makers evaluate them; `None` where files say no more than annotations do.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file that says so is damaged.
+    fn official_scan(&self, _scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        Ok(None)
     }
 }
 

@@ -103,7 +103,7 @@ impl ResultReader for KittiText {
         };
         let objects: Vec<KittiObject> = labels.iter().filter_map(KittiLabel::object).cloned().collect();
         let boxes = objects.iter().map(|it| box_of(it, velodyne_from_camera)).collect();
-        Ok(Some(ForeignDetections { kitti_objects: objects, ..ForeignDetections::of_boxes(boxes) }))
+        Ok(Some(ForeignDetections { kitti_objects: Some(objects), ..ForeignDetections::of_boxes(boxes) }))
     }
 
     fn left_over(&self) -> Vec<String> {

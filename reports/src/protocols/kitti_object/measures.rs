@@ -3,6 +3,14 @@
 use super::averages::Recalls;
 use super::rules::{Demand, Plane, Question};
 
+/// What names of the sound reading begin with.
+const SOUND: &str = "sound_";
+
+/// Whether a number of this name is of the sound reading.
+pub fn is_sound(id: &str) -> bool {
+    id.starts_with(SOUND)
+}
+
 /// Whose matching and whose mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Reading {
@@ -56,7 +64,7 @@ impl Measure {
     pub fn id(&self) -> String {
         let reading = match self.reading {
             Reading::Official => "",
-            Reading::Sound => "sound_",
+            Reading::Sound => SOUND,
         };
         let averaged = match self.averaged {
             Averaged::Precision => format!("ap_{}", self.question.plane.name()),

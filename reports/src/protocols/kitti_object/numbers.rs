@@ -115,7 +115,8 @@ mod tests {
     }
 
     fn any_scene() -> impl Strategy<Value = Scene> {
-        let thing = || (prop::sample::select(&CLASSES[..]), 0.0..6.0, prop::sample::select(&[30.0, 90.0][..]));
+        let thing =
+            || (prop::sample::select(&CLASSES[..]), 0.0..6.0, prop::sample::select(&[30.0, 90.0][..]));
         let labelled = (thing(), 0_i64..4).prop_map(|((class, place, height_px), occlusion)| {
             let mut it = KittiAnnotation { occlusion, ..annotation(class, place) };
             it.object.left_top_right_bottom_px[3] = 100.0 + height_px;

@@ -3,5 +3,6 @@
 pub mod overlaps;
 pub mod scan_facts;
 pub mod label_facts;
+pub mod protocol;
 #[cfg(test)]
 mod kit_vectors;

@@ -137,7 +137,9 @@ mod tests {
     proptest! {
         #[test]
         fn a_box_overlaps_itself_entirely_and_the_order_does_not_matter(first in any_box(), second in any_box()) {
-            prop_assert_eq!(overlap(&first, &first), KittiOverlap { image: 1.0, birds_eye: 1.0, volume: 1.0 });
+            let of_itself = overlap(&first, &first);
+            prop_assert_eq!((of_itself.image, of_itself.birds_eye), (1.0, 1.0));
+            prop_assert!((of_itself.volume - 1.0).abs() < 1e-9);
             let (there, back) = (overlap(&first, &second), overlap(&second, &first));
             prop_assert!((there.birds_eye - back.birds_eye).abs() < 1e-9);
             prop_assert!((there.volume - back.volume).abs() < 1e-9 && there.volume <= there.birds_eye + 1e-9);

@@ -1,0 +1,71 @@
+//! The scans that numbers of protocols are made of, and how often each is drawn.
+
+use crate::numbers::blocks::BlockCount;
+use crate::numbers::tally::Tally;
+use crate::rows::scan_name::ScanName;
+use crate::uncertainty::bootstrap::Resamples;
+use crate::vocabulary::extent::OVERALL;
+
+/// Number of times that scans are drawn: fewer than of other rates, since a ranking has to be gone through anew for each.
+pub const N_PROTOCOL_RESAMPLES: usize = 1_000;
+
+/// Scans by name, with the blocks that they are drawn in. The draws are the first of those that other rates have.
+#[derive(Debug, Clone)]
+pub struct DrawnScans {
+    // Invariant: ascending, and as many as `place_of_scan`.
+    names: Vec<ScanName>,
+    // Of each scan the place of its data set among `resamples`, and that of its block in it.
+    place_of_scan: Vec<(usize, usize)>,
+    resamples: Vec<Resamples>,
+}
+
+impl DrawnScans {
+    /// The scans of `dataset`, or of all data sets if it is [`OVERALL`], each drawn from by itself.
+    pub fn of(tally: &Tally, dataset: &str) -> Self {
+        let (mut scans, mut resamples) = (Vec::new(), Vec::new());
+        for (dataset_idx, blocks) in tally.blocks().iter().enumerate() {
+            let id = &tally.datasets()[dataset_idx];
+            if dataset != OVERALL && dataset != id {
+                continue;
+            }
+            for (sequence, scan, second) in tally.scans(dataset_idx) {
+                let name = ScanName { dataset: id.clone(), sequence: sequence.to_owned(), scan };
+                let block = blocks.place_of(second).expect("blocks are made of the same scans");
+                scans.push((name, (resamples.len(), block)));
+            }
+            resamples.push(Resamples::first(N_PROTOCOL_RESAMPLES, id, blocks.count()));
+        }
+        scans.sort();
+        let (names, place_of_scan) = scans.into_iter().unzip();
+        Self { names, place_of_scan, resamples }
+    }
+
+    /// These scans without any draw, where only the numbers themselves matter.
+    pub fn undrawn(mut names: Vec<ScanName>) -> Self {
+        names.sort();
+        names.dedup();
+        let place_of_scan = vec![(0, 0); names.len()];
+        Self { names, place_of_scan, resamples: Vec::new() }
+    }
+
+    /// The scans, ascending.
+    pub fn names(&self) -> &[ScanName] {
+        &self.names
+    }
+
+    /// The blocks that are drawn from; `None` without any scan.
+    pub fn blocks(&self) -> Option<BlockCount> {
+        self.resamples.iter().map(Resamples::blocks).reduce(BlockCount::with)
+    }
+
+    /// How many draws there are.
+    pub fn n_draws(&self) -> usize {
+        if self.resamples.is_empty() { 0 } else { N_PROTOCOL_RESAMPLES }
+    }
+
+    /// How often each scan is there in draw `draw`.
+    pub fn times(&self, draw: usize) -> Vec<u16> {
+        let drawn: Vec<&[u16]> = self.resamples.iter().map(|it| it.times_drawn(draw)).collect();
+        self.place_of_scan.iter().map(|(dataset, block)| drawn[*dataset][*block]).collect()
+    }
+}

@@ -1,0 +1,42 @@
+//! What every protocol can do with the rows of one detector.
+
+use rayon::prelude::*;
+
+use super::drawn_scans::DrawnScans;
+use super::protocol_number::ProtocolMetric;
+use crate::numbers::blocks::Interval;
+use crate::uncertainty::bootstrap::Distribution;
+
+/// What one detector made of scans under one protocol, ready to be made numbers of: once, and for every draw of scans.
+pub trait UnderProtocol: Sync {
+    /// What is measured, in the order of [`Self::values`].
+    fn metrics(&self) -> Vec<ProtocolMetric>;
+
+    /// The values where scan *i* is there `times[i]` times; `None` where one is undefined.
+    fn values(&self, times: &[u16]) -> Vec<Option<f64>>;
+}
+
+/// The values of all scans once, and of every draw.
+#[derive(Debug, Clone)]
+pub struct DrawnValues {
+    /// Those of all scans once.
+    pub values: Vec<Option<f64>>,
+    /// Those of each draw.
+    pub resampled: Vec<Vec<Option<f64>>>,
+}
+
+impl DrawnValues {
+    /// Of `rows` on `scans`, and on every draw of them.
+    pub fn new(rows: &dyn UnderProtocol, scans: &DrawnScans) -> Self {
+        let values = rows.values(&vec![1; scans.names().len()]);
+        let draws = (0..scans.n_draws()).into_par_iter();
+        Self { values, resampled: draws.map(|draw| rows.values(&scans.times(draw))).collect() }
+    }
+
+    /// How sure the value at `place` is.
+    pub fn interval(&self, place: usize, scans: &DrawnScans) -> Option<Interval> {
+        self.values[place]?;
+        let resampled = self.resampled.iter().map(|it| it[place]);
+        Distribution::new(resampled, scans.blocks()?).map(|it| it.interval())
+    }
+}
