@@ -46,6 +46,14 @@ pub enum ArchiveError {
         /// Where and why.
         source: serde_json::Error,
     },
+    /// Rows contradict each other.
+    #[error("the rows of {path:?} contradict each other: {problem}")]
+    Contradiction {
+        /// The file.
+        path: PathBuf,
+        /// Where and how.
+        problem: String,
+    },
     /// A row cannot be written or read; the source says which and why.
     #[error("bad row in {path:?}")]
     Csv {

@@ -7,6 +7,7 @@ mod ranked_classes;
 mod recall_grid;
 pub mod nuscenes;
 pub mod argoverse2;
+pub mod kitti_object;
 pub mod protocol_tally;
 #[cfg(test)]
 mod made_rows;

@@ -4,11 +4,14 @@ use std::collections::BTreeMap;
 
 use super::argoverse2::Argoverse2;
 use super::drawn_scans::DrawnScans;
+use super::kitti_object::kitti_under_protocol::KittiUnderProtocol;
+use super::kitti_object::scan::KittiScan;
 use super::nuscenes::Nuscenes;
 use super::protocol_number::ProtocolNumber;
 use super::ranked_classes::RankedScan;
 use super::under_protocol::{DrawnValues, UnderProtocol};
 use crate::numbers::tally::Tally;
+use crate::rows::kitti_object_row::{KittiFact, KittiObjectRow};
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::extent::OVERALL;
@@ -19,6 +22,8 @@ use crate::vocabulary::ranked_protocol::RankedProtocol;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ProtocolTally {
     ranked: BTreeMap<(RankedProtocol, String), BTreeMap<ScanName, RankedScan>>,
+    // Of each detector.
+    kitti: BTreeMap<String, BTreeMap<ScanName, Vec<KittiFact>>>,
 }
 
 /// What numbers of a protocol are asked about.
@@ -41,9 +46,35 @@ impl ProtocolTally {
         scan.add(row.protocol, &row.ranked_box);
     }
 
+    /// Adds what KITTI's evaluation looks at.
+    pub fn add_kitti_object(&mut self, row: &KittiObjectRow) {
+        let scans = self.kitti.entry(row.detector.clone()).or_default();
+        scans.entry(row.scan.clone()).or_default().push(row.fact);
+    }
+
+    /// Makes sure that rows fit together.
+    ///
+    /// # Errors
+    ///
+    /// A sentence that says in which scan they do not, and how.
+    pub fn check(&self) -> Result<(), String> {
+        for (detector, scans) in &self.kitti {
+            for (name, facts) in scans {
+                KittiScan::of(facts.iter().copied()).map_err(|problem| {
+                    let ScanName { dataset, sequence, scan } = name;
+                    format!("of scan {sequence}/{scan:06} of {dataset:?}, detector {detector:?}: {problem}")
+                })?;
+            }
+        }
+        Ok(())
+    }
+
     /// The protocols that there are rows of, in the order of tables.
     pub fn protocols(&self) -> Vec<Protocol> {
-        let has_rows = |protocol: &Protocol| self.ranked.keys().any(|(it, _)| it.protocol() == *protocol);
+        let has_rows = |protocol: &Protocol| {
+            self.ranked.keys().any(|(it, _)| it.protocol() == *protocol)
+                || *protocol == Protocol::KittiObject && !self.kitti.is_empty()
+        };
         Protocol::ALL.into_iter().filter(has_rows).collect()
     }
 
@@ -54,6 +85,15 @@ impl ProtocolTally {
         scans: &DrawnScans,
     ) -> Option<Box<dyn UnderProtocol + '_>> {
         let ProtocolQuestion { protocol, detector } = question;
+        if protocol == Protocol::KittiObject {
+            let facts = self.kitti.get(detector)?.iter();
+            // What is read from files was checked.
+            let of_scan = |(name, facts): (&ScanName, &Vec<KittiFact>)| {
+                Some((name.clone(), KittiScan::of(facts.iter().copied()).ok()?))
+            };
+            let of_scans = facts.filter_map(of_scan).collect();
+            return Some(Box::new(KittiUnderProtocol::new(scans.names(), &of_scans)));
+        }
         let ranked = RankedProtocol::ALL.into_iter().find(|it| it.protocol() == protocol)?;
         let rows = self.ranked.get(&(ranked, detector.to_owned()))?;
         Some(match ranked {

@@ -11,4 +11,5 @@ pub mod training_row;
 pub mod agreement_row;
 pub mod partial_row;
 pub mod scan_name;
+pub mod kitti_object_row;
 pub mod ranked_box_row;

@@ -10,7 +10,9 @@ use crate::protocols::protocol_tally::ProtocolTally;
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
-use crate::run_folder::run_directory::{MATCHES_CSV, PROTOCOL_BOXES_CSV, REPORT_JSON, SCANS_CSV};
+use crate::run_folder::run_directory::{
+    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, REPORT_JSON, SCANS_CSV,
+};
 use crate::run_folder::run_target::MANIFEST_JSON;
 
 /// Everything that a run left behind but pictures and recordings.
@@ -51,6 +53,11 @@ impl RunArchive {
         let mut tally = ProtocolTally::default();
         for path in protocol_files(directory) {
             each_row(&path, |row| tally.add_ranked_box(&row))?;
+        }
+        let path = directory.join(KITTI_OBJECT_CSV);
+        if path.exists() {
+            each_row(&path, |row| tally.add_kitti_object(&row))?;
+            tally.check().map_err(|problem| ArchiveError::Contradiction { path, problem })?;
         }
         Ok(tally)
     }

@@ -35,6 +35,8 @@ pub const REPORT_HTML: &str = "report.html";
 pub const PROTOCOLS_JSON: &str = "protocols.json";
 /// Every annotation and detection under protocols that rank boxes by distance, for each detector.
 pub const PROTOCOL_BOXES_CSV: &str = "protocol_boxes.csv";
+/// What KITTI's evaluation of objects looks at, for each detector.
+pub const KITTI_OBJECT_CSV: &str = "protocol_kitti_object.csv";
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
 /// Rates of a sweep.

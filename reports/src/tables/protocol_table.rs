@@ -71,7 +71,7 @@ impl<'a> ProtocolTable<'a> {
             columns.push(Column::number("95 %").within(*detector));
         }
         let mut lines: Vec<Line> = Vec::new();
-        let mut before = None;
+        let (mut before, mut n_before) = (None, 0);
         // Every detector has the same metrics of a data set, in the same order.
         for first in self.numbers.iter().filter(|it| Some(&it.detector.as_str()) == detectors.first()) {
             let class = first.metric.class.as_str();
@@ -80,7 +80,10 @@ impl<'a> ProtocolTable<'a> {
             before = Some((first.dataset.as_str(), class));
             let label = if is_new_dataset { self.extent_cell(&first.dataset) } else { Cell::default() };
             let class = if is_new_class { Cell::new(class) } else { Cell::default() };
-            let n = if is_new_class { Cell::new(first.metric.n.to_string()) } else { Cell::default() };
+            // Of some protocols, other annotations count for other numbers of a class.
+            let is_new_n = is_new_class || n_before != first.metric.n;
+            n_before = first.metric.n;
+            let n = if is_new_n { Cell::new(first.metric.n.to_string()) } else { Cell::default() };
             let mut cells = vec![label, class, Cell::new(first.metric.id.as_str()), n];
             for detector in &detectors {
                 let number = self.numbers.iter().find(|it| {

@@ -2,9 +2,12 @@
 
 use detector::OrientedBox;
 
+use super::rectangle_overlap::{Rectangle, common_area_m2, over_union};
+
 /// Intersection over union of the ground plans, 0 to 1; 0 if both have no area. Exactly 1 of a box and itself.
 pub fn bev_iou(first: &OrientedBox, second: &OrientedBox) -> f64 {
-    over_union(common_area_m2(first, second), area_m2(first), area_m2(second))
+    let (first, second) = (&ground_plan(first), &ground_plan(second));
+    over_union(common_area_m2(first, second), first.area_m2(), second.area_m2())
 }
 
 /// Intersection over union of the volumes, 0 to 1; 0 if both have no volume. Exactly 1 of a box and itself.
@@ -13,72 +16,15 @@ pub fn iou_3d(first: &OrientedBox, second: &OrientedBox) -> f64 {
     let apart_m = (f64::from(first.center_m[2]) - f64::from(second.center_m[2])).abs();
     let reach_m = f64::midpoint(height_m(first), height_m(second)) - apart_m;
     let common_m = reach_m.min(height_m(first)).min(height_m(second)).max(0.0);
-    let volume_m3 = |it: &OrientedBox| area_m2(it) * height_m(it);
-    over_union(common_area_m2(first, second) * common_m, volume_m3(first), volume_m3(second))
+    let plans = [first, second].map(ground_plan);
+    let [volume_m3, other_volume_m3] = [0, 1].map(|it| plans[it].area_m2() * height_m([first, second][it]));
+    over_union(common_area_m2(&plans[0], &plans[1]) * common_m, volume_m3, other_volume_m3)
 }
 
-fn over_union(common: f64, first: f64, second: f64) -> f64 {
-    let union = first + second - common;
-    if union > 0.0 { (common / union).clamp(0.0, 1.0) } else { 0.0 }
-}
-
-fn area_m2(it: &OrientedBox) -> f64 {
+fn ground_plan(it: &OrientedBox) -> Rectangle {
+    let [x_m, y_m, _] = it.center_m.map(f64::from);
     let [length_m, width_m, _] = it.length_width_height_m.map(f64::from);
-    length_m * width_m
-}
-
-/// Area that both ground plans cover: the corners of the second, clipped by the sides of the first in its own frame.
-///
-/// Sutherland, Hodgman: Reentrant Polygon Clipping, 1974.
-fn common_area_m2(first: &OrientedBox, second: &OrientedBox) -> f64 {
-    let mut corners_m = corners_in_frame_of(first, second).to_vec();
-    let [length_m, width_m, _] = first.length_width_height_m.map(f64::from);
-    for (axis, half_m) in [(0, length_m / 2.0), (1, width_m / 2.0)] {
-        for side in [1.0, -1.0] {
-            corners_m = clipped(&corners_m, |corner_m| half_m - side * corner_m[axis]);
-        }
-    }
-    polygon_area_m2(&corners_m)
-}
-
-/// The ground-plan corners of `it` where `frame` is at the origin and heads along x, counter-clockwise.
-fn corners_in_frame_of(frame: &OrientedBox, it: &OrientedBox) -> [[f64; 2]; 4] {
-    let [dx_m, dy_m] = [0, 1].map(|axis| f64::from(it.center_m[axis]) - f64::from(frame.center_m[axis]));
-    let (frame_sin, frame_cos) = f64::from(frame.yaw_rad).sin_cos();
-    let center_m = [frame_cos * dx_m + frame_sin * dy_m, frame_cos * dy_m - frame_sin * dx_m];
-    let (sin, cos) = (f64::from(it.yaw_rad) - f64::from(frame.yaw_rad)).sin_cos();
-    let [length_m, width_m, _] = it.length_width_height_m.map(f64::from);
-    [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)].map(|(along, across)| {
-        let (along_m, across_m) = (along * length_m, across * width_m);
-        [center_m[0] + cos * along_m - sin * across_m, center_m[1] + sin * along_m + cos * across_m]
-    })
-}
-
-/// The part of a convex polygon where `inside_m`, the distance from a line, is not negative.
-fn clipped(corners_m: &[[f64; 2]], inside_m: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]> {
-    let mut kept = Vec::new();
-    for (corner_idx, &to_m) in corners_m.iter().enumerate() {
-        let from_m = corners_m[(corner_idx + corners_m.len() - 1) % corners_m.len()];
-        let (from_inside_m, to_inside_m) = (inside_m(from_m), inside_m(to_m));
-        if (from_inside_m < 0.0) != (to_inside_m < 0.0) {
-            let share = from_inside_m / (from_inside_m - to_inside_m);
-            kept.push([0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis])));
-        }
-        if to_inside_m >= 0.0 {
-            kept.push(to_m);
-        }
-    }
-    kept
-}
-
-/// Area of a polygon whose corners go counter-clockwise.
-fn polygon_area_m2(corners_m: &[[f64; 2]]) -> f64 {
-    let mut doubled = 0.0;
-    for (corner_idx, [x_m, y_m]) in corners_m.iter().enumerate() {
-        let [next_x_m, next_y_m] = corners_m[(corner_idx + 1) % corners_m.len()];
-        doubled += x_m * next_y_m - next_x_m * y_m;
-    }
-    doubled / 2.0
+    Rectangle { center_m: [x_m, y_m], length_width_m: [length_m, width_m], yaw_rad: f64::from(it.yaw_rad) }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ pub mod outcome;
 mod first_of_ties;
 pub mod hungarian;
 pub mod point_overlap;
+pub mod rectangle_overlap;
 pub mod box_overlap;
 pub mod criterion;
 mod height_above_ground;

@@ -5,4 +5,5 @@ pub mod official_protocol;
 mod ranked_boxes;
 pub mod nuscenes;
 pub mod argoverse2;
+pub mod kitti_object;
 pub mod known_protocols;

@@ -6,6 +6,7 @@ use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::LabeledScan;
 use scans::conversion::results::detection_rows::SCORE_OF_NONE;
 use scans::dataset::foreign_frame::ForeignFrame;
+use scans::dataset::kitti::label::{KittiLabel, KittiObject};
 use scans::dataset::official::{OfficialObject, OfficialScan};
 use scans::dataset::upright_box::pose_of_box;
 use scans::dataset::{Dataset, DatasetError};
@@ -16,6 +17,8 @@ pub struct OfficialScanView<'a> {
     pub scan: &'a LabeledScan,
     // The labels, and where the sensor is in the frame of the files, if both are known and that frame is upright.
     official: Option<(OfficialScan, Isometry3<f64>)>,
+    /// What KITTI's files say of it, and the frame of its camera, where they are such.
+    pub kitti: Option<(&'a [KittiLabel], ForeignFrame)>,
 }
 
 impl<'a> OfficialScanView<'a> {
@@ -24,19 +27,25 @@ impl<'a> OfficialScanView<'a> {
     /// # Errors
     ///
     /// [`DatasetError`] if a file that says so is damaged.
-    pub fn new(dataset: &dyn Dataset, scan_idx: usize, scan: &'a LabeledScan) -> Result<Self, DatasetError> {
-        let file_from_sensor = match dataset.foreign_frame(scan_idx)? {
-            ForeignFrame::World { world_from_sensor, .. } => Some(world_from_sensor),
-            ForeignFrame::Car { car_from_sensor, .. } => Some(car_from_sensor),
+    pub fn new(
+        dataset: &'a dyn Dataset,
+        scan_idx: usize,
+        scan: &'a LabeledScan,
+    ) -> Result<Self, DatasetError> {
+        let frame = dataset.foreign_frame(scan_idx)?;
+        let file_from_sensor = match &frame {
+            ForeignFrame::World { world_from_sensor, .. } => Some(*world_from_sensor),
+            ForeignFrame::Car { car_from_sensor, .. } => Some(*car_from_sensor),
             ForeignFrame::Sensor | ForeignFrame::Camera { .. } | ForeignFrame::Recording { .. } => None,
         };
         let official = dataset.official_scan(scan_idx)?.zip(file_from_sensor);
-        Ok(Self { scan, official })
+        let kitti = dataset.kitti_labels(scan_idx).map(|it| (it, frame));
+        Ok(Self { scan, official, kitti })
     }
 
     /// Of `scan` where nothing but its annotations is known.
     pub fn of_annotations(scan: &'a LabeledScan) -> Self {
-        Self { scan, official: None }
+        Self { scan, official: None, kitti: None }
     }
 
     /// What is labelled, from where ranges are measured: as the files have it, or else the annotations with a box, in the frame of the
@@ -76,6 +85,13 @@ impl<'a> OfficialScanView<'a> {
         let labels = self.labels().into_iter();
         let echo = |it| OfficialObject { n_points: None, score: Some(SCORE_OF_NONE.into()), ..it };
         labels.filter(|it| it.n_points != Some(0)).map(echo).collect()
+    }
+
+    /// The objects of KITTI's files as a perfect detector would find them.
+    pub fn echoed_kitti(&self) -> Vec<KittiObject> {
+        let labels = self.kitti.as_ref().map_or(&[][..], |(labels, _)| labels);
+        let objects = labels.iter().filter_map(KittiLabel::object);
+        objects.map(|it| KittiObject { score: Some(SCORE_OF_NONE.into()), ..it.clone() }).collect()
     }
 
     fn from_origin(&self, object: OfficialObject) -> OfficialObject {

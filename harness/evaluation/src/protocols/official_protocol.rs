@@ -1,9 +1,12 @@
 //! What every protocol can do with a scan.
 
 use detector::Detections;
+use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::protocol::Protocol;
+use scans::dataset::Dataset;
+use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
 
 use super::official_objects::OfficialScanView;
@@ -12,6 +15,11 @@ use super::official_objects::OfficialScanView;
 pub trait OfficialProtocol: Sync {
     /// Which it is.
     fn protocol(&self) -> Protocol;
+
+    /// What a data set lacks for it, as the rest of a sentence; `None` if nothing.
+    fn lacks(&self, _dataset: &dyn Dataset) -> Option<&'static str> {
+        None
+    }
 
     /// The rows of what one detector found in a scan, whatever the order of labels and detections.
     fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows;
@@ -29,6 +37,8 @@ pub struct FoundInScan<'a> {
     pub detections: &'a Detections,
     /// The same as objects, see [`OfficialScanView::found`].
     pub objects: &'a [OfficialObject],
+    /// Of results in KITTI's files, what these say; `None` of others.
+    pub kitti_objects: Option<&'a [KittiObject]>,
 }
 
 /// The rows of a scan.
@@ -36,4 +46,6 @@ pub struct FoundInScan<'a> {
 pub enum ProtocolRows {
     /// Those of protocols that rank boxes by distance.
     RankedBoxes(Vec<RankedBoxRow>),
+    /// Those of KITTI's evaluation of objects.
+    KittiObjects(Vec<KittiObjectRow>),
 }

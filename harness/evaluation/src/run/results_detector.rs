@@ -5,6 +5,7 @@ use detector::{DetectorOutput, PointCloud};
 use reports::files::causes::with_causes;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::conversion::results::detection_rows::clusters_of_points;
+use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
 use scans::foreign::detections::ForeignDetections;
 use scans::foreign::foreign_results::ForeignResults;
@@ -27,6 +28,8 @@ struct ReadScan {
     id: ScanId,
     output: DetectorOutput,
     official: Vec<OfficialObject>,
+    // `None` of results that are not in KITTI's files.
+    kitti_objects: Option<Vec<KittiObject>>,
 }
 
 impl ResultsDetector {
@@ -44,10 +47,11 @@ impl ResultsDetector {
         let mut output = DetectorOutput::default();
         let mut found = found.unwrap_or_default();
         let official = std::mem::take(&mut found.official);
+        let kitti_objects = found.kitti_objects.take();
         let objects = objects_of(found);
         let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
         made.map_err(DetectorProblem::Unreadable)?;
-        Ok(ReadScan { id: scan.id.clone(), output, official })
+        Ok(ReadScan { id: scan.id.clone(), output, official, kitti_objects })
     }
 }
 
@@ -89,6 +93,10 @@ impl RunningDetector for ResultsDetector {
 
     fn official_objects(&self, id: &ScanId) -> &[OfficialObject] {
         self.latest.as_ref().filter(|it| it.id == *id).map_or(&[], |it| &it.official)
+    }
+
+    fn kitti_objects(&self, id: &ScanId) -> Option<&[KittiObject]> {
+        self.latest.as_ref().filter(|it| it.id == *id)?.kitti_objects.as_deref()
     }
 
     fn finish(self: Box<Self>) -> Vec<String> {

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use detector::stage_product::StageProduct;
 use detector::{Detector, DetectorOutput, PointCloud, Rule};
 use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
 
 use crate::process::problem::DetectorFailure;
@@ -54,6 +55,11 @@ pub trait RunningDetector: Send {
     /// such file.
     fn official_objects(&self, _id: &ScanId) -> &[OfficialObject] {
         &[]
+    }
+
+    /// The same of KITTI's files; `None` where it was read from no such file.
+    fn kitti_objects(&self, _id: &ScanId) -> Option<&[KittiObject]> {
+        None
     }
 
     /// What it does beside finding clusters.

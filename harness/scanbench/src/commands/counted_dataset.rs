@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use nalgebra::Isometry3;
 use scans::annotation::LabeledScan;
 use scans::dataset::foreign_frame::ForeignFrame;
+use scans::dataset::kitti::label::KittiLabel;
 use scans::dataset::official::OfficialScan;
 use scans::dataset::{Dataset, DatasetError, Listing};
 
@@ -83,6 +84,10 @@ impl Dataset for CountedDataset {
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         self.dataset.foreign_frame(scan_idx)
+    }
+
+    fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
+        self.dataset.kitti_labels(scan_idx)
     }
 
     fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {

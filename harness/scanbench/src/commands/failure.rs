@@ -277,6 +277,7 @@ impl From<ArchiveError> for Failure {
             | ArchiveError::Schema { .. }
             | ArchiveError::Json { .. }
             | ArchiveError::Csv { .. }
+            | ArchiveError::Contradiction { .. }
             | ArchiveError::Columns { .. } => Self::Internal(error.into()),
         }
     }

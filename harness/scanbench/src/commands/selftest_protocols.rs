@@ -5,6 +5,7 @@ use evaluation::protocols::known_protocols::official_protocol;
 use evaluation::protocols::official_objects::OfficialScanView;
 use evaluation::protocols::official_protocol::{FoundInScan, ProtocolRows};
 use reports::protocols::drawn_scans::DrawnScans;
+use reports::protocols::kitti_object::measures::is_sound;
 use reports::protocols::protocol_number::{ALL_CLASSES, ProtocolMetric};
 use reports::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
 use reports::rows::ranked_box_row::BoxState;
@@ -70,6 +71,11 @@ pub fn check_protocols(
         return Ok(Vec::new());
     }
     let id = &opened.dataset.description().id;
+    for protocol in protocols {
+        if let Some(lacks) = official_protocol(*protocol).and_then(|it| it.lacks(&*opened.dataset)) {
+            return Err(Failure::usage(format!("--protocol {protocol}"), format!("{id:?} {lacks}")));
+        }
+    }
     let (mut tally, mut names) = (ProtocolTally::default(), Vec::new());
     let mut n_beyond_number = vec![0; protocols.len()];
     let progress = progress_over_scans(opened.scan_indices.len(), id);
@@ -87,14 +93,24 @@ pub fn check_protocols(
         let name = ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
         names.push(name.clone());
         let (detections, objects) = (Detections::default(), view.echoed());
-        let found =
-            FoundInScan { name, detector: ECHO, view: &view, detections: &detections, objects: &objects };
+        let kitti_objects = view.echoed_kitti();
+        let found = FoundInScan {
+            name,
+            detector: ECHO,
+            view: &view,
+            detections: &detections,
+            objects: &objects,
+            kitti_objects: Some(&kitti_objects),
+        };
         for (protocol, n_beyond) in protocols.iter().zip(&mut n_beyond_number) {
             match official_protocol(*protocol).map(|it| it.rows(&found)) {
                 Some(ProtocolRows::RankedBoxes(rows)) => {
                     rows.iter().for_each(|it| tally.add_ranked_box(it));
                     let is_beyond = |state: BoxState| state == BoxState::BeyondNumber;
                     *n_beyond += rows.iter().filter(|it| is_beyond(it.ranked_box.state)).count();
+                }
+                Some(ProtocolRows::KittiObjects(rows)) => {
+                    rows.iter().for_each(|it| tally.add_kitti_object(it));
                 }
                 None => {}
             }
@@ -127,6 +143,11 @@ fn checked(
     // Of all classes together those without labels count as not found.
     let values: Vec<(ProtocolMetric, f64)> =
         values.into_iter().filter(|(metric, _)| metric.class != ALL_CLASSES).collect();
+    // KITTI's own reading does not give the best of few annotations; ours has to.
+    let values: Vec<(ProtocolMetric, f64)> = match protocol {
+        Protocol::KittiObject => values.into_iter().filter(|(metric, _)| is_sound(&metric.id)).collect(),
+        _ => values,
+    };
     let n_numbers = values.len();
     let is_best = |(metric, value): &(ProtocolMetric, f64)| match metric.direction {
         Direction::HigherIsBetter => *value == 1.0,

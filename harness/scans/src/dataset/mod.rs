@@ -7,6 +7,7 @@ use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::task::Task;
 
 use self::foreign_frame::ForeignFrame;
+use self::kitti::label::KittiLabel;
 use self::official::OfficialScan;
 use self::simulation::Simulation;
 use self::unpaired_files::few_of;
@@ -36,7 +37,6 @@ pub mod dataset_format;
 pub mod source;
 pub mod foreign_frame;
 pub mod official;
-pub mod mounting;
 pub mod folder_name;
 
 // The formats, a folder each.
@@ -48,6 +48,7 @@ pub mod kitti_raw;
 pub mod nuscenes;
 pub mod velodyne_capture;
 pub mod scan_folder;
+pub mod mounting;
 
 // From what the user names to an open data set, and to the scans of it that are run.
 pub mod detect_format;
@@ -126,6 +127,11 @@ pub trait Dataset: Send + Sync {
     /// [`DatasetError`] if a file that says so is damaged.
     fn foreign_frame(&self, _scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         Ok(ForeignFrame::Sensor)
+    }
+
+    /// What KITTI's label files say about scan `scan_idx`, in their own frame and order; `None` in other formats.
+    fn kitti_labels(&self, _scan_idx: usize) -> Option<&[KittiLabel]> {
+        None
     }
 
     /// The labels of scan `scan_idx` as its makers evaluate them; `None` where files say no more than annotations do.

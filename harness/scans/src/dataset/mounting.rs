@@ -6,6 +6,7 @@ use detector::OrientedBox;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::foreign_frame::ForeignFrame;
+use super::kitti::label::KittiLabel;
 use super::official::OfficialScan;
 use super::upright_box::{pose_of_box, upright_box};
 use super::{Dataset, DatasetDescription, DatasetError, Listing};
@@ -93,6 +94,11 @@ impl Dataset for MountedDataset {
     fn world_from_sensor(&self, scan_idx: usize) -> Result<Option<Isometry3<f64>>, DatasetError> {
         let world_from_file = self.dataset.world_from_sensor(scan_idx)?;
         Ok(world_from_file.map(|it| it * self.file_from_sensor()))
+    }
+
+    /// In the frame of the camera, which does not move.
+    fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
+        self.dataset.kitti_labels(scan_idx)
     }
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {

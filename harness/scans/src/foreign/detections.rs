@@ -3,6 +3,7 @@
 use detector::OrientedBox;
 use reports::vocabulary::class::AnnotationClass;
 
+use crate::dataset::kitti::label::KittiObject;
 use crate::dataset::official::OfficialObject;
 use crate::dataset::positioned_points::MAX_COORDINATE_M;
 
@@ -18,6 +19,8 @@ pub struct ForeignDetections {
     pub cluster_classes: Vec<Option<AnnotationClass>>,
     /// The boxes; beside clusters, that of cluster *k* at place *k* − 1.
     pub boxes: Vec<ForeignBox>,
+    /// Of KITTI's files, what a line says of each of `boxes`, to the last digit; `None` of others.
+    pub kitti_objects: Option<Vec<KittiObject>>,
     /// The boxes as the file has them, in the same order; empty where the format has no evaluation of its makers.
     pub official: Vec<OfficialObject>,
 }

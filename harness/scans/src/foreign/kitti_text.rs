@@ -17,7 +17,7 @@ use crate::dataset::class_table::{ClassReader, ClassRules};
 use crate::dataset::foreign_frame::ForeignFrame;
 use crate::dataset::kitti::box_in_velodyne::box_in_velodyne;
 use crate::dataset::kitti::label::{
-    KITTI_VOCABULARY, KittiLabel, parse_object_labels, parse_tracking_labels,
+    KITTI_VOCABULARY, KittiLabel, KittiObject, parse_object_labels, parse_tracking_labels,
 };
 use crate::dataset::text_file::read_text_file;
 
@@ -101,7 +101,9 @@ impl ResultReader for KittiText {
         let Some(ForeignFrame::Camera { velodyne_from_camera, .. }) = self.asked.get(&scan_idx) else {
             return Ok(None);
         };
-        Ok(Some(ForeignDetections::of_boxes(boxes_of(labels, velodyne_from_camera))))
+        let objects: Vec<KittiObject> = labels.iter().filter_map(KittiLabel::object).cloned().collect();
+        let boxes = objects.iter().map(|it| box_of(it, velodyne_from_camera)).collect();
+        Ok(Some(ForeignDetections { kitti_objects: Some(objects), ..ForeignDetections::of_boxes(boxes) }))
     }
 
     fn left_over(&self) -> Vec<String> {
@@ -134,14 +136,10 @@ impl ResultReader for KittiText {
     }
 }
 
-fn boxes_of(labels: &[KittiLabel], velodyne_from_camera: &Matrix4<f64>) -> Vec<ForeignBox> {
-    let boxed = labels.iter().filter_map(|label| match label {
-        KittiLabel::Object(object) => Some(ForeignBox {
-            bounding_box: box_in_velodyne(&object.camera_box, velodyne_from_camera),
-            class: Some(object.class),
-            score: object.score,
-        }),
-        KittiLabel::DontCare(_) => None,
-    });
-    boxed.collect()
+fn box_of(object: &KittiObject, velodyne_from_camera: &Matrix4<f64>) -> ForeignBox {
+    ForeignBox {
+        bounding_box: box_in_velodyne(&object.camera_box, velodyne_from_camera),
+        class: Some(object.class),
+        score: object.score.map(|it| it as f32),
+    }
 }

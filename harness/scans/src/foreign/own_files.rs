@@ -82,9 +82,8 @@ impl ResultReader for OwnFiles {
         }
         Ok(Some(ForeignDetections {
             clusters: clusters.map(|it| values_of_kept(&it, &scan.points_left_out)),
-            cluster_classes: Vec::new(),
             boxes: boxes.unwrap_or_default(),
-            official: Vec::new(),
+            ..ForeignDetections::default()
         }))
     }
 

@@ -2,12 +2,14 @@
 
 use evaluation::protocols::official_objects::OfficialScanView;
 use evaluation::protocols::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
-use evaluation::run::sink::{JudgedScan, RunSink};
+use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use reports::files::csv_rows::CsvRowWriter;
 use reports::protocols::protocol_tally::ProtocolTally;
+use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_name::ScanName;
-use reports::run_folder::run_directory::{PROTOCOL_BOXES_CSV, RunDirectory};
+use reports::run_folder::run_directory::{KITTI_OBJECT_CSV, PROTOCOL_BOXES_CSV, RunDirectory};
+use reports::vocabulary::protocol::Protocol;
 
 use crate::commands::failure::Failure;
 
@@ -15,6 +17,8 @@ use crate::commands::failure::Failure;
 pub struct ProtocolRowFiles<'a> {
     protocols: Vec<&'static dyn OfficialProtocol>,
     boxes: CsvRowWriter<RankedBoxRow>,
+    // `None` unless it is asked for.
+    kitti: Option<CsvRowWriter<KittiObjectRow>>,
     tally: &'a mut ProtocolTally,
 }
 
@@ -30,7 +34,10 @@ impl<'a> ProtocolRowFiles<'a> {
         tally: &'a mut ProtocolTally,
     ) -> Result<Self, Failure> {
         let boxes = CsvRowWriter::new(directory.begin_file(PROTOCOL_BOXES_CSV)?)?;
-        Ok(Self { protocols, boxes, tally })
+        let is_kitti = protocols.iter().any(|it| it.protocol() == Protocol::KittiObject);
+        let kitti =
+            if is_kitti { Some(CsvRowWriter::new(directory.begin_file(KITTI_OBJECT_CSV)?)?) } else { None };
+        Ok(Self { protocols, boxes, kitti, tally })
     }
 
     fn write(&mut self, rows: &ProtocolRows) -> Result<(), Failure> {
@@ -41,12 +48,31 @@ impl<'a> ProtocolRowFiles<'a> {
                     self.tally.add_ranked_box(row);
                 }
             }
+            ProtocolRows::KittiObjects(rows) => {
+                for row in rows {
+                    if let Some(kitti) = &mut self.kitti {
+                        kitti.write(row)?;
+                    }
+                    self.tally.add_kitti_object(row);
+                }
+            }
         }
         Ok(())
     }
 }
 
 impl RunSink<Failure> for ProtocolRowFiles<'_> {
+    fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
+        let lacking = self.protocols.iter().find_map(|it| Some((it.protocol(), it.lacks(watched.dataset)?)));
+        match lacking {
+            None => Ok(()),
+            Some((protocol, what)) => {
+                let id = &watched.dataset.description().id;
+                Err(Failure::usage(format!("--protocol {protocol}"), format!("{id:?} {what}")))
+            }
+        }
+    }
+
     fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), Failure> {
         let results = judged.results;
         let view = OfficialScanView::new(judged.watched.dataset, judged.scan_idx(), results.scan)?;
@@ -63,6 +89,7 @@ impl RunSink<Failure> for ProtocolRowFiles<'_> {
                 view: &view,
                 detections: &result.output.detections,
                 objects: &objects,
+                kitti_objects: detector.kitti_objects(&results.scan.id),
             };
             for protocol in self.protocols.clone() {
                 self.write(&protocol.rows(&found))?;
@@ -72,6 +99,7 @@ impl RunSink<Failure> for ProtocolRowFiles<'_> {
     }
 
     fn finish(self: Box<Self>) -> Result<(), Failure> {
+        self.kitti.map_or(Ok(()), CsvRowWriter::finish)?;
         Ok(self.boxes.finish()?)
     }
 }

@@ -63,7 +63,22 @@ pub struct KittiObject {
     /// Where it is.
     pub camera_box: CameraBox,
     /// How sure a detector is of it, in files of results.
-    pub score: Option<f32>,
+    pub score: Option<f64>,
+    /// What else the line says, for evaluations that look at the image.
+    pub in_image: SeenInImage,
+}
+
+/// What a line says of an object in the image, as it says it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenInImage {
+    /// The rectangle around what is seen of it; −1 four times where that is nothing.
+    pub image_box: ImageBox,
+    /// Its heading as the camera sees it, in radians; −10 if unknown.
+    pub alpha_rad: f64,
+    /// The level of occlusion: 0 to 3, or −1.
+    pub occlusion: i64,
+    /// The share or level of truncation, or −1.
+    pub truncation: f64,
 }
 
 /// How much of an object the image cuts off.
@@ -93,6 +108,16 @@ pub struct CameraBox {
 pub struct ImageBox {
     /// Left, top, right and bottom in pixels.
     pub left_top_right_bottom_px: [f64; 4],
+}
+
+impl KittiLabel {
+    /// The object; `None` of a part of the image without labels.
+    pub fn object(&self) -> Option<&KittiObject> {
+        match self {
+            Self::Object(object) => Some(object),
+            Self::DontCare(_) => None,
+        }
+    }
 }
 
 /// Reads a label file of the tracking benchmark: the labels of a whole drive by number of the scan.
@@ -155,12 +180,12 @@ fn parse_label(
     let class = parse_class(&mut line, classes)?;
     let truncated = line.number("truncation")?;
     let occluded: i64 = line.integer("occlusion")?;
-    line.number("alpha")?;
+    let alpha_rad = line.number("alpha")?;
     let image_box = ImageBox { left_top_right_bottom_px: line.numbers("image box")? };
     let height_width_length_m: [f64; 3] = line.numbers("dimensions")?;
     let bottom_center_m = line.numbers("location")?;
     let rotation_y_rad = line.number("rotation")?;
-    let score = if line.has_more() { Some(line.number("score")? as f32) } else { None };
+    let score = if line.has_more() { Some(line.number("score")?) } else { None };
     line.clone().end()?;
 
     let class = match class {
@@ -180,6 +205,7 @@ fn parse_label(
             .ok_or_else(|| line.error(format!("truncation {truncated} is not within the format")))?,
         camera_box: CameraBox { bottom_center_m, height_width_length_m, rotation_y_rad },
         score,
+        in_image: SeenInImage { image_box, alpha_rad, occlusion: occluded, truncation: truncated },
     })))
 }
 
@@ -294,6 +320,12 @@ mod tests {
                 rotation_y_rad: -1.1,
             },
             score: None,
+            in_image: SeenInImage {
+                image_box: ImageBox { left_top_right_bottom_px: [904.5, 172.8, 1241.0, 374.0] },
+                alpha_rad: -1.6,
+                occlusion: 1,
+                truncation: 0.36,
+            },
         };
         assert_eq!(object(CAR), expected);
         assert_eq!(object(&format!("{CAR} 0.5")), KittiObject { score: Some(0.5), ..expected });

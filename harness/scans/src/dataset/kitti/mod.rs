@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod label;
 pub mod box_in_velodyne;
+pub mod image_box;
 pub mod camera_field_of_view;
 pub mod region_file;
 pub mod ground_truth;

@@ -118,6 +118,10 @@ impl Dataset for KittiObjects {
         let scan = &self.scans[scan_idx];
         Ok(scan.calibration.foreign_frame(scan.image_size_px))
     }
+
+    fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
+        Some(&self.scans[scan_idx].labels)
+    }
 }
 
 /// The numbers of the scans to open, at least one, all of which exist.

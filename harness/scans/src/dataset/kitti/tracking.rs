@@ -123,6 +123,11 @@ impl Dataset for KittiTracking {
         Ok(sequence.calibration.foreign_frame(sequence.image_size_px))
     }
 
+    fn kitti_labels(&self, scan_idx: usize) -> Option<&[KittiLabel]> {
+        let id = &self.scan_ids()[scan_idx];
+        Some(self.sequences[&id.sequence].labels_by_scan.get(&id.index).map_or(&[], Vec::as_slice))
+    }
+
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         let scans: BTreeSet<(&str, u32)> =
             self.listing.scan_ids.iter().map(|it| (it.sequence.as_str(), it.index)).collect();

@@ -1,0 +1,32 @@
+//! KITTI's evaluation of objects as one of the protocols.
+
+use reports::rows::kitti_object_row::KittiObjectRow;
+use reports::vocabulary::protocol::Protocol;
+use scans::dataset::Dataset;
+
+use super::label_facts::{facts_of_detections, facts_of_results};
+use crate::protocols::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
+
+/// KITTI's evaluation of objects.
+pub struct KittiObjectProtocol;
+
+impl OfficialProtocol for KittiObjectProtocol {
+    fn protocol(&self) -> Protocol {
+        Protocol::KittiObject
+    }
+
+    fn lacks(&self, dataset: &dyn Dataset) -> Option<&'static str> {
+        let has_labels = dataset.scan_ids().is_empty() || dataset.kitti_labels(0).is_some();
+        (!has_labels).then_some("has no labels in KITTI's layouts, which say where objects are in the image")
+    }
+
+    fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows {
+        let facts = found.view.kitti.as_ref().and_then(|(labels, frame)| match found.kitti_objects {
+            Some(objects) => Some(facts_of_results(labels, objects)),
+            None => facts_of_detections(labels, found.detections, frame),
+        });
+        let row =
+            |fact| KittiObjectRow { scan: found.name.clone(), detector: found.detector.to_owned(), fact };
+        ProtocolRows::KittiObjects(facts.unwrap_or_default().into_iter().map(row).collect())
+    }
+}

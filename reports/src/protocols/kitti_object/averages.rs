@@ -1,0 +1,56 @@
+//! At which recalls a mean is taken.
+
+use std::ops::RangeInclusive;
+
+use super::official_curve::{N_RECALLS, OfficialCurve};
+
+/// The recalls of a mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Recalls {
+    /// 0, 0.1, …, 1: until 8 October 2019.
+    R11,
+    /// 1/40, 2/40, …, 1: since then. Recall 0, where a single detection that is right gives precision 1, is left out.
+    R40,
+}
+
+impl Recalls {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::R11, Self::R40];
+
+    /// The name used in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::R11 => "r11",
+            Self::R40 => "r40",
+        }
+    }
+
+    /// The recalls in steps, and how many steps make a recall of 1.
+    pub fn steps(self) -> (RangeInclusive<u64>, u64) {
+        match self {
+            Self::R11 => (0..=10, 10),
+            Self::R40 => (1..=40, 40),
+        }
+    }
+
+    /// The mean of what was looked up at 41 recalls; `None` if a value of it is none.
+    fn mean_of(self, values: &[f64; N_RECALLS]) -> Option<f64> {
+        let (steps, n_steps) = self.steps();
+        let stride = (N_RECALLS - 1) / n_steps as usize;
+        let n = steps.clone().count();
+        let sum: f64 = steps.map(|step| values[step as usize * stride]).sum();
+        Some(sum / n as f64).filter(|it| it.is_finite())
+    }
+}
+
+impl OfficialCurve {
+    /// Average precision, 0 to 1.
+    pub fn average_precision(&self, recalls: Recalls) -> Option<f64> {
+        recalls.mean_of(&self.precision)
+    }
+
+    /// Average similarity of headings, 0 to 1.
+    pub fn average_similarity(&self, recalls: Recalls) -> Option<f64> {
+        recalls.mean_of(&self.similarity)
+    }
+}

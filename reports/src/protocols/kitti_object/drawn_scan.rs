@@ -1,0 +1,52 @@
+//! Scans for tests: objects in a row along the road, each by a number that says where.
+
+use super::scan::{KittiAnnotation, KittiDetection, KittiScan};
+use crate::rows::kitti_object_row::{KittiBox, KittiFact, KittiOverlap};
+use crate::vocabulary::class::AnnotationClass;
+
+/// A box at `place`, 100 pixels high.
+pub fn boxed(class: AnnotationClass, place: f64) -> KittiBox {
+    KittiBox {
+        class,
+        left_top_right_bottom_px: [100.0 * place, 100.0, 100.0 * place + 80.0, 200.0],
+        alpha_rad: 0.0,
+        bottom_center_m: [10.0 * place, 1.7, 20.0],
+        height_width_length_m: [1.5, 1.6, 4.0],
+        rotation_y_rad: 0.0,
+    }
+}
+
+/// An annotation that is easy to find.
+pub fn annotation(class: AnnotationClass, place: f64) -> KittiAnnotation {
+    KittiAnnotation { object: boxed(class, place), occlusion: 0, truncation: 0.0 }
+}
+
+/// A detection.
+pub fn detection(class: AnnotationClass, place: f64, score: f64) -> KittiDetection {
+    KittiDetection { object: boxed(class, place), score }
+}
+
+/// A scan in which these overlap, everywhere alike.
+pub fn scan(
+    annotations: &[KittiAnnotation],
+    detections: &[KittiDetection],
+    pairs: &[(u32, u32, f64)],
+) -> KittiScan {
+    let annotations = annotations.iter().zip(0..).map(|(it, annotation)| KittiFact::Annotation {
+        annotation,
+        object: it.object,
+        occlusion: it.occlusion,
+        truncation: it.truncation,
+    });
+    let detections = detections.iter().zip(0..).map(|(it, detection)| KittiFact::Detection {
+        detection,
+        object: it.object,
+        score: it.score,
+    });
+    let pairs = pairs.iter().map(|&(annotation, detection, overlap)| KittiFact::Pair {
+        annotation,
+        detection,
+        overlap: KittiOverlap { image: overlap, birds_eye: overlap, volume: overlap },
+    });
+    KittiScan::of(annotations.chain(detections).chain(pairs)).expect("all are there")
+}

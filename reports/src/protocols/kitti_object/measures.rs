@@ -1,0 +1,95 @@
+//! What is measured under KITTI's protocol: each number by its name.
+
+use super::averages::Recalls;
+use super::rules::{Demand, Plane, Question};
+
+/// What names of the sound reading begin with.
+const SOUND: &str = "sound_";
+
+/// Whether a number of this name is of the sound reading.
+pub fn is_sound(id: &str) -> bool {
+    id.starts_with(SOUND)
+}
+
+/// Whose matching and whose mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Reading {
+    /// That of the development kit, which depends on the order of files, and of which annotations fed back need not reach the maximum.
+    Official,
+    /// Ours, which does not, and of which they do.
+    Sound,
+}
+
+/// What is averaged over recalls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Averaged {
+    /// The share of the detections that are right.
+    Precision,
+    /// The same, each by how near its heading is: AOS.
+    Similarity,
+}
+
+/// A number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Measure {
+    /// What is matched.
+    pub question: Question,
+    /// How.
+    pub reading: Reading,
+    /// What is averaged.
+    pub averaged: Averaged,
+    /// Over which recalls.
+    pub recalls: Recalls,
+}
+
+impl Measure {
+    /// All of one question, in the order of tables.
+    pub fn of(question: Question) -> Vec<Self> {
+        let mut all = Vec::new();
+        let averaged: &[Averaged] = match question.plane {
+            Plane::Image => &[Averaged::Precision, Averaged::Similarity],
+            Plane::BirdsEye | Plane::Volume => &[Averaged::Precision],
+        };
+        for &averaged in averaged {
+            for recalls in Recalls::ALL {
+                for reading in [Reading::Official, Reading::Sound] {
+                    all.push(Self { question, reading, averaged, recalls });
+                }
+            }
+        }
+        all
+    }
+
+    /// The name used in files, without that of the class: such as `ap_3d_moderate_r40` or `sound_ap_bev_loose_easy_r11`.
+    pub fn id(&self) -> String {
+        let reading = match self.reading {
+            Reading::Official => "",
+            Reading::Sound => SOUND,
+        };
+        let averaged = match self.averaged {
+            Averaged::Precision => format!("ap_{}", self.question.plane.name()),
+            Averaged::Similarity => "aos".to_owned(),
+        };
+        let demand = match self.question.demand {
+            Demand::Strict => "",
+            Demand::Loose => "_loose",
+        };
+        format!("{reading}{averaged}{demand}_{}_{}", self.question.difficulty.name(), self.recalls.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_all_numbers_of_a_class_apart() {
+        let of_cars = Question::all().into_iter().filter(|it| it.class.name() == "car");
+        let ids: Vec<String> = of_cars.flat_map(Measure::of).map(|it| it.id()).collect();
+        let distinct: std::collections::BTreeSet<&String> = ids.iter().collect();
+        assert_eq!((ids.len(), distinct.len()), (72, 72));
+        for id in ["ap_2d_easy_r11", "aos_hard_r40", "sound_ap_bev_loose_moderate_r40"] {
+            assert!(ids.iter().any(|it| it == id), "{id}");
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! KITTI's object benchmark: what is right and what is false among detections, and average precision of it.
+
+pub mod rules;
+pub mod scan;
+#[cfg(test)]
+mod drawn_scan;
+pub mod roles;
+pub mod score_events;
+pub mod official_matching;
+pub mod sound_matching;
+pub mod official_curve;
+pub mod averages;
+pub mod sound_curve;
+pub mod measures;
+pub mod numbers;
+pub mod kitti_under_protocol;

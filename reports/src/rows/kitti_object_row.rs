@@ -1,0 +1,350 @@
+//! `protocol_kitti_object.csv`: what KITTI's evaluation of object detection looks at, one row for every annotation, every detection, every pair of them that
+//! overlaps enough to count somewhere, and every detection in a region that is not labelled.
+//!
+//! Boxes are those of the files, in the rectified frame of the camera (x right, y down, z ahead) and in its image. Numbers are written in full, since
+//! a result may hang on the last digit.
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::csv_rows::CsvRow;
+use crate::files::exact_number::Exact;
+use crate::rows::scan_name::ScanName;
+use crate::vocabulary::class::AnnotationClass;
+
+/// One thing that KITTI's evaluation looks at.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(into = "KittiObjectRecord", try_from = "KittiObjectRecord")]
+pub struct KittiObjectRow {
+    /// The scan.
+    pub scan: ScanName,
+    /// Name of the detector.
+    pub detector: String,
+    /// What it is.
+    pub fact: KittiFact,
+}
+
+/// What a row says. Places are those in the files of a scan, from 0; the evaluation of the makers depends on their order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum KittiFact {
+    /// An annotated object.
+    Annotation {
+        /// Its place among the annotations.
+        annotation: u32,
+        /// What it is and where.
+        object: KittiBox,
+        /// How much of it is hidden: 0 nothing, 1 a part, 2 most, 3 unknown.
+        occlusion: i64,
+        /// Share that the image cuts off, 0 to 1; −1 if unknown.
+        truncation: f64,
+    },
+    /// A detection.
+    Detection {
+        /// Its place among the detections.
+        detection: u32,
+        /// What it is and where.
+        object: KittiBox,
+        /// How sure the detector is.
+        score: f64,
+    },
+    /// An annotation and a detection that overlap.
+    Pair {
+        /// Place of the annotation.
+        annotation: u32,
+        /// Place of the detection.
+        detection: u32,
+        /// By how much.
+        overlap: KittiOverlap,
+    },
+    /// A detection in a region of the image in which nothing is labelled.
+    DontCare {
+        /// Place of the detection.
+        detection: u32,
+        /// The share of its box in the image that is in the region, 0 to 1.
+        share: f64,
+    },
+}
+
+/// What an object is, and its boxes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KittiBox {
+    /// What it is.
+    pub class: AnnotationClass,
+    /// Left, top, right and bottom in the image, in pixels; −1 of what the image does not show.
+    pub left_top_right_bottom_px: [f64; 4],
+    /// Heading as the camera sees it, in radians; −10 if unknown.
+    pub alpha_rad: f64,
+    /// Centre of the bottom, in metres.
+    pub bottom_center_m: [f64; 3],
+    /// Height, width and length in metres.
+    pub height_width_length_m: [f64; 3],
+    /// Turn about the downward axis, in radians.
+    pub rotation_y_rad: f64,
+}
+
+/// Intersection over union of two boxes, 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KittiOverlap {
+    /// Of the rectangles in the image.
+    pub image: f64,
+    /// Of the ground plans.
+    pub birds_eye: f64,
+    /// Of the volumes.
+    pub volume: f64,
+}
+
+impl KittiBox {
+    /// Height in the image, in pixels.
+    pub fn height_px(&self) -> f64 {
+        self.left_top_right_bottom_px[3] - self.left_top_right_bottom_px[1]
+    }
+}
+
+impl CsvRow for KittiObjectRow {
+    const COLUMNS: &'static [&'static str] = &[
+        "dataset",
+        "sequence",
+        "scan",
+        "detector",
+        "kind",
+        "annotation",
+        "detection",
+        "class",
+        "left_px",
+        "top_px",
+        "right_px",
+        "bottom_px",
+        "alpha_rad",
+        "bottom_center_x_m",
+        "bottom_center_y_m",
+        "bottom_center_z_m",
+        "height_m",
+        "width_m",
+        "length_m",
+        "rotation_y_rad",
+        "occlusion",
+        "truncation",
+        "score",
+        "overlap_image",
+        "overlap_birds_eye",
+        "overlap_volume",
+        "dont_care_share",
+    ];
+}
+
+#[derive(Default, Serialize, Deserialize)]
+struct KittiObjectRecord {
+    dataset: String,
+    sequence: String,
+    scan: u32,
+    detector: String,
+    kind: Kind,
+    annotation: Option<u32>,
+    detection: Option<u32>,
+    class: Option<AnnotationClass>,
+    left_px: Option<Exact>,
+    top_px: Option<Exact>,
+    right_px: Option<Exact>,
+    bottom_px: Option<Exact>,
+    alpha_rad: Option<Exact>,
+    bottom_center_x_m: Option<Exact>,
+    bottom_center_y_m: Option<Exact>,
+    bottom_center_z_m: Option<Exact>,
+    height_m: Option<Exact>,
+    width_m: Option<Exact>,
+    length_m: Option<Exact>,
+    rotation_y_rad: Option<Exact>,
+    occlusion: Option<i64>,
+    truncation: Option<Exact>,
+    score: Option<Exact>,
+    overlap_image: Option<Exact>,
+    overlap_birds_eye: Option<Exact>,
+    overlap_volume: Option<Exact>,
+    dont_care_share: Option<Exact>,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Kind {
+    #[default]
+    Annotation,
+    Detection,
+    Pair,
+    DontCare,
+}
+
+impl KittiObjectRecord {
+    fn with_box(self, object: &KittiBox) -> Self {
+        let [left_px, top_px, right_px, bottom_px] =
+            object.left_top_right_bottom_px.map(|it| Some(Exact(it)));
+        let [bottom_center_x_m, bottom_center_y_m, bottom_center_z_m] =
+            object.bottom_center_m.map(|it| Some(Exact(it)));
+        let [height_m, width_m, length_m] = object.height_width_length_m.map(|it| Some(Exact(it)));
+        Self {
+            class: Some(object.class),
+            left_px,
+            top_px,
+            right_px,
+            bottom_px,
+            alpha_rad: Some(Exact(object.alpha_rad)),
+            bottom_center_x_m,
+            bottom_center_y_m,
+            bottom_center_z_m,
+            height_m,
+            width_m,
+            length_m,
+            rotation_y_rad: Some(Exact(object.rotation_y_rad)),
+            ..self
+        }
+    }
+
+    /// The box of its columns; `None` if one of them is empty.
+    fn object(&self) -> Option<KittiBox> {
+        Some(KittiBox {
+            class: self.class?,
+            left_top_right_bottom_px: all([self.left_px, self.top_px, self.right_px, self.bottom_px])?,
+            alpha_rad: self.alpha_rad?.0,
+            bottom_center_m: all([self.bottom_center_x_m, self.bottom_center_y_m, self.bottom_center_z_m])?,
+            height_width_length_m: all([self.height_m, self.width_m, self.length_m])?,
+            rotation_y_rad: self.rotation_y_rad?.0,
+        })
+    }
+
+    fn overlap(&self) -> Option<KittiOverlap> {
+        let [image, birds_eye, volume] =
+            all([self.overlap_image, self.overlap_birds_eye, self.overlap_volume])?;
+        Some(KittiOverlap { image, birds_eye, volume })
+    }
+
+    fn fact(&self) -> Option<KittiFact> {
+        Some(match self.kind {
+            Kind::Annotation => KittiFact::Annotation {
+                annotation: self.annotation?,
+                object: self.object()?,
+                occlusion: self.occlusion?,
+                truncation: self.truncation?.0,
+            },
+            Kind::Detection => KittiFact::Detection {
+                detection: self.detection?,
+                object: self.object()?,
+                score: self.score?.0,
+            },
+            Kind::Pair => KittiFact::Pair {
+                annotation: self.annotation?,
+                detection: self.detection?,
+                overlap: self.overlap()?,
+            },
+            Kind::DontCare => {
+                KittiFact::DontCare { detection: self.detection?, share: self.dont_care_share?.0 }
+            }
+        })
+    }
+}
+
+/// The numbers of columns; `None` if one of them is empty.
+fn all<const N: usize>(columns: [Option<Exact>; N]) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for (number, column) in numbers.iter_mut().zip(columns) {
+        *number = column?.0;
+    }
+    Some(numbers)
+}
+
+impl From<KittiObjectRow> for KittiObjectRecord {
+    fn from(row: KittiObjectRow) -> Self {
+        let KittiObjectRow { scan: ScanName { dataset, sequence, scan }, detector, fact } = row;
+        let of_scan = Self { dataset, sequence, scan, detector, ..Self::default() };
+        match fact {
+            KittiFact::Annotation { annotation, object, occlusion, truncation } => Self {
+                kind: Kind::Annotation,
+                annotation: Some(annotation),
+                occlusion: Some(occlusion),
+                truncation: Some(Exact(truncation)),
+                ..of_scan.with_box(&object)
+            },
+            KittiFact::Detection { detection, object, score } => Self {
+                kind: Kind::Detection,
+                detection: Some(detection),
+                score: Some(Exact(score)),
+                ..of_scan.with_box(&object)
+            },
+            KittiFact::Pair { annotation, detection, overlap } => Self {
+                kind: Kind::Pair,
+                annotation: Some(annotation),
+                detection: Some(detection),
+                overlap_image: Some(Exact(overlap.image)),
+                overlap_birds_eye: Some(Exact(overlap.birds_eye)),
+                overlap_volume: Some(Exact(overlap.volume)),
+                ..of_scan
+            },
+            KittiFact::DontCare { detection, share } => Self {
+                kind: Kind::DontCare,
+                detection: Some(detection),
+                dont_care_share: Some(Exact(share)),
+                ..of_scan
+            },
+        }
+    }
+}
+
+impl TryFrom<KittiObjectRecord> for KittiObjectRow {
+    type Error = &'static str;
+
+    fn try_from(record: KittiObjectRecord) -> Result<Self, &'static str> {
+        let fact = record.fact().ok_or("a column that its kind needs is empty")?;
+        let KittiObjectRecord { dataset, sequence, scan, detector, .. } = record;
+        Ok(Self { scan: ScanName { dataset, sequence, scan }, detector, fact })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::csv_rows::{read_rows, to_csv_bytes};
+
+    const CAR: KittiBox = KittiBox {
+        class: AnnotationClass::Car,
+        left_top_right_bottom_px: [100.5, 150.0, 200.25, 0.1 + 0.2],
+        alpha_rad: -1.58,
+        bottom_center_m: [1.84, 1.47, 8.41],
+        height_width_length_m: [1.5, 1.6, 3.9],
+        rotation_y_rad: 0.01,
+    };
+
+    fn rows() -> Vec<KittiObjectRow> {
+        let facts = [
+            KittiFact::Annotation { annotation: 3, object: CAR, occlusion: 1, truncation: 0.15 },
+            KittiFact::Detection { detection: 0, object: CAR, score: -2.718_281_828_459_045 },
+            KittiFact::Pair {
+                annotation: 3,
+                detection: 0,
+                overlap: KittiOverlap { image: 1.0, birds_eye: 0.7, volume: 1.0 / 3.0 },
+            },
+            KittiFact::DontCare { detection: 0, share: 0.5 },
+        ];
+        let row = |fact| KittiObjectRow {
+            scan: ScanName { dataset: "kitti-object".to_owned(), sequence: "training".to_owned(), scan: 7 },
+            detector: "mine".to_owned(),
+            fact,
+        };
+        facts.map(row).to_vec()
+    }
+
+    #[test]
+    fn rows_come_back_to_the_last_digit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("kitti_object.csv");
+        std::fs::write(&path, to_csv_bytes(&rows()).unwrap()).unwrap();
+        assert_eq!(read_rows::<KittiObjectRow>(&path).unwrap(), rows());
+    }
+
+    #[test]
+    fn a_row_without_what_its_kind_needs_is_refused_with_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("kitti_object.csv");
+        let text = String::from_utf8(to_csv_bytes(&rows()).unwrap()).unwrap();
+        std::fs::write(&path, text.replace("-2.718281828459045", "")).unwrap();
+        let error = read_rows::<KittiObjectRow>(&path).expect_err("no score");
+        let causes = crate::files::causes::with_causes(&error);
+        assert!(causes.contains("line: 3") && causes.contains("a column that its kind needs"), "{causes}");
+    }
+}
