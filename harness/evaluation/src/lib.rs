@@ -5,6 +5,7 @@
 
 pub mod matching;
 pub mod metrics;
+pub mod protocols;
 pub mod object_box;
 pub mod realism;
 pub mod density_survey;

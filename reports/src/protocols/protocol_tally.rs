@@ -4,11 +4,14 @@ use std::collections::BTreeMap;
 
 use super::argoverse2::Argoverse2;
 use super::drawn_scans::DrawnScans;
+use super::ground::{Ground, ScoredGround};
 use super::nuscenes::Nuscenes;
 use super::protocol_number::ProtocolNumber;
 use super::ranked_classes::RankedScan;
+use super::semantic_kitti::{ScoredLabels, SemanticKitti};
 use super::under_protocol::{DrawnValues, UnderProtocol};
 use crate::numbers::tally::Tally;
+use crate::rows::label_score_row::LabelScoreRow;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::extent::OVERALL;
@@ -19,6 +22,9 @@ use crate::vocabulary::ranked_protocol::RankedProtocol;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ProtocolTally {
     ranked: BTreeMap<(RankedProtocol, String), BTreeMap<ScanName, RankedScan>>,
+    // By detector.
+    labels: BTreeMap<String, BTreeMap<ScanName, ScoredLabels>>,
+    ground: BTreeMap<String, BTreeMap<ScanName, ScoredGround>>,
 }
 
 /// What numbers of a protocol are asked about.
@@ -41,9 +47,24 @@ impl ProtocolTally {
         scan.add(row.protocol, &row.ranked_box);
     }
 
+    /// Adds what became of labels.
+    pub fn add_label_score(&mut self, row: &LabelScoreRow) {
+        let (detector, scan) = (row.detector.clone(), row.scan.clone());
+        match row.score.protocol() {
+            Protocol::Ground => {
+                self.ground.entry(detector).or_default().entry(scan).or_default().add(&row.score);
+            }
+            _ => self.labels.entry(detector).or_default().entry(scan).or_default().add(&row.score),
+        }
+    }
+
     /// The protocols that there are rows of, in the order of tables.
     pub fn protocols(&self) -> Vec<Protocol> {
-        let has_rows = |protocol: &Protocol| self.ranked.keys().any(|(it, _)| it.protocol() == *protocol);
+        let has_rows = |protocol: &Protocol| match protocol {
+            Protocol::SemanticKitti => !self.labels.is_empty(),
+            Protocol::Ground => !self.ground.is_empty(),
+            _ => self.ranked.keys().any(|(it, _)| it.protocol() == *protocol),
+        };
         Protocol::ALL.into_iter().filter(has_rows).collect()
     }
 
@@ -54,6 +75,12 @@ impl ProtocolTally {
         scans: &DrawnScans,
     ) -> Option<Box<dyn UnderProtocol + '_>> {
         let ProtocolQuestion { protocol, detector } = question;
+        if let Some(rows) = self.labels.get(detector).filter(|_| protocol == Protocol::SemanticKitti) {
+            return Some(Box::new(SemanticKitti::new(scans.names(), rows)));
+        }
+        if let Some(rows) = self.ground.get(detector).filter(|_| protocol == Protocol::Ground) {
+            return Some(Box::new(Ground::new(scans.names(), rows)));
+        }
         let ranked = RankedProtocol::ALL.into_iter().find(|it| it.protocol() == protocol)?;
         let rows = self.ranked.get(&(ranked, detector.to_owned()))?;
         Some(match ranked {
@@ -75,7 +102,9 @@ impl ProtocolTally {
         for protocol in self.protocols() {
             for (dataset, scans) in &drawn {
                 for detector in tally.detectors() {
-                    let Some(rows) = self.rows(ProtocolQuestion { protocol, detector }, scans) else { continue };
+                    let Some(rows) = self.rows(ProtocolQuestion { protocol, detector }, scans) else {
+                        continue;
+                    };
                     let drawn = DrawnValues::new(&*rows, scans);
                     for (place, metric) in rows.metrics().into_iter().enumerate() {
                         numbers.push(ProtocolNumber {

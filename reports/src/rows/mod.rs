@@ -12,3 +12,4 @@ pub mod agreement_row;
 pub mod partial_row;
 pub mod scan_name;
 pub mod ranked_box_row;
+pub mod label_score_row;

@@ -7,8 +7,10 @@ use scans::annotation::{LabeledScan, ScanId};
 use scans::conversion::results::detection_rows::clusters_of_points;
 use scans::foreign::detections::ForeignDetections;
 use scans::foreign::foreign_results::ForeignResults;
+use scans::foreign::result_format::ResultFormat;
 
 use crate::process::problem::{DetectorFailure, DetectorProblem};
+use crate::protocols::semantic_kitti::label_numbers::{class_number, is_surface};
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::running_detector::{RunningDetector, Taken};
 
@@ -18,7 +20,14 @@ pub struct ResultsDetector {
     results: Option<ForeignResults>,
     vehicles: ForeignVehicles,
     // Of the latest scan, which may be asked for again.
-    latest: Option<(ScanId, DetectorOutput)>,
+    latest: Option<ReadScan>,
+}
+
+/// What was read for a scan.
+struct ReadScan {
+    id: ScanId,
+    output: DetectorOutput,
+    point_labels: Option<Vec<u32>>,
 }
 
 impl ResultsDetector {
@@ -27,17 +36,20 @@ impl ResultsDetector {
         Self { name, results, vehicles, latest: None }
     }
 
-    fn read(&mut self, scan: &LabeledScan) -> Result<DetectorOutput, DetectorProblem> {
+    fn read(&mut self, scan: &LabeledScan) -> Result<ReadScan, DetectorProblem> {
         let Some(results) = &mut self.results else {
             let problem = "only `scanbench run` judges results of other programs";
             return Err(DetectorProblem::Machine(problem.to_owned()));
         };
         let found = results.read(scan).map_err(|error| DetectorProblem::Unreadable(with_causes(&error)))?;
-        let mut output = DetectorOutput::default();
-        let objects = objects_of(found.unwrap_or_default());
-        let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
+        let of_nothing =
+            (results.format() == ResultFormat::SemanticLabels).then(|| vec![0; scan.cloud.len()]);
+        let of_nothing = || ForeignDetections { point_labels: of_nothing, ..ForeignDetections::default() };
+        let (mut output, mut found) = (DetectorOutput::default(), found.unwrap_or_else(of_nothing));
+        let point_labels = found.point_labels.take();
+        let made = self.vehicles.detections_of(objects_of(found), &scan.cloud, &mut output);
         made.map_err(DetectorProblem::Unreadable)?;
-        Ok(output)
+        Ok(ReadScan { id: scan.id.clone(), output, point_labels })
     }
 }
 
@@ -53,7 +65,7 @@ impl RunningDetector for ResultsDetector {
         output: &mut DetectorOutput,
     ) -> Result<Taken, DetectorFailure> {
         output.clear();
-        if self.latest.as_ref().is_none_or(|(id, _)| *id != scan.id) {
+        if self.latest.as_ref().is_none_or(|it| it.id != scan.id) {
             let read = self.read(scan).map_err(|problem| DetectorFailure {
                 detector: self.name.to_owned(),
                 scan: Some(scan.id.to_string()),
@@ -61,20 +73,28 @@ impl RunningDetector for ResultsDetector {
                 last_words: Vec::new(),
                 is_final: self.results.is_none(),
             })?;
-            self.latest = Some((scan.id.clone(), read));
+            self.latest = Some(read);
         }
-        if let Some((_, read)) = &self.latest {
-            output.clone_from(read);
+        if let Some(read) = &self.latest {
+            output.clone_from(&read.output);
         }
         Ok(Taken::default())
     }
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         let clusters = match &self.latest {
-            Some((_, output)) => clusters_of_points(&output.detections, cloud.len()),
+            Some(read) => clusters_of_points(&read.output.detections, cloud.len()),
             None => vec![None; cloud.len()],
         };
         vec![StageProduct { stage: "clusters", name: "clusters", shape: Shape::Clusters(clusters) }]
+    }
+
+    fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
+        Some(self.point_labels()?.iter().map(|label| is_surface(class_number(*label))).collect())
+    }
+
+    fn point_labels(&self) -> Option<&[u32]> {
+        self.latest.as_ref()?.point_labels.as_deref()
     }
 
     fn finish(self: Box<Self>) -> Vec<String> {
@@ -85,7 +105,7 @@ impl RunningDetector for ResultsDetector {
 
 /// What was found as objects: each box, or else each cluster.
 fn objects_of(found: ForeignDetections) -> Vec<FoundObject> {
-    let ForeignDetections { clusters, cluster_classes, boxes } = found;
+    let ForeignDetections { clusters, cluster_classes, boxes, .. } = found;
     let mut members = clusters.as_deref().map(members_of);
     if boxes.is_empty() {
         let class_of = |id: u32| cluster_classes.get(id as usize - 1).copied().flatten();
@@ -126,7 +146,7 @@ mod tests {
         let found = ForeignDetections {
             clusters: Some(vec![0, 9, 2, 9]),
             cluster_classes: vec![None, Some(AnnotationClass::Pole)],
-            boxes: Vec::new(),
+            ..ForeignDetections::default()
         };
         let pole = FoundObject { class: Some(AnnotationClass::Pole), ..FoundObject::of_points(vec![2]) };
         assert_eq!(objects_of(found), [pole, FoundObject::of_points(vec![1, 3])]);

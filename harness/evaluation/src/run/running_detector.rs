@@ -49,6 +49,16 @@ pub trait RunningDetector: Send {
     /// What the stages of the latest detection left behind, as [`Detector::stage_products`].
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
 
+    /// Whether each point of the latest scan is ground, as [`Detector::ground_points`].
+    fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
+        None
+    }
+
+    /// The label of every point of the latest scan, class and instance, where it tells them in SemanticKITTI's format.
+    fn point_labels(&self) -> Option<&[u32]> {
+        None
+    }
+
     /// What it does beside finding clusters.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()
@@ -99,6 +109,10 @@ impl RunningDetector for BuiltIn {
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         self.detector.stage_products(cloud)
+    }
+
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        self.detector.ground_points(cloud)
     }
 
     fn rules(&self) -> Vec<Rule> {

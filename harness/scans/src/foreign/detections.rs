@@ -17,6 +17,8 @@ pub struct ForeignDetections {
     pub cluster_classes: Vec<Option<AnnotationClass>>,
     /// The boxes; beside clusters, that of cluster *k* at place *k* − 1.
     pub boxes: Vec<ForeignBox>,
+    /// For every point of the cloud its label, class and instance, where results are in SemanticKITTI's format.
+    pub point_labels: Option<Vec<u32>>,
 }
 
 /// A box that another program found.
