@@ -5,7 +5,6 @@
 
 pub mod matching;
 pub mod metrics;
-pub mod protocols;
 pub mod object_box;
 pub mod realism;
 pub mod density_survey;
@@ -13,5 +12,6 @@ pub mod training;
 pub mod partial;
 pub mod process;
 pub mod run;
+pub mod protocols;
 pub mod results_mcap;
 pub mod sweep;

@@ -10,6 +10,7 @@ mod task_tables;
 mod ranges;
 mod curves;
 mod times;
+mod protocols;
 mod worst;
 mod reproduction;
 mod parameters;

@@ -10,13 +10,14 @@ use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{RunReport, Subject};
 use crate::numbers::sums::Term;
 use crate::numbers::tally::Tally;
+use crate::protocols::protocol_report::ProtocolReport;
 use crate::plots::range_plot::{RateInRange, RatesOverRange};
 use crate::rows::match_outcome::{BoxFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    MATCHES_CSV, PRECISION_RECALL_CSV, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
+    MATCHES_CSV, PRECISION_RECALL_CSV, PROTOCOLS_JSON, REPORT_JSON, SCANS_CSV, WORST_POINTS_JSON,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
@@ -52,8 +53,15 @@ pub(super) struct RunFacts {
     pub(super) points: Option<WorstPoints>,
     /// Detectors that gave no answer to some scans, in the order of the run.
     pub(super) failures: Vec<FailedDetector>,
+    /// Its numbers under protocols of others; `None` if it was evaluated under none.
+    pub(super) protocols: Option<ProtocolReport>,
     /// Whether there is a recording for the viewer.
     pub(super) has_recording: bool,
+}
+
+fn protocols_of(directory: &Path, manifest: &Manifest) -> Result<Option<ProtocolReport>, ArchiveError> {
+    let is_evaluated = !manifest.protocols.is_empty();
+    is_evaluated.then(|| ProtocolReport::read(&directory.join(PROTOCOLS_JSON))).transpose()
 }
 
 /// A detector that gave no answer to some scans.
@@ -149,6 +157,7 @@ impl RunFacts {
             boxes: boxes_of(&matches, &worst)?,
             points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
             failures,
+            protocols: protocols_of(directory, &manifest)?,
             has_recording: directory.join("run.rrd").is_file(),
             times_ms,
             worst,

@@ -10,6 +10,7 @@ use super::document::document;
 use super::markup::Figure;
 use super::overview::{heading, overview};
 use super::parameters::parameters;
+use super::protocols::protocols;
 use super::ranges::ranges;
 use super::reproduction::reproduction;
 use super::run_facts::RunFacts;
@@ -56,6 +57,7 @@ impl RunPage {
         let sections = html! {
             (overview(&facts, &mut figures))
             (task_tables(&tables))
+            (protocols(&facts))
             (ranges(&facts, &mut figures))
             (curves(&facts, &mut figures))
             (times(&facts, &mut figures))
@@ -90,9 +92,10 @@ impl RunPage {
 }
 
 /// Where the links at the top lead.
-const SECTIONS: [(&str, &str); 8] = [
+const SECTIONS: [(&str, &str); 9] = [
     ("verdict", "Verdict"),
     ("tables", "Tables"),
+    ("protocols", "Protocols"),
     ("range", "Range"),
     ("curves", "Curves"),
     ("times", "Times"),

@@ -40,6 +40,14 @@ impl DrawnScans {
         Self { names, place_of_scan, resamples }
     }
 
+    /// These scans without any draw, where only the numbers themselves matter.
+    pub fn undrawn(mut names: Vec<ScanName>) -> Self {
+        names.sort();
+        names.dedup();
+        let place_of_scan = vec![(0, 0); names.len()];
+        Self { names, place_of_scan, resamples: Vec::new() }
+    }
+
     /// The scans, ascending.
     pub fn names(&self) -> &[ScanName] {
         &self.names
@@ -52,7 +60,7 @@ impl DrawnScans {
 
     /// How many draws there are.
     pub fn n_draws(&self) -> usize {
-        N_PROTOCOL_RESAMPLES
+        if self.resamples.is_empty() { 0 } else { N_PROTOCOL_RESAMPLES }
     }
 
     /// How often each scan is there in draw `draw`.

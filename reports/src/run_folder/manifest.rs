@@ -9,6 +9,7 @@ use crate::files::archive::{ArchiveError, read_json};
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::origin::Origin;
+use crate::vocabulary::protocol::Protocol;
 
 /// Everything that decides the numbers of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,6 +34,9 @@ pub struct Manifest {
     /// How often each detector looked at each scan.
     #[serde(default = "once")]
     pub n_repeats: u32,
+    /// The protocols of others that it was evaluated under, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub protocols: Vec<Protocol>,
     /// By what a detection was matched with an annotation, in words, such as `points, Jaccard at least 0.5`.
     pub matching_criterion: String,
     /// Which annotations do not count.
@@ -335,6 +339,7 @@ mod tests {
             rerun_version: None,
             machine: Machine { cpu_model: "some processor".to_owned(), n_cores: 2, os: "linux".to_owned() },
             experiment: None,
+            protocols: Vec::new(),
         }
     }
 

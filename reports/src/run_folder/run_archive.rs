@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use crate::files::archive::ArchiveError;
-use crate::files::csv_rows::read_rows;
+use crate::files::csv_rows::{each_row, read_rows};
 use crate::numbers::run_report::RunReport;
 use crate::numbers::tally::Tally;
+use crate::protocols::protocol_tally::ProtocolTally;
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
-use crate::run_folder::run_directory::{MATCHES_CSV, REPORT_JSON, SCANS_CSV};
+use crate::run_folder::run_directory::{
+    MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, REPORT_JSON, SCANS_CSV,
+};
 use crate::run_folder::run_target::MANIFEST_JSON;
 
 /// Everything that a run left behind but pictures and recordings.
@@ -23,6 +26,8 @@ pub struct RunArchive {
     pub scans: Vec<ScanRow>,
     /// One row for every pair, and for every annotation and detection that is in none.
     pub matches: Vec<MatchRow>,
+    /// What came of it under protocols of others.
+    pub protocols: ProtocolTally,
 }
 
 impl RunArchive {
@@ -37,7 +42,26 @@ impl RunArchive {
             report: RunReport::read(&directory.join(REPORT_JSON))?,
             scans: read_rows(&directory.join(SCANS_CSV))?,
             matches: read_rows(&directory.join(MATCHES_CSV))?,
+            protocols: Self::protocol_tally(directory)?,
         })
+    }
+
+    /// Its rows under protocols of others.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if a file is damaged.
+    fn protocol_tally(directory: &Path) -> Result<ProtocolTally, ArchiveError> {
+        let mut tally = ProtocolTally::default();
+        let boxes = directory.join(PROTOCOL_BOXES_CSV);
+        if boxes.exists() {
+            each_row(&boxes, |row| tally.add_ranked_box(&row))?;
+        }
+        let labels = directory.join(PROTOCOL_LABELS_CSV);
+        if labels.exists() {
+            each_row(&labels, |row| tally.add_label_score(&row))?;
+        }
+        Ok(tally)
     }
 
     /// Its sums.

@@ -27,6 +27,12 @@ pub const PRECISION_RECALL_CSV: &str = "precision_recall.csv";
 pub const WORST_POINTS_JSON: &str = "worst_points.json";
 /// The run as a page.
 pub const REPORT_HTML: &str = "report.html";
+/// The numbers under protocols of others.
+pub const PROTOCOLS_JSON: &str = "protocols.json";
+/// Every annotation and detection under protocols that rank boxes by distance, for each detector.
+pub const PROTOCOL_BOXES_CSV: &str = "protocol_boxes.csv";
+/// What became of labelled instances, things and ground points under protocols that score labels of points, for each detector.
+pub const PROTOCOL_LABELS_CSV: &str = "protocol_labels.csv";
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
 /// Rates of a sweep.

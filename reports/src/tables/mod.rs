@@ -10,6 +10,7 @@ pub mod sheet;
 pub(crate) mod task_grids;
 pub mod times_table;
 pub mod stage_table;
+pub mod protocol_table;
 pub mod studies;
 pub mod verdict;
 pub(crate) mod service_rows;

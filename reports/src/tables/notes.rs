@@ -88,7 +88,12 @@ fn rules(table: &TaskTable) -> Option<String> {
 
 /// How intervals are made, and what they say.
 pub(crate) fn about_interval(kind: BlockKind) -> String {
-    let of = format!("cluster bootstrap, {N_RESAMPLES} resamples of");
+    about_interval_of(N_RESAMPLES, kind)
+}
+
+/// The same of another number of resamples.
+pub(crate) fn about_interval_of(n_resamples: usize, kind: BlockKind) -> String {
+    let of = format!("cluster bootstrap, {n_resamples} resamples of");
     let same_drives = "they cover other scans of the same drives, but not other drives";
     match kind {
         BlockKind::Drives => format!("{of} whole drives."),

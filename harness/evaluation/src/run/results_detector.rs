@@ -5,12 +5,12 @@ use detector::{DetectorOutput, PointCloud};
 use reports::files::causes::with_causes;
 use scans::annotation::{LabeledScan, ScanId};
 use scans::conversion::results::detection_rows::clusters_of_points;
+use scans::dataset::official::OfficialObject;
 use scans::foreign::detections::ForeignDetections;
 use scans::foreign::foreign_results::ForeignResults;
 use scans::foreign::result_format::ResultFormat;
 
 use crate::process::problem::{DetectorFailure, DetectorProblem};
-use crate::protocols::semantic_kitti::label_numbers::{class_number, is_surface};
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
 use crate::run::running_detector::{RunningDetector, Taken};
 
@@ -27,6 +27,7 @@ pub struct ResultsDetector {
 struct ReadScan {
     id: ScanId,
     output: DetectorOutput,
+    official: Vec<OfficialObject>,
     point_labels: Option<Vec<u32>>,
 }
 
@@ -42,14 +43,21 @@ impl ResultsDetector {
             return Err(DetectorProblem::Machine(problem.to_owned()));
         };
         let found = results.read(scan).map_err(|error| DetectorProblem::Unreadable(with_causes(&error)))?;
-        let of_nothing =
-            (results.format() == ResultFormat::SemanticLabels).then(|| vec![0; scan.cloud.len()]);
-        let of_nothing = || ForeignDetections { point_labels: of_nothing, ..ForeignDetections::default() };
-        let (mut output, mut found) = (DetectorOutput::default(), found.unwrap_or_else(of_nothing));
+        let mut output = DetectorOutput::default();
+        let mut found = found.unwrap_or_default();
+        let official = std::mem::take(&mut found.official);
         let point_labels = found.point_labels.take();
-        let made = self.vehicles.detections_of(objects_of(found), &scan.cloud, &mut output);
+        let objects = objects_of(found);
+        let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
         made.map_err(DetectorProblem::Unreadable)?;
-        Ok(ReadScan { id: scan.id.clone(), output, point_labels })
+        Ok(ReadScan { id: scan.id.clone(), output, official, point_labels })
+    }
+}
+
+impl ResultsDetector {
+    /// Whether its results are labels of points.
+    fn tells_labels(&self) -> bool {
+        self.results.as_ref().is_some_and(|it| it.format() == ResultFormat::SemanticLabels)
     }
 }
 
@@ -89,12 +97,14 @@ impl RunningDetector for ResultsDetector {
         vec![StageProduct { stage: "clusters", name: "clusters", shape: Shape::Clusters(clusters) }]
     }
 
-    fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
-        Some(self.point_labels()?.iter().map(|label| is_surface(class_number(*label))).collect())
+    fn official_objects(&self, id: &ScanId) -> &[OfficialObject] {
+        self.latest.as_ref().filter(|it| it.id == *id).map_or(&[], |it| &it.official)
     }
 
-    fn point_labels(&self) -> Option<&[u32]> {
-        self.latest.as_ref()?.point_labels.as_deref()
+    fn point_labels(&self, scan: &LabeledScan) -> Option<Vec<u32>> {
+        let read = self.latest.as_ref().filter(|it| it.id == scan.id);
+        let of_nothing = || self.tells_labels().then(|| vec![0; scan.cloud.len()]);
+        read.and_then(|it| it.point_labels.clone()).or_else(of_nothing)
     }
 
     fn finish(self: Box<Self>) -> Vec<String> {

@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use detector::stage_product::StageProduct;
 use detector::{Detector, DetectorOutput, PointCloud, Rule};
-use scans::annotation::LabeledScan;
+use scans::annotation::{LabeledScan, ScanId};
+use scans::dataset::official::OfficialObject;
 
 use crate::process::problem::DetectorFailure;
 use crate::run::cpu_time::own_cpu_time;
@@ -49,13 +50,20 @@ pub trait RunningDetector: Send {
     /// What the stages of the latest detection left behind, as [`Detector::stage_products`].
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
 
+    /// What was found in the scan `id`, which it was asked for last, as the file that it was read from has it; nothing where there is no
+    /// such file.
+    fn official_objects(&self, _id: &ScanId) -> &[OfficialObject] {
+        &[]
+    }
+
     /// Whether each point of the latest scan is ground, as [`Detector::ground_points`].
     fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
         None
     }
 
-    /// The label of every point of the latest scan, class and instance, where it tells them in SemanticKITTI's format.
-    fn point_labels(&self) -> Option<&[u32]> {
+    /// The label of every point of `scan`, which it was asked for last, class and instance, where it tells them in SemanticKITTI's format. Of a
+    /// scan that it found nothing in they are unlabelled.
+    fn point_labels(&self, _scan: &LabeledScan) -> Option<Vec<u32>> {
         None
     }
 

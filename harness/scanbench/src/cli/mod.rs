@@ -5,6 +5,7 @@ mod scans;
 mod detectors;
 mod output;
 mod parameters;
+mod protocols;
 mod timing;
 mod results;
 pub mod stream;

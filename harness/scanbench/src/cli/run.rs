@@ -10,6 +10,7 @@ use super::detectors::detectors_help;
 use super::help_text::{DETECTORS, OUTPUT, with_details};
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
+use super::protocols::ProtocolArgs;
 use super::results::{ForeignArgs, ResultFilesArgs};
 use super::scans::{DamageArgs, DatasetArgs};
 use super::stream::StreamArgs;
@@ -51,6 +52,9 @@ pub struct RunArgs {
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
+    /// What else they are evaluated by.
+    #[command(flatten)]
+    pub protocol: ProtocolArgs,
     /// Where the run directory is written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -97,11 +101,13 @@ Examples:
   scanbench run
   scanbench run --seed 7 --simulated-scans 100 -P tolerance_m=0.7 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
-  scanbench run ~/data/kitti_tracking --detections pointrcnn=results/pointrcnn";
+  scanbench run ~/data/kitti_tracking --detections pointrcnn=results/pointrcnn
+  scanbench run ~/data/av2/val --detections mine=mine.feather --protocol argoverse2";
 
 const RUN_DETAILS: &str = "\
 The run directory holds report.html with figures/, report.json, manifest.json,
 scans.csv, matches.csv, stages.csv, precision_recall.csv,
 table_<task>.{csv,md,tex}, table_times.md, table_stages.md and worst_points.json;
+with --protocol, protocols.json, protocol_*.csv and table_protocol_<name>.*;
 unless --no-rrd, run.rrd for the Rerun viewer; with --mcap, run.mcap for Foxglove.
 Unless -o names it, runs/latest points at it.";

@@ -80,6 +80,7 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
         config: &config,
         detectors: variants.iter().map(detector_entry).collect(),
         datasets: &datasets,
+        protocols: &[],
         started,
     });
     let numbers = write_numbers(&directory, &manifest, &tally)?;

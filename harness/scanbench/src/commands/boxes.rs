@@ -70,6 +70,7 @@ pub fn boxes(arguments: &BoxesArgs) -> Result<(), Failure> {
         config: &config,
         detectors: vec![detector_entry(&Entrant::of(detectors[0], &config))],
         datasets: &opened,
+        protocols: &[],
         started,
     });
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;

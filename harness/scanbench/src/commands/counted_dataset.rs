@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use nalgebra::Isometry3;
 use scans::annotation::LabeledScan;
 use scans::dataset::foreign_frame::ForeignFrame;
+use scans::dataset::official::OfficialScan;
 use scans::dataset::{Dataset, DatasetError, Listing};
 
 /// How many points without a position each scan has, of the scans that were read and have any.
@@ -75,5 +76,9 @@ impl Dataset for CountedDataset {
 
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         self.dataset.foreign_frame(scan_idx)
+    }
+
+    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        self.dataset.official_scan(scan_idx)
     }
 }

@@ -67,6 +67,7 @@ impl Experiment {
             config: &self.config,
             detectors: detector_entries(&self.detectors, &self.config),
             datasets,
+            protocols: &[],
             started: self.started,
         });
         manifest.seeds.insert(drawn.to_owned(), self.seed);

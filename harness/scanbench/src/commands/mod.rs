@@ -18,6 +18,7 @@ pub mod paper_files;
 pub mod recorder;
 pub mod run_manifest;
 pub mod run_numbers;
+pub mod run_protocols;
 pub mod sinks;
 pub mod watched_run;
 pub mod run;
@@ -25,6 +26,7 @@ pub mod survival_study;
 pub mod ablation;
 pub mod result_file;
 pub mod detect;
+pub mod selftest_protocols;
 pub mod selftest;
 #[cfg(target_os = "linux")]
 pub mod serve;

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
+use evaluation::protocols::known_protocols::official_protocol;
 use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::entrant::Entrant;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::tally::Tally;
+use reports::protocols::protocol_tally::ProtocolTally;
 use reports::rows::agreement_row::AgreementRow;
 use reports::run_folder::manifest::DatasetEntry;
 use reports::run_folder::run_directory::RunDirectory;
@@ -16,6 +18,7 @@ use reports::tables::agreement_table::AgreementOfDetectors as AgreementOfDetecto
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::markdown::Markdown;
 use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
+use reports::vocabulary::protocol::Protocol;
 use reports::vocabulary::task::Task;
 use scans::conversion::results::result_folder::ResultFolder;
 
@@ -32,10 +35,13 @@ use crate::commands::recorder::{self, Recorder, RecordingPlan, serve_until_inter
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
 use crate::commands::run_numbers::{RunNumbers, write_numbers};
+use crate::commands::run_protocols::write_protocols;
 use crate::commands::sinks::agreement_of_detectors::AgreementOfDetectors;
 use crate::commands::sinks::detection_files::DetectionFiles;
+use crate::commands::sinks::label_scores::LabelScores;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
+use crate::commands::sinks::protocol_rows::ProtocolRowFiles;
 use crate::commands::sinks::rerun_recording::RerunRecording;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
@@ -60,12 +66,15 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
     let progress = RunProgress::new();
     let (mut tally, mut served, mut agreement) = (Tally::default(), None, Vec::new());
+    let (mut protocol_tally, mut label_tally) = (ProtocolTally::default(), ProtocolTally::default());
     let recorder = begin_recording(arguments, &entrants, &datasets, &directory)?;
     let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
     sinks.push(Box::new(AgreementOfDetectors::new(&mut agreement)));
     sinks.push(Box::new(arguments.mcap.then(|| McapResults::new(&directory, datasets.len()))));
     sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
     sinks.push(Box::new(detection_files(&arguments.result_files, &datasets)?));
+    sinks.push(Box::new(protocol_rows(&arguments.protocol.protocols, &directory, &mut protocol_tally)?));
+    sinks.push(Box::new(LabelScores::begin(&directory, &arguments.protocol.protocols, &mut label_tally)?));
     let watched = WatchedRun {
         entrants: &entrants,
         results: &results,
@@ -90,15 +99,19 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         config: &config,
         detectors: entrants.iter().map(|it| results.with_checksum(detector_entry(it))).collect(),
         datasets: &datasets,
+        protocols: &arguments.protocol.protocols,
         started,
     });
+    protocol_tally.take_labels_of(label_tally);
+    let protocols = write_protocols(&directory, &manifest, (&tally, &protocol_tally))?;
     let numbers = write_numbers(&directory, &manifest, &tally)?;
     let is_compared = |it: &DatasetEntry| agreement.iter().any(|row| row.dataset == it.id);
     let is_scored = !manifest.datasets.iter().all(is_compared);
     let agreement = write_agreement(&directory, &agreement)?;
     let written = directory.finish()?;
     let standings = if is_scored { standings(&tally, &manifest, &numbers.report) } else { Vec::new() };
-    print(&numbers, (&standings, &speeds(&manifest, &numbers.report)), (is_scored, agreement), &written)?;
+    let more = protocols.into_iter().chain(agreement);
+    print(&numbers, (&standings, &speeds(&manifest, &numbers.report)), (is_scored, more), &written)?;
     if let Some(served) = served {
         serve_until_interrupted(&*served, interrupted);
     }
@@ -130,6 +143,16 @@ fn write_agreement(directory: &RunDirectory, rows: &[AgreementRow]) -> Result<Op
     directory.write_file("agreement.csv", &to_csv_bytes(rows)?)?;
     directory.write_file("table_agreement.md", Markdown.text(&table).as_bytes())?;
     Ok(Some(terminal().text(&table)))
+}
+
+/// What evaluates scans under `protocols`; `None` if there are none.
+fn protocol_rows<'a>(
+    protocols: &[Protocol],
+    directory: &RunDirectory,
+    tally: &'a mut ProtocolTally,
+) -> Result<Option<ProtocolRowFiles<'a>>, Failure> {
+    let chosen: Vec<_> = protocols.iter().filter_map(|it| official_protocol(*it)).collect();
+    if chosen.is_empty() { Ok(None) } else { ProtocolRowFiles::begin(directory, chosen, tally).map(Some) }
 }
 
 fn detection_files(
@@ -190,14 +213,14 @@ fn begin_recording(
 fn print(
     numbers: &RunNumbers,
     (standings, speeds): (&[Standing], &Speeds),
-    (is_scored, agreement): (bool, Option<String>),
+    (is_scored, more): (bool, impl Iterator<Item = String>),
     finished: &Path,
 ) -> Result<(), Failure> {
     let terminal = terminal();
     let tables = numbers.tables.iter().filter(|_| is_scored).map(|it| terminal.text(it));
     let sentences = standings.iter().map(Standing::sentence).chain(speeds.sentence());
     let last = [terminal.text(&numbers.times), terminal.sentences(sentences)];
-    let texts = tables.chain(agreement).chain(last);
+    let texts = tables.chain(more).chain(last);
     let printed = texts.into_iter().try_for_each(print_result);
     // Also where nobody takes the tables: the run is there.
     print_diagnostic(format_args!("Run directory: {}", finished.display()));

@@ -14,6 +14,7 @@ use reports::files::archive::SCHEMA;
 use reports::run_folder::manifest::{
     AnnotatedClasses, DatasetEntry, DetectorEntry, ForeignEntry, IgnoreRule, Manifest, Simulation,
 };
+use reports::vocabulary::protocol::Protocol;
 use scans::dataset;
 use simulator::SIMULATOR_VERSION;
 use simulator::simulated_street::StreetDrive;
@@ -37,6 +38,8 @@ pub struct RunSettings<'a> {
     pub detectors: Vec<DetectorEntry>,
     /// The data sets.
     pub datasets: &'a [OpenedDataset],
+    /// The protocols of others.
+    pub protocols: &'a [Protocol],
     /// When it began.
     pub started: Timestamp,
 }
@@ -66,6 +69,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         rerun_version: rerun_version(),
         machine: machine(),
         experiment: None,
+        protocols: settings.protocols.to_vec(),
     }
 }
 

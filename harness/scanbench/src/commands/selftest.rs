@@ -16,6 +16,7 @@ use crate::cli::SelftestArgs;
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
+use crate::commands::selftest_protocols::check_protocols;
 use crate::commands::standard_streams::print_result;
 
 /// The scores are not what they must be.
@@ -42,6 +43,11 @@ pub fn selftest(arguments: &SelftestArgs) -> Result<(), Failure> {
     let (mut n_failed, mut n_checked) = (0, 0);
     let policy = arguments.damage.policy();
     for opened in open_datasets_past_damage(&arguments.data, policy, &ClassTable::default())? {
+        for checked in check_protocols(&opened, policy, &arguments.protocol.protocols)? {
+            n_checked += 1;
+            n_failed += usize::from(!checked.is_perfect());
+            print_result(&checked)?;
+        }
         for checked in check_dataset(&opened, policy)? {
             n_checked += 1;
             n_failed += usize::from(!checked.is_perfect());

@@ -60,6 +60,7 @@ pub fn survival_study(arguments: &AblationArgs) -> Result<(), Failure> {
         config: &config,
         detectors: Vec::new(),
         datasets: &datasets,
+        protocols: &[],
         started,
     });
     let table = SurvivalTable { rows: &rows };

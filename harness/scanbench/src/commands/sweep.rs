@@ -175,6 +175,7 @@ impl<'a> Sweep<'a> {
             config: &self.plan.base,
             detectors: detector_entries(&self.plan.detectors, &self.plan.base),
             datasets: &self.datasets,
+            protocols: &[],
             started: self.started,
         });
         // Which scans have been read depends on where the sweep was taken up.

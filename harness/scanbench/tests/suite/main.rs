@@ -21,6 +21,7 @@ mod results_of_others;
 mod start_up;
 mod realism;
 mod readers;
+mod protocol_labels;
 mod fit_density;
 mod gate;
 mod init;

@@ -7,6 +7,7 @@ use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::task::Task;
 
 use self::foreign_frame::ForeignFrame;
+use self::official::OfficialScan;
 use self::simulation::Simulation;
 use self::unpaired_files::few_of;
 use crate::annotation::{LabeledScan, ScanId};
@@ -34,6 +35,7 @@ pub mod data_sheet;
 pub mod dataset_format;
 pub mod source;
 pub mod foreign_frame;
+pub mod official;
 pub mod mounting;
 pub mod folder_name;
 
@@ -127,6 +129,15 @@ pub trait Dataset: Send + Sync {
     /// [`DatasetError`] if a file that says so is damaged.
     fn foreign_frame(&self, _scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         Ok(ForeignFrame::Sensor)
+    }
+
+    /// The labels of scan `scan_idx` as its makers evaluate them; `None` where files say no more than annotations do.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file that says so is damaged.
+    fn official_scan(&self, _scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        Ok(None)
     }
 }
 

@@ -6,6 +6,7 @@ use detector::OrientedBox;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::foreign_frame::ForeignFrame;
+use super::official::OfficialScan;
 use super::upright_box::{pose_of_box, upright_box};
 use super::{Dataset, DatasetDescription, DatasetError, Listing};
 use crate::annotation::{LabeledArea, LabeledScan, ScanId};
@@ -120,6 +121,10 @@ impl Dataset for MountedDataset {
                 ForeignFrame::Recording { stamp_ns, log_time_ns, frame, sensor_from_frame }
             }
         })
+    }
+
+    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        self.dataset.official_scan(scan_idx)
     }
 }
 

@@ -17,6 +17,7 @@ use crate::dataset::argoverse2::log_truth::{POSE, take_poses};
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::official::OfficialObject;
 use crate::dataset::upright_box::upright_box;
 
 /// The ending of the files.
@@ -36,12 +37,12 @@ pub struct Argoverse2Tables {
 }
 
 /// A box in the frame of the car.
-#[derive(Clone, Copy)]
 struct CarBox {
+    category: String,
     car_from_box: Isometry3<f64>,
     length_width_height_m: [f64; 3],
     class: AnnotationClass,
-    score: f32,
+    score: f64,
 }
 
 impl Argoverse2Tables {
@@ -107,10 +108,11 @@ impl Argoverse2Tables {
             let Some(class) = classes.class_of(&categories[row], at) else { continue };
             self.logs.insert(logs[row].clone());
             self.found.entry(scan_idx).or_default().push(CarBox {
+                category: categories[row].clone(),
                 car_from_box: poses[row],
                 length_width_height_m: [lengths_m[row], widths_m[row], heights_m[row]],
                 class,
-                score: scores[row] as f32,
+                score: scores[row],
             });
         }
         Ok(())
@@ -138,9 +140,14 @@ impl ResultReader for Argoverse2Tables {
         let boxes = found.iter().map(|it| ForeignBox {
             bounding_box: upright_box(&(sensor_from_car * it.car_from_box), it.length_width_height_m),
             class: Some(it.class),
-            score: Some(it.score),
+            score: Some(it.score as f32),
         });
-        Ok(Some(ForeignDetections::of_boxes(boxes.collect())))
+        let official = found.iter().map(|it| OfficialObject {
+            score: Some(it.score),
+            ..OfficialObject::new(&it.category, &it.car_from_box, it.length_width_height_m)
+        });
+        let (boxes, official) = (boxes.collect(), official.collect());
+        Ok(Some(ForeignDetections { boxes, official, ..ForeignDetections::default() }))
     }
 
     fn left_over(&self) -> Vec<String> {

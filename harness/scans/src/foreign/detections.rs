@@ -3,6 +3,7 @@
 use detector::OrientedBox;
 use reports::vocabulary::class::AnnotationClass;
 
+use crate::dataset::official::OfficialObject;
 use crate::dataset::positioned_points::MAX_COORDINATE_M;
 
 /// A side of a box that is longer than this, in metres, is damage.
@@ -17,6 +18,8 @@ pub struct ForeignDetections {
     pub cluster_classes: Vec<Option<AnnotationClass>>,
     /// The boxes; beside clusters, that of cluster *k* at place *k* − 1.
     pub boxes: Vec<ForeignBox>,
+    /// The boxes as the file has them, in the same order; empty where the format has no evaluation of its makers.
+    pub official: Vec<OfficialObject>,
     /// For every point of the cloud its label, class and instance, where results are in SemanticKITTI's format.
     pub point_labels: Option<Vec<u32>>,
 }

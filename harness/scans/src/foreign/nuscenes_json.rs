@@ -24,7 +24,8 @@ use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, Vocabulary};
 use crate::dataset::foreign_frame::ForeignFrame;
-use crate::dataset::nuscenes::lidar_tables::pose;
+use crate::dataset::nuscenes::pose::pose;
+use crate::dataset::official::OfficialObject;
 use crate::dataset::upright_box::upright_box;
 
 /// The names of the detection task that are not those of the labels.
@@ -39,7 +40,7 @@ pub const WITH_RIDER: &str = "cycle.with_rider";
 
 /// The results of a submission.
 pub struct NuScenesJson {
-    found: BTreeMap<usize, Vec<ForeignBox>>,
+    found: BTreeMap<usize, ForeignDetections>,
     left_over: Vec<String>,
 }
 
@@ -94,7 +95,7 @@ impl ResultReader for NuScenesJson {
         scan_idx: usize,
         _scan: &LabeledScan,
     ) -> Result<Option<ForeignDetections>, DatasetError> {
-        Ok(self.found.get(&scan_idx).cloned().map(ForeignDetections::of_boxes))
+        Ok(self.found.get(&scan_idx).cloned())
     }
 
     fn left_over(&self) -> Vec<String> {
@@ -112,6 +113,8 @@ struct BoxRecord {
     detection_name: String,
     #[serde(default, alias = "tracking_score")]
     detection_score: Option<f64>,
+    #[serde(default)]
+    velocity: Option<[f64; 2]>,
     #[serde(default)]
     attribute_name: Option<String>,
 }
@@ -133,6 +136,18 @@ impl BoxRecord {
             score: self.detection_score.map(|it| it as f32),
         })
     }
+
+    /// The same as the file has it. Errors are the rest of a sentence about the box.
+    fn official(&self) -> Result<OfficialObject, String> {
+        let [width_m, length_m, height_m] = self.size;
+        let world_from_box = pose(self.translation, self.rotation)?;
+        Ok(OfficialObject {
+            velocity_m_per_s: self.velocity,
+            attribute: self.attribute_name.clone().filter(|it| !it.is_empty()),
+            score: self.detection_score,
+            ..OfficialObject::new(&self.detection_name, &world_from_box, [length_m, width_m, height_m])
+        })
+    }
 }
 
 /// Takes a submission apart while it is read.
@@ -142,7 +157,7 @@ struct Submission<'a, 'c> {
     scans: BTreeMap<String, (usize, Isometry3<f64>)>,
     classes: &'a mut ClassReader<'c>,
     has_results: bool,
-    found: BTreeMap<usize, Vec<ForeignBox>>,
+    found: BTreeMap<usize, ForeignDetections>,
     left_over: Vec<String>,
 }
 
@@ -193,17 +208,16 @@ impl<'de> Visitor<'de> for Results<'_, '_, '_> {
                 submission.left_over.push(token);
                 continue;
             };
-            let mut boxes = Vec::new();
+            let mut found = ForeignDetections::default();
             for (place, record) in map.next_value::<Vec<BoxRecord>>()?.iter().enumerate() {
                 let at = || format!("{:?}, box {place} of the sample {token:?}", submission.path);
                 // Names that nobody knows are refused in the end, all at once.
                 let Some(class) = submission.classes.class_of(&record.detection_name, at) else { continue };
-                let found = record.foreign_box(class, &sensor_from_world);
-                boxes.push(found.map_err(|problem| {
-                    A::Error::custom(format!("box {place} of the sample {token:?} {problem}"))
-                })?);
+                let damaged = |problem| A::Error::custom(format!("box {place} of the sample {token:?} {problem}"));
+                found.boxes.push(record.foreign_box(class, &sensor_from_world).map_err(damaged)?);
+                found.official.push(record.official().map_err(damaged)?);
             }
-            if submission.found.insert(scan_idx, boxes).is_some() {
+            if submission.found.insert(scan_idx, found).is_some() {
                 return Err(A::Error::custom(format!("it has the sample {token:?} twice")));
             }
         }

@@ -84,6 +84,7 @@ impl ResultReader for OwnFiles {
             clusters: clusters.map(|it| values_of_kept(&it, &scan.points_left_out)),
             cluster_classes: Vec::new(),
             boxes: boxes.unwrap_or_default(),
+            official: Vec::new(),
             point_labels: None,
         }))
     }

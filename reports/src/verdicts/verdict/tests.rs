@@ -57,6 +57,7 @@ impl SampleScans<'_> {
                 .flat_map(move |step| (found(detector, step)..10).map(move |id| missed(detector, step, id)))
         });
         RunArchive {
+            protocols: crate::protocols::protocol_tally::ProtocolTally::default(),
             manifest: sample::manifest(),
             report: RunReport::new(1, Vec::new()).unwrap(),
             scans: rows.collect(),

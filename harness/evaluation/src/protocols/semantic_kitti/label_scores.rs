@@ -1,5 +1,7 @@
 //! From the labels of a scan, and what a detector made of it, to all scores of labels.
 
+use std::borrow::Cow;
+
 use detector::{Detections, PointCloud};
 use reports::rows::label_score_row::LabelScore;
 use reports::vocabulary::ground_definition::GroundDefinition;
@@ -9,10 +11,15 @@ use reports::vocabulary::thing_class::ThingClass;
 use super::found_segments::found_segments;
 use super::ground_points::ground_counts;
 use super::instance_scores::instance_scores;
-use super::label_numbers::instance_number;
+use super::label_numbers::{class_number, instance_number, is_ground, is_surface};
 use super::same_label_clusters::same_label_clusters;
 use super::segmentation_entropies::segmentation_entropies;
 use super::thing_counts::thing_counts;
+
+/// Whether a protocol scores labels of points.
+pub fn scores_labels(protocol: Protocol) -> bool {
+    matches!(protocol, Protocol::SemanticKitti | Protocol::Ground)
+}
 
 /// A scan with the labels of its points.
 pub struct LabeledPoints<'a> {
@@ -28,8 +35,16 @@ pub struct FoundPoints<'a> {
     pub detections: &'a Detections,
     /// The label of every point, where it tells labels: these then are its segments, and say their classes.
     pub labels: Option<&'a [u32]>,
-    /// Whether each point is ground, where it tells.
+    /// Whether each point is ground, where it tells by itself.
     pub ground: Option<Vec<bool>>,
+}
+
+impl FoundPoints<'_> {
+    /// Whether each point is ground, by itself or by its label; `None` where neither is told.
+    pub fn told_ground(&self) -> Option<Cow<'_, [bool]>> {
+        let of_labels = |it: &[u32]| it.iter().map(|label| is_surface(class_number(*label))).collect();
+        self.ground.as_deref().map(Cow::Borrowed).or_else(|| self.labels.map(of_labels).map(Cow::Owned))
+    }
 }
 
 impl<'a> LabeledPoints<'a> {
@@ -44,15 +59,44 @@ impl<'a> LabeledPoints<'a> {
     pub fn scores(&self, protocol: Protocol, found: &FoundPoints<'_>) -> Vec<LabelScore> {
         match protocol {
             Protocol::SemanticKitti => self.of_segments(found),
-            Protocol::Ground => found.ground.as_deref().map_or_else(Vec::new, |told| self.of_ground(told)),
+            Protocol::Ground => found.told_ground().map_or_else(Vec::new, |told| self.of_ground(&told)),
+            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => Vec::new(),
+        }
+    }
+
+    /// The scores of the labels themselves under `protocol`, each fed back as what it asks for: the best there are.
+    pub fn echoed_scores(&self, protocol: Protocol) -> Vec<LabelScore> {
+        match protocol {
+            Protocol::SemanticKitti => {
+                let segments = segments_of(&self.labels);
+                let things = ThingClass::ALL.into_iter().zip(thing_counts(&self.labels, &self.labels));
+                let entropies = segmentation_entropies(&self.objects, &self.objects);
+                let instances =
+                    instance_scores(&self.labels, &segments).into_iter().map(LabelScore::Instance);
+                instances
+                    .chain(things.map(|(class, counts)| LabelScore::Things(class, counts)))
+                    .chain([LabelScore::Entropies(entropies)])
+                    .collect()
+            }
+            Protocol::Ground => {
+                let points = || self.labels.iter().zip(self.cloud.z_m());
+                let of = |definition| {
+                    let is_ground = |(label, z_m): (&u32, &f32)| {
+                        is_ground(definition, class_number(*label), *z_m) == Some(true)
+                    };
+                    let told: Vec<bool> = points().map(is_ground).collect();
+                    let counts = ground_counts(definition, &self.labels, self.cloud.z_m(), &told);
+                    LabelScore::Ground(definition, counts)
+                };
+                GroundDefinition::ALL.map(of).to_vec()
+            }
             Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => Vec::new(),
         }
     }
 
     fn of_segments(&self, found: &FoundPoints<'_>) -> Vec<LabelScore> {
-        let segment_of = |label: &u32| if instance_number(*label) == 0 { 0 } else { *label };
         let segments: Vec<u32> = match found.labels {
-            Some(labels) => labels.iter().map(segment_of).collect(),
+            Some(labels) => segments_of(labels),
             None => found_segments(found.detections, self.cloud.len()),
         };
         let instances = instance_scores(&self.labels, &segments).into_iter().map(LabelScore::Instance);
@@ -72,6 +116,11 @@ impl<'a> LabeledPoints<'a> {
         };
         GroundDefinition::ALL.map(of).to_vec()
     }
+}
+
+/// The instance of every point, 0 for none.
+fn segments_of(labels: &[u32]) -> Vec<u32> {
+    labels.iter().map(|label| if instance_number(*label) == 0 { 0 } else { *label }).collect()
 }
 
 #[cfg(test)]
@@ -111,5 +160,7 @@ mod tests {
         let LabelScore::Ground(definition, counts) = found[0] else { panic!("{found:?}") };
         assert_eq!(definition, GroundDefinition::Patchwork);
         assert_eq!((counts.n_found, counts.n_false, counts.n_missed, counts.n_others), (1, 1, 0, 1));
+        let of_labels = FoundPoints { labels: Some(&[0, 40, 40, 40]), ..told(None) };
+        assert_eq!(scores(Protocol::Ground, &of_labels), found);
     }
 }

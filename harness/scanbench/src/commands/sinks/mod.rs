@@ -9,3 +9,5 @@ pub mod mcap_results;
 pub mod detection_files;
 pub mod rerun_recording;
 pub mod agreement_of_detectors;
+pub mod protocol_rows;
+pub mod label_scores;

@@ -11,6 +11,7 @@ use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::mcap::ros_messages::isometry;
+use crate::dataset::official::OfficialObject;
 use crate::dataset::upright_box::upright_box;
 
 /// The file of the annotations of a log.
@@ -30,6 +31,8 @@ pub const POSE: [&str; 7] = ["tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw"];
 pub struct LogTruth {
     /// Annotations without points by time, in nanoseconds, in the sensor frame.
     pub annotations: BTreeMap<i64, Vec<Annotation>>,
+    /// What is labelled by time, in the frame of the car.
+    pub objects: BTreeMap<i64, Vec<OfficialObject>>,
     /// Where the sensor was, by time.
     pub world_from_sensor: BTreeMap<i64, Isometry3<f64>>,
     /// Where the sensor is in the frame of the car.
@@ -46,7 +49,7 @@ impl LogTruth {
     /// [`DatasetError`] if a file is missing or damaged; poses and calibration may be missing.
     pub fn read(folder: &Path, classes: &mut ClassReader<'_>) -> Result<Self, DatasetError> {
         let car_from_sensor_m = car_from_sensor_m(&folder.join("calibration/egovehicle_SE3_sensor.feather"))?;
-        let annotations = read_annotations(&folder.join(ANNOTATIONS), &car_from_sensor_m, classes)?;
+        let (annotations, objects) = read_labels(&folder.join(ANNOTATIONS), &car_from_sensor_m, classes)?;
         let poses = folder.join("city_SE3_egovehicle.feather");
         let mut world_from_sensor = BTreeMap::new();
         if poses.exists() {
@@ -65,7 +68,7 @@ impl LogTruth {
                 );
             }
         }
-        Ok(Self { annotations, world_from_sensor, car_from_sensor_m })
+        Ok(Self { annotations, objects, world_from_sensor, car_from_sensor_m })
     }
 }
 
@@ -123,14 +126,21 @@ pub fn take_poses(table: &mut FeatherTable) -> Result<Vec<Isometry3<f64>>, Strin
     (0..n_rows).map(row).collect()
 }
 
-fn read_annotations(
+/// Annotations in the frame of the sensor, and objects in that of the car, by time.
+type Labels = (BTreeMap<i64, Vec<Annotation>>, BTreeMap<i64, Vec<OfficialObject>>);
+
+/// The column of the number of points in a box, which not all tables have.
+const N_POINTS: &str = "num_interior_pts";
+
+fn read_labels(
     path: &Path,
     car_from_sensor_m: &Vector3<f64>,
     classes: &mut ClassReader<'_>,
-) -> Result<BTreeMap<i64, Vec<Annotation>>, DatasetError> {
+) -> Result<Labels, DatasetError> {
     let names = ["timestamp_ns", "track_uuid", "category", "length_m", "width_m", "height_m"];
-    let mut table = FeatherTable::read(path, &[&names[..], &POSE[..]].concat())?;
+    let mut table = FeatherTable::read_some(path, &[&names[..], &POSE[..]].concat(), &[N_POINTS])?;
     let damaged = |problem| DatasetError::Damaged { path: path.to_path_buf(), problem };
+    let n_points = table.take_integers(N_POINTS).unwrap_or_default();
     let times = table.take_integers("timestamp_ns").map_err(damaged)?;
     let tracks = table.take_texts("track_uuid").map_err(damaged)?;
     let categories = table.take_texts("category").map_err(damaged)?;
@@ -149,12 +159,15 @@ fn read_annotations(
     let mut sorted: Vec<&String> = tracks.iter().collect();
     sorted.sort_unstable();
     sorted.dedup();
-    let mut annotations: BTreeMap<i64, Vec<Annotation>> = BTreeMap::new();
+    let (mut annotations, mut objects) = Labels::default();
     for row in 0..n_rows {
         let size_m = [sides_m[0][row], sides_m[1][row], sides_m[2][row]];
         if !size_m.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4) {
             return Err(damaged(format!("has a box with sides of {size_m:?} m in row {row}")));
         }
+        let n_points = n_points.get(row).and_then(|it| u64::try_from(*it).ok());
+        let object = OfficialObject { n_points, ..OfficialObject::new(&categories[row], &poses[row], size_m) };
+        objects.entry(times[row]).or_default().push(object);
         let place = || format!("{path:?}, row {row}");
         let Some(class) = classes.class_of(&categories[row], place) else { continue };
         let track = sorted.binary_search(&&tracks[row]).ok().map(|number| number as u32);
@@ -166,7 +179,7 @@ fn read_annotations(
             car_from_sensor_m,
         ));
     }
-    Ok(annotations)
+    Ok((annotations, objects))
 }
 
 fn annotation(

@@ -23,6 +23,7 @@ use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::feather::FeatherTable;
 use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::official::OfficialScan;
 use crate::dataset::numbered_files::is_hidden;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
@@ -161,6 +162,12 @@ impl Dataset for SensorLogs {
             timestamp_ns: *time_ns,
             car_from_sensor: Translation3::from(self.truth_of(log)?.car_from_sensor_m).into(),
         })
+    }
+
+    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        let Sweep { log, time_ns } = &self.sweeps[scan_idx];
+        let objects = self.truth_of(log)?.objects.get(time_ns).cloned().unwrap_or_default();
+        Ok(Some(OfficialScan { objects, origin_m: [0.0; 3] }))
     }
 }
 

@@ -12,11 +12,13 @@ use nalgebra::Isometry3;
 use reports::vocabulary::class::AnnotationClass;
 
 use super::lidar_tables::{Keyframe, LidarTables, read_keyframes};
+use super::world_objects::WorldObject;
 use crate::annotation::{Annotation, LabeledScan, ScanId};
 use crate::dataset::checksum::DatasetChecksum;
 use crate::dataset::class_table::ClassReader;
 use crate::dataset::dataset_format::DatasetFormat;
 use crate::dataset::foreign_frame::ForeignFrame;
+use crate::dataset::official::OfficialScan;
 use crate::dataset::points_of_boxes::assign_points_in_boxes;
 use crate::dataset::positioned_points::PositionedPoints;
 use crate::dataset::source::DatasetSource;
@@ -136,7 +138,7 @@ impl Dataset for NuScenes {
         let bytes = std::fs::read(&path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
         let points = parse_scan(&path, &bytes)?;
         let mut annotations: Vec<Annotation> =
-            keyframe.objects.iter().map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
+            keyframe.objects.iter().filter_map(|it| it.annotation(&keyframe.world_from_sensor)).collect();
         assign_points_in_boxes(points.cloud(), &mut annotations);
         Ok(points.labeled_everywhere(self.listing.scan_ids[scan_idx].clone(), annotations))
     }
@@ -158,6 +160,12 @@ impl Dataset for NuScenes {
     fn foreign_frame(&self, scan_idx: usize) -> Result<ForeignFrame, DatasetError> {
         let Keyframe { sample_token, world_from_sensor, .. } = &self.keyframes[scan_idx];
         Ok(ForeignFrame::World { sample_token: sample_token.clone(), world_from_sensor: *world_from_sensor })
+    }
+
+    fn official_scan(&self, scan_idx: usize) -> Result<Option<OfficialScan>, DatasetError> {
+        let Keyframe { objects, ego_m, .. } = &self.keyframes[scan_idx];
+        let objects = objects.iter().map(WorldObject::official).collect();
+        Ok(Some(OfficialScan { objects, origin_m: *ego_m }))
     }
 }
 

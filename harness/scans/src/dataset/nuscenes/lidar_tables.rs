@@ -4,15 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
 use nalgebra::{Isometry3, Vector3};
-use reports::vocabulary::class::{AnnotationClass, Occlusion};
 use serde::Deserialize;
 
+use super::pose::pose;
 use super::table::read_table;
-use crate::annotation::Annotation;
+use super::world_objects::{WorldObject, read_objects};
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::ClassReader;
-use crate::dataset::mcap::ros_messages::isometry;
-use crate::dataset::upright_box::upright_box;
 
 /// The lidar on the roof.
 const LIDAR: &str = "LIDAR_TOP";
@@ -30,6 +28,8 @@ pub struct Keyframe {
     pub file: PathBuf,
     /// Where the lidar was, with x forward and y left.
     pub world_from_sensor: Isometry3<f64>,
+    /// Where the car was, in the frame of the world, in metres.
+    pub ego_m: [f64; 3],
     /// What is annotated, in the frame of the world.
     pub objects: Vec<WorldObject>,
 }
@@ -41,31 +41,6 @@ pub struct LidarTables {
     pub keyframes: Vec<Keyframe>,
     /// Samples that are annotated and have no keyframe of it.
     pub samples_without_scan: BTreeSet<String>,
-}
-
-/// An annotation, before it is brought into the frame of the sensor.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WorldObject {
-    class: AnnotationClass,
-    track: u32,
-    occlusion: Option<Occlusion>,
-    world_from_box: Isometry3<f64>,
-    length_width_height_m: [f64; 3],
-}
-
-impl WorldObject {
-    /// The annotation without points, for a sensor that was there. The box is set upright.
-    pub fn annotation(&self, world_from_sensor: &Isometry3<f64>) -> Annotation {
-        let sensor_from_box = world_from_sensor.inverse() * self.world_from_box;
-        Annotation {
-            class: self.class,
-            bounding_box: Some(upright_box(&sensor_from_box, self.length_width_height_m)),
-            point_indices: Vec::new(),
-            track: Some(self.track),
-            occlusion: self.occlusion,
-            truncation: None,
-        }
-    }
 }
 
 #[derive(Deserialize)]
@@ -89,15 +64,11 @@ struct NamedRecord {
 }
 
 #[derive(Deserialize)]
-struct VisibilityRecord {
-    token: String,
-    level: String,
-}
-
-#[derive(Deserialize)]
 struct SampleRecord {
     token: String,
     scene_token: String,
+    #[serde(default)]
+    timestamp: Option<u64>,
 }
 
 #[derive(Deserialize)]
@@ -117,29 +88,11 @@ struct EgoPoseRecord {
     rotation: [f64; 4],
 }
 
-#[derive(Deserialize)]
-struct InstanceRecord {
-    token: String,
-    category_token: String,
-}
-
-#[derive(Deserialize)]
-struct AnnotationRecord {
-    sample_token: String,
-    instance_token: String,
-    #[serde(default)]
-    visibility_token: Option<String>,
-    #[serde(default)]
-    attribute_tokens: Vec<String>,
-    translation: [f64; 3],
-    size: [f64; 3],
-    rotation: [f64; 4],
-}
-
 /// A keyframe whose pose is not known yet.
 struct Unplaced {
     sample: String,
     scene: String,
+    sample_time_us: Option<u64>,
     ego_pose: String,
     ego_from_sensor: Isometry3<f64>,
     time_ns: u64,
@@ -162,7 +115,8 @@ pub fn read_keyframes(
     let table = |name: &str| folder.join(format!("{name}.json"));
     let unplaced = read_unplaced(&table, scenes)?;
     let poses = read_poses(&table("ego_pose"), &unplaced)?;
-    let (mut objects, elsewhere) = read_objects(&table, &unplaced, classes)?;
+    let samples = unplaced.iter().map(|it| (it.sample.as_str(), it.sample_time_us)).collect();
+    let (mut objects, elsewhere) = read_objects(&table, &samples, classes)?;
     let mut keyframes = Vec::new();
     for it in unplaced {
         let Some(world_from_ego) = poses.get(&it.ego_pose) else {
@@ -173,6 +127,7 @@ pub fn read_keyframes(
             time_ns: it.time_ns,
             file: it.file,
             world_from_sensor: world_from_ego * it.ego_from_sensor,
+            ego_m: world_from_ego.translation.vector.into(),
             objects: objects.remove(&it.sample).unwrap_or_default(),
             sample_token: it.sample,
         });
@@ -217,10 +172,10 @@ fn read_unplaced(
         }
         Ok(())
     })?;
-    let mut scenes_of_samples = BTreeMap::new();
+    let mut samples = BTreeMap::new();
     read_table(&table("sample"), |it: SampleRecord| {
         if let Some(scene) = scene_names.get(&it.scene_token) {
-            scenes_of_samples.insert(it.token, scene.clone());
+            samples.insert(it.token, (scene.clone(), it.timestamp));
         }
         Ok(())
     })?;
@@ -231,9 +186,10 @@ fn read_unplaced(
         else {
             return Ok(());
         };
-        let Some(scene) = scenes_of_samples.get(&it.sample_token) else { return Ok(()) };
+        let Some((scene, sample_time_us)) = samples.get(&it.sample_token) else { return Ok(()) };
         unplaced.push(Unplaced {
             scene: scene.clone(),
+            sample_time_us: *sample_time_us,
             sample: it.sample_token,
             ego_pose: it.ego_pose_token,
             ego_from_sensor: *ego_from_sensor,
@@ -255,113 +211,6 @@ fn read_poses(path: &Path, unplaced: &[Unplaced]) -> Result<BTreeMap<String, Iso
         Ok(())
     })?;
     Ok(poses)
-}
-
-/// Annotations by the token of their sample.
-type ObjectsBySample = BTreeMap<String, Vec<WorldObject>>;
-
-/// The annotations of each sample, and the other samples that have any.
-fn read_objects(
-    table: &impl Fn(&str) -> PathBuf,
-    unplaced: &[Unplaced],
-    classes: &mut ClassReader<'_>,
-) -> Result<(ObjectsBySample, BTreeSet<String>), DatasetError> {
-    let instances = read_instances(table)?;
-    let with_rider = read_with_rider(&table("attribute"))?;
-    let occlusions = read_occlusions(&table("visibility"))?;
-    let wanted: BTreeSet<&String> = unplaced.iter().map(|it| &it.sample).collect();
-    let mut objects: BTreeMap<String, Vec<WorldObject>> = BTreeMap::new();
-    let mut elsewhere = BTreeSet::new();
-    read_table(&table("sample_annotation"), |it: AnnotationRecord| {
-        if !wanted.contains(&it.sample_token) {
-            elsewhere.insert(it.sample_token);
-            return Ok(());
-        }
-        let named = instances.get(&it.instance_token);
-        let (track, category) =
-            named.ok_or_else(|| format!("has the unknown instance {:?}", it.instance_token))?;
-        let [width_m, length_m, height_m] = it.size;
-        if !it.size.iter().all(|side_m| *side_m > 0.0 && *side_m < 1e4) {
-            return Err(format!("has a box with the size {:?}", it.size));
-        }
-        let has_rider = it.attribute_tokens.iter().any(|token| with_rider.contains(token));
-        let place = || format!("the instance {:?} of {:?}", it.instance_token, table("sample_annotation"));
-        let class = match classes.class_of(category, place) {
-            None => return Ok(()),
-            Some(AnnotationClass::ParkedCycle) if has_rider => AnnotationClass::Cyclist,
-            Some(class) => class,
-        };
-        let occlusion = it.visibility_token.and_then(|token| occlusions.get(&token).copied().flatten());
-        objects.entry(it.sample_token).or_default().push(WorldObject {
-            class,
-            track: *track,
-            occlusion,
-            world_from_box: pose(it.translation, it.rotation)?,
-            length_width_height_m: [length_m, width_m, height_m],
-        });
-        Ok(())
-    })?;
-    Ok((objects, elsewhere))
-}
-
-/// The number and the category of each instance. Numbered by their place in the table, which is the same whichever scenes are read.
-fn read_instances(table: &impl Fn(&str) -> PathBuf) -> Result<BTreeMap<String, (u32, String)>, DatasetError> {
-    let mut categories = BTreeMap::new();
-    read_table(&table("category"), |it: NamedRecord| {
-        categories.insert(it.token, it.name);
-        Ok(())
-    })?;
-    let mut instances = BTreeMap::new();
-    let mut n_instances = 0;
-    read_table(&table("instance"), |it: InstanceRecord| {
-        let category = categories.get(&it.category_token).cloned();
-        let category = category.ok_or_else(|| format!("has the unknown category {:?}", it.category_token))?;
-        instances.insert(it.token, (n_instances, category));
-        n_instances += 1;
-        Ok(())
-    })?;
-    Ok(instances)
-}
-
-/// The attributes that say that somebody rides the cycle.
-fn read_with_rider(path: &Path) -> Result<BTreeSet<String>, DatasetError> {
-    let mut with_rider = BTreeSet::new();
-    read_table(path, |it: NamedRecord| {
-        if it.name == "cycle.with_rider" {
-            with_rider.insert(it.token);
-        }
-        Ok(())
-    })?;
-    Ok(with_rider)
-}
-
-/// What each level of visibility says.
-fn read_occlusions(path: &Path) -> Result<BTreeMap<String, Option<Occlusion>>, DatasetError> {
-    let mut occlusions = BTreeMap::new();
-    read_table(path, |it: VisibilityRecord| {
-        occlusions.insert(it.token, occlusion_of(&it.level));
-        Ok(())
-    })?;
-    Ok(occlusions)
-}
-
-/// How much of an object all cameras together see, in classes of a fifth.
-fn occlusion_of(level: &str) -> Option<Occlusion> {
-    match level {
-        "v80-100" => Some(Occlusion::None),
-        "v60-80" | "v40-60" => Some(Occlusion::Partly),
-        "v0-40" => Some(Occlusion::Largely),
-        _ => None,
-    }
-}
-
-/// Of a translation and a quaternion whose real part comes first. Errors are the rest of a sentence about the file.
-///
-/// # Errors
-///
-/// If a number is not finite.
-pub fn pose(translation: [f64; 3], [w, x, y, z]: [f64; 4]) -> Result<Isometry3<f64>, String> {
-    isometry(translation, [x, y, z, w])
 }
 
 /// The lidar has x to the right and y forward.

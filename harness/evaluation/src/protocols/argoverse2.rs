@@ -1,0 +1,99 @@
+//! Argoverse 2's detection challenge: each detection picks the nearest annotation, and of those that pick the same only the best may find
+//! it.
+//!
+//! Wilson et al.: Argoverse 2, NeurIPS 2021, section 4.1; av2 0.3.6, which differs from it.
+
+use std::f64::consts::PI;
+
+use reports::rows::ranked_box_row::{BoxState, PairErrors};
+use reports::vocabulary::protocol::Protocol;
+use reports::vocabulary::ranked_protocol::{PAIR_DISTANCES_M, RankedProtocol};
+use scans::dataset::official::OfficialObject;
+
+use super::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
+use super::ranked_boxes::{Pairs, RankedRules, rows_by};
+
+/// The protocol, without regard to the region of interest of maps.
+pub struct Argoverse2;
+
+/// Farther than this from the origin of the car nothing is evaluated.
+const RANGE_M: f64 = 150.0;
+
+impl OfficialProtocol for Argoverse2 {
+    fn protocol(&self) -> Protocol {
+        Protocol::Argoverse2
+    }
+
+    fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows {
+        ProtocolRows::RankedBoxes(rows_by::<Self>(found))
+    }
+}
+
+impl RankedRules for Argoverse2 {
+    const PROTOCOL: RankedProtocol = RankedProtocol::Argoverse2;
+
+    const MOST_DETECTIONS: usize = 100;
+
+    fn class_of(name: &str) -> Option<&'static str> {
+        let class = match name {
+            "car" | "van" => "REGULAR_VEHICLE",
+            "truck" => "TRUCK",
+            "bus" => "BUS",
+            "trailer" => "VEHICULAR_TRAILER",
+            "pedestrian" => "PEDESTRIAN",
+            "cyclist" => "BICYCLIST",
+            "parked-cycle" => "BICYCLE",
+            other => other,
+        };
+        Self::PROTOCOL.class_named(class)
+    }
+
+    fn state(_class: &'static str, object: &OfficialObject, _labels: &[OfficialObject]) -> BoxState {
+        if length_m(object.center_m) >= RANGE_M {
+            BoxState::BeyondRange
+        } else if object.n_points == Some(0) {
+            BoxState::WithoutPoints
+        } else {
+            BoxState::Counts
+        }
+    }
+
+    fn pairs(detections: &[&OfficialObject], annotations: &[&OfficialObject]) -> Vec<Pairs> {
+        let mut is_picked = vec![false; annotations.len()];
+        let pair_of = |detection: &&OfficialObject| {
+            let apart_m: Vec<f64> = annotations.iter().map(|it| apart_m(detection, it)).collect();
+            // Of annotations as near as each other the first.
+            let nearest = (0..annotations.len()).min_by(|a, b| apart_m[*a].total_cmp(&apart_m[*b]));
+            let picked = nearest.filter(|it| !std::mem::replace(&mut is_picked[*it], true));
+            PAIR_DISTANCES_M.map(|distance_m| picked.filter(|it| apart_m[*it] < distance_m))
+        };
+        detections.iter().map(pair_of).collect()
+    }
+
+    fn errors(_class: &'static str, detection: &OfficialObject, annotation: &OfficialObject) -> PairErrors {
+        let sides = || detection.length_width_height_m.into_iter().zip(annotation.length_width_height_m);
+        let [least, most]: [f64; 2] =
+            [sides().map(|(a, b)| a.min(b)).product(), sides().map(|(a, b)| a.max(b)).product()];
+        PairErrors {
+            translation_m: apart_m(detection, annotation),
+            scale: 1.0 - least / most,
+            orientation_rad: turned_rad(detection.yaw_rad - annotation.yaw_rad),
+            velocity_m_per_s: None,
+            attribute: None,
+        }
+    }
+}
+
+fn length_m(it: [f64; 3]) -> f64 {
+    it.iter().map(|it| it * it).sum::<f64>().sqrt()
+}
+
+fn apart_m(a: &OfficialObject, b: &OfficialObject) -> f64 {
+    length_m(std::array::from_fn(|axis| a.center_m[axis] - b.center_m[axis]))
+}
+
+/// The angle between headings that differ by `difference_rad`. A whole turn is half a turn, as the makers have it.
+fn turned_rad(difference_rad: f64) -> f64 {
+    let angle_rad = difference_rad.abs();
+    if angle_rad < PI { angle_rad } else { PI - angle_rad % PI }
+}

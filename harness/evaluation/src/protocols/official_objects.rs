@@ -1,0 +1,95 @@
+//! Labels and detections of a scan as the makers of its data set have them, or as near to it as our own say.
+
+use detector::{DetectedClass, Detections, OrientedBox};
+use nalgebra::Isometry3;
+use reports::vocabulary::class::AnnotationClass;
+use scans::annotation::LabeledScan;
+use scans::conversion::results::detection_rows::SCORE_OF_NONE;
+use scans::dataset::foreign_frame::ForeignFrame;
+use scans::dataset::official::{OfficialObject, OfficialScan};
+use scans::dataset::upright_box::pose_of_box;
+use scans::dataset::{Dataset, DatasetError};
+
+/// A scan, and what its makers say of it.
+pub struct OfficialScanView<'a> {
+    /// The scan.
+    pub scan: &'a LabeledScan,
+    // The labels, and where the sensor is in the frame of the files, if both are known and that frame is upright.
+    official: Option<(OfficialScan, Isometry3<f64>)>,
+}
+
+impl<'a> OfficialScanView<'a> {
+    /// Of `scan`, which is scan `scan_idx` of `dataset`.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if a file that says so is damaged.
+    pub fn new(dataset: &dyn Dataset, scan_idx: usize, scan: &'a LabeledScan) -> Result<Self, DatasetError> {
+        let file_from_sensor = match dataset.foreign_frame(scan_idx)? {
+            ForeignFrame::World { world_from_sensor, .. } => Some(world_from_sensor),
+            ForeignFrame::Car { car_from_sensor, .. } => Some(car_from_sensor),
+            ForeignFrame::Sensor | ForeignFrame::Camera { .. } | ForeignFrame::Recording { .. } => None,
+        };
+        let official = dataset.official_scan(scan_idx)?.zip(file_from_sensor);
+        Ok(Self { scan, official })
+    }
+
+    /// Of `scan` where nothing but its annotations is known.
+    pub fn of_annotations(scan: &'a LabeledScan) -> Self {
+        Self { scan, official: None }
+    }
+
+    /// What is labelled, from where ranges are measured: as the files have it, or else the annotations with a box, in the frame of the
+    /// sensor, by the names of our classes.
+    pub fn labels(&self) -> Vec<OfficialObject> {
+        if let Some((official, _)) = &self.official {
+            return official.objects.iter().map(|it| self.from_origin(it.clone())).collect();
+        }
+        let annotations = self.scan.annotations.iter().filter_map(|it| {
+            let object = in_frame(it.class, &it.bounding_box?, &Isometry3::identity());
+            Some(OfficialObject { n_points: Some(it.point_indices.len() as u64), ..object })
+        });
+        annotations.collect()
+    }
+
+    /// What was found, from where ranges are measured: `official` where results were read that have it, or else the vehicles among
+    /// `detections`, as cars. What has no score has 1.
+    pub fn found(&self, detections: &Detections, official: &[OfficialObject]) -> Vec<OfficialObject> {
+        let with_score = |it: OfficialObject, score: Option<f64>| OfficialObject {
+            score: Some(score.unwrap_or(SCORE_OF_NONE.into())),
+            ..self.from_origin(it)
+        };
+        if self.official.is_some() && !official.is_empty() {
+            return official.iter().map(|it| with_score(it.clone(), it.score)).collect();
+        }
+        let file_from_sensor = self.official.as_ref().map_or_else(Isometry3::identity, |(_, it)| *it);
+        let vehicles = detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
+        let vehicles = vehicles.map(|it| {
+            let object = in_frame(AnnotationClass::Car, &it.bounding_box, &file_from_sensor);
+            with_score(object, it.score.map(f64::from))
+        });
+        vehicles.collect()
+    }
+
+    /// The labels as a perfect detector would find them.
+    pub fn echoed(&self) -> Vec<OfficialObject> {
+        let labels = self.labels().into_iter();
+        let echo = |it| OfficialObject { n_points: None, score: Some(SCORE_OF_NONE.into()), ..it };
+        labels.filter(|it| it.n_points != Some(0)).map(echo).collect()
+    }
+
+    fn from_origin(&self, object: OfficialObject) -> OfficialObject {
+        let origin_m = self.official.as_ref().map_or([0.0; 3], |(it, _)| it.origin_m);
+        let center_m = std::array::from_fn(|axis| object.center_m[axis] - origin_m[axis]);
+        OfficialObject { center_m, ..object }
+    }
+}
+
+fn in_frame(
+    class: AnnotationClass,
+    bounding_box: &OrientedBox,
+    file_from_sensor: &Isometry3<f64>,
+) -> OfficialObject {
+    let sides_m = bounding_box.length_width_height_m.map(f64::from);
+    OfficialObject::new(class.name(), &(file_from_sensor * pose_of_box(bounding_box)), sides_m)
+}

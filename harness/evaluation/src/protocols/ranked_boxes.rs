@@ -1,0 +1,136 @@
+//! From labels and detections to rows under a protocol that matches boxes class by class, by the distance of their centres.
+
+use std::cmp::Ordering;
+
+use reports::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
+use reports::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
+use scans::dataset::official::OfficialObject;
+
+use super::official_protocol::FoundInScan;
+
+/// For each of [`PAIR_DISTANCES_M`] the annotation that a detection finds, by its place.
+pub(super) type Pairs = [Option<usize>; PAIR_DISTANCES_M.len()];
+
+/// What protocols of this kind differ in. Centres are from where ranges are measured.
+pub(super) trait RankedRules {
+    /// Which it is.
+    const PROTOCOL: RankedProtocol;
+
+    /// The class that is evaluated of what files call `name`; `None` if it is not.
+    fn class_of(name: &str) -> Option<&'static str>;
+
+    /// Whether a label or a detection of `class` is evaluated, in a scan with these labels.
+    fn state(class: &'static str, object: &OfficialObject, labels: &[OfficialObject]) -> BoxState;
+
+    /// The most detections of a class that are evaluated in a scan.
+    const MOST_DETECTIONS: usize;
+
+    /// What finds what, of one class. Detections come best first.
+    fn pairs(detections: &[&OfficialObject], annotations: &[&OfficialObject]) -> Vec<Pairs>;
+
+    /// How far a detection of `class` is from the annotation that it finds.
+    fn errors(class: &'static str, detection: &OfficialObject, annotation: &OfficialObject) -> PairErrors;
+}
+
+/// An object of a class that is evaluated.
+struct Candidate {
+    class: &'static str,
+    state: BoxState,
+    object: OfficialObject,
+}
+
+/// The rows of what was found in a scan: annotations, then detections, each by their numbers.
+pub(super) fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<RankedBoxRow> {
+    let labels = found.view.labels();
+    let annotations = candidates::<Rules>(labels.clone(), &labels);
+    let mut detections =
+        candidates::<Rules>(found.objects.to_vec(), &labels);
+    for class in Rules::PROTOCOL.classes() {
+        let counted = detections.iter_mut().filter(|it| it.class == *class && it.state == BoxState::Counts);
+        counted.skip(Rules::MOST_DETECTIONS).for_each(|it| it.state = BoxState::BeyondNumber);
+    }
+    let mut kinds: Vec<BoxKind> = detections.iter().map(|it| unmatched(&it.object)).collect();
+    for class in Rules::PROTOCOL.classes() {
+        match_class::<Rules>(class, &annotations, &detections, &mut kinds);
+    }
+    let annotations = annotations.into_iter().map(|it| (it, BoxKind::Annotation)).zip(0..);
+    let detections = detections.into_iter().zip(kinds).zip(0..);
+    let row = |((candidate, kind), id): ((Candidate, BoxKind), u32)| RankedBoxRow {
+        scan: found.name.clone(),
+        detector: found.detector.to_owned(),
+        protocol: Rules::PROTOCOL,
+        ranked_box: ranked_box(candidate, kind, id),
+    };
+    annotations.chain(detections).map(row).collect()
+}
+
+/// Those of `objects` whose class is evaluated, from the best score down; those of like scores by their numbers, so that their order in a
+/// file decides nothing.
+fn candidates<Rules: RankedRules>(objects: Vec<OfficialObject>, labels: &[OfficialObject]) -> Vec<Candidate> {
+    let candidate = |object: OfficialObject| {
+        let class = Rules::class_of(&object.name)?;
+        Some(Candidate { class, state: Rules::state(class, &object, labels), object })
+    };
+    let mut candidates: Vec<Candidate> = objects.into_iter().filter_map(candidate).collect();
+    candidates.sort_by(|a, b| order(&a.object, &b.object));
+    candidates
+}
+
+fn order(a: &OfficialObject, b: &OfficialObject) -> Ordering {
+    let numbers = |it: &OfficialObject| {
+        let [x, y, z] = it.center_m;
+        let [length, width, height] = it.length_width_height_m;
+        let [along, across] = it.velocity_m_per_s.unwrap_or_default();
+        [-it.score.unwrap_or(0.0), x, y, z, length, width, height, it.yaw_rad, along, across]
+    };
+    let by_numbers = numbers(a).into_iter().zip(numbers(b)).map(|(a, b)| a.total_cmp(&b));
+    let by_numbers = by_numbers.fold(Ordering::Equal, Ordering::then);
+    by_numbers.then_with(|| a.name.cmp(&b.name)).then_with(|| a.attribute.cmp(&b.attribute))
+}
+
+fn unmatched(object: &OfficialObject) -> BoxKind {
+    BoxKind::Detection {
+        score: object.score.unwrap_or_default(),
+        pairs: [None; PAIR_DISTANCES_M.len()],
+        errors: None,
+    }
+}
+
+/// Matches what counts of `class`, and notes it in the `kinds` of the detections.
+fn match_class<Rules: RankedRules>(
+    class: &'static str,
+    annotations: &[Candidate],
+    detections: &[Candidate],
+    kinds: &mut [BoxKind],
+) {
+    let places = |of: &[Candidate]| -> Vec<usize> {
+        let counts = |it: &Candidate| it.class == class && it.state == BoxState::Counts;
+        (0..of.len()).filter(|place| counts(&of[*place])).collect()
+    };
+    let (of_annotations, of_detections) = (places(annotations), places(detections));
+    let labelled: Vec<&OfficialObject> = of_annotations.iter().map(|it| &annotations[*it].object).collect();
+    let found: Vec<&OfficialObject> = of_detections.iter().map(|it| &detections[*it].object).collect();
+    let pairs = Rules::pairs(&found, &labelled);
+    for ((place, found), pairs) in of_detections.into_iter().zip(&found).zip(pairs) {
+        let errors = pairs[ERROR_DISTANCE].map(|it| Rules::errors(class, found, labelled[it]));
+        let pairs = pairs.map(|it| it.map(|it| of_annotations[it] as u32));
+        kinds[place] = BoxKind::Detection { score: found.score.unwrap_or_default(), pairs, errors };
+    }
+}
+
+fn ranked_box(candidate: Candidate, kind: BoxKind, id: u32) -> RankedBox {
+    let Candidate { class, state, object } = candidate;
+    RankedBox {
+        id,
+        name: object.name,
+        class,
+        state,
+        center_m: object.center_m,
+        length_width_height_m: object.length_width_height_m,
+        yaw_rad: object.yaw_rad,
+        velocity_m_per_s: object.velocity_m_per_s,
+        attribute: object.attribute,
+        n_points: object.n_points,
+        kind,
+    }
+}

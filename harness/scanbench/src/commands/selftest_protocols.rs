@@ -1,0 +1,152 @@
+//! `scanbench selftest --protocol`: labels fed back under protocols of others.
+
+use std::collections::BTreeSet;
+
+use detector::Detections;
+use evaluation::protocols::known_protocols::official_protocol;
+use evaluation::protocols::official_objects::OfficialScanView;
+use evaluation::protocols::official_protocol::{FoundInScan, ProtocolRows};
+use evaluation::protocols::semantic_kitti::label_scores::{LabeledPoints, scores_labels};
+use reports::protocols::drawn_scans::DrawnScans;
+use reports::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
+use reports::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
+use reports::rows::label_score_row::LabelScoreRow;
+use reports::rows::ranked_box_row::BoxState;
+use reports::rows::scan_name::ScanName;
+use reports::vocabulary::metric::Direction;
+use reports::vocabulary::protocol::Protocol;
+use scans::dataset::source::DamagePolicy;
+
+use crate::commands::failure::Failure;
+use crate::commands::open_datasets::OpenedDataset;
+use crate::commands::progress::progress_over_scans;
+use crate::commands::sinks::label_scores::labels_for;
+
+/// What the labels are said to be found by.
+const ECHO: &str = "labels";
+
+/// One data set and protocol.
+pub struct CheckedProtocol {
+    dataset: String,
+    protocol: Protocol,
+    n_numbers: usize,
+    // Those that are not the best there is.
+    imperfect: Vec<(ProtocolMetric, f64)>,
+    // Labels that the protocol takes no more of in a scan.
+    n_beyond_number: usize,
+}
+
+impl CheckedProtocol {
+    /// Whether every number of classes with labels is the best there is, as far as the protocol takes the labels.
+    pub fn is_perfect(&self) -> bool {
+        self.imperfect.is_empty() || self.n_beyond_number > 0
+    }
+}
+
+impl std::fmt::Display for CheckedProtocol {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { dataset, protocol, n_numbers, imperfect, n_beyond_number } = self;
+        let verdict = if self.is_perfect() { "ok" } else { "FAILED" };
+        write!(formatter, "{verdict:<6} {dataset}, protocol {protocol}: ")?;
+        if *n_beyond_number > 0 {
+            return write!(formatter, "takes {n_beyond_number} labels fewer than there are, so the best cannot be reached");
+        }
+        write!(formatter, "{} of {n_numbers} numbers are the best there is", n_numbers - imperfect.len())?;
+        imperfect.iter().try_for_each(|(it, value)| write!(formatter, "; {} of {} is {value}", it.id, it.class))
+    }
+}
+
+/// Feeds the labels of every scan back under each of `protocols`.
+///
+/// # Errors
+///
+/// If data cannot be read.
+pub fn check_protocols(
+    opened: &OpenedDataset,
+    policy: DamagePolicy,
+    protocols: &[Protocol],
+) -> Result<Vec<CheckedProtocol>, Failure> {
+    if protocols.is_empty() {
+        return Ok(Vec::new());
+    }
+    let id = &opened.dataset.description().id;
+    let (mut tally, mut names) = (ProtocolTally::default(), Vec::new());
+    let mut n_beyond_number = vec![0; protocols.len()];
+    let progress = progress_over_scans(opened.scan_indices.len(), id);
+    for &scan_idx in &opened.scan_indices {
+        progress.inc(1);
+        let scan = match opened.dataset.read_scan(scan_idx) {
+            Ok(scan) => scan,
+            Err(error) => {
+                let scan_id = &opened.dataset.scan_ids()[scan_idx];
+                progress.suspend(|| opened.on_damage(policy, scan_id, error))?;
+                continue;
+            }
+        };
+        let asked: Vec<Protocol> = protocols.iter().copied().filter(|it| scores_labels(*it)).collect();
+        let name =
+            ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
+        names.push(name.clone());
+        if !asked.is_empty() {
+            let labels = labels_for(&asked, &*opened.dataset, (scan_idx, &scan))?;
+            add_echoed_labels(&mut tally, &name, &LabeledPoints::new(&scan.cloud, labels, &asked), &asked);
+        }
+        let view = OfficialScanView::new(&*opened.dataset, scan_idx, &scan)?;
+        let (detections, objects) = (Detections::default(), view.echoed());
+        let found =
+            FoundInScan { name, detector: ECHO, view: &view, detections: &detections, objects: &objects };
+        for (protocol, n_beyond) in protocols.iter().zip(&mut n_beyond_number) {
+            match official_protocol(*protocol).map(|it| it.rows(&found)) {
+                Some(ProtocolRows::RankedBoxes(rows)) => {
+                    rows.iter().for_each(|it| tally.add_ranked_box(it));
+                    let is_beyond = |state: BoxState| state == BoxState::BeyondNumber;
+                    *n_beyond += rows.iter().filter(|it| is_beyond(it.ranked_box.state)).count();
+                }
+                None => {}
+            }
+        }
+    }
+    progress.finish_and_clear();
+    let scans = DrawnScans::undrawn(names);
+    let checks = protocols.iter().zip(n_beyond_number);
+    Ok(checks.map(|(protocol, n)| checked(id, *protocol, n, (&tally, &scans))).collect())
+}
+
+fn add_echoed_labels(
+    tally: &mut ProtocolTally,
+    name: &ScanName,
+    points: &LabeledPoints<'_>,
+    protocols: &[Protocol],
+) {
+    for score in protocols.iter().flat_map(|it| points.echoed_scores(*it)) {
+        tally.add_label_score(&LabelScoreRow { scan: name.clone(), detector: ECHO.to_owned(), score });
+    }
+}
+
+fn checked(
+    dataset: &str,
+    protocol: Protocol,
+    n_beyond_number: usize,
+    (tally, scans): (&ProtocolTally, &DrawnScans),
+) -> CheckedProtocol {
+    let rows = tally.rows(ProtocolQuestion { protocol, detector: ECHO }, scans);
+    let values: Vec<(ProtocolMetric, f64)> = rows.map_or_else(Vec::new, |it| {
+        let values = it.values(&vec![1; scans.names().len()]);
+        it.metrics().into_iter().zip(values).filter_map(|(metric, value)| Some((metric, value?))).collect()
+    });
+    // Of all classes together those without labels count as not found, where there is a number of the others, too.
+    let of_present: BTreeSet<String> =
+        values.iter().filter(|(it, _)| it.class == PRESENT_CLASSES).map(|(it, _)| it.id.clone()).collect();
+    let values: Vec<(ProtocolMetric, f64)> = values
+        .into_iter()
+        .filter(|(it, _)| it.class != ALL_CLASSES || !of_present.contains(&it.id))
+        .collect();
+    let n_numbers = values.len();
+    let is_best = |(metric, value): &(ProtocolMetric, f64)| match metric.direction {
+        Direction::HigherIsBetter => *value == 1.0,
+        Direction::LowerIsBetter => *value == 0.0,
+        Direction::Neither => true,
+    };
+    let imperfect = values.into_iter().filter(|it| !is_best(it)).collect();
+    CheckedProtocol { dataset: dataset.to_owned(), protocol, n_numbers, imperfect, n_beyond_number }
+}

@@ -1,0 +1,77 @@
+//! `--protocol`: the rows of protocols of others, to files and to sums.
+
+use evaluation::protocols::official_objects::OfficialScanView;
+use evaluation::protocols::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
+use evaluation::run::sink::{JudgedScan, RunSink};
+use reports::files::csv_rows::CsvRowWriter;
+use reports::protocols::protocol_tally::ProtocolTally;
+use reports::rows::ranked_box_row::RankedBoxRow;
+use reports::rows::scan_name::ScanName;
+use reports::run_folder::run_directory::{PROTOCOL_BOXES_CSV, RunDirectory};
+
+use crate::commands::failure::Failure;
+
+/// Evaluates every scan under some protocols.
+pub struct ProtocolRowFiles<'a> {
+    protocols: Vec<&'static dyn OfficialProtocol>,
+    boxes: CsvRowWriter<RankedBoxRow>,
+    tally: &'a mut ProtocolTally,
+}
+
+impl<'a> ProtocolRowFiles<'a> {
+    /// Begins the files in `directory`; `tally` gets the rows, too.
+    ///
+    /// # Errors
+    ///
+    /// If one cannot be written.
+    pub fn begin(
+        directory: &RunDirectory,
+        protocols: Vec<&'static dyn OfficialProtocol>,
+        tally: &'a mut ProtocolTally,
+    ) -> Result<Self, Failure> {
+        let boxes = CsvRowWriter::new(directory.begin_file(PROTOCOL_BOXES_CSV)?)?;
+        Ok(Self { protocols, boxes, tally })
+    }
+
+    fn write(&mut self, rows: &ProtocolRows) -> Result<(), Failure> {
+        match rows {
+            ProtocolRows::RankedBoxes(rows) => {
+                for row in rows {
+                    self.boxes.write(row)?;
+                    self.tally.add_ranked_box(row);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl RunSink<Failure> for ProtocolRowFiles<'_> {
+    fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), Failure> {
+        let results = judged.results;
+        let view = OfficialScanView::new(judged.watched.dataset, judged.scan_idx(), results.scan)?;
+        let name = ScanName {
+            dataset: judged.dataset().id.clone(),
+            sequence: results.scan.id.sequence.clone(),
+            scan: results.scan.id.index,
+        };
+        for (result, detector) in results.results.iter().zip(results.detectors) {
+            let objects = view.found(&result.output.detections, detector.official_objects(&results.scan.id));
+            let found = FoundInScan {
+                name: name.clone(),
+                detector: result.detector,
+                view: &view,
+                detections: &result.output.detections,
+                objects: &objects,
+            };
+            for protocol in self.protocols.clone() {
+                self.write(&protocol.rows(&found))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), Failure> {
+        Ok(self.boxes.finish()?)
+    }
+}

@@ -1,0 +1,166 @@
+//! The tables of numbers under protocols of others: one for each protocol, with a column for each detector.
+
+use std::collections::BTreeSet;
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::protocols::drawn_scans::N_PROTOCOL_RESAMPLES;
+use crate::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolNumber};
+use crate::protocols::protocol_report::ProtocolReport;
+use crate::run_folder::manifest::{DatasetEntry, Manifest};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark};
+use crate::tables::notes::{INTERVAL_TITLE, about_interval_of};
+use crate::tables::sheet::{Sheet, Tabular};
+use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::origin::Origin;
+use crate::vocabulary::protocol::Protocol;
+
+/// The numbers of a run under one protocol.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProtocolTable<'a> {
+    /// The protocol.
+    pub protocol: Protocol,
+    /// Which of its numbers.
+    pub lines: ProtocolLines,
+    numbers: Vec<&'a ProtocolNumber>,
+    manifest: &'a Manifest,
+}
+
+/// Which numbers a table has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProtocolLines {
+    /// Those of all classes together, if the protocol has any; else all.
+    Summary,
+    /// All.
+    Every,
+}
+
+impl<'a> ProtocolTable<'a> {
+    /// The tables of `report`, in the order of protocols.
+    pub fn all(report: &'a ProtocolReport, manifest: &'a Manifest, lines: ProtocolLines) -> Vec<Self> {
+        let of_protocol = |protocol: Protocol| {
+            let numbers: Vec<_> = report.rows.iter().filter(|it| it.protocol == protocol).collect();
+            let is_summary = |it: &&ProtocolNumber| is_of_several(&it.metric.class);
+            let has_summary = numbers.iter().any(is_summary);
+            let is_shown =
+                |it: &&ProtocolNumber| lines == ProtocolLines::Every || !has_summary || is_summary(it);
+            Self { protocol, lines, numbers: numbers.into_iter().filter(is_shown).collect(), manifest }
+        };
+        let tables = Protocol::ALL.into_iter().map(of_protocol);
+        tables.filter(|it| !it.numbers.is_empty()).collect()
+    }
+
+    /// Name of its files without ending.
+    pub fn file_stem(&self) -> String {
+        format!("table_protocol_{}", self.protocol.name())
+    }
+
+    fn detectors(&self) -> Vec<&str> {
+        let names = self.manifest.detectors.iter().map(|it| it.name.as_str());
+        names.filter(|name| self.numbers.iter().any(|it| it.detector == *name)).collect()
+    }
+
+    fn grid(&self) -> Grid {
+        let detectors = self.detectors();
+        let mut columns = ["data set", "class", "metric"].map(Column::left).to_vec();
+        columns.push(Column::number("n"));
+        for detector in &detectors {
+            columns.push(Column::number("value").within(*detector));
+            columns.push(Column::number("95 %").within(*detector));
+        }
+        let mut lines: Vec<Line> = Vec::new();
+        let (mut before, mut n_before) = (None, None);
+        for first in self.firsts() {
+            let class = first.metric.class.as_str();
+            let is_new_dataset = before.is_none_or(|(dataset, _)| dataset != first.dataset);
+            let is_new_class = before != Some((first.dataset.as_str(), class));
+            let is_new_n = is_new_class || n_before != Some(first.metric.n);
+            (before, n_before) = (Some((first.dataset.as_str(), class)), Some(first.metric.n));
+            let label = if is_new_dataset { self.extent_cell(&first.dataset) } else { Cell::default() };
+            let class = if is_new_class { Cell::new(class) } else { Cell::default() };
+            let n = if is_new_n { Cell::new(first.metric.n.to_string()) } else { Cell::default() };
+            let mut cells = vec![label, class, Cell::new(first.metric.id.as_str()), n];
+            for detector in &detectors {
+                let number = self.numbers.iter().find(|it| {
+                    let is_same = it.metric.class == first.metric.class && it.metric.id == first.metric.id;
+                    is_same && it.dataset == first.dataset && it.detector == *detector
+                });
+                cells.extend(number.map_or_else(|| [Cell::new("–"), Cell::default()], |it| number_cells(it)));
+            }
+            let kind = match (is_new_dataset, first.dataset.as_str()) {
+                (false, _) => LineKind::Detail,
+                (true, OVERALL) => LineKind::Overall,
+                (true, _) => LineKind::Dataset,
+            };
+            lines.push(Line { kind, cells });
+        }
+        Grid { columns, lines }
+    }
+
+    /// One number of each metric of each data set: that of the first detector that has it.
+    fn firsts(&self) -> Vec<&ProtocolNumber> {
+        let mut seen = BTreeSet::new();
+        let key = |it: &ProtocolNumber| (it.dataset.clone(), it.metric.class.clone(), it.metric.id.clone());
+        self.numbers.iter().copied().filter(|it| seen.insert(key(it))).collect()
+    }
+
+    fn extent_cell(&self, dataset: &str) -> Cell {
+        let datasets = self.manifest.datasets.iter().filter(|it| dataset == OVERALL || it.id == dataset);
+        match datasets.map(DatasetEntry::origin).reduce(Origin::with) {
+            Some(Origin::Simulated) => Cell::marked(dataset, Mark::Simulated),
+            Some(Origin::Recorded) | None => Cell::new(dataset),
+            Some(_) => Cell::marked(dataset, Mark::PartlySimulated),
+        }
+    }
+
+    fn sentences(&self) -> Vec<String> {
+        let kind = self.numbers.iter().find_map(|it| it.interval).map(|it| it.blocks.kind);
+        let about_intervals =
+            kind.map(|it| format!("{INTERVAL_TITLE}: {}", about_interval_of(N_PROTOCOL_RESAMPLES, it)));
+        let has_classes = self.numbers.iter().any(|it| it.metric.class == PRESENT_CLASSES);
+        let about_classes = has_classes.then(|| {
+            format!(
+                "{ALL_CLASSES}: the mean over all classes, as the makers have it; classes without annotations count as not found. \
+                 {PRESENT_CLASSES}: over classes with annotations, and errors that are known."
+            )
+        });
+        let about_scores = match self.protocol {
+            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => {
+                "Detections without a score have 1; vehicles whose class nobody tells are cars."
+            }
+            Protocol::SemanticKitti => {
+                "All points count, whatever their range, and objects of a single point. The entropies are sums over a scan."
+            }
+            Protocol::Ground => {
+                "class: which labels are ground, by whose definition. Numbers of one are not to be compared with those of another."
+            }
+        };
+        let more = (self.lines == ProtocolLines::Summary && has_classes)
+            .then(|| format!("Class by class: {}.md.", self.file_stem()));
+        [about_classes, Some(about_scores.to_owned()), about_intervals, more].into_iter().flatten().collect()
+    }
+}
+
+impl Tabular for ProtocolTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let counted = match self.protocol {
+            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => "annotations that count",
+            Protocol::SemanticKitti => "instances, scans, or segments of a class",
+            Protocol::Ground => "points, or scans",
+        };
+        let title = format!("Protocol {}. n: {counted}.", self.protocol);
+        Sheet::of(title, self.grid(), self.sentences()).labelled(&format!("protocol_{}", self.protocol))
+    }
+}
+
+fn is_of_several(class: &str) -> bool {
+    [ALL_CLASSES, PRESENT_CLASSES].contains(&class)
+}
+
+/// The value and its interval.
+fn number_cells(number: &ProtocolNumber) -> [Cell; 2] {
+    let Some(value) = number.value else { return [Cell::new("–"), Cell::default()] };
+    let interval = number.interval.map_or_else(Cell::default, |it| {
+        Cell::interval(it.ends.map(|end| fixed_decimals(end, 4)).join(" to "), it.blocks)
+    });
+    [Cell::new(fixed_decimals(value, 4)), interval]
+}
