@@ -121,6 +121,15 @@ impl Detector for KdTreeDetector {
         products
     }
 
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        match self.params.foreground {
+            ForegroundChoice::Short | ForegroundChoice::Refined => {
+                Some(self.short_objects.ground_points(cloud))
+            }
+            ForegroundChoice::All => None,
+        }
+    }
+
     fn rules(&self) -> Vec<Rule> {
         let of_foreground = match self.params.foreground {
             ForegroundChoice::Short | ForegroundChoice::Refined => self.short_objects.rules(),

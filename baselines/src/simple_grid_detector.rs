@@ -95,6 +95,10 @@ impl Detector for SimpleGridDetector {
         products
     }
 
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        Some(self.foreground.ground_points(cloud))
+    }
+
     fn rules(&self) -> Vec<Rule> {
         [self.foreground.rules(), self.objects.rules()].concat()
     }

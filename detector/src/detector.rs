@@ -76,6 +76,13 @@ pub trait Detector: Send {
     /// that call.
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct>;
 
+    /// Whether each point of the latest scan is ground, in the order of the scan; `None` if it does not tell.
+    ///
+    /// As [`Self::stage_products`] never called inside a stopwatch, and given the same scan.
+    fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
+        None
+    }
+
     /// What it does beside finding clusters, in the order of the stages.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()

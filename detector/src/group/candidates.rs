@@ -134,7 +134,7 @@ impl Candidates {
                     self.terrain_m.push(terrain.elevation_m(grid.column_and_row(cell_idx)));
                 }
                 SurfaceClass::Short => {
-                    let low_m = self.cut_of_m(grid, terrain, cell_idx);
+                    let low_m = self.foreground.ground_top_m(grid, terrain, cell_idx);
                     self.band_m[cell_idx as usize] = [low_m, f32::INFINITY];
                 }
                 _ => {}
@@ -175,7 +175,7 @@ impl Candidates {
                     continue;
                 }
             }
-            let low_m = self.cut_of_m(grid, terrain, cell_idx);
+            let low_m = self.foreground.ground_top_m(grid, terrain, cell_idx);
             self.band_m[cell_idx as usize] = [low_m, terrain_m + top_m];
         }
     }
@@ -216,13 +216,6 @@ impl Candidates {
             n_points += usize::from(z_m > low_m && z_m <= high_m);
         }
         self.n_points = n_points;
-    }
-
-    fn cut_of_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {
-        let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
-        let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
-        let band_m = self.foreground.ground_band_m;
-        lowest_m.clamp(terrain_m - band_m, terrain_m + band_m) + self.foreground.clearance_m
     }
 
     /// The coarse cells that may hold candidates, ascending.

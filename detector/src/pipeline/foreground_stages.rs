@@ -10,6 +10,7 @@ use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
 use crate::rule::Rule;
 use crate::segment::foreground::Foreground;
+use crate::segment::ground_points::ground_points;
 use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
@@ -107,6 +108,11 @@ impl ForegroundStages {
             StageProduct { stage: stage::WALLS, name: "segments", shape: walls },
             StageProduct { stage: stage::FOREGROUND, name: "points", shape: points },
         ]
+    }
+
+    /// Whether each point of the latest scan, which is `cloud`, is ground.
+    pub fn ground_points(&self, cloud: &PointCloud) -> Vec<bool> {
+        ground_points(cloud, &self.grid, &self.classes, &self.terrain, &self.params.foreground)
     }
 
     /// The class of every point of the latest scan: that of its cell, except that points of short cells that lie below

@@ -13,6 +13,7 @@ use crate::group::node_values::{DescribedNode, NodeDescriber, NodePlaces};
 use crate::oriented_box::OrientedBox;
 use crate::params::HierarchicalParams;
 use crate::point_cloud::PointCloud;
+use crate::segment::ground_points::ground_points;
 use crate::segment::ground_segmentation::GroundSegmentation;
 use crate::segment::hough_lines::Segment;
 use crate::segment::terrain::Terrain;
@@ -122,6 +123,11 @@ impl GroupingStages {
     /// The class of every cell of the latest scan.
     pub fn cell_classes(&self) -> &[SurfaceClass] {
         &self.classes
+    }
+
+    /// Whether each point of the latest scan, which is `cloud`, is ground.
+    pub fn ground_points(&self, cloud: &PointCloud) -> Vec<bool> {
+        ground_points(cloud, &self.grid, &self.classes, &self.terrain, &self.params.foreground)
     }
 
     /// The points that may belong to objects.

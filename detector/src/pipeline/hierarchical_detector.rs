@@ -121,6 +121,10 @@ impl Detector for HierarchicalDetector {
         products
     }
 
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        Some(self.foreground.ground_points(cloud))
+    }
+
     fn rules(&self) -> Vec<Rule> {
         [self.foreground.rules(), self.objects.rules()].concat()
     }

@@ -144,6 +144,10 @@ impl Detector for PaperDetector {
         products
     }
 
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        Some(self.foreground.ground_points(cloud))
+    }
+
     fn rules(&self) -> Vec<Rule> {
         self.foreground.rules()
     }

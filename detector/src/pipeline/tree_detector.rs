@@ -247,6 +247,10 @@ impl Detector for TreeDetector {
         products
     }
 
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        Some(self.grouping.ground_points(cloud))
+    }
+
     fn rules(&self) -> Vec<Rule> {
         let mut rules = vec![Rule::BestCut];
         let cluster = &self.grouping.params().cluster;

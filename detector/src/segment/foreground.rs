@@ -17,6 +17,16 @@ pub struct ForegroundParams {
     pub ground_band_m: f32,
 }
 
+impl ForegroundParams {
+    /// How high the ground of a cell reaches, in metres: what lies higher stands clear of it.
+    pub fn ground_top_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {
+        let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
+        let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
+        let band_m = self.ground_band_m;
+        lowest_m.clamp(terrain_m - band_m, terrain_m + band_m) + self.clearance_m
+    }
+}
+
 /// The points of short-object cells that stand clear of the ground.
 ///
 /// The paper takes all points of the foreground cells; those of the road around an object's feet would tie it to its
@@ -52,7 +62,7 @@ impl Foreground {
         self.cells.clear();
         for &cell_idx in grid.occupied() {
             let cut_m = match classes[cell_idx as usize] {
-                SurfaceClass::Short => self.cut_of_m(grid, terrain, cell_idx),
+                SurfaceClass::Short => self.params.ground_top_m(grid, terrain, cell_idx),
                 _ => f32::INFINITY,
             };
             self.cut_m[cell_idx as usize] = cut_m;
@@ -68,13 +78,6 @@ impl Foreground {
             n_points += usize::from(z_m > cut_m);
         }
         self.n_points = n_points;
-    }
-
-    fn cut_of_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {
-        let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
-        let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
-        let band_m = self.params.ground_band_m;
-        lowest_m.clamp(terrain_m - band_m, terrain_m + band_m) + self.params.clearance_m
     }
 
     /// The coarse cells that hold foreground points, ascending.

@@ -6,6 +6,7 @@ pub mod ground_segmentation;
 pub mod hough_lines;
 pub mod wall_refinement;
 pub mod foreground;
+pub mod ground_points;
 
 // Which of them belong together.
 pub mod dense_level;

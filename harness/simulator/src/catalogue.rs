@@ -74,8 +74,15 @@ mod tests {
     fn the_built_in_catalogue_knows_what_kitti_annotates() {
         let catalogue = built_in_catalogue().unwrap();
         let ids: Vec<&String> = catalogue.recorded.keys().collect();
-        let expected =
-            ["argoverse2", "kitti-object", "kitti-raw", "kitti-tracking", "nuscenes", "semantic-kitti"];
+        let expected = [
+            "argoverse2",
+            "kitti-object",
+            "kitti-raw",
+            "kitti-tracking",
+            "nuscenes",
+            "semantic-kitti",
+            "semantic-kitti-08",
+        ];
         assert_eq!(ids, expected);
         for id in &ids[1..4] {
             let entry = &catalogue.recorded[*id];

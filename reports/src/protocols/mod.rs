@@ -3,6 +3,9 @@
 pub mod protocol_number;
 pub mod under_protocol;
 pub mod drawn_scans;
+mod scan_terms;
+mod semantic_kitti;
+mod ground;
 mod ranked_classes;
 mod recall_grid;
 pub mod nuscenes;

@@ -4,14 +4,17 @@ use std::collections::BTreeMap;
 
 use super::argoverse2::Argoverse2;
 use super::drawn_scans::DrawnScans;
+use super::ground::{Ground, ScoredGround};
 use super::kitti_object::kitti_under_protocol::KittiUnderProtocol;
 use super::kitti_object::scan::KittiScan;
 use super::nuscenes::Nuscenes;
 use super::protocol_number::ProtocolNumber;
 use super::ranked_classes::RankedScan;
+use super::semantic_kitti::{ScoredLabels, SemanticKitti};
 use super::under_protocol::{DrawnValues, UnderProtocol};
 use crate::numbers::tally::Tally;
 use crate::rows::kitti_object_row::{KittiFact, KittiObjectRow};
+use crate::rows::label_score_row::LabelScoreRow;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::extent::OVERALL;
@@ -24,6 +27,9 @@ pub struct ProtocolTally {
     ranked: BTreeMap<(RankedProtocol, String), BTreeMap<ScanName, RankedScan>>,
     // Of each detector.
     kitti: BTreeMap<String, BTreeMap<ScanName, Vec<KittiFact>>>,
+    // By detector.
+    labels: BTreeMap<String, BTreeMap<ScanName, ScoredLabels>>,
+    ground: BTreeMap<String, BTreeMap<ScanName, ScoredGround>>,
 }
 
 /// What numbers of a protocol are asked about.
@@ -69,11 +75,31 @@ impl ProtocolTally {
         Ok(())
     }
 
+    /// Adds what became of labels.
+    pub fn add_label_score(&mut self, row: &LabelScoreRow) {
+        let (detector, scan) = (row.detector.clone(), row.scan.clone());
+        match row.score.protocol() {
+            Protocol::Ground => {
+                self.ground.entry(detector).or_default().entry(scan).or_default().add(&row.score);
+            }
+            _ => self.labels.entry(detector).or_default().entry(scan).or_default().add(&row.score),
+        }
+    }
+
+    /// Takes the scores of labels that `other` has instead of its own.
+    pub fn take_labels_of(&mut self, other: Self) {
+        (self.labels, self.ground) = (other.labels, other.ground);
+    }
+
     /// The protocols that there are rows of, in the order of tables.
     pub fn protocols(&self) -> Vec<Protocol> {
-        let has_rows = |protocol: &Protocol| {
-            self.ranked.keys().any(|(it, _)| it.protocol() == *protocol)
-                || *protocol == Protocol::KittiObject && !self.kitti.is_empty()
+        let has_rows = |protocol: &Protocol| match protocol {
+            Protocol::KittiObject => !self.kitti.is_empty(),
+            Protocol::SemanticKitti => !self.labels.is_empty(),
+            Protocol::Ground => !self.ground.is_empty(),
+            Protocol::Nuscenes | Protocol::Argoverse2 => {
+                self.ranked.keys().any(|(it, _)| it.protocol() == *protocol)
+            }
         };
         Protocol::ALL.into_iter().filter(has_rows).collect()
     }
@@ -85,14 +111,21 @@ impl ProtocolTally {
         scans: &DrawnScans,
     ) -> Option<Box<dyn UnderProtocol + '_>> {
         let ProtocolQuestion { protocol, detector } = question;
-        if protocol == Protocol::KittiObject {
-            let facts = self.kitti.get(detector)?.iter();
-            // What is read from files was checked.
-            let of_scan = |(name, facts): (&ScanName, &Vec<KittiFact>)| {
-                Some((name.clone(), KittiScan::of(facts.iter().copied()).ok()?))
-            };
-            let of_scans = facts.filter_map(of_scan).collect();
-            return Some(Box::new(KittiUnderProtocol::new(scans.names(), &of_scans)));
+        match protocol {
+            Protocol::KittiObject => {
+                let facts = self.kitti.get(detector)?.iter();
+                // What is read from files was checked.
+                let of_scan = |(name, facts): (&ScanName, &Vec<KittiFact>)| {
+                    Some((name.clone(), KittiScan::of(facts.iter().copied()).ok()?))
+                };
+                let of_scans = facts.filter_map(of_scan).collect();
+                return Some(Box::new(KittiUnderProtocol::new(scans.names(), &of_scans)));
+            }
+            Protocol::SemanticKitti => {
+                return Some(Box::new(SemanticKitti::new(scans.names(), self.labels.get(detector)?)));
+            }
+            Protocol::Ground => return Some(Box::new(Ground::new(scans.names(), self.ground.get(detector)?))),
+            Protocol::Nuscenes | Protocol::Argoverse2 => {}
         }
         let ranked = RankedProtocol::ALL.into_iter().find(|it| it.protocol() == protocol)?;
         let rows = self.ranked.get(&(ranked, detector.to_owned()))?;

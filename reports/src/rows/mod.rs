@@ -13,3 +13,4 @@ pub mod partial_row;
 pub mod scan_name;
 pub mod kitti_object_row;
 pub mod ranked_box_row;
+pub mod label_score_row;

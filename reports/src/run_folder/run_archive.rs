@@ -11,7 +11,7 @@ use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, REPORT_JSON, SCANS_CSV,
+    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, REPORT_JSON, SCANS_CSV,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 
@@ -58,6 +58,10 @@ impl RunArchive {
         if path.exists() {
             each_row(&path, |row| tally.add_kitti_object(&row))?;
             tally.check().map_err(|problem| ArchiveError::Contradiction { path, problem })?;
+        }
+        let labels = directory.join(PROTOCOL_LABELS_CSV);
+        if labels.exists() {
+            each_row(&labels, |row| tally.add_label_score(&row))?;
         }
         Ok(tally)
     }

@@ -37,6 +37,8 @@ pub const PROTOCOLS_JSON: &str = "protocols.json";
 pub const PROTOCOL_BOXES_CSV: &str = "protocol_boxes.csv";
 /// What KITTI's evaluation of objects looks at, for each detector.
 pub const KITTI_OBJECT_CSV: &str = "protocol_kitti_object.csv";
+/// What became of labelled instances, things and ground points under protocols that score labels of points, for each detector.
+pub const PROTOCOL_LABELS_CSV: &str = "protocol_labels.csv";
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
 /// Rates of a sweep.

@@ -1,5 +1,7 @@
 //! The tables of numbers under protocols of others: one for each protocol, with a column for each detector.
 
+use std::collections::BTreeSet;
+
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::protocols::drawn_scans::N_PROTOCOL_RESAMPLES;
 use crate::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolNumber};
@@ -71,18 +73,15 @@ impl<'a> ProtocolTable<'a> {
             columns.push(Column::number("95 %").within(*detector));
         }
         let mut lines: Vec<Line> = Vec::new();
-        let (mut before, mut n_before) = (None, 0);
-        // Every detector has the same metrics of a data set, in the same order.
-        for first in self.numbers.iter().filter(|it| Some(&it.detector.as_str()) == detectors.first()) {
+        let (mut before, mut n_before) = (None, None);
+        for first in self.firsts() {
             let class = first.metric.class.as_str();
             let is_new_dataset = before.is_none_or(|(dataset, _)| dataset != first.dataset);
             let is_new_class = before != Some((first.dataset.as_str(), class));
-            before = Some((first.dataset.as_str(), class));
+            let is_new_n = is_new_class || n_before != Some(first.metric.n);
+            (before, n_before) = (Some((first.dataset.as_str(), class)), Some(first.metric.n));
             let label = if is_new_dataset { self.extent_cell(&first.dataset) } else { Cell::default() };
             let class = if is_new_class { Cell::new(class) } else { Cell::default() };
-            // Of some protocols, other annotations count for other numbers of a class.
-            let is_new_n = is_new_class || n_before != first.metric.n;
-            n_before = first.metric.n;
             let n = if is_new_n { Cell::new(first.metric.n.to_string()) } else { Cell::default() };
             let mut cells = vec![label, class, Cell::new(first.metric.id.as_str()), n];
             for detector in &detectors {
@@ -102,6 +101,13 @@ impl<'a> ProtocolTable<'a> {
         Grid { columns, lines }
     }
 
+    /// One number of each metric of each data set: that of the first detector that has it.
+    fn firsts(&self) -> Vec<&ProtocolNumber> {
+        let mut seen = BTreeSet::new();
+        let key = |it: &ProtocolNumber| (it.dataset.clone(), it.metric.class.clone(), it.metric.id.clone());
+        self.numbers.iter().copied().filter(|it| seen.insert(key(it))).collect()
+    }
+
     fn extent_cell(&self, dataset: &str) -> Cell {
         let datasets = self.manifest.datasets.iter().filter(|it| dataset == OVERALL || it.id == dataset);
         match datasets.map(DatasetEntry::origin).reduce(Origin::with) {
@@ -115,16 +121,26 @@ impl<'a> ProtocolTable<'a> {
         let kind = self.numbers.iter().find_map(|it| it.interval).map(|it| it.blocks.kind);
         let about_intervals =
             kind.map(|it| format!("{INTERVAL_TITLE}: {}", about_interval_of(N_PROTOCOL_RESAMPLES, it)));
-        let has_classes = self.numbers.iter().any(|it| is_of_several(&it.metric.class));
+        let has_classes = self.numbers.iter().any(|it| it.metric.class == PRESENT_CLASSES);
         let about_classes = has_classes.then(|| {
             format!(
                 "{ALL_CLASSES}: the mean over all classes, as the makers have it; classes without annotations count as not found. \
                  {PRESENT_CLASSES}: over classes with annotations, and errors that are known."
             )
         });
-        let about_scores = "Detections without a score have 1; vehicles whose class nobody tells are cars.";
         let has_gaps = self.numbers.iter().any(|it| it.value.is_none());
         let about_gaps = has_gaps.then(|| "–: no annotation that it could be of, or not known.".to_owned());
+        let about_scores = match self.protocol {
+            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => {
+                "Detections without a score have 1; vehicles whose class nobody tells are cars."
+            }
+            Protocol::SemanticKitti => {
+                "All points count, whatever their range, and objects of a single point. The entropies are sums over a scan."
+            }
+            Protocol::Ground => {
+                "class: which labels are ground, by whose definition. Numbers of one are not to be compared with those of another."
+            }
+        };
         let more = (self.lines == ProtocolLines::Summary && has_classes)
             .then(|| format!("Class by class: {}.md.", self.file_stem()));
         let about_scores = Some(about_scores.to_owned());
@@ -134,7 +150,12 @@ impl<'a> ProtocolTable<'a> {
 
 impl Tabular for ProtocolTable<'_> {
     fn sheet(&self) -> Sheet {
-        let title = format!("Protocol {}. n: annotations that count.", self.protocol);
+        let counted = match self.protocol {
+            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => "annotations that count",
+            Protocol::SemanticKitti => "instances, scans, or segments of a class",
+            Protocol::Ground => "points, or scans",
+        };
+        let title = format!("Protocol {}. n: {counted}.", self.protocol);
         Sheet::of(title, self.grid(), self.sentences()).labelled(&format!("protocol_{}", self.protocol))
     }
 }

@@ -12,6 +12,8 @@ pub mod extent;
 pub mod origin;
 pub mod protocol;
 pub mod ranked_protocol;
+pub mod thing_class;
+pub mod ground_definition;
 
 #[cfg(test)]
 pub(crate) mod tests;

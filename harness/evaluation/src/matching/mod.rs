@@ -11,6 +11,6 @@ mod height_above_ground;
 mod labeled_places;
 pub mod eligibility;
 mod ignored_detections;
-mod detection_order;
+pub mod detection_order;
 pub mod assign;
 pub mod mistake;

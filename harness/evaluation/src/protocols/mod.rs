@@ -6,4 +6,5 @@ mod ranked_boxes;
 pub mod nuscenes;
 pub mod argoverse2;
 pub mod kitti_object;
+pub mod semantic_kitti;
 pub mod known_protocols;

@@ -23,6 +23,9 @@ const MOST_FAILURES: u32 = 3;
 /// Stands before the names of stages whose times the detector took itself.
 pub const REPORTED: &str = "reported: ";
 
+/// The product that says which points are ground: those whose value is not 0.
+pub const GROUND_PRODUCT: &str = "ground";
+
 /// What serves as the name of a detector that answers nothing.
 pub const NOTHING: &str = "nothing";
 
@@ -40,6 +43,8 @@ pub struct ProcessDetector {
     // Of the latest scan.
     clusters: Vec<Option<u32>>,
     products: Vec<(String, Vec<u8>)>,
+    // Of any scan so far.
+    tells_ground: bool,
 }
 
 /// A program that answers nothing.
@@ -77,6 +82,7 @@ impl ProcessDetector {
             door: Door::Closed,
             clusters: Vec::new(),
             products: Vec::new(),
+            tells_ground: false,
         }
     }
 
@@ -174,6 +180,7 @@ impl ProcessDetector {
         });
         output.stage_times.extend(stage_times);
         let objects = objects_of(&found);
+        self.tells_ground |= found.products.iter().any(|(name, _)| name == GROUND_PRODUCT);
         self.products = found.products;
         self.vehicles.detections_of(objects, cloud, output).map_err(DetectorProblem::WrongAnswer)?;
         self.clusters = clusters_of_points(&output.detections, cloud.len());
@@ -198,6 +205,7 @@ impl RunningDetector for ProcessDetector {
         let Answered { found, wall, cpu } = self.ask(scan, time_s)?;
         if let Err(problem) = self.take(found, &scan.cloud, output) {
             output.clear();
+            self.products.clear();
             return Err(self.failure(Some(scan), problem));
         }
         let door = self.time_door(scan, time_s);
@@ -214,6 +222,14 @@ impl RunningDetector for ProcessDetector {
             product(kept(name), values.iter().map(|it| Some(u32::from(*it))).collect())
         });
         labels.chain([product("clusters", self.clusters.clone())]).collect()
+    }
+
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        match self.products.iter().find(|(name, _)| name == GROUND_PRODUCT) {
+            Some((_, values)) => Some(values.iter().map(|it| *it != 0).collect()),
+            // Where it gives no answer, it has told of no point that it is ground.
+            None => self.tells_ground.then(|| vec![false; cloud.len()]),
+        }
     }
 
     fn into_conversation(self: Box<Self>) -> Option<Conversation> {

@@ -9,6 +9,7 @@ use scans::dataset::kitti::label::KittiObject;
 use scans::dataset::official::OfficialObject;
 use scans::foreign::detections::ForeignDetections;
 use scans::foreign::foreign_results::ForeignResults;
+use scans::foreign::result_format::ResultFormat;
 
 use crate::process::problem::{DetectorFailure, DetectorProblem};
 use crate::run::found_objects::{ForeignVehicles, FoundObject, members_of};
@@ -30,6 +31,7 @@ struct ReadScan {
     official: Vec<OfficialObject>,
     // `None` of results that are not in KITTI's files.
     kitti_objects: Option<Vec<KittiObject>>,
+    point_labels: Option<Vec<u32>>,
 }
 
 impl ResultsDetector {
@@ -48,10 +50,18 @@ impl ResultsDetector {
         let mut found = found.unwrap_or_default();
         let official = std::mem::take(&mut found.official);
         let kitti_objects = found.kitti_objects.take();
+        let point_labels = found.point_labels.take();
         let objects = objects_of(found);
         let made = self.vehicles.detections_of(objects, &scan.cloud, &mut output);
         made.map_err(DetectorProblem::Unreadable)?;
-        Ok(ReadScan { id: scan.id.clone(), output, official, kitti_objects })
+        Ok(ReadScan { id: scan.id.clone(), output, official, kitti_objects, point_labels })
+    }
+}
+
+impl ResultsDetector {
+    /// Whether its results are labels of points.
+    fn tells_labels(&self) -> bool {
+        self.results.as_ref().is_some_and(|it| it.format() == ResultFormat::SemanticLabels)
     }
 }
 
@@ -97,6 +107,12 @@ impl RunningDetector for ResultsDetector {
 
     fn kitti_objects(&self, id: &ScanId) -> Option<&[KittiObject]> {
         self.latest.as_ref().filter(|it| it.id == *id)?.kitti_objects.as_deref()
+    }
+
+    fn point_labels(&self, scan: &LabeledScan) -> Option<Vec<u32>> {
+        let read = self.latest.as_ref().filter(|it| it.id == scan.id);
+        let of_nothing = || self.tells_labels().then(|| vec![0; scan.cloud.len()]);
+        read.and_then(|it| it.point_labels.clone()).or_else(of_nothing)
     }
 
     fn finish(self: Box<Self>) -> Vec<String> {

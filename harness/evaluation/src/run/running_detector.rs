@@ -62,6 +62,17 @@ pub trait RunningDetector: Send {
         None
     }
 
+    /// Whether each point of the latest scan is ground, as [`Detector::ground_points`].
+    fn ground_points(&self, _cloud: &PointCloud) -> Option<Vec<bool>> {
+        None
+    }
+
+    /// The label of every point of `scan`, which it was asked for last, class and instance, where it tells them in SemanticKITTI's format. Of a
+    /// scan that it found nothing in they are unlabelled.
+    fn point_labels(&self, _scan: &LabeledScan) -> Option<Vec<u32>> {
+        None
+    }
+
     /// What it does beside finding clusters.
     fn rules(&self) -> Vec<Rule> {
         Vec::new()
@@ -112,6 +123,10 @@ impl RunningDetector for BuiltIn {
 
     fn stage_products(&self, cloud: &PointCloud) -> Vec<StageProduct> {
         self.detector.stage_products(cloud)
+    }
+
+    fn ground_points(&self, cloud: &PointCloud) -> Option<Vec<bool>> {
+        self.detector.ground_points(cloud)
     }
 
     fn rules(&self) -> Vec<Rule> {

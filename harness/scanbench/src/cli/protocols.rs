@@ -2,7 +2,7 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
-use evaluation::protocols::known_protocols::PROTOCOLS;
+use evaluation::protocols::known_protocols::known_protocols;
 use reports::vocabulary::protocol::Protocol;
 
 use super::help_text::JUDGING;
@@ -20,7 +20,6 @@ pub struct ProtocolArgs {
 
 /// Takes the names of the protocols there are.
 fn protocol_parser() -> impl clap::builder::TypedValueParser<Value = Protocol> {
-    let names = PROTOCOLS.iter().map(|it| it.protocol().name());
-    PossibleValuesParser::new(names)
-        .map(|it| Protocol::from_name(&it).expect("only these names are possible"))
+    let names = known_protocols().map(Protocol::name);
+    PossibleValuesParser::new(names).map(|it| Protocol::from_name(&it).expect("only these names are possible"))
 }

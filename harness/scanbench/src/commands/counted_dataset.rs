@@ -66,6 +66,10 @@ impl Dataset for CountedDataset {
         self.dataset.scan_time_ns(scan_idx)
     }
 
+    fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
+        self.dataset.point_labels(scan_idx, scan)
+    }
+
     fn oddities(&self) -> Result<Vec<String>, DatasetError> {
         self.dataset.oddities()
     }

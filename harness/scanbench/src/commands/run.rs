@@ -25,6 +25,7 @@ use crate::commands::run_setup::ChosenRun;
 use crate::commands::run_shard::run_shard;
 use crate::commands::sinks::agreement_of_detectors::AgreementOfDetectors;
 use crate::commands::sinks::detection_files::DetectionFiles;
+use crate::commands::sinks::label_scores::LabelScores;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::sinks::protocol_rows::ProtocolRowFiles;
@@ -50,7 +51,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
     let progress = RunProgress::new();
     let (mut tally, mut served, mut agreement) = (Tally::default(), None, Vec::new());
-    let mut protocol_tally = ProtocolTally::default();
+    let (mut protocol_tally, mut label_tally) = (ProtocolTally::default(), ProtocolTally::default());
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let recorder = opened.begin_recording(arguments, &name, directory.path_of("run.rrd"))?;
     let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
@@ -59,12 +60,14 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
     sinks.push(Box::new(detection_files(&arguments.result_files, datasets)?));
     sinks.push(Box::new(protocol_rows(&arguments.protocol.protocols, &directory, &mut protocol_tally)?));
+    sinks.push(Box::new(LabelScores::begin(&directory, &arguments.protocol.protocols, &mut label_tally)?));
     let watched = opened.watched(arguments, WithoutLabels::Compare, (interrupted, &progress));
     if let Err(failure) = watched.run(sinks) {
         let has_rows = !tally.datasets().is_empty();
         return Err(if has_rows { unfinished(directory, failure) } else { failure });
     }
     let manifest = opened.manifest(arguments, started);
+    protocol_tally.take_labels_of(label_tally);
     let protocols = write_protocols(&directory, &manifest, (&tally, &protocol_tally))?;
     let numbers = write_numbers(&directory, &manifest, &tally)?;
     let more = protocols.into_iter().chain(write_agreement(&directory, &agreement)?).collect();

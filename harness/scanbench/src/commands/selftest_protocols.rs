@@ -1,13 +1,17 @@
 //! `scanbench selftest --protocol`: labels fed back under protocols of others.
 
+use std::collections::BTreeSet;
+
 use detector::Detections;
 use evaluation::protocols::known_protocols::official_protocol;
 use evaluation::protocols::official_objects::OfficialScanView;
 use evaluation::protocols::official_protocol::{FoundInScan, ProtocolRows};
+use evaluation::protocols::semantic_kitti::label_scores::{LabeledPoints, scores_labels};
 use reports::protocols::drawn_scans::DrawnScans;
 use reports::protocols::kitti_object::measures::is_sound;
-use reports::protocols::protocol_number::{ALL_CLASSES, ProtocolMetric};
+use reports::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
 use reports::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
+use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::ranked_box_row::BoxState;
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::metric::Direction;
@@ -17,6 +21,7 @@ use scans::dataset::source::DamagePolicy;
 use crate::commands::failure::{Failure, NothingEvaluated};
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::progress_over_scans;
+use crate::commands::sinks::label_scores::labels_for;
 
 /// What the labels are said to be found by.
 const ECHO: &str = "labels";
@@ -89,9 +94,14 @@ pub fn check_protocols(
                 continue;
             }
         };
-        let view = OfficialScanView::new(&*opened.dataset, scan_idx, &scan)?;
+        let asked: Vec<Protocol> = protocols.iter().copied().filter(|it| scores_labels(*it)).collect();
         let name = ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
         names.push(name.clone());
+        if !asked.is_empty() {
+            let labels = labels_for(&asked, &*opened.dataset, (scan_idx, &scan))?;
+            add_echoed_labels(&mut tally, &name, &LabeledPoints::new(&scan.cloud, labels, &asked), &asked);
+        }
+        let view = OfficialScanView::new(&*opened.dataset, scan_idx, &scan)?;
         let (detections, objects) = (Detections::default(), view.echoed());
         let kitti_objects = view.echoed_kitti();
         let found = FoundInScan {
@@ -129,6 +139,17 @@ pub fn check_protocols(
     Ok(checks)
 }
 
+fn add_echoed_labels(
+    tally: &mut ProtocolTally,
+    name: &ScanName,
+    points: &LabeledPoints<'_>,
+    protocols: &[Protocol],
+) {
+    for score in protocols.iter().flat_map(|it| points.echoed_scores(*it)) {
+        tally.add_label_score(&LabelScoreRow { scan: name.clone(), detector: ECHO.to_owned(), score });
+    }
+}
+
 fn checked(
     dataset: &str,
     protocol: Protocol,
@@ -136,18 +157,19 @@ fn checked(
     (tally, scans): (&ProtocolTally, &DrawnScans),
 ) -> CheckedProtocol {
     let rows = tally.rows(ProtocolQuestion { protocol, detector: ECHO }, scans);
-    let values = rows.map_or_else(Vec::new, |it| {
+    let values: Vec<(ProtocolMetric, f64)> = rows.map_or_else(Vec::new, |it| {
         let values = it.values(&vec![1; scans.names().len()]);
         it.metrics().into_iter().zip(values).filter_map(|(metric, value)| Some((metric, value?))).collect()
     });
-    // Of all classes together those without labels count as not found.
-    let values: Vec<(ProtocolMetric, f64)> =
-        values.into_iter().filter(|(metric, _)| metric.class != ALL_CLASSES).collect();
+    // Of all classes together those without labels count as not found, where there is a number of the others, too.
+    let of_present: BTreeSet<String> =
+        values.iter().filter(|(it, _)| it.class == PRESENT_CLASSES).map(|(it, _)| it.id.clone()).collect();
     // KITTI's own reading does not give the best of few annotations; ours has to.
-    let values: Vec<(ProtocolMetric, f64)> = match protocol {
-        Protocol::KittiObject => values.into_iter().filter(|(metric, _)| is_sound(&metric.id)).collect(),
-        _ => values,
+    let is_asked = |metric: &ProtocolMetric| match protocol {
+        Protocol::KittiObject => metric.class != ALL_CLASSES && is_sound(&metric.id),
+        _ => metric.class != ALL_CLASSES || !of_present.contains(&metric.id),
     };
+    let values: Vec<(ProtocolMetric, f64)> = values.into_iter().filter(|(it, _)| is_asked(it)).collect();
     let n_numbers = values.len();
     let is_best = |(metric, value): &(ProtocolMetric, f64)| match metric.direction {
         Direction::HigherIsBetter => *value == 1.0,

@@ -22,6 +22,7 @@ mod shards;
 mod start_up;
 mod realism;
 mod readers;
+mod protocol_labels;
 mod fit_density;
 mod gate;
 mod init;

@@ -118,6 +118,15 @@ pub trait Dataset: Send + Sync {
         Ok(None)
     }
 
+    /// The labels of the points of scan `scan_idx`, which is `scan`, as SemanticKITTI's format has them; `None` of other formats.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError`] if the file that has them cannot be read or is damaged.
+    fn point_labels(&self, _scan_idx: usize, _scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
+        Ok(None)
+    }
+
     /// How results that other programs made of scan `scan_idx` name it, and the frame that they give boxes in.
     ///
     /// The scan may be read for it.

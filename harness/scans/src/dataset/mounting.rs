@@ -83,6 +83,10 @@ impl Dataset for MountedDataset {
         self.dataset.scan_n_bytes(scan_idx)
     }
 
+    fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
+        self.dataset.point_labels(scan_idx, scan)
+    }
+
     fn left_out(&self) -> Option<&str> {
         self.dataset.left_out()
     }

@@ -23,6 +23,8 @@ pub struct ForeignDetections {
     pub kitti_objects: Option<Vec<KittiObject>>,
     /// The boxes as the file has them, in the same order; empty where the format has no evaluation of its makers.
     pub official: Vec<OfficialObject>,
+    /// For every point of the cloud its label, class and instance, where results are in SemanticKITTI's format.
+    pub point_labels: Option<Vec<u32>>,
 }
 
 /// A box that another program found.

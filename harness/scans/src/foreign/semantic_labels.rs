@@ -14,9 +14,8 @@ use super::result_reader::{ResultReader, ResultsOf};
 use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
 use crate::dataset::class_table::{ClassReader, ClassRules};
-use crate::dataset::positioned_points::values_of_kept;
 use crate::dataset::semantic_kitti::ground_truth::class_of_number;
-use crate::dataset::semantic_kitti::label_file::parse_label_file;
+use crate::dataset::semantic_kitti::label_file::read_labels_of_kept;
 use crate::dataset::semantic_kitti::semantic_class::SemanticClass;
 
 /// The ending of the files.
@@ -50,13 +49,11 @@ impl ResultReader for SemanticLabels {
         scan: &LabeledScan,
     ) -> Result<Option<ForeignDetections>, DatasetError> {
         let Some(path) = self.files.get(&scan_idx) else { return Ok(None) };
-        let bytes = std::fs::read(path).map_err(|source| DatasetError::Io { path: path.clone(), source })?;
-        let labels = parse_label_file(path, &bytes, scan.cloud.len() + scan.points_left_out.len())?;
+        let labels = read_labels_of_kept(path, scan)?;
         let mut classes = ClassReader::new(&self.classes, &[]);
-        let labels = values_of_kept(&labels, &scan.points_left_out);
         let found = clusters_of(&labels, path, &mut classes);
         classes.unknown().refuse(&path.display().to_string())?;
-        Ok(Some(found))
+        Ok(Some(ForeignDetections { point_labels: Some(labels), ..found }))
     }
 
     fn left_over(&self) -> Vec<String> {

@@ -2,7 +2,21 @@
 
 use std::path::Path;
 
+use crate::annotation::LabeledScan;
 use crate::dataset::DatasetError;
+use crate::dataset::positioned_points::values_of_kept;
+
+/// The labels in the file at `path`, one for each point of `scan`; the file has them of all points of the scan's file.
+///
+/// # Errors
+///
+/// [`DatasetError::Io`] if it cannot be read, else as [`parse_label_file`].
+pub fn read_labels_of_kept(path: &Path, scan: &LabeledScan) -> Result<Vec<u32>, DatasetError> {
+    let bytes =
+        std::fs::read(path).map_err(|source| DatasetError::Io { path: path.to_path_buf(), source })?;
+    let labels = parse_label_file(path, &bytes, scan.cloud.len() + scan.points_left_out.len())?;
+    Ok(values_of_kept(&labels, &scan.points_left_out))
+}
 
 /// The labels in `bytes`, one for each of `n_points`; `path` is named in errors.
 ///

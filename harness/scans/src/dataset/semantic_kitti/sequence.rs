@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Isometry3;
 
 use super::ground_truth::{class_of_number, label_scan};
-use super::label_file::parse_label_file;
+use super::label_file::{parse_label_file, read_labels_of_kept};
 use super::pose_file::{parse_camera_from_sensor, parse_poses, parse_times};
 use crate::annotation::{LabeledScan, ScanId};
 use crate::dataset::class_table::{ClassReader, ClassRules, UnknownClasses};
@@ -101,6 +101,11 @@ impl Dataset for SemanticKitti {
             self.all_unknown_classes().refuse(&self.listing.description.id)?;
         }
         Ok(scan)
+    }
+
+    fn point_labels(&self, scan_idx: usize, scan: &LabeledScan) -> Result<Option<Vec<u32>>, DatasetError> {
+        let path = self.label_file(&self.listing.scan_ids[scan_idx]);
+        read_labels_of_kept(&path, scan).map(Some)
     }
 
     fn scan_time_ns(&self, scan_idx: usize) -> Option<u64> {

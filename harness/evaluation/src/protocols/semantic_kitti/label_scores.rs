@@ -1,0 +1,166 @@
+//! From the labels of a scan, and what a detector made of it, to all scores of labels.
+
+use std::borrow::Cow;
+
+use detector::{Detections, PointCloud};
+use reports::rows::label_score_row::LabelScore;
+use reports::vocabulary::ground_definition::GroundDefinition;
+use reports::vocabulary::protocol::Protocol;
+use reports::vocabulary::thing_class::ThingClass;
+
+use super::found_segments::found_segments;
+use super::ground_points::ground_counts;
+use super::instance_scores::instance_scores;
+use super::label_numbers::{class_number, instance_number, is_ground, is_surface};
+use super::same_label_clusters::same_label_clusters;
+use super::segmentation_entropies::segmentation_entropies;
+use super::thing_counts::thing_counts;
+
+/// Whether a protocol scores labels of points.
+pub fn scores_labels(protocol: Protocol) -> bool {
+    matches!(protocol, Protocol::SemanticKitti | Protocol::Ground)
+}
+
+/// A scan with the labels of its points.
+pub struct LabeledPoints<'a> {
+    cloud: &'a PointCloud,
+    labels: Vec<u32>,
+    // The object of every point; empty if nobody asks.
+    objects: Vec<u32>,
+}
+
+/// What a detector says of the points of a scan.
+pub struct FoundPoints<'a> {
+    /// What it detected.
+    pub detections: &'a Detections,
+    /// The label of every point, where it tells labels: these then are its segments, and say their classes.
+    pub labels: Option<&'a [u32]>,
+    /// Whether each point is ground, where it tells by itself.
+    pub ground: Option<Vec<bool>>,
+}
+
+impl FoundPoints<'_> {
+    /// Whether each point is ground, by itself or by its label; `None` where neither is told.
+    pub fn told_ground(&self) -> Option<Cow<'_, [bool]>> {
+        let of_labels = |it: &[u32]| it.iter().map(|label| is_surface(class_number(*label))).collect();
+        self.ground.as_deref().map(Cow::Borrowed).or_else(|| self.labels.map(of_labels).map(Cow::Owned))
+    }
+}
+
+impl<'a> LabeledPoints<'a> {
+    /// `cloud` and the label of each of its points, for scores under `protocols`.
+    pub fn new(cloud: &'a PointCloud, labels: Vec<u32>, protocols: &[Protocol]) -> Self {
+        let is_asked = protocols.contains(&Protocol::SemanticKitti);
+        let objects = if is_asked { same_label_clusters(cloud, &labels) } else { Vec::new() };
+        Self { cloud, labels, objects }
+    }
+
+    /// The scores of `found` under `protocol`: none of one that does not score labels, or of ground that is not told.
+    pub fn scores(&self, protocol: Protocol, found: &FoundPoints<'_>) -> Vec<LabelScore> {
+        match protocol {
+            Protocol::SemanticKitti => self.of_segments(found),
+            Protocol::Ground => found.told_ground().map_or_else(Vec::new, |told| self.of_ground(&told)),
+            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => Vec::new(),
+        }
+    }
+
+    /// The scores of the labels themselves under `protocol`, each fed back as what it asks for: the best there are.
+    pub fn echoed_scores(&self, protocol: Protocol) -> Vec<LabelScore> {
+        match protocol {
+            Protocol::SemanticKitti => {
+                let segments = segments_of(&self.labels);
+                let things = ThingClass::ALL.into_iter().zip(thing_counts(&self.labels, &self.labels));
+                let entropies = segmentation_entropies(&self.objects, &self.objects);
+                let instances =
+                    instance_scores(&self.labels, &segments).into_iter().map(LabelScore::Instance);
+                instances
+                    .chain(things.map(|(class, counts)| LabelScore::Things(class, counts)))
+                    .chain([LabelScore::Entropies(entropies)])
+                    .collect()
+            }
+            Protocol::Ground => {
+                let points = || self.labels.iter().zip(self.cloud.z_m());
+                let of = |definition| {
+                    let is_ground = |(label, z_m): (&u32, &f32)| {
+                        is_ground(definition, class_number(*label), *z_m) == Some(true)
+                    };
+                    let told: Vec<bool> = points().map(is_ground).collect();
+                    let counts = ground_counts(definition, &self.labels, self.cloud.z_m(), &told);
+                    LabelScore::Ground(definition, counts)
+                };
+                GroundDefinition::ALL.map(of).to_vec()
+            }
+            Protocol::KittiObject | Protocol::Nuscenes | Protocol::Argoverse2 => Vec::new(),
+        }
+    }
+
+    fn of_segments(&self, found: &FoundPoints<'_>) -> Vec<LabelScore> {
+        let segments: Vec<u32> = match found.labels {
+            Some(labels) => segments_of(labels),
+            None => found_segments(found.detections, self.cloud.len()),
+        };
+        let instances = instance_scores(&self.labels, &segments).into_iter().map(LabelScore::Instance);
+        let things = found.labels.map(|labels| thing_counts(&self.labels, labels));
+        let things = things.into_iter().flat_map(|it| ThingClass::ALL.into_iter().zip(it));
+        let entropies = segmentation_entropies(&self.objects, &segments);
+        instances
+            .chain(things.map(|(class, counts)| LabelScore::Things(class, counts)))
+            .chain([LabelScore::Entropies(entropies)])
+            .collect()
+    }
+
+    fn of_ground(&self, told: &[bool]) -> Vec<LabelScore> {
+        let of = |definition| {
+            let counts = ground_counts(definition, &self.labels, self.cloud.z_m(), told);
+            LabelScore::Ground(definition, counts)
+        };
+        GroundDefinition::ALL.map(of).to_vec()
+    }
+}
+
+/// The instance of every point, 0 for none.
+fn segments_of(labels: &[u32]) -> Vec<u32> {
+    labels.iter().map(|label| if instance_number(*label) == 0 { 0 } else { *label }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use reports::rows::label_score_row::InstanceScore;
+
+    const CAR: u32 = 10 | 3 << 16;
+
+    fn scores(protocol: Protocol, found: &FoundPoints<'_>) -> Vec<LabelScore> {
+        let cloud: PointCloud = (0..4).map(|it| [it as f32 * 0.1, 0.0, -1.0]).collect();
+        LabeledPoints::new(&cloud, vec![CAR, CAR, 40, 0], &[protocol]).scores(protocol, found)
+    }
+
+    #[test]
+    fn labels_are_segments_with_classes_and_detections_are_segments() {
+        let nothing = Detections::default();
+        let of_labels =
+            FoundPoints { detections: &nothing, labels: Some(&[CAR, CAR, 40, CAR]), ground: None };
+        let found = scores(Protocol::SemanticKitti, &of_labels);
+        let car = InstanceScore { label: CAR, n_points: 2, association: 1.0, matched_iou: Some(1.0) };
+        assert_eq!(found[0], LabelScore::Instance(car));
+        assert_eq!(found.len(), 1 + ThingClass::ALL.len() + 1);
+        let of_nothing = FoundPoints { detections: &nothing, labels: None, ground: None };
+        let found = scores(Protocol::SemanticKitti, &of_nothing);
+        let missed = InstanceScore { association: 0.0, matched_iou: None, ..car };
+        assert_eq!((found[0], found.len()), (LabelScore::Instance(missed), 2));
+    }
+
+    #[test]
+    fn ground_is_scored_where_it_is_told() {
+        let nothing = Detections::default();
+        let told = |ground| FoundPoints { detections: &nothing, labels: None, ground };
+        assert_eq!(scores(Protocol::Ground, &told(None)), []);
+        let found = scores(Protocol::Ground, &told(Some(vec![false, true, true, true])));
+        assert_eq!(found.len(), 3);
+        let LabelScore::Ground(definition, counts) = found[0] else { panic!("{found:?}") };
+        assert_eq!(definition, GroundDefinition::Patchwork);
+        assert_eq!((counts.n_found, counts.n_false, counts.n_missed, counts.n_others), (1, 1, 0, 1));
+        let of_labels = FoundPoints { labels: Some(&[0, 40, 40, 40]), ..told(None) };
+        assert_eq!(scores(Protocol::Ground, &of_labels), found);
+    }
+}
