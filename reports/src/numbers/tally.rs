@@ -289,10 +289,11 @@ impl Tally {
     }
 
     /// The scans of a data set, given by its place: the drive, the number and the second of each, by drive and number.
-    pub(crate) fn scans(&self, dataset_idx: usize) -> impl Iterator<Item = (&str, u32, &DriveSecond)> {
+    pub(crate) fn scans(&self, dataset_idx: usize) -> impl Iterator<Item = (&str, u32, DriveSecond)> {
         let drives = self.scans[dataset_idx].iter();
         drives.flat_map(|(drive, scans)| {
-            scans.iter().map(move |(scan, second)| (drive.as_str(), *scan, second))
+            let of_drive = scans.iter();
+            of_drive.map(move |(scan, time_s)| (drive.as_str(), *scan, DriveSecond::of(drive, *time_s)))
         })
     }
 

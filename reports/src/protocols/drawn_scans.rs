@@ -30,7 +30,7 @@ impl DrawnScans {
             }
             for (sequence, scan, second) in tally.scans(dataset_idx) {
                 let name = ScanName { dataset: id.clone(), sequence: sequence.to_owned(), scan };
-                let block = blocks.place_of(second).expect("blocks are made of the same scans");
+                let block = blocks.place_of(&second).expect("blocks are made of the same scans");
                 scans.push((name, (resamples.len(), block)));
             }
             resamples.push(Resamples::first(N_PROTOCOL_RESAMPLES, id, blocks.count()));

@@ -124,7 +124,9 @@ impl ProtocolTally {
             Protocol::SemanticKitti => {
                 return Some(Box::new(SemanticKitti::new(scans.names(), self.labels.get(detector)?)));
             }
-            Protocol::Ground => return Some(Box::new(Ground::new(scans.names(), self.ground.get(detector)?))),
+            Protocol::Ground => {
+                return Some(Box::new(Ground::new(scans.names(), self.ground.get(detector)?)));
+            }
             Protocol::Nuscenes | Protocol::Argoverse2 => {}
         }
         let ranked = RankedProtocol::ALL.into_iter().find(|it| it.protocol() == protocol)?;
