@@ -53,7 +53,7 @@ struct File {
     center_classes: Vec<usize>,
     offsets: String,
     sharpness: String,
-    farthest: String,
+    strangest: String,
     columns: Vec<String>,
     params: PartialParams,
     made: Provenance,
@@ -85,7 +85,7 @@ impl PartialModel {
             ("center_classes", format!("{center_classes:?}")),
             ("offsets", format!("\"{}\"", of_singles(&offsets))),
             ("sharpness", format!("\"{}\"", of_singles(&decision.sharpness))),
-            ("farthest", format!("\"{}\"", of_singles(&decision.farthest))),
+            ("strangest", format!("\"{}\"", of_singles(&decision.strangest))),
             ("columns", format!("[\n{columns}]")),
         ];
         head_and_provenance((FORMAT, VERSION), &heads, made)
@@ -160,8 +160,8 @@ fn model_of(file: File) -> Result<PartialModel, Refused> {
     }
     let vocabulary = Vocabulary::new(patterns).ok_or(("columns", None, "patterns do not ascend"))?;
     let sharpness = singles("sharpness", &file.sharpness, n_bins, false)?;
-    let farthest = singles("farthest", &file.farthest, n_bins, true)?;
-    let decision = Decision { centers, weights, sharpness, farthest };
+    let strangest = singles("strangest", &file.strangest, n_bins, true)?;
+    let decision = Decision { centers, weights, sharpness, strangest };
     Ok(PartialModel {
         made: file.made,
         params: file.params,
@@ -245,7 +245,7 @@ mod tests {
                 centers: vec![center(0, [1.0, 0.1]), center(1, [0.0, 1.0]), center(1, [-1e-20, 0.7])],
                 weights: vec![weights(0.1, [0.2, 0.3]), weights(-0.1, [0.4, 0.5])],
                 sharpness: vec![1.0, 2.5],
-                farthest: vec![f32::INFINITY, 0.5],
+                strangest: vec![f32::INFINITY, 0.5],
             },
         }
     }
@@ -276,7 +276,7 @@ mod tests {
         check_refused("[0, 1, 1]", "[0, 1, 2]", "center_classes: not a number of every class");
         check_refused("[0, 1, 1]", "[0, 0, 0]", "center_classes: not a number of every class");
         check_refused("sharpness = \"3f", "sharpness = \"ff", "sharpness: not as many numbers");
-        check_refused("farthest = \"7f800000", "farthest = \"", "farthest: not as many numbers");
+        check_refused("strangest = \"7f800000", "strangest = \"", "strangest: not as many numbers");
         check_refused("  \"0000000000000007", "  \"0004000000000007", "columns: not a pattern");
         check_refused("  \"0000000000000007", "  \"0001000000000007", "columns: patterns do not ascend");
         check_refused("min_keypoints = 1", "min_keypoints = 0", "decision.min_keypoints = 0 is not within");
