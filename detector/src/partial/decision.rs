@@ -159,7 +159,11 @@ impl Decision {
         to_probabilities(probabilities, self.sharpness[evidence]);
         *verdict = match best {
             Some(best) if n_keypoints >= by.params.min_keypoints => {
-                if is_strange { Verdict::NoneOfThese } else { Verdict::Class(best) }
+                if is_strange {
+                    Verdict::NoneOfThese
+                } else {
+                    Verdict::Class(best)
+                }
             }
             _ => Verdict::TooLittleSeen,
         };

@@ -87,8 +87,7 @@ impl PartialClassifier {
         }));
         self.patterns.fill(&self.keypoints, &described.extents, &params.patterns);
         vocabulary.fill_bag(self.patterns.patterns(), &params.bag, &mut self.bag);
-        let by =
-            DecidedBy { params: &params.decision, rejected_idx: self.rejected_idx, choice: self.choice };
+        let by = DecidedBy { params: &params.decision, rejected_idx: self.rejected_idx, choice: self.choice };
         decision.judge(&self.bag, self.keypoints.len(), &by, &mut self.judgement);
         &self.judgement
     }

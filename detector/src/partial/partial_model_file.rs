@@ -1,6 +1,7 @@
 //! A trained bag of graphs as a file.
 
 use std::fmt::Write as _;
+use std::sync::{Arc, LazyLock};
 
 use serde::Deserialize;
 
@@ -60,6 +61,15 @@ struct File {
 }
 
 impl PartialModel {
+    /// The model that comes with the program, trained on simulated objects. It is read when it is first asked for, and once.
+    pub fn shipped() -> Arc<Self> {
+        static SHIPPED: LazyLock<Arc<PartialModel>> = LazyLock::new(|| {
+            let model = PartialModel::from_toml(include_str!("../params/partial_model.toml"));
+            Arc::new(model.expect("the embedded file is tested"))
+        });
+        Arc::clone(&SHIPPED)
+    }
+
     /// The model as text: numbers as the hexadecimal digits of their bits, so that none is rounded.
     pub fn to_toml(&self) -> String {
         let Self { made, params, classes, labeler, vocabulary, decision } = self;
@@ -248,6 +258,16 @@ mod tests {
                 strangest: vec![f32::INFINITY, 0.5],
             },
         }
+    }
+
+    #[test]
+    fn the_shipped_model_was_made_with_the_shipped_parameters() {
+        let shipped = PartialModel::shipped();
+        assert_eq!(shipped.params, PartialParams::shipped());
+        assert_eq!(shipped.classes, ["tree", "car", "pole", "pedestrian", "other"]);
+        assert_eq!(shipped.to_toml(), include_str!("../params/partial_model.toml"));
+        // It is part of the program and of the repository.
+        assert!(include_str!("../params/partial_model.toml").len() < 1_500_000);
     }
 
     #[test]
