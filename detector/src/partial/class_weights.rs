@@ -1,5 +1,7 @@
 //! Weights that part the classes.
 
+use rayon::prelude::*;
+
 use super::decision::{ClassWeights, WeightParams};
 use crate::portable_math::{exp, ln};
 
@@ -17,7 +19,8 @@ pub struct TrainingBag {
 /// The weights, a list for each class, under which the bags are most likely: multinomial logistic regression, with a penalty
 /// on the squares of weights.
 ///
-/// Descent with steps of a length of its own for each weight (Kingma and Ba 2015), which shorten to nothing.
+/// Descent with steps of a length of its own for each weight (Kingma and Ba 2015), which shorten to nothing. All threads take
+/// part; the weights are the same to the bit with any number of them.
 pub fn learn_class_weights(
     bags: &[TrainingBag],
     (n_classes, n_columns): (usize, usize),
@@ -27,11 +30,15 @@ pub fn learn_class_weights(
     let n_weights = n_classes * (n_columns + 1);
     let mut descent =
         Descent { weights: vec![0.0; n_weights], means: vec![0.0; n_weights], squares: vec![0.0; n_weights] };
-    let mut slopes = vec![0.0; n_weights];
+    let mut slopes = Slopes {
+        by_column: ByColumn::of(bags, n_columns),
+        excess: vec![0.0; bags.len() * n_classes],
+        slopes: vec![0.0; n_weights],
+    };
     for step in 0..params.n_steps {
-        slopes_at(&descent.weights, bags, (n_classes, params.penalty), &mut slopes);
+        slopes.fill(&descent.weights, bags, (n_classes, params.penalty));
         let left = 1.0 - step as f64 / params.n_steps as f64;
-        descent.step(&slopes, step, params.step_size * left);
+        descent.step(&slopes.slopes, step, params.step_size * left);
     }
     let of_class = |class_idx: usize| ClassWeights {
         offset: descent.weights[n_columns * n_classes + class_idx] as f32,
@@ -62,36 +69,95 @@ impl Descent {
     }
 }
 
-/// How the cost grows with every weight.
-fn slopes_at(weights: &[f64], bags: &[TrainingBag], (n_classes, penalty): (usize, f64), slopes: &mut [f64]) {
-    let n_of_columns = weights.len() - n_classes;
-    for (slope, weight) in slopes.iter_mut().zip(weights) {
-        *slope = 2.0 * penalty * weight;
+/// What is not 0, column by column, and within a column in the order of the bags.
+struct ByColumn {
+    /// Where each column begins, and where the last one ends.
+    starts: Vec<usize>,
+    /// Bags and numbers.
+    entries: Vec<(u32, f32)>,
+}
+
+impl ByColumn {
+    fn of(bags: &[TrainingBag], n_columns: usize) -> Self {
+        let mut starts = vec![0; n_columns + 1];
+        for &(column, _) in bags.iter().flat_map(|it| &it.entries) {
+            starts[column as usize + 1] += 1;
+        }
+        for column in 0..n_columns {
+            starts[column + 1] += starts[column];
+        }
+        let mut next = starts.clone();
+        let mut entries = vec![(0, 0.0); starts[n_columns]];
+        for (bag_idx, bag) in (0..).zip(bags) {
+            for &(column, value) in &bag.entries {
+                let place = &mut next[column as usize];
+                entries[*place] = (bag_idx, value);
+                *place += 1;
+            }
+        }
+        Self { starts, entries }
     }
-    slopes[n_of_columns..].fill(0.0);
-    let mut chances = vec![0.0; n_classes];
-    for bag in bags {
-        chances.copy_from_slice(&weights[n_of_columns..]);
-        for &(column, value) in &bag.entries {
-            let at = column as usize * n_classes;
-            for (chance, weight) in chances.iter_mut().zip(&weights[at..at + n_classes]) {
-                *chance += weight * f64::from(value);
+
+    fn column(&self, column: usize) -> &[(u32, f32)] {
+        &self.entries[self.starts[column]..self.starts[column + 1]]
+    }
+}
+
+/// So many columns or bags are worth a thread.
+const LEAST_SHARE: usize = 64;
+
+/// How the cost grows with every weight.
+struct Slopes {
+    by_column: ByColumn,
+    /// For each bag: how much more likely each class is than it should be, times the weight of the bag.
+    excess: Vec<f64>,
+    /// In the order of the weights.
+    slopes: Vec<f64>,
+}
+
+impl Slopes {
+    /// Every thread adds up whole columns, each in the order of the bags, so that the number of threads changes nothing.
+    fn fill(&mut self, weights: &[f64], bags: &[TrainingBag], (n_classes, penalty): (usize, f64)) {
+        let Self { by_column, excess, slopes } = self;
+        let n_of_columns = weights.len() - n_classes;
+        let (of_columns, offsets) = weights.split_at(n_of_columns);
+        let of_bags = excess.par_chunks_mut(n_classes).zip(bags).with_min_len(LEAST_SHARE);
+        of_bags.for_each(|(excess, bag)| fill_excess(bag, of_columns, offsets, excess));
+        let (slopes_of_columns, slopes_of_offsets) = slopes.split_at_mut(n_of_columns);
+        let columns = slopes_of_columns.par_chunks_mut(n_classes).zip(of_columns.par_chunks(n_classes));
+        columns.enumerate().with_min_len(LEAST_SHARE).for_each(|(column, (slopes, weights))| {
+            for (slope, weight) in slopes.iter_mut().zip(weights) {
+                *slope = 2.0 * penalty * weight;
+            }
+            for &(bag_idx, value) in by_column.column(column) {
+                let excess = &excess[bag_idx as usize * n_classes..][..n_classes];
+                for (slope, excess) in slopes.iter_mut().zip(excess) {
+                    *slope += excess * f64::from(value);
+                }
+            }
+        });
+        slopes_of_offsets.fill(0.0);
+        for excess in excess.chunks(n_classes) {
+            for (slope, excess) in slopes_of_offsets.iter_mut().zip(excess) {
+                *slope += excess;
             }
         }
-        softmax(&mut chances);
-        chances[bag.class_idx] -= 1.0;
-        for chance in &mut chances {
-            *chance *= bag.weight;
+    }
+}
+
+fn fill_excess(bag: &TrainingBag, of_columns: &[f64], offsets: &[f64], excess: &mut [f64]) {
+    let n_classes = offsets.len();
+    excess.copy_from_slice(offsets);
+    for &(column, value) in &bag.entries {
+        let weights = &of_columns[column as usize * n_classes..][..n_classes];
+        for (score, weight) in excess.iter_mut().zip(weights) {
+            *score += weight * f64::from(value);
         }
-        for &(column, value) in &bag.entries {
-            let at = column as usize * n_classes;
-            for (slope, chance) in slopes[at..at + n_classes].iter_mut().zip(&chances) {
-                *slope += chance * f64::from(value);
-            }
-        }
-        for (slope, chance) in slopes[n_of_columns..].iter_mut().zip(&chances) {
-            *slope += chance;
-        }
+    }
+    softmax(excess);
+    excess[bag.class_idx] -= 1.0;
+    for excess in excess {
+        *excess *= bag.weight;
     }
 }
 
@@ -129,6 +195,23 @@ mod tests {
         assert!(first.of_columns[0] > 1.0 && first.of_columns[1] < -1.0, "{first:?}");
         assert!(first.of_columns[2].abs() < 0.01 && first.offset.abs() < 0.01, "{first:?}");
         assert!((first.of_columns[0] + second.of_columns[0]).abs() < 1e-4, "{second:?}");
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_no_bit() {
+        // More bags and columns than one thread takes at a time.
+        let of_bag = |it: u32| {
+            let value = |column: u32| (column, 1.0 / f32::from((it * 7 + column) as u16 % 13 + 1));
+            bag(it as usize % 3, &[value(it % 5), value(5 + it % 300), value(305 + it * it % 7)])
+        };
+        let bags: Vec<TrainingBag> = (0..400).map(of_bag).collect();
+        let params = WeightParams { penalty: 1e-3, n_steps: 20, step_size: 0.1 };
+        let learned = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+            pool.install(|| learn_class_weights(&bags, (3, 312), &params))
+        };
+        assert_eq!(learned(1), learned(5));
+        assert!(learned(1)[0].of_columns.iter().any(|it| it.abs() > 0.1));
     }
 
     #[test]

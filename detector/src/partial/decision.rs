@@ -16,8 +16,8 @@ pub struct DecisionParams {
     pub min_keypoints: usize,
     /// Where bins of the number of keypoints end, ascending: how sure a decision is differs from bin to bin.
     pub evidence_edges: Vec<usize>,
-    /// Share of the training clouds that are near enough to their own class; what is farther from every class than the others
-    /// is none of these. 1: nothing is too far.
+    /// Share of the clouds of known classes that are not rejected, in each bin of evidence; what is stranger than these is none
+    /// of these. 1: nothing is too strange.
     pub near_share: f64,
     /// A class of this name is none of these; empty: there is no such class.
     pub rejected_class: String,
@@ -86,8 +86,28 @@ pub struct Decision {
     pub weights: Vec<ClassWeights>,
     /// For each bin of the number of keypoints: what scores are multiplied by to be logarithms of odds.
     pub sharpness: Vec<f32>,
-    /// For each bin of the number of keypoints: how far from its class a cloud may be.
-    pub farthest: Vec<f32>,
+    /// For each bin of the number of keypoints: how strange a cloud may be, see [`strangeness`].
+    pub strangest: Vec<f32>,
+}
+
+/// What may be decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Choice {
+    /// A class, or none of these.
+    OrNoneOfThese,
+    /// A class: nothing else occurs.
+    OfClasses,
+}
+
+/// What a decision is made by, beside what was learned.
+#[derive(Debug, Clone, Copy)]
+pub struct DecidedBy<'a> {
+    /// The parameters.
+    pub params: &'a DecisionParams,
+    /// The class that is none of these.
+    pub rejected_idx: Option<usize>,
+    /// What may be decided.
+    pub choice: Choice,
 }
 
 /// What a cloud is taken for.
@@ -121,29 +141,31 @@ impl Judgement {
 }
 
 impl Decision {
-    /// Judges the bag of a cloud with `n_keypoints` keypoints; `rejected_idx` is the class that is none of these.
+    /// Judges the bag of a cloud with `n_keypoints` keypoints.
     ///
     /// Of equals the first class counts. Paper: BG section 3.3.
-    pub fn judge(
-        &self,
-        bag: &[f32],
-        n_keypoints: usize,
-        (params, rejected_idx): (&DecisionParams, Option<usize>),
-        judgement: &mut Judgement,
-    ) {
+    pub fn judge(&self, bag: &[f32], n_keypoints: usize, by: &DecidedBy<'_>, judgement: &mut Judgement) {
         let Judgement { distances, probabilities, verdict } = judgement;
         self.scores(bag, distances, probabilities);
-        let best = (1..probabilities.len())
-            .fold(0, |best, it| if probabilities[it] > probabilities[best] { it } else { best });
-        let evidence = evidence_bin(n_keypoints, &params.evidence_edges);
-        let nearest = distances.iter().copied().fold(f32::INFINITY, f32::min);
+        let evidence = evidence_bin(n_keypoints, &by.params.evidence_edges);
+        let is_strange = by.choice == Choice::OrNoneOfThese
+            && strangeness(distances, probabilities, by.rejected_idx) > self.strangest[evidence];
+        if by.choice == Choice::OfClasses
+            && let Some(rejected_idx) = by.rejected_idx
+        {
+            probabilities[rejected_idx] = f32::NEG_INFINITY;
+        }
+        let best = best_known(probabilities, by.rejected_idx);
         to_probabilities(probabilities, self.sharpness[evidence]);
-        *verdict = if n_keypoints < params.min_keypoints || probabilities.is_empty() {
-            Verdict::TooLittleSeen
-        } else if Some(best) == rejected_idx || nearest > self.farthest[evidence] {
-            Verdict::NoneOfThese
-        } else {
-            Verdict::Class(best)
+        *verdict = match best {
+            Some(best) if n_keypoints >= by.params.min_keypoints => {
+                if is_strange {
+                    Verdict::NoneOfThese
+                } else {
+                    Verdict::Class(best)
+                }
+            }
+            _ => Verdict::TooLittleSeen,
         };
     }
 
@@ -163,6 +185,21 @@ impl Decision {
                 *score = weights.offset + scalar_product(bag, &weights.of_columns);
             }
         }
+    }
+}
+
+/// The class with the largest score that is not the rejected one, the first of equals.
+fn best_known(scores: &[f32], rejected_idx: Option<usize>) -> Option<usize> {
+    let known = (0..scores.len()).filter(|&it| Some(it) != rejected_idx);
+    known.reduce(|best, it| if scores[it] > scores[best] { it } else { best })
+}
+
+/// How strange a cloud is to all known classes: by how much the score of the rejected class exceeds theirs, or without one, how
+/// far the nearest class is.
+pub fn strangeness(distances: &[f32], scores: &[f32], rejected_idx: Option<usize>) -> f32 {
+    match (rejected_idx, best_known(scores, rejected_idx)) {
+        (Some(rejected_idx), Some(best)) => scores[rejected_idx] - scores[best],
+        _ => distances.iter().copied().fold(f32::INFINITY, f32::min),
     }
 }
 
@@ -215,13 +252,13 @@ pub fn to_probabilities(scores: &mut [f32], sharpness: f32) {
 mod tests {
     use super::*;
 
-    fn params(near_share: f64) -> DecisionParams {
+    fn params() -> DecisionParams {
         DecisionParams {
             rule: DecisionRule::Nearest,
             centers: Centers::OfClass,
             min_keypoints: 2,
             evidence_edges: vec![4],
-            near_share,
+            near_share: 1.0,
             rejected_class: String::new(),
             n_folds: 2,
             weights: WeightParams { penalty: 0.0, n_steps: 0, step_size: 0.0 },
@@ -234,22 +271,28 @@ mod tests {
             centers: vec![center(0, [1.0, 0.0]), center(1, [0.0, 1.0]), center(1, [0.5, 0.5])],
             weights: Vec::new(),
             sharpness: vec![1.0, 2.0],
-            farthest: vec![f32::INFINITY, 0.5],
+            strangest: vec![f32::INFINITY, 0.5],
         }
     }
 
-    fn judged(bag: &[f32], n_keypoints: usize, rejected_idx: Option<usize>) -> Judgement {
+    fn judged(bag: &[f32], n_keypoints: usize, rejected_idx: Option<usize>, choice: Choice) -> Judgement {
         let mut judgement = Judgement::of_nothing(2);
-        decision().judge(bag, n_keypoints, (&params(1.0), rejected_idx), &mut judgement);
+        let params = params();
+        let by = DecidedBy { params: &params, rejected_idx, choice };
+        decision().judge(bag, n_keypoints, &by, &mut judgement);
         judgement
+    }
+
+    fn known(bag: &[f32], n_keypoints: usize) -> Judgement {
+        judged(bag, n_keypoints, None, Choice::OrNoneOfThese)
     }
 
     #[test]
     fn the_nearest_mean_bag_decides_and_a_class_may_have_several() {
-        let judgement = judged(&[0.75, 0.25], 4, None);
+        let judgement = known(&[0.75, 0.25], 4);
         assert_eq!(judgement.distances, [0.5, 0.5]);
         assert_eq!((judgement.verdict, judgement.probabilities), (Verdict::Class(0), vec![0.5, 0.5]));
-        let judgement = judged(&[0.5, 0.25], 4, None);
+        let judgement = known(&[0.5, 0.25], 4);
         assert_eq!((&judgement.distances[..], judgement.verdict), (&[0.75, 0.25][..], Verdict::Class(1)));
         // exp(−2 · 0.5) against 1.
         assert!((judgement.probabilities[1] - 1.0 / (1.0 + (-1.0_f32).exp())).abs() < 1e-6);
@@ -257,17 +300,29 @@ mod tests {
 
     #[test]
     fn fewer_keypoints_are_less_evidence_and_too_few_none() {
-        assert!(
-            judged(&[1.0, 0.0], 3, None).probabilities[0] < judged(&[1.0, 0.0], 4, None).probabilities[0]
-        );
-        assert_eq!(judged(&[1.0, 0.0], 1, None).verdict, Verdict::TooLittleSeen);
+        assert!(known(&[1.0, 0.0], 3).probabilities[0] < known(&[1.0, 0.0], 4).probabilities[0]);
+        assert_eq!(known(&[1.0, 0.0], 1).verdict, Verdict::TooLittleSeen);
     }
 
     #[test]
-    fn what_is_far_from_all_or_like_what_is_rejected_is_none_of_these() {
-        assert_eq!(judged(&[9.0, 0.0], 4, None).verdict, Verdict::NoneOfThese);
-        assert_eq!(judged(&[9.0, 0.0], 3, None).verdict, Verdict::Class(0));
-        assert_eq!(judged(&[1.0, 0.0], 4, Some(0)).verdict, Verdict::NoneOfThese);
+    fn what_is_far_from_all_is_none_of_these_unless_nothing_else_occurs() {
+        assert_eq!(known(&[9.0, 0.0], 4).verdict, Verdict::NoneOfThese);
+        assert_eq!(known(&[9.0, 0.0], 3).verdict, Verdict::Class(0));
+        assert_eq!(judged(&[9.0, 0.0], 4, None, Choice::OfClasses).verdict, Verdict::Class(0));
+    }
+
+    #[test]
+    fn what_is_more_like_the_rejected_class_than_allowed_is_none_of_these() {
+        // Scores are distances with the other sign: 0 to the rejected class, -2 to the other one with several means.
+        let of_rejected = [1.0, 0.0];
+        assert_eq!(strangeness(&[0.0, 1.0], &[0.0, -1.0], Some(0)), 1.0);
+        let rejected = judged(&of_rejected, 4, Some(0), Choice::OrNoneOfThese);
+        assert_eq!(rejected.verdict, Verdict::NoneOfThese);
+        // With so little evidence nothing is too strange, but it is never taken for the rejected class.
+        assert_eq!(judged(&of_rejected, 3, Some(0), Choice::OrNoneOfThese).verdict, Verdict::Class(1));
+        let known = judged(&of_rejected, 4, Some(0), Choice::OfClasses);
+        assert_eq!((known.verdict, &known.probabilities[..]), (Verdict::Class(1), &[0.0, 1.0][..]));
+        assert_eq!(judged(&[0.0, 1.0], 4, Some(0), Choice::OrNoneOfThese).verdict, Verdict::Class(1));
     }
 
     #[test]
@@ -276,7 +331,9 @@ mod tests {
         let decision =
             Decision { weights: vec![weights(0.0, [1.0, 0.0]), weights(0.5, [1.0, 1.0])], ..decision() };
         let mut judgement = Judgement::of_nothing(2);
-        decision.judge(&[1.0, 0.0], 3, (&params(1.0), None), &mut judgement);
+        let params = params();
+        let by = DecidedBy { params: &params, rejected_idx: None, choice: Choice::OrNoneOfThese };
+        decision.judge(&[1.0, 0.0], 3, &by, &mut judgement);
         assert_eq!((judgement.verdict, &judgement.distances[..]), (Verdict::Class(1), &[0.0, 1.0][..]));
     }
 

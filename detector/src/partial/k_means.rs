@@ -1,26 +1,30 @@
 //! Groups of vectors that lie together.
 
+use rayon::prelude::*;
+
 use super::seeded_draws::SeededDraws;
 
 /// Rounds after which the grouping ends in any case.
 const MOST_ROUNDS: usize = 100;
+/// So many vectors are worth a thread.
+const LEAST_SHARE: usize = 256;
 
 /// The means of at most `n_groups` groups of `vectors`, by the method of Lloyd from a start drawn as in k-means++; fewer if
 /// there are fewer different vectors. None without vectors.
 ///
-/// The same vectors in the same order and the same seed give the same means to the bit.
+/// The same vectors in the same order and the same seed give the same means to the bit, with any number of threads.
 ///
 /// Paper: BG section 3.2.
 pub fn k_means<const D: usize>(vectors: &[[f64; D]], n_groups: usize, seed: u64) -> Vec<[f64; D]> {
     let mut centers = drawn_start(vectors, n_groups, seed);
     let mut group_of: Vec<usize> = vec![0; vectors.len()];
     for _ in 0..MOST_ROUNDS {
-        let mut is_changed = false;
-        for (vector, group) in vectors.iter().zip(&mut group_of) {
+        let regroup = |(vector, group): (&[f64; D], &mut usize)| {
             let nearest = nearest_center(vector, &centers);
-            is_changed |= nearest != *group;
-            *group = nearest;
-        }
+            std::mem::replace(group, nearest) != nearest
+        };
+        let pairs = vectors.par_iter().zip(&mut group_of).with_min_len(LEAST_SHARE);
+        let is_changed = pairs.map(regroup).reduce(|| false, |one, other| one | other);
         let moved = means(vectors, &group_of, &centers);
         if moved == centers && !is_changed {
             break;

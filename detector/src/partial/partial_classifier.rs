@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::decision::{Judgement, Verdict};
+use super::decision::{Choice, DecidedBy, Judgement, Verdict};
 use super::keypoint_description::KeypointDescriber;
 use super::partial_model::PartialModel;
 use super::patterns::{LabeledKeypoint, N_VERTICES, Patterns};
@@ -39,6 +39,7 @@ use super::patterns::{LabeledKeypoint, N_VERTICES, Patterns};
 #[derive(Debug, Clone)]
 pub struct PartialClassifier {
     model: Arc<PartialModel>,
+    choice: Choice,
     rejected_idx: Option<usize>,
     describer: KeypointDescriber,
     keypoints: Vec<LabeledKeypoint>,
@@ -48,9 +49,15 @@ pub struct PartialClassifier {
 }
 
 impl PartialClassifier {
-    /// A classifier that decides by `model`.
+    /// A classifier that decides by `model`, and may decide for none of its classes.
     pub fn new(model: Arc<PartialModel>) -> Self {
+        Self::with_choice(model, Choice::OrNoneOfThese)
+    }
+
+    /// A classifier that decides by `model` what it may decide.
+    pub fn with_choice(model: Arc<PartialModel>, choice: Choice) -> Self {
         Self {
+            choice,
             rejected_idx: model.rejected_idx(),
             judgement: Judgement::of_nothing(model.classes.len()),
             model,
@@ -80,8 +87,8 @@ impl PartialClassifier {
         }));
         self.patterns.fill(&self.keypoints, &described.extents, &params.patterns);
         vocabulary.fill_bag(self.patterns.patterns(), &params.bag, &mut self.bag);
-        let by = (&params.decision, self.rejected_idx);
-        decision.judge(&self.bag, self.keypoints.len(), by, &mut self.judgement);
+        let by = DecidedBy { params: &params.decision, rejected_idx: self.rejected_idx, choice: self.choice };
+        decision.judge(&self.bag, self.keypoints.len(), &by, &mut self.judgement);
         &self.judgement
     }
 

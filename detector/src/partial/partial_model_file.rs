@@ -1,6 +1,7 @@
 //! A trained bag of graphs as a file.
 
 use std::fmt::Write as _;
+use std::sync::{Arc, LazyLock};
 
 use serde::Deserialize;
 
@@ -53,13 +54,22 @@ struct File {
     center_classes: Vec<usize>,
     offsets: String,
     sharpness: String,
-    farthest: String,
+    strangest: String,
     columns: Vec<String>,
     params: PartialParams,
     made: Provenance,
 }
 
 impl PartialModel {
+    /// The model that comes with the program, trained on simulated objects. It is read when it is first asked for, and once.
+    pub fn shipped() -> Arc<Self> {
+        static SHIPPED: LazyLock<Arc<PartialModel>> = LazyLock::new(|| {
+            let model = PartialModel::from_toml(include_str!("../params/partial_model.toml"));
+            Arc::new(model.expect("the embedded file is tested"))
+        });
+        Arc::clone(&SHIPPED)
+    }
+
     /// The model as text: numbers as the hexadecimal digits of their bits, so that none is rounded.
     pub fn to_toml(&self) -> String {
         let Self { made, params, classes, labeler, vocabulary, decision } = self;
@@ -85,7 +95,7 @@ impl PartialModel {
             ("center_classes", format!("{center_classes:?}")),
             ("offsets", format!("\"{}\"", of_singles(&offsets))),
             ("sharpness", format!("\"{}\"", of_singles(&decision.sharpness))),
-            ("farthest", format!("\"{}\"", of_singles(&decision.farthest))),
+            ("strangest", format!("\"{}\"", of_singles(&decision.strangest))),
             ("columns", format!("[\n{columns}]")),
         ];
         head_and_provenance((FORMAT, VERSION), &heads, made)
@@ -160,8 +170,8 @@ fn model_of(file: File) -> Result<PartialModel, Refused> {
     }
     let vocabulary = Vocabulary::new(patterns).ok_or(("columns", None, "patterns do not ascend"))?;
     let sharpness = singles("sharpness", &file.sharpness, n_bins, false)?;
-    let farthest = singles("farthest", &file.farthest, n_bins, true)?;
-    let decision = Decision { centers, weights, sharpness, farthest };
+    let strangest = singles("strangest", &file.strangest, n_bins, true)?;
+    let decision = Decision { centers, weights, sharpness, strangest };
     Ok(PartialModel {
         made: file.made,
         params: file.params,
@@ -245,9 +255,19 @@ mod tests {
                 centers: vec![center(0, [1.0, 0.1]), center(1, [0.0, 1.0]), center(1, [-1e-20, 0.7])],
                 weights: vec![weights(0.1, [0.2, 0.3]), weights(-0.1, [0.4, 0.5])],
                 sharpness: vec![1.0, 2.5],
-                farthest: vec![f32::INFINITY, 0.5],
+                strangest: vec![f32::INFINITY, 0.5],
             },
         }
+    }
+
+    #[test]
+    fn the_shipped_model_was_made_with_the_shipped_parameters() {
+        let shipped = PartialModel::shipped();
+        assert_eq!(shipped.params, PartialParams::shipped());
+        assert_eq!(shipped.classes, ["tree", "car", "pole", "pedestrian", "other"]);
+        assert_eq!(shipped.to_toml(), include_str!("../params/partial_model.toml"));
+        // It is part of the program and of the repository.
+        assert!(include_str!("../params/partial_model.toml").len() < 1_500_000);
     }
 
     #[test]
@@ -276,7 +296,7 @@ mod tests {
         check_refused("[0, 1, 1]", "[0, 1, 2]", "center_classes: not a number of every class");
         check_refused("[0, 1, 1]", "[0, 0, 0]", "center_classes: not a number of every class");
         check_refused("sharpness = \"3f", "sharpness = \"ff", "sharpness: not as many numbers");
-        check_refused("farthest = \"7f800000", "farthest = \"", "farthest: not as many numbers");
+        check_refused("strangest = \"7f800000", "strangest = \"", "strangest: not as many numbers");
         check_refused("  \"0000000000000007", "  \"0004000000000007", "columns: not a pattern");
         check_refused("  \"0000000000000007", "  \"0001000000000007", "columns: patterns do not ascend");
         check_refused("min_keypoints = 1", "min_keypoints = 0", "decision.min_keypoints = 0 is not within");

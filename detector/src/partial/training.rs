@@ -1,8 +1,10 @@
 //! From clouds of known classes to a bag of graphs.
 
+use rayon::prelude::*;
+
 use super::bag::Vocabulary;
 use super::class_weights::{TrainingBag, learn_class_weights};
-use super::decision::{Center, Centers, Decision, DecisionRule, evidence_bin};
+use super::decision::{Center, Centers, Decision, DecisionRule, evidence_bin, strangeness};
 use super::keypoint_description::{DescribedCloud, KeypointDescriber};
 use super::labels::Labeler;
 use super::partial_model::PartialModel;
@@ -69,7 +71,7 @@ pub enum TrainingError {
 /// out.
 ///
 /// How sure decisions are is learned from clouds of objects that were held out in turn; the labels and patterns are those of
-/// all. The same clouds in the same order give the same model to the bit, on every machine.
+/// all. The same clouds in the same order give the same model to the bit, on every machine and with any number of threads.
 ///
 /// # Errors
 ///
@@ -93,6 +95,7 @@ pub fn train(
         clouds: &clouds,
         bags: Vec::new(),
         n_classes: classes.len(),
+        rejected_idx: classes.iter().position(|it| *it == params.decision.rejected_class),
         n_columns: vocabulary.patterns().len(),
         params,
     };
@@ -126,8 +129,7 @@ fn check(classes: &[String], clouds: &[TrainingCloud]) -> Result<(), TrainingErr
 
 /// The patterns of every cloud.
 fn patterns_of(clouds: &[&TrainingCloud], labeler: &Labeler, params: &PartialParams) -> Vec<Vec<Pattern>> {
-    let mut patterns = Patterns::default();
-    let of_cloud = |cloud: &&TrainingCloud| {
+    let of_cloud = |patterns: &mut Patterns, cloud: &&TrainingCloud| {
         let labeled = cloud
             .described
             .keypoints
@@ -136,7 +138,7 @@ fn patterns_of(clouds: &[&TrainingCloud], labeler: &Labeler, params: &PartialPar
         patterns.fill(&labeled.collect::<Vec<_>>(), &cloud.described.extents, &params.patterns);
         patterns.patterns().to_vec()
     };
-    clouds.iter().map(of_cloud).collect()
+    clouds.par_iter().map_init(Patterns::default, of_cloud).collect()
 }
 
 /// The patterns of all clouds of each object.
@@ -152,6 +154,7 @@ struct Learner<'a> {
     clouds: &'a [&'a TrainingCloud],
     bags: Vec<Vec<(u32, f32)>>,
     n_classes: usize,
+    rejected_idx: Option<usize>,
     n_columns: usize,
     params: &'a PartialParams,
 }
@@ -162,14 +165,16 @@ impl Learner<'_> {
         let mut decision = self.learned_from(&all);
         let params = &self.params.decision;
         let mut by_evidence = vec![(Vec::new(), Vec::new()); params.evidence_edges.len() + 1];
-        for (cloud_idx, distance, scores) in self.held_out() {
+        for HeldOutCloud { cloud_idx, strangeness, scores } in self.held_out() {
             let bin = evidence_bin(self.clouds[cloud_idx].described.keypoints.len(), &params.evidence_edges);
-            by_evidence[bin].0.push(distance);
+            if Some(scores.class_idx) != self.rejected_idx {
+                by_evidence[bin].0.push(strangeness);
+            }
             by_evidence[bin].1.push(scores);
         }
-        for (distances, scores) in &mut by_evidence {
+        for (strangeness, scores) in &mut by_evidence {
             decision.sharpness.push(learn_sharpness(scores));
-            decision.farthest.push(nearest_share(distances, params.near_share));
+            decision.strangest.push(nearest_share(strangeness, params.near_share));
         }
         decision
     }
@@ -187,7 +192,7 @@ impl Learner<'_> {
             centers: self.centers(cloud_indices),
             weights,
             sharpness: Vec::new(),
-            farthest: Vec::new(),
+            strangest: Vec::new(),
         }
     }
 
@@ -223,8 +228,8 @@ impl Learner<'_> {
         cloud_indices.iter().map(bag).collect()
     }
 
-    /// For every cloud whose class was learned from others: its place, its distance to its class, and its scores.
-    fn held_out(&self) -> Vec<(usize, f32, HeldOutScores)> {
+    /// Every cloud whose class was learned from others.
+    fn held_out(&self) -> Vec<HeldOutCloud> {
         let n_folds = self.params.decision.n_folds;
         let mut found = Vec::new();
         let mut bag = vec![0.0; self.n_columns];
@@ -244,22 +249,29 @@ impl Learner<'_> {
                 }
                 decision.scores(&bag, &mut distances, &mut scores);
                 let class_idx = self.clouds[cloud_idx].class_idx;
-                found.push((
+                found.push(HeldOutCloud {
                     cloud_idx,
-                    distances[class_idx],
-                    HeldOutScores { scores: scores.clone(), class_idx },
-                ));
+                    strangeness: strangeness(&distances, &scores, self.rejected_idx),
+                    scores: HeldOutScores { scores: scores.clone(), class_idx },
+                });
             }
         }
         found
     }
 }
 
-/// The distance that `share` of all do not exceed; infinite for all of them, and without any.
-fn nearest_share(distances: &mut [f32], share: f64) -> f32 {
-    distances.sort_by(f32::total_cmp);
-    let n_near = (share * distances.len() as f64).ceil() as usize;
-    if share >= 1.0 || distances.is_empty() { f32::INFINITY } else { distances[n_near.saturating_sub(1)] }
+/// A cloud that was not learned from.
+struct HeldOutCloud {
+    cloud_idx: usize,
+    strangeness: f32,
+    scores: HeldOutScores,
+}
+
+/// The number that `share` of all do not exceed; infinite for all of them, and without any.
+fn nearest_share(numbers: &mut [f32], share: f64) -> f32 {
+    numbers.sort_by(f32::total_cmp);
+    let n_near = (share * numbers.len() as f64).ceil() as usize;
+    if share >= 1.0 || numbers.is_empty() { f32::INFINITY } else { numbers[n_near.saturating_sub(1)] }
 }
 
 #[cfg(test)]

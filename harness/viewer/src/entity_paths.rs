@@ -194,6 +194,46 @@ pub fn label_column(detector: &str, product: &StageProduct) -> ComponentIdentifi
     ComponentIdentifier::try_new(name).expect("a name with a colon is not empty")
 }
 
+/// What is shown of a growing object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GrowthPart {
+    /// Everything in three dimensions.
+    Scene,
+    /// The points that have been seen.
+    Points,
+    /// The keypoints by their labels.
+    Keypoints,
+    /// The graphs of the keypoints.
+    Graphs,
+    /// What it is told to be, in words.
+    Decision,
+    /// The scanner that sees it.
+    Scanner,
+    /// The chance of each class.
+    Chances,
+    /// The distance to each class.
+    Errors,
+    /// How often patterns occur.
+    Bag,
+}
+
+/// A part of what is shown of a growing object: its data set, the end that it is seen from, its name.
+pub fn growth(of: &[String; 3], part: GrowthPart) -> EntityPath {
+    let parts: &[&str] = match part {
+        GrowthPart::Scene => &["scene"],
+        GrowthPart::Points => &["scene", "points"],
+        GrowthPart::Keypoints => &["scene", "keypoints"],
+        GrowthPart::Graphs => &["scene", "graphs"],
+        GrowthPart::Decision => &["scene", "decision"],
+        GrowthPart::Scanner => &["scene", "scanner"],
+        GrowthPart::Chances => &["chances"],
+        GrowthPart::Errors => &["errors"],
+        GrowthPart::Bag => &["bag"],
+    };
+    let of = of.each_ref().map(String::as_str);
+    below("partial", &[&of, parts].concat())
+}
+
 fn below(parent: &str, parts: &[&str]) -> EntityPath {
     let parts: Vec<EntityPathPart> = parts.iter().copied().map(EntityPathPart::new).collect();
     EntityPath::from(parent).join(&EntityPath::new(parts))

@@ -32,6 +32,7 @@ pub mod session;
 mod drive_frame;
 pub mod run_recording;
 pub mod sweep_recording;
+pub mod partial_recording;
 
 pub use drawn_points::PointChoice;
 pub use error::StreamError;

@@ -8,6 +8,7 @@ use reports::plots::palette::detector_hue;
 pub use reports::plots::palette::{
     BLUE, BLUISH_GREEN, ORANGE, REDDISH_PURPLE, Rgb, SKY_BLUE, VERMILION, YELLOW,
 };
+use reports::vocabulary::partial_class::PartialClass;
 
 /// A grey between the two ends.
 pub const GREY: Rgb = [150, 150, 150];
@@ -69,6 +70,22 @@ pub fn line_color(name: &str) -> Rgb {
         _ => YELLOW,
     }
 }
+
+/// The colour of a class of partial clouds.
+pub fn partial_class_color(class: PartialClass) -> Rgb {
+    match class {
+        PartialClass::Tree => BLUISH_GREEN,
+        PartialClass::Car => ORANGE,
+        PartialClass::Pole => SKY_BLUE,
+        PartialClass::Pedestrian => REDDISH_PURPLE,
+        PartialClass::Other => GREY,
+    }
+}
+
+/// The colour of points that have just been seen, and of those that were seen before.
+pub const SEEN_NOW: Rgb = [240, 240, 245];
+/// See [`SEEN_NOW`].
+pub const SEEN_BEFORE: Rgb = [118, 122, 132];
 
 /// From surely background over undecided to surely a vehicle: the colour of a score, whose sign decides.
 pub fn score_color(score: f32) -> Rgb {

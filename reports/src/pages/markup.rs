@@ -45,6 +45,17 @@ impl FigureMarkup<'_> {
     }
 }
 
+/// A picture for a page from the file `name`; `None` if it is no picture.
+pub(super) fn panel_of_file(name: &str, svg: &str) -> Option<ThemedPanel> {
+    // The size is in the first tag, as the library writes it.
+    let size = |key: &str| {
+        let value = svg.split(&format!("{key}=\"")).nth(1)?.split('"').next()?;
+        value.parse().ok()
+    };
+    let size_px = [size("width").unwrap_or(900), size("height").unwrap_or(620)];
+    ThemedPanel::of_file(svg, size_px, name.trim_end_matches(".svg").replace('_', " "))
+}
+
 /// What the lines and markers of a figure stand for.
 pub(super) fn key(entries: &[KeyEntry]) -> Markup {
     html! {

@@ -18,3 +18,4 @@ mod parameters;
 mod sample_run;
 pub mod run_page;
 pub mod sweep_page;
+pub mod partial_page;

@@ -5,9 +5,9 @@ use std::path::Path;
 use maud::{Markup, PreEscaped, html};
 
 use super::document::document;
+use super::markup::panel_of_file;
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
-use crate::plots::themed_svg::ThemedPanel;
 use crate::run_folder::run_directory::{REPORT_HTML, SWEEP_CSV, SWEEP_TIMES_CSV};
 
 /// The kinds of plots that a sweep leaves, by the beginnings of their names, and what is seen on them.
@@ -59,7 +59,7 @@ impl SweepPage {
                         h2 { (title) }
                         @for (name, svg) in of_kind {
                             figure.sweep {
-                                @match panel(name, svg) {
+                                @match panel_of_file(name, svg) {
                                     Some(panel) => div.scroll tabindex="0" role="region" aria-label=(name) { (PreEscaped(panel.inline())) },
                                     None => p { (name) " is damaged." },
                                 }
@@ -102,17 +102,6 @@ fn names_of_plots(directory: &Path) -> Result<Vec<String>, ArchiveError> {
     }
     names.sort();
     Ok(names)
-}
-
-/// `None` if the file is no picture.
-fn panel(name: &str, svg: &str) -> Option<ThemedPanel> {
-    // The size is in the first tag, as the library writes it.
-    let size = |key: &str| {
-        let value = svg.split(&format!("{key}=\"")).nth(1)?.split('"').next()?;
-        value.parse().ok()
-    };
-    let size_px = [size("width").unwrap_or(900), size("height").unwrap_or(620)];
-    ThemedPanel::of_file(svg, size_px, name.trim_end_matches(".svg").replace('_', " "))
 }
 
 /// A CSV file as it is.

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::numbers::blocks::Interval;
+use crate::partial_study::object_draws::{ObjectDraws, PartialMetric};
 use crate::rows::partial_row::{PartialRow, Told};
-use crate::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
 use crate::vocabulary::partial_class::PartialClass;
 
 /// The objects of one class at one step.
@@ -27,6 +27,17 @@ pub struct PartialStep {
     pub classes: BTreeMap<PartialClass, ClassAtStep>,
     /// The mean of the recalls of the learnt classes.
     pub mean_recall: Option<f64>,
+    /// Its interval over objects.
+    pub within: Option<Interval>,
+    /// Where there are objects of no learnt class: how many of them are told to be none of these, and how many of the others.
+    pub rejected: Option<[Share; 2]>,
+}
+
+/// A share of objects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// The share.
+    pub value: f64,
     /// Its interval over objects.
     pub within: Option<Interval>,
 }
@@ -116,12 +127,20 @@ impl PartialCurve {
             step.classes.entry(row.true_class).or_default().add(row);
         }
         let mut steps: Vec<PartialStep> = steps.into_values().collect();
-        let objects = Objects::of(&data, rows);
+        let draws = ObjectDraws::of(&data, rows);
         for step in &mut steps {
-            step.mean_recall = mean_recall(step);
-            step.within = objects.interval(step.step);
+            let share = |metric| {
+                let value = draws.value(metric, step.step)?;
+                Some(Share { value, within: draws.interval(metric, step.step) })
+            };
+            let recall = share(PartialMetric::MeanRecall);
+            step.mean_recall = recall.map(|it| it.value);
+            step.within = recall.and_then(|it| it.within);
+            let strangers = share(PartialMetric::StrangersRejected);
+            step.rejected =
+                strangers.zip(share(PartialMetric::KnownRejected)).map(|(one, other)| [one, other]);
         }
-        let (right_and_kept_from, right_in_the_end) = objects.kept(&steps);
+        let (right_and_kept_from, right_in_the_end) = kept(&draws, &steps);
         let calibration = calibration(rows);
         Self {
             data,
@@ -142,71 +161,17 @@ impl PartialCurve {
     }
 }
 
-/// The mean of the recalls of the learnt classes that there are.
-fn mean_recall(step: &PartialStep) -> Option<f64> {
-    let recalls = PartialClass::LEARNT.iter().filter_map(|it| step.classes.get(it)?.recall(*it));
-    let recalls: Vec<f64> = recalls.collect();
-    (!recalls.is_empty()).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64)
-}
-
-/// For every object of a learnt class, at which steps it was right.
-struct Objects<'a> {
-    right_at: BTreeMap<&'a str, (PartialClass, BTreeMap<u32, bool>)>,
-    resamples: Resamples,
-}
-
-impl<'a> Objects<'a> {
-    fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
-        let mut right_at: BTreeMap<&str, (PartialClass, BTreeMap<u32, bool>)> = BTreeMap::new();
-        for row in rows.iter().filter(|it| PartialClass::LEARNT.contains(&it.true_class)) {
-            let object = right_at.entry(&row.object).or_insert_with(|| (row.true_class, BTreeMap::new()));
-            object.1.insert(row.step, row.is_right());
-        }
-        let blocks = BlockCount::of_dataset(right_at.len() as u64, BlockKind::Tracks);
-        Self { resamples: Resamples::draw(data, blocks), right_at }
+/// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of these.
+fn kept(draws: &ObjectDraws<'_>, steps: &[PartialStep]) -> (Option<f64>, Option<f64>) {
+    let n_steps = steps.len() as f64;
+    let (mut kept_from, mut n_objects) = (Vec::new(), 0_u64);
+    for (class, told_at) in draws.known() {
+        n_objects += 1;
+        let n_kept = told_at.values().rev().take_while(|&&it| it == Told::from(*class)).count();
+        kept_from.extend((n_kept > 0).then(|| (told_at.len() - n_kept + 1) as f64 / n_steps));
     }
-
-    /// The interval of the mean of recalls at `step`, with other objects drawn.
-    fn interval(&self, step: u32) -> Option<Interval> {
-        let mut of_classes = Vec::new();
-        for class in PartialClass::LEARNT {
-            let terms: Vec<[f64; 2]> = self
-                .right_at
-                .values()
-                .map(|(of, steps)| match steps.get(&step) {
-                    Some(&is_right) if *of == class => [f64::from(u8::from(is_right)), 1.0],
-                    _ => [0.0, 0.0],
-                })
-                .collect();
-            if terms.iter().any(|it| it[1] > 0.0) {
-                let mut resampled = vec![[0.0, 0.0]; N_RESAMPLES];
-                self.resamples.add_terms(&terms, &mut resampled);
-                of_classes.push(resampled);
-            }
-        }
-        let mean = |resample: usize| {
-            let ratios: Option<Vec<f64>> = of_classes
-                .iter()
-                .map(|it| (it[resample][1] > 0.0).then(|| it[resample][0] / it[resample][1]))
-                .collect();
-            ratios.filter(|it| !it.is_empty()).map(|it| it.iter().sum::<f64>() / it.len() as f64)
-        };
-        Some(Distribution::new((0..N_RESAMPLES).map(mean), self.resamples.blocks())?.interval())
-    }
-
-    /// The mean share of steps from which objects are right and stay so, of those that are right in the end; and the share of
-    /// these.
-    fn kept(&self, steps: &[PartialStep]) -> (Option<f64>, Option<f64>) {
-        let n_steps = steps.len() as f64;
-        let kept_from = |of: &BTreeMap<u32, bool>| {
-            let n_kept = of.values().rev().take_while(|&&it| it).count();
-            (n_kept > 0).then(|| (of.len() - n_kept + 1) as f64 / n_steps)
-        };
-        let kept: Vec<f64> = self.right_at.values().filter_map(|(_, of)| kept_from(of)).collect();
-        let mean = (!kept.is_empty()).then(|| kept.iter().sum::<f64>() / kept.len() as f64);
-        let share = (!self.right_at.is_empty()).then(|| kept.len() as f64 / self.right_at.len() as f64);
-        (mean, share)
-    }
+    let mean = (!kept_from.is_empty()).then(|| kept_from.iter().sum::<f64>() / kept_from.len() as f64);
+    (mean, (n_objects > 0).then(|| kept_from.len() as f64 / n_objects as f64))
 }
 
 /// Number of bins of chances.

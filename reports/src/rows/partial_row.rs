@@ -169,6 +169,30 @@ impl PartialRow {
         }
     }
 
+    /// The row of what another method says of the same part.
+    pub fn told_by(&self, by: (&str, &str), answer: &Answer) -> Self {
+        let part = SeenPart {
+            data: &self.data,
+            object: &self.object,
+            direction: &self.direction,
+            step: self.step,
+            class: self.true_class,
+            n_points: self.n_points,
+            share_of_points: self.share_of_points.0,
+        };
+        Self::new(&part, by, answer)
+    }
+
+    /// The method.
+    pub fn method(&self) -> &str {
+        &self.method
+    }
+
+    /// How many points had been seen.
+    pub fn n_points(&self) -> usize {
+        self.n_points
+    }
+
     /// L1 distance to each class.
     pub fn errors(&self) -> OfClasses {
         [self.error_tree, self.error_car, self.error_pole, self.error_pedestrian, self.error_other]

@@ -9,3 +9,5 @@ pub mod run_target;
 mod folder_in_place;
 pub mod run_directory;
 pub mod run_archive;
+pub mod partial_manifest;
+pub mod partial_archive;

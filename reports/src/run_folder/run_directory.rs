@@ -46,6 +46,12 @@ pub const SWEEP_CSV: &str = "sweep.csv";
 /// Times of a sweep.
 pub const SWEEP_TIMES_CSV: &str = "times.csv";
 
+/// What objects were told to be of which a part has been seen: one row for every object, step and method.
+pub const PARTIAL_CSV: &str = "partial.csv";
+
+/// How objects were seen and told, for Rerun.
+pub const PARTIAL_RRD: &str = "partial.rrd";
+
 /// A run directory in the making.
 ///
 /// Until [`Self::finish`] everything is in a hidden folder beside the target, which is removed when this is dropped.

@@ -20,3 +20,5 @@ pub mod gated_speeds;
 pub mod verdict;
 pub mod accept;
 pub mod fitness_verdict;
+pub mod partial_difference;
+pub mod partial_verdict;

@@ -35,7 +35,8 @@ pub enum Origin {
 }
 
 /// What becomes of a run whose results changed though no number is surely worse.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DriftRule {
     /// It fails: somebody has to look at it, and accept it.
     Fail,

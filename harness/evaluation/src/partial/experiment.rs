@@ -1,12 +1,17 @@
 //! The ten-step experiment: methods learn from one set of objects and are judged by another.
 
+use std::sync::Arc;
+
 use detector::describe::trained_file::Provenance;
+use detector::partial::decision::Choice;
+use detector::partial::partial_model::PartialModel;
 use reports::rows::partial_row::{PartialRow, SeenPart};
 use reports::vocabulary::partial_class::PartialClass;
 use scans::dataset::DatasetError;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
+use scans::object_cloud::uncover::{UNCOVER_STEPS, UncoverFrom};
 
-use super::methods::{Method, MethodError};
+use super::methods::{Method, MethodError, OURS, TrainedMethod, UnknownClass};
 use super::object_parts::{ObjectPart, PartsSeen, object_parts};
 
 /// Objects of a set.
@@ -54,6 +59,9 @@ pub enum PartialExperimentError {
     /// An object cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// A model is of other things than objects.
+    #[error(transparent)]
+    Model(#[from] UnknownClass),
     /// A method learned nothing.
     #[error("{method} learned nothing from {dataset}")]
     Method {
@@ -66,25 +74,75 @@ pub enum PartialExperimentError {
     },
 }
 
+/// Where methods have what they know from.
+#[derive(Clone, Copy)]
+pub enum Knowledge<'a> {
+    /// A bag of graphs has learned before.
+    Model {
+        /// What it has learned.
+        model: &'a Arc<PartialModel>,
+        /// What rows say that it was trained on.
+        trained_on: &'a str,
+    },
+    /// Methods learn now.
+    Learned {
+        /// From which objects.
+        training: ObjectsOf<'a>,
+        /// From what of them, in turn.
+        trained_on: &'a [TrainedOn],
+        /// The methods.
+        methods: &'a [Method],
+    },
+}
+
 /// What is done.
 #[derive(Clone, Copy)]
 pub struct PartialExperiment<'a> {
-    /// What methods learn from.
-    pub training: ObjectsOf<'a>,
+    /// Where methods have what they know from.
+    pub knowledge: Knowledge<'a>,
     /// What they are judged by.
     pub judged: ObjectsOf<'a>,
     /// Which parts of them are shown: [`PartsSeen::Uncovered`] or [`PartsSeen::Driven`].
     pub judged_parts: PartsSeen,
-    /// Which classes take part.
+    /// Which classes take part. With [`PartialClass::Other`] a method may decide for none of these.
     pub classes: &'a [PartialClass],
-    /// What methods are trained on, in turn.
-    pub trained_on: &'a [TrainedOn],
-    /// The methods.
-    pub methods: &'a [Method],
 }
 
-/// Has every method learn and judge. Rows are in the order of training, method and part. `on_method` is called with the name of
-/// each before it learns.
+/// What came of it.
+#[derive(Debug)]
+pub struct PartialResults {
+    /// Rows in the order of training, method and part.
+    pub rows: Vec<PartialRow>,
+    /// What our method last learned, or had learned before; none if it did not take part.
+    pub model: Option<Arc<PartialModel>>,
+}
+
+impl PartialExperiment<'_> {
+    /// How many answers methods give.
+    pub fn n_answers(&self) -> usize {
+        let n_parts = match self.judged_parts {
+            PartsSeen::Whole => 1,
+            PartsSeen::Uncovered => UncoverFrom::ALL.len() * UNCOVER_STEPS.count(),
+            PartsSeen::Driven => UNCOVER_STEPS.count(),
+        };
+        let n_answering = match self.knowledge {
+            Knowledge::Model { .. } => 1,
+            Knowledge::Learned { trained_on, methods, .. } => trained_on.len() * methods.len(),
+        };
+        n_parts * n_answering * self.indices_of(self.judged).len()
+    }
+
+    fn indices_of(&self, objects: ObjectsOf<'_>) -> Vec<usize> {
+        let of_classes = |it: &&usize| self.classes.contains(&objects.set.classes()[**it]);
+        objects.object_indices.iter().filter(of_classes).copied().collect()
+    }
+
+    fn parts_of(&self, objects: ObjectsOf<'_>, seen: PartsSeen) -> Result<Vec<ObjectPart>, DatasetError> {
+        object_parts(objects.set, &self.indices_of(objects), seen)
+    }
+}
+
+/// Has every method judge, after it has learned unless it knows already. `on_answer` is called for each answer.
 ///
 /// The same objects give the same rows, with any number of threads.
 ///
@@ -95,38 +153,43 @@ pub struct PartialExperiment<'a> {
 /// Paper: BG section 4.
 pub fn run(
     experiment: &PartialExperiment<'_>,
-    mut on_method: impl FnMut(&str),
-) -> Result<Vec<PartialRow>, PartialExperimentError> {
-    let PartialExperiment { training, judged, judged_parts, classes, trained_on, methods } = *experiment;
-    let parts_of = |objects: ObjectsOf<'_>, seen| -> Result<Vec<ObjectPart>, DatasetError> {
-        let of_classes = |it: &&usize| classes.contains(&objects.set.classes()[**it]);
-        let indices: Vec<usize> = objects.object_indices.iter().filter(of_classes).copied().collect();
-        object_parts(objects.set, &indices, seen)
+    on_answer: impl Fn() + Sync,
+) -> Result<PartialResults, PartialExperimentError> {
+    let shown = experiment.parts_of(experiment.judged, experiment.judged_parts)?;
+    let may_be_none = experiment.classes.contains(&PartialClass::Other);
+    let choice = if may_be_none { Choice::OrNoneOfThese } else { Choice::OfClasses };
+    let data = &experiment.judged.set.description().id;
+    let mut results = PartialResults { rows: Vec::new(), model: None };
+    let mut judge = |method: &str, trained_on: &str, trained: &TrainedMethod| {
+        for (part, answer) in shown.iter().zip(trained.answers(&shown, choice, &on_answer)) {
+            results.rows.push(PartialRow::new(&seen_part(data, part), (method, trained_on), &answer));
+        }
+        if method == OURS {
+            results.model = trained.model().cloned();
+        }
     };
-    let shown = parts_of(judged, judged_parts)?;
-    let data = &judged.set.description().id;
-    let learned_from = &training.set.description().id;
-    let mut rows = Vec::new();
-    for &trained_on in trained_on {
-        let learned = parts_of(training, trained_on.parts_seen())?;
-        for method in methods {
-            on_method(&method.name);
-            let made = provenance(learned_from, trained_on);
-            let trained = method.learn(&learned, made).map_err(|source| PartialExperimentError::Method {
-                method: method.name.clone(),
-                dataset: learned_from.clone(),
-                source,
-            })?;
-            for (part, answer) in shown.iter().zip(trained.answers(&shown)) {
-                rows.push(PartialRow::new(
-                    &seen_part(data, part),
-                    (&method.name, trained_on.name()),
-                    &answer,
-                ));
+    match experiment.knowledge {
+        Knowledge::Model { model, trained_on } => {
+            judge(OURS, trained_on, &TrainedMethod::of_model(Arc::clone(model))?);
+        }
+        Knowledge::Learned { training, trained_on, methods } => {
+            let learned_from = &training.set.description().id;
+            for &trained_on in trained_on {
+                let learned = experiment.parts_of(training, trained_on.parts_seen())?;
+                for method in methods {
+                    let made = provenance(learned_from, trained_on);
+                    let trained =
+                        method.learn(&learned, made).map_err(|source| PartialExperimentError::Method {
+                            method: method.name.clone(),
+                            dataset: learned_from.clone(),
+                            source,
+                        })?;
+                    judge(&method.name, trained_on.name(), &trained);
+                }
             }
         }
     }
-    Ok(rows)
+    Ok(results)
 }
 
 fn seen_part<'a>(data: &'a str, part: &'a ObjectPart) -> SeenPart<'a> {
@@ -152,8 +215,9 @@ fn provenance(learned_from: &str, trained_on: TrainedOn) -> Provenance {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
-    use crate::partial::methods::OURS;
     use reports::partial_study::partial_curves::PartialCurve;
     use simulator::object_clouds::simulated_objects::{ObjectPart as Purpose, open_simulated_objects};
 
@@ -166,16 +230,27 @@ mod tests {
         let methods: Vec<Method> =
             Method::all().into_iter().filter(|it| it.name != "bag of graphs (paper)").collect();
         let experiment = PartialExperiment {
-            training: ObjectsOf { set: &training, object_indices: &all },
+            knowledge: Knowledge::Learned {
+                training: ObjectsOf { set: &training, object_indices: &all },
+                trained_on: &[TrainedOn::Parts],
+                methods: &methods,
+            },
             judged: ObjectsOf { set: &judged, object_indices: &all[..] },
             judged_parts: PartsSeen::Uncovered,
             classes: &PartialClass::LEARNT,
-            trained_on: &[TrainedOn::Parts],
-            methods: &methods,
         };
         let rows_of = |n_threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            pool.install(|| run(&experiment, |_| ()).unwrap())
+            let n_answers = AtomicUsize::new(0);
+            let count = || {
+                n_answers.fetch_add(1, Ordering::Relaxed);
+            };
+            let results = pool.install(|| run(&experiment, count).unwrap());
+            assert_eq!(
+                (results.rows.len(), n_answers.into_inner()),
+                (experiment.n_answers(), experiment.n_answers())
+            );
+            results.rows
         };
         let rows = rows_of(2);
         assert_eq!(rows.len(), 4 * 6 * 20 * methods.len());

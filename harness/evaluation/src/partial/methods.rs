@@ -6,7 +6,7 @@ use baselines::pca_features::N_PCA_FEATURES;
 use detector::PointCloud;
 use detector::classify::nu_svc_solver::NuSvcError;
 use detector::describe::trained_file::Provenance;
-use detector::partial::decision::{Centers, DecisionRule, Verdict};
+use detector::partial::decision::{Centers, Choice, DecisionRule, Verdict};
 use detector::partial::partial_classifier::PartialClassifier;
 use detector::partial::partial_model::PartialModel;
 use detector::partial::partial_params::PartialParams;
@@ -76,11 +76,11 @@ impl Method {
             ("without extents", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Extents)),
             ("without heights", &|it| it.patterns.height_edges_m.clear()),
             ("without volumes", &|it| it.patterns.volume_edges_m3.clear()),
-            ("without weights: the nearest mean", &|it| it.decision.rule = DecisionRule::Nearest),
-            ("one mean a class, the nearest", &|it| {
+            ("without weights: the nearest mean of a part", &|it| {
                 it.decision.rule = DecisionRule::Nearest;
-                it.decision.centers = Centers::OfClass;
+                it.decision.centers = Centers::OfParts;
             }),
+            ("without weights: the nearest mean", &|it| it.decision.rule = DecisionRule::Nearest),
             ("k halved", &|it| it.labels.n_labels = (it.labels.n_labels / 2).max(1)),
             ("r halved", &|it| it.surface.radius_m *= 0.5),
             ("r doubled", &|it| it.surface.radius_m *= 2.0),
@@ -103,6 +103,14 @@ pub enum MethodError {
     /// A rival.
     #[error("a rival learned nothing")]
     Rival(#[from] NuSvcError),
+}
+
+/// A model knows a class that objects are never of.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the model knows the class {name:?}, which is none of tree, car, pole, pedestrian and other")]
+pub struct UnknownClass {
+    /// What it calls it.
+    pub name: String,
 }
 
 /// A method that has learned.
@@ -155,8 +163,7 @@ pub fn bag_of_graphs(
     let names: Vec<String> = classes.iter().map(|it| it.name().to_owned()).collect();
     let described = |part: &ObjectPart| {
         let class_idx = classes.iter().position(|it| *it == part.class)?;
-        let from = usize::from(part.direction != "below");
-        let of_object = (part.object_idx, from * 100 + part.step as usize);
+        let of_object = (part.object_idx, part.place());
         Some(TrainingCloud::described(part.cloud.positions_m(), class_idx, of_object, params))
     };
     let clouds: Vec<Option<TrainingCloud>> = parts.par_iter().map(described).collect();
@@ -181,27 +188,52 @@ fn svm<const D: usize>(
 }
 
 impl TrainedMethod {
-    /// What it says of every part, in their order.
-    pub fn answers(&self, parts: &[ObjectPart]) -> Vec<Answer> {
+    /// A bag of graphs that has learned before.
+    ///
+    /// # Errors
+    ///
+    /// [`UnknownClass`] if it knows a class that objects are never of.
+    pub fn of_model(model: Arc<PartialModel>) -> Result<Self, UnknownClass> {
+        let class = |name: &String| PartialClass::from_name(name).ok_or(UnknownClass { name: name.clone() });
+        let classes = model.classes.iter().map(class).collect::<Result<_, _>>()?;
+        Ok(Self { classes, kind: TrainedKind::BagOfGraphs(model) })
+    }
+
+    /// What it has learned, if it is a bag of graphs.
+    pub fn model(&self) -> Option<&Arc<PartialModel>> {
+        match &self.kind {
+            TrainedKind::BagOfGraphs(model) => Some(model),
+            TrainedKind::Extents(_) | TrainedKind::Pca(_) | TrainedKind::VehicleValues(_) => None,
+        }
+    }
+
+    /// What it says of every part, in their order. `on_answer` is called for each.
+    pub fn answers(&self, parts: &[ObjectPart], choice: Choice, on_answer: impl Fn() + Sync) -> Vec<Answer> {
+        let answered = |answer: Answer| {
+            on_answer();
+            answer
+        };
         match &self.kind {
             TrainedKind::BagOfGraphs(model) => {
-                let new_classifier = || PartialClassifier::new(Arc::clone(model));
-                parts.par_iter().map_init(new_classifier, |it, part| self.of_graphs(it, part)).collect()
+                let new_classifier = || PartialClassifier::with_choice(Arc::clone(model), choice);
+                let of_part = |it: &mut _, part: &ObjectPart| answered(self.of_graphs(it, &part.cloud));
+                parts.par_iter().map_init(new_classifier, of_part).collect()
             }
             TrainedKind::Extents(svm) => {
-                parts.par_iter().map(|it| self.of_svm(svm, extent_values(&it.cloud))).collect()
+                parts.par_iter().map(|it| answered(self.of_svm(svm, extent_values(&it.cloud)))).collect()
             }
             TrainedKind::Pca(svm) => {
-                parts.par_iter().map(|it| self.of_svm(svm, pca_values(&it.cloud))).collect()
+                parts.par_iter().map(|it| answered(self.of_svm(svm, pca_values(&it.cloud)))).collect()
             }
             TrainedKind::VehicleValues(svm) => {
-                parts.par_iter().map(|it| self.of_svm(svm, vehicle_values(&it.cloud))).collect()
+                parts.par_iter().map(|it| answered(self.of_svm(svm, vehicle_values(&it.cloud)))).collect()
             }
         }
     }
 
-    fn of_graphs(&self, classifier: &mut PartialClassifier, part: &ObjectPart) -> Answer {
-        let judgement = classifier.classify(part.cloud.positions_m());
+    /// What a bag of graphs says of a cloud.
+    pub fn of_graphs(&self, classifier: &mut PartialClassifier, cloud: &PointCloud) -> Answer {
+        let judgement = classifier.classify(cloud.positions_m());
         let told = match judgement.verdict {
             Verdict::TooLittleSeen => Told::NotJudged,
             Verdict::NoneOfThese => Told::NoneOfThese,

@@ -2,7 +2,9 @@
 //! the method is worth.
 
 pub mod object_parts;
+pub mod model_training;
 pub mod rival_values;
 pub mod pairwise_svm;
 pub mod methods;
 pub mod experiment;
+pub mod growth;

@@ -4,6 +4,7 @@ use detector::PointCloud;
 use rayon::prelude::*;
 use reports::vocabulary::partial_class::PartialClass;
 use scans::dataset::DatasetError;
+use scans::object_cloud::growing_cloud::GrowingCloud;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use scans::object_cloud::uncover::{UNCOVER_STEPS, UncoverFrom, uncover};
 
@@ -24,6 +25,18 @@ pub struct ObjectPart {
     pub cloud: PointCloud,
     /// The share of all its points.
     pub share_of_points: f64,
+}
+
+impl ObjectPart {
+    /// A number of what is seen, the same for all objects: from which end, and the step.
+    pub fn place(&self) -> usize {
+        let from = match self.direction {
+            DRIVE => 2,
+            "above" => 1,
+            _ => 0,
+        };
+        from * 100 + self.step as usize
+    }
 }
 
 /// The direction of objects that were driven toward.
@@ -50,17 +63,14 @@ pub fn object_parts(
     object_indices: &[usize],
     seen: PartsSeen,
 ) -> Result<Vec<ObjectPart>, DatasetError> {
-    let of_objects: Vec<_> = object_indices.par_iter().map(|&it| parts_of(set, it, seen)).collect();
+    let of_object = |&it: &usize| Ok(parts_of(it, &set.read(it)?, seen));
+    let of_objects: Vec<Result<_, DatasetError>> = object_indices.par_iter().map(of_object).collect();
     let of_objects: Vec<Vec<ObjectPart>> = of_objects.into_iter().collect::<Result<_, _>>()?;
     Ok(of_objects.into_iter().flatten().collect())
 }
 
-fn parts_of(
-    set: &dyn ObjectCloudSet,
-    object_idx: usize,
-    seen: PartsSeen,
-) -> Result<Vec<ObjectPart>, DatasetError> {
-    let growing = set.read(object_idx)?;
+/// The parts of `growing`, object `object_idx` of its set.
+pub fn parts_of(object_idx: usize, growing: &GrowingCloud, seen: PartsSeen) -> Vec<ObjectPart> {
     let whole = &growing.whole;
     let part = |direction, step, cloud: PointCloud| ObjectPart {
         object_idx,
@@ -72,7 +82,7 @@ fn parts_of(
         cloud,
     };
     let last = *UNCOVER_STEPS.end();
-    Ok(match seen {
+    match seen {
         PartsSeen::Whole => vec![part(UncoverFrom::Below.name(), last, whole.cloud.clone())],
         PartsSeen::Uncovered => UncoverFrom::ALL
             .into_iter()
@@ -85,7 +95,7 @@ fn parts_of(
                 part(DRIVE, step, growing.seen_at(&growing.moments[place - 1]))
             })
             .collect(),
-    })
+    }
 }
 
 #[cfg(test)]

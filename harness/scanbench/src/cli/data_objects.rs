@@ -14,28 +14,33 @@ use super::scans::SourceArgs;
 /// Which objects are taken.
 #[derive(Debug, Args)]
 pub struct ObjectArgs {
-    /// Which part of simulated objects: no object is in two
-    #[arg(long, value_enum, value_name = "PART", default_value = "development", help_heading = DATA)]
-    pub part: PartName,
-    /// Simulated objects of each class
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = DATA)]
-    pub per_class: u32,
+    /// Which part of simulated objects: no object is in two [default: development]
+    #[arg(long, value_enum, value_name = "PART", help_heading = DATA)]
+    pub part: Option<PartName>,
+    /// Simulated objects of each class [default: 300]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = DATA)]
+    pub per_class: Option<u32>,
     /// Put objects of data sets together from all scans that show them
     #[arg(long, help_heading = DATA)]
     pub registered: bool,
 }
 
+/// Simulated objects of each class, unless another number is asked for.
+const USUAL_PER_CLASS: u32 = 300;
+
 impl ObjectArgs {
     /// The same as options.
     pub fn options(&self) -> ObjectOptions {
+        let part = self.part.unwrap_or(PartName::Development).part();
         let registration = if self.registered { Registration::OverScans } else { Registration::EachScan };
-        ObjectOptions {
-            part: self.part.part(),
-            n_per_class: self.per_class,
-            registration,
-            cut_out: CutOutParams::USUAL,
-        }
+        let n_per_class = self.per_class.unwrap_or(USUAL_PER_CLASS);
+        ObjectOptions { registration, ..object_options(part, n_per_class) }
     }
+}
+
+/// So many objects of each class of a part of simulated ones; each as one scan shows it, if they are cut out of a data set.
+pub fn object_options(part: ObjectPart, n_per_class: u32) -> ObjectOptions {
+    ObjectOptions { part, n_per_class, registration: Registration::EachScan, cut_out: CutOutParams::USUAL }
 }
 
 /// A part of simulated objects.

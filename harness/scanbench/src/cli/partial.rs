@@ -1,15 +1,18 @@
 //! Arguments of `scanbench partial`.
 
+use std::path::PathBuf;
+use std::str::FromStr;
+
 use clap::{Args, ValueEnum};
 
 use super::data_objects::ObjectArgs;
-use super::help_text::{JUDGING, TRAINING};
+use super::help_text::{JUDGING, TRAINING, VIEWER, with_details};
 use super::output::OutputArgs;
 use super::scans::SourceArgs;
 
 /// Arguments of `scanbench partial`.
 #[derive(Debug, Args)]
-#[command(after_help = PARTIAL_EXAMPLES)]
+#[command(after_help = PARTIAL_EXAMPLES, after_long_help = with_details(PARTIAL_EXAMPLES, PARTIAL_DETAILS))]
 pub struct PartialArgs {
     /// Objects that are judged: simulated ones, a folder with a folder for each class, or a data set
     #[arg(value_name = "OBJECTS", default_value = "objects-around")]
@@ -20,23 +23,34 @@ pub struct PartialArgs {
     /// How data sets are opened.
     #[command(flatten)]
     pub source: SourceArgs,
-    /// Objects to learn from [default: the training part of what is judged, or of objects-around]
+    /// Model to decide by [default: the one that comes with the program]
+    #[arg(long, value_name = "FILE", conflicts_with = "train", help_heading = TRAINING)]
+    pub model: Option<PathBuf>,
+    /// Train the bag of graphs and its rivals on these objects, instead of taking a model
     ///
-    /// Of recorded objects that are also judged, every second is learned from, and the others are judged.
+    /// Of simulated objects the training part is learned from. Of recorded objects that are also judged, every second is
+    /// learned from, and the others are judged.
     #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
     pub train: Option<String>,
-    /// Learn from whole clouds, as the paper does, from parts, or each in turn
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT", default_value = "whole,parts", help_heading = TRAINING)]
+    /// Learn from whole clouds, as the paper does, from parts, or from each in turn [default: whole,parts]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT", requires = "train", hide_possible_values = true, help_heading = TRAINING)]
     pub trained_on: Vec<LearnedFrom>,
     /// Compare the method with itself without each part, instead of with rivals
-    #[arg(long, help_heading = JUDGING)]
+    #[arg(long, requires = "train", help_heading = JUDGING)]
     pub ablation: bool,
-    /// Also fences, hedges and the like, which are none of the four
+    /// Also fences, hedges and the like, which are none of the four; methods may reject
     #[arg(long, help_heading = JUDGING)]
     pub others: bool,
     /// Show objects of objects-approach as the drive does, and not step by step
     #[arg(long, help_heading = JUDGING)]
     pub drives: bool,
+    /// Results of another program on the same objects, called NAME in tables; may be repeated
+    #[arg(long, value_name = "NAME=FILE", help_heading = JUDGING)]
+    pub peer_results: Vec<PeerResults>,
+    /// Write no Rerun recording
+    #[arg(long, help_heading = VIEWER)]
+    #[allow(dead_code, reason = "read by the viewer, where there is one")]
+    pub no_rrd: bool,
     /// Where everything is written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -51,12 +65,54 @@ pub enum LearnedFrom {
     Parts,
 }
 
+/// A file of another program, and what it is called.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PeerResults {
+    /// The name used in tables.
+    pub name: String,
+    /// The file.
+    pub file: PathBuf,
+}
+
+impl FromStr for PeerResults {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some((name, file)) if !name.is_empty() && !file.is_empty() => {
+                Ok(Self { name: name.to_owned(), file: PathBuf::from(file) })
+            }
+            _ => Err("write NAME=FILE, such as esf=esf-partial.csv".to_owned()),
+        }
+    }
+}
+
 const PARTIAL_EXAMPLES: &str = "\
 Examples:
   scanbench partial --per-class 60
   scanbench partial objects-approach --drives --per-class 60 --part judging
-  scanbench partial ~/data/object_clouds --train ~/data/object_clouds
-  scanbench partial ~/data/object_clouds --train objects-air
+  scanbench partial ~/data/object_clouds --others
+  scanbench partial objects-around --train objects-around --per-class 60
+  scanbench partial ~/data/object_clouds --train ~/data/object_clouds";
 
+const PARTIAL_DETAILS: &str = "\
 Every object is uncovered in ten steps, from below and from above, each a tenth of
-its largest extent more.";
+its largest extent more.
+
+Writes partial.csv with a row for every object, step and method, the tables as
+Markdown and LaTeX, figures as SVG and PDF, report.html, and a recording of one
+object of each class. `scanbench compare` and `scanbench gate` take the directory.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peers_have_a_name_and_a_file() {
+        let peer: PeerResults = "esf (PCL)=a=b.csv".parse().unwrap();
+        assert_eq!((peer.name.as_str(), peer.file), ("esf (PCL)", PathBuf::from("a=b.csv")));
+        for text in ["esf.csv", "=esf.csv", "esf="] {
+            assert!(text.parse::<PeerResults>().unwrap_err().contains("NAME=FILE"));
+        }
+    }
+}

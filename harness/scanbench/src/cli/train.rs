@@ -7,6 +7,7 @@ use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROT
 use super::help_text::{DETECTORS as DETECTORS_HEADING, JUDGING, TRAINING, with_details};
 use super::output::OutputArgs;
 use super::scans::DatasetArgs;
+use super::train_partial::PartialTrainingArgs;
 
 /// Arguments of `scanbench train`.
 #[derive(Debug, Args)]
@@ -68,6 +69,9 @@ pub struct TrainArgs {
     #[arg(long, value_name = "N", default_value_t = HOLD_OUT_EVERY, value_parser = clap::value_parser!(u32).range(2..=1000))]
     #[arg(help_heading = JUDGING)]
     pub hold_out_every: u32,
+    /// What the model of the task partial learns from.
+    #[command(flatten)]
+    pub partial: PartialTrainingArgs,
     /// Where model, prototypes, curves and plots are written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -100,7 +104,8 @@ Examples:
   scanbench train ~/data/kitti_tracking -o model
   scanbench train training-streets --seed 3000 --scans 0..300:6 --nu 0.3 --gamma 0.1078
   scanbench train training-streets --scans 0..300:6 --held-out ~/data/kitti_tracking -d pca
-  scanbench train training-streets --scans 0..300:6 -d groupings --sensors vlp-16,os1-128";
+  scanbench train training-streets --scans 0..300:6 -d groupings --sensors vlp-16,os1-128
+  scanbench train --task partial -o model";
 
 const TRAIN_DETAILS: &str = "\
 Examples of vehicles are clusters that match an annotated car, van, truck or bus.
@@ -116,4 +121,8 @@ except the date in the manifest.
 Groupings are trained on all groups of every scan: how well each fits an annotated object,
 and whether it shows a vehicle. Writes objects.toml, vehicles.toml, prototypes.toml,
 calibration.csv and manifest.json; run them with
--P vehicle_model.groupings_directory=DIR.";
+-P vehicle_model.groupings_directory=DIR.
+
+--task partial trains what tells objects of which a part has been seen. Without
+--objects and --per-class this is the model that comes with the program. Writes
+model.toml and manifest.json; scanbench partial takes it with --model DIR/model.toml.";

@@ -1,5 +1,6 @@
 //! `scanbench compare`.
 
+use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format;
 use reports::tables::formats::markdown::Markdown;
@@ -7,15 +8,15 @@ use reports::tables::verdict::comparison::{ComparedSlices, Comparison, compare_d
 
 use crate::cli::CompareArgs;
 use crate::cli::OutputArgs;
+use crate::commands::comparison_facts::comparison_facts;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::open_run;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::provenance::{command_line, git_state};
+use crate::commands::partial_verdicts::compare_partial;
 use crate::commands::run_directory::claim_named;
 use crate::commands::standard_streams::print_bytes;
 use crate::commands::standard_streams::print_diagnostic;
 use crate::commands::standard_streams::terminal;
-use evaluation::metrics::counts::SCORING_VERSION;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::plots::study_plots::comparison_plot;
 use reports::run_folder::run_directory::RunDirectory;
@@ -28,6 +29,9 @@ use reports::tables::verdict::difference_row::DifferenceRow;
 ///
 /// If a run cannot be read, the two are not of the same scans, there is no such detector, or nothing can be written.
 pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
+    if PartialArchive::is_partial(&arguments.run) {
+        return compare_partial(arguments);
+    }
     let output = OutputArgs { output: arguments.output.clone(), overwrite: arguments.overwrite };
     let directory = claim_named(&output)?;
     let slices = if arguments.slices { ComparedSlices::Each } else { ComparedSlices::All };
@@ -41,7 +45,7 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     };
     if let Some(directory) = directory {
         let directory = RunDirectory::begin(directory)?;
-        directory.write_file(MANIFEST_JSON, format!("{:#}\n", manifest(arguments)).as_bytes())?;
+        directory.write_file(MANIFEST_JSON, format!("{:#}\n", comparison_facts(arguments)).as_bytes())?;
         directory.write_file("comparison.csv", &to_csv_bytes(&DifferenceRow::all(&comparison))?)?;
         write_figure(&directory, "comparison", &comparison_plot(&comparison))?;
         write_table(&directory, "comparison", &comparison)?;
@@ -50,19 +54,6 @@ pub fn compare(arguments: &CompareArgs) -> Result<(), Failure> {
     let format: &dyn Format<Comparison> = if arguments.markdown { &Markdown } else { &terminal() };
     let text = format.text(&comparison);
     print_bytes(text.as_bytes())
-}
-
-/// What was compared, and by what.
-fn manifest(arguments: &CompareArgs) -> serde_json::Value {
-    serde_json::json!({
-        "scanbench_version": env!("CARGO_PKG_VERSION"),
-        "scoring_version": SCORING_VERSION,
-        "argv": command_line(),
-        "git": git_state(),
-        "before": arguments.run,
-        "after": arguments.other,
-        "detectors": arguments.detectors,
-    })
 }
 
 fn of_detectors(

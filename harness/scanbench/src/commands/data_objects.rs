@@ -2,12 +2,10 @@
 
 use reports::vocabulary::partial_class::PartialClass;
 use scans::conversion::object_folder_writer::write_object_folder;
-use scans::dataset::class_table::ClassTable;
-use simulator::object_clouds::open_objects::open_objects;
 
 use crate::cli::DataObjectsArgs;
 use crate::commands::failure::Failure;
-use crate::commands::open_datasets::{open_catalogue, open_options, refuse_scan_options};
+use crate::commands::object_sets::{ObjectOpening, refuse_idle_options};
 use crate::commands::standard_streams::print_result;
 
 /// Writes single objects, a folder for each class.
@@ -16,10 +14,9 @@ use crate::commands::standard_streams::print_result;
 ///
 /// If there are no such objects, they are damaged, or the folder exists or cannot be written; nothing is left behind then.
 pub fn data_objects(arguments: &DataObjectsArgs) -> Result<(), Failure> {
-    refuse_scan_options(&arguments.objects, &arguments.source)?;
-    let catalogue = open_catalogue(arguments.source.catalogue.catalogue.as_deref())?;
-    let options = open_options(&arguments.source, &ClassTable::default())?;
-    let objects = open_objects(&arguments.objects, &arguments.choice.options(), &options, &catalogue)?;
+    let DataObjectsArgs { objects: name, choice, source, .. } = arguments;
+    refuse_idle_options((std::slice::from_ref(name), &[]), choice, source)?;
+    let objects = ObjectOpening::of(source)?.open(name, &choice.options())?;
     write_object_folder(&*objects, &arguments.output)?;
     let of_classes = PartialClass::ALL.into_iter().filter_map(|class| {
         let n = objects.classes().iter().filter(|it| **it == class).count();

@@ -1,10 +1,10 @@
 //! `scanbench gate`.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use reports::files::whole_file::write_whole;
 use reports::run_folder::command_line::shell_word;
+use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_archive::RunArchive;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::lists::{SERVICE_FORMATS, VERDICT_FORMATS};
@@ -19,11 +19,10 @@ use reports::verdicts::verdict::{Verdict, judge};
 use crate::cli::GateArgs;
 use crate::commands::failure::{Failure, GateClosed, Usage};
 use crate::commands::open_run::open_run;
+use crate::commands::partial_verdicts::gate_partial;
 use crate::commands::standard_streams::print_bytes;
 use crate::commands::standard_streams::terminal;
-
-/// The file that GitHub shows as the summary of a job.
-const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
+use crate::commands::step_summary::append_to_step_summary;
 
 /// Judges a run by an accepted one, and prints and writes the verdict.
 ///
@@ -32,6 +31,9 @@ const STEP_SUMMARY: &str = "GITHUB_STEP_SUMMARY";
 /// [`GateClosed`] if the run is worse or results changed; and if it cannot be compared, or something cannot be read or written.
 pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
+    if PartialArchive::is_partial(&arguments.run) {
+        return gate_partial(arguments);
+    }
     let baseline = open_baseline(directory)?;
     let mut tolerances = tolerances(arguments, &baseline)?;
     if let Some(is_allowed) = arguments.allow_drift {
@@ -42,9 +44,7 @@ pub fn gate(arguments: &GateArgs) -> Result<(), Failure> {
     if let Some(output) = &arguments.output {
         write_verdict(output, &verdict, &run)?;
     }
-    if let Some(summary) = std::env::var_os(STEP_SUMMARY).filter(|it| !it.is_empty()) {
-        append(Path::new(&summary), &Markdown.text(&verdict))?;
-    }
+    append_to_step_summary(&Markdown.text(&verdict))?;
     print_bytes(printed(arguments, &verdict).as_bytes())?;
     match verdict.conclusion() {
         passed if passed.is_pass() => Ok(()),
@@ -106,13 +106,4 @@ fn write_verdict(directory: &Path, verdict: &Verdict, run: &RunArchive) -> Resul
         write_whole(&directory.join(format.file_name("gate")), format.text(&run.report).as_bytes())?;
     }
     Ok(())
-}
-
-/// Other steps of the job have written there before.
-fn append(path: &Path, text: &str) -> Result<(), Failure> {
-    let file = std::fs::File::options().append(true).create(true).open(path);
-    let written = file.and_then(|mut it| it.write_all(text.as_bytes()));
-    written.map_err(|error| {
-        Failure::usage(format!("cannot write {}, the file that {STEP_SUMMARY} names", path.display()), error)
-    })
 }

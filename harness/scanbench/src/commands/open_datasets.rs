@@ -18,7 +18,6 @@ use scans::dataset::scan_selection::ScanSelection;
 use scans::dataset::source::DamagePolicy;
 use scans::dataset::{Dataset, DatasetDescription, DatasetError};
 use simulator::catalogue::{Catalogue, built_in_catalogue};
-use simulator::object_clouds::simulated_objects::OBJECT_SETS;
 use simulator::open::{OpenOptions, open_dataset};
 use simulator::simulated_street::sensor_named;
 
@@ -281,27 +280,6 @@ pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
             Err(Usage(problem).into())
         }
         None => Ok(()),
-    }
-}
-
-/// Refuses options of scans for the simulated objects `name`, which are drawn by number and seen by the sensors of their set.
-///
-/// # Errors
-///
-/// [`Usage`], with the first of them.
-pub fn refuse_scan_options(name: &str, source: &SourceArgs) -> Result<(), Failure> {
-    let of_scans = [
-        ("--seed", source.seed.is_some()),
-        ("--simulated-scans", source.simulated_scans.is_some()),
-        ("--sensor", source.sensor.is_some()),
-        ("--sensor-height", source.sensor_height.is_some()),
-        ("--transform", source.transform.is_some()),
-    ];
-    match of_scans.iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) if OBJECT_SETS.contains(&name) => {
-            Err(Usage(format!("{option} is for data sets, and {name} is none")).into())
-        }
-        _ => Ok(()),
     }
 }
 

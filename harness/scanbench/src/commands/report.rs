@@ -1,7 +1,10 @@
 //! `scanbench report`.
 
+use evaluation::partial::methods::OURS;
+use reports::pages::partial_page::PartialPage;
 use reports::pages::run_page::RunPage;
 use reports::pages::sweep_page::SweepPage;
+use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_directory::REPORT_HTML;
 
 use crate::cli::ReportArgs;
@@ -9,7 +12,7 @@ use crate::commands::failure::{Failure, Usage};
 use crate::commands::open_run::refuse_shard;
 use crate::commands::standard_streams::print_diagnostic;
 
-/// Makes the page of a run or a sweep, of its files alone.
+/// Makes the page of a run, a sweep or partial clouds, of its files alone.
 ///
 /// # Errors
 ///
@@ -23,6 +26,9 @@ pub fn report(arguments: &ReportArgs) -> Result<(), Failure> {
     refuse_shard(directory)?;
     if SweepPage::is_sweep(directory) {
         SweepPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
+    } else if PartialArchive::is_partial(directory) {
+        let page = PartialPage::of(directory, OURS);
+        page.map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     } else {
         RunPage::of(directory).map_err(|error| Failure::damaged_run(directory, error))?.write(directory)?;
     }

@@ -25,7 +25,7 @@ use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
 use scans::dataset::class_table::ClassTable;
 
-use crate::cli::{ModelName, TrainArgs};
+use crate::cli::{ModelName, TrainArgs, TrainedTask};
 use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
@@ -37,6 +37,7 @@ use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::train_files::{TrainedModel, TrainingSettings, write_files};
 use crate::commands::train_groupings::train_groupings;
+use crate::commands::train_partial::train_partial;
 use crate::commands::train_summary::summary;
 use crate::commands::training_data::{held_out_arguments, name_with_seed, nothing, parted};
 
@@ -50,6 +51,9 @@ const MOST_STEPS: usize = 500_000;
 /// If anything asked for is not there, data are damaged or too few, or the output cannot be written; nothing is left
 /// behind then.
 pub fn train(arguments: &TrainArgs) -> Result<(), Failure> {
+    if arguments.partial.task == Some(TrainedTask::Partial) {
+        return train_partial(arguments);
+    }
     match arguments.detector {
         ModelName::Hierarchical => train_svm(arguments, ModelKind::Hierarchical),
         ModelName::Paper => train_svm(arguments, ModelKind::Paper),

@@ -25,6 +25,30 @@ pub struct ObjectOptions {
     pub cut_out: CutOutParams,
 }
 
+/// What objects are cut out of, or drawn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ObjectSource {
+    /// One of [`OBJECT_SETS`].
+    Simulated,
+    /// A folder with a folder for each class.
+    ClassFolders,
+    /// A data set, recorded or simulated, if there is one.
+    Dataset,
+}
+
+impl ObjectSource {
+    /// What `name_or_path` is as [`open_objects`] takes it.
+    pub fn of(name_or_path: &str) -> Self {
+        if OBJECT_SETS.contains(&name_or_path) {
+            Self::Simulated
+        } else if has_class_folder(Path::new(name_or_path)) {
+            Self::ClassFolders
+        } else {
+            Self::Dataset
+        }
+    }
+}
+
 /// Opens the objects called `name_or_path`: one of [`OBJECT_SETS`], a folder with a folder for each class, or else the annotated objects of all
 /// scans of a data set, as [`open_dataset`] opens it.
 ///
@@ -37,13 +61,14 @@ pub fn open_objects(
     dataset_options: &OpenOptions,
     catalogue: &Catalogue,
 ) -> Result<Box<dyn ObjectCloudSet>, DatasetError> {
-    if OBJECT_SETS.contains(&name_or_path) {
-        let objects = open_simulated_objects(name_or_path, options.part, options.n_per_class)?;
-        return Ok(Box::new(objects));
-    }
     let path = Path::new(name_or_path);
-    if has_class_folder(path) {
-        return Ok(Box::new(open_class_folders(path)?));
+    match ObjectSource::of(name_or_path) {
+        ObjectSource::Simulated => {
+            let objects = open_simulated_objects(name_or_path, options.part, options.n_per_class)?;
+            return Ok(Box::new(objects));
+        }
+        ObjectSource::ClassFolders => return Ok(Box::new(open_class_folders(path)?)),
+        ObjectSource::Dataset => {}
     }
     match open_dataset(name_or_path, dataset_options, catalogue) {
         Ok(dataset) => {

@@ -18,6 +18,7 @@ mod scene;
 mod compare;
 mod stages;
 mod drive;
+pub mod growth;
 
 /// What there is to lay out.
 pub struct RecordingLayout<'a> {
@@ -57,7 +58,17 @@ pub fn send_blueprint(
         .with_blueprint_panel(BlueprintPanel::from_state(PanelState::Hidden))
         .with_selection_panel(SelectionPanel::from_state(PanelState::Hidden))
         .with_time_panel(time_panel(layout));
-    let (messages, activation) = messages(application_id, &blueprint, &properties)
+    send(stream, application_id, &blueprint, &properties)
+}
+
+/// Sends `blueprint` with `properties` of its views along `stream`.
+fn send(
+    stream: &RecordingStream,
+    application_id: &'static str,
+    blueprint: &Blueprint,
+    properties: &[Property],
+) -> Result<(), StreamError> {
+    let (messages, activation) = messages(application_id, blueprint, properties)
         .map_err(|reason| StreamError::Log { entity: "the blueprint".to_owned(), reason })?;
     stream.send_blueprint(messages, activation);
     Ok(())

@@ -1,11 +1,13 @@
 //! The tables of how objects are told of which a part has been seen.
 
 use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::blocks::Interval;
 use crate::partial_study::partial_claims::claims;
 use crate::partial_study::partial_curves::{PartialCurve, PartialStep};
 use crate::rows::partial_row::Told;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Part, Sheet, Tabular};
+use crate::uncertainty::bootstrap::N_RESAMPLES;
 use crate::vocabulary::partial_class::PartialClass;
 
 /// The mean of recalls of every method at every step; of one method the confusion, and what of the paper holds.
@@ -19,15 +21,24 @@ pub struct PartialTable<'a> {
     pub method: &'a str,
 }
 
-/// Steps of which the confusion is shown.
-const CONFUSION_AT: [u32; 3] = [3, 5, 10];
+/// Steps of which the confusion and intervals are shown.
+const SHOWN_AT: [u32; 3] = [3, 5, 10];
 
 impl Tabular for PartialTable<'_> {
     fn sheet(&self) -> Sheet {
-        let mut parts =
-            vec![Part { title: Some(format!("{} Mean of recalls in %.", self.title)), grid: self.recalls() }];
+        let mut parts = vec![
+            Part { title: Some(format!("{} Mean of recalls in %.", self.title)), grid: self.recalls() },
+            Part {
+                title: Some("Mean of recalls in %, with 95 % intervals.".to_owned()),
+                grid: self.intervals(),
+            },
+        ];
+        if self.curves.iter().flat_map(|it| &it.steps).any(|it| it.rejected.is_some()) {
+            let title = "None of these: what is rejected of strangers and of objects of known classes, in %.";
+            parts.push(Part { title: Some(title.to_owned()), grid: self.rejected() });
+        }
         for curve in self.curves.iter().filter(|it| it.method == self.method) {
-            for step in curve.steps.iter().filter(|it| CONFUSION_AT.contains(&it.step)) {
+            for step in curve.steps.iter().filter(|it| SHOWN_AT.contains(&it.step)) {
                 let title =
                     format!("{} at step {}: what objects were told to be.", name_of(curve), step.step);
                 parts.push(Part { title: Some(title), grid: confusion(step) });
@@ -41,6 +52,7 @@ impl Tabular for PartialTable<'_> {
             "Columns 1 to 10: steps, each a tenth of the largest extent more. kept: of the objects that are right at the last step, the mean \
              share of steps after which they are right and stay so. end: share that is right at the last step."
                 .to_owned(),
+            format!("95 %: from a bootstrap of {N_RESAMPLES} resamples of objects, each with all its steps."),
         ];
         Sheet::of_parts(parts, sentences)
     }
@@ -55,18 +67,72 @@ const STEP_TITLES: [&str; 10] = ["1", "2", "3", "4", "5", "6", "7", "8", "9", "1
 
 impl PartialTable<'_> {
     fn recalls(&self) -> Grid {
-        let texts = ["data set", "seen from", "method", "trained on"].map(Column::left);
+        let texts = TEXT_TITLES.map(Column::left);
         let numbers = STEP_TITLES.into_iter().chain(["kept", "end"]).map(Column::number);
         let lines = self.curves.iter().map(|curve| {
-            let texts = [&curve.data, &curve.direction, &curve.method, &curve.trained_on]
-                .map(|it| Cell::new(it.clone()));
             let at_step = |step: u32| curve.steps.iter().find(|it| it.step == step)?.mean_recall;
             let steps = (1..=STEP_TITLES.len() as u32).map(|it| percent(at_step(it)));
             let more = [curve.right_and_kept_from, curve.right_in_the_end].map(percent);
-            Line { kind: LineKind::Dataset, cells: texts.into_iter().chain(steps).chain(more).collect() }
+            Line { kind: LineKind::Dataset, cells: text_cells(curve).chain(steps).chain(more).collect() }
         });
         Grid { columns: texts.into_iter().chain(numbers).collect(), lines: lines.collect() }
     }
+}
+
+const TEXT_TITLES: [&str; 4] = ["data set", "seen from", "method", "trained on"];
+
+fn text_cells(curve: &PartialCurve) -> impl Iterator<Item = Cell> + '_ {
+    [&curve.data, &curve.direction, &curve.method, &curve.trained_on]
+        .into_iter()
+        .map(|it| Cell::new(it.clone()))
+}
+
+impl PartialTable<'_> {
+    /// A line for each curve, with a number and its interval for each of the shown steps.
+    fn intervals(&self) -> Grid {
+        let columns = SHOWN_AT.iter().flat_map(|step| {
+            let group = format!("step {step}");
+            [Column::number("%").within(group.clone()), Column::number("95 %").within(group)]
+        });
+        let lines = self.curves.iter().map(|curve| {
+            let cells = SHOWN_AT.iter().flat_map(|step| {
+                let at_step = curve.steps.iter().find(|it| it.step == *step);
+                [percent(at_step.and_then(|it| it.mean_recall)), interval(at_step.and_then(|it| it.within))]
+            });
+            Line { kind: LineKind::Dataset, cells: text_cells(curve).chain(cells).collect() }
+        });
+        let texts = TEXT_TITLES.map(Column::left).into_iter();
+        Grid { columns: texts.chain(columns).collect(), lines: lines.collect() }
+    }
+
+    /// Two lines for each curve: strangers, and known objects.
+    fn rejected(&self) -> Grid {
+        let columns = SHOWN_AT.iter().flat_map(|step| {
+            let group = format!("step {step}");
+            [Column::number("%").within(group.clone()), Column::number("95 %").within(group)]
+        });
+        let lines = self.curves.iter().flat_map(|curve| {
+            ["strangers", "known"].into_iter().enumerate().map(move |(place, who)| {
+                let cells = SHOWN_AT.iter().flat_map(move |step| {
+                    let at_step = curve.steps.iter().find(|it| it.step == *step);
+                    let share = at_step.and_then(|it| it.rejected).map(|it| it[place]);
+                    [percent(share.map(|it| it.value)), interval(share.and_then(|it| it.within))]
+                });
+                let texts = text_cells(curve).chain([Cell::new(who)]);
+                Line { kind: LineKind::Dataset, cells: texts.chain(cells).collect() }
+            })
+        });
+        let texts = TEXT_TITLES.into_iter().chain(["objects"]).map(Column::left);
+        Grid { columns: texts.chain(columns).collect(), lines: lines.collect() }
+    }
+}
+
+fn interval(within: Option<Interval>) -> Cell {
+    let text = |it: Interval| {
+        let [low, high] = it.ends.map(|end| fixed_decimals(100.0 * end, 1));
+        Cell::interval(format!("{low} to {high}"), it.blocks)
+    };
+    within.map_or_else(|| Cell::new("–"), text)
 }
 
 fn percent(share: Option<f64>) -> Cell {
@@ -102,6 +168,7 @@ fn claim_grid(curve: &PartialCurve) -> Grid {
 mod tests {
     use super::*;
     use crate::partial_study::partial_curves::tests::rows;
+    use crate::rows::partial_row::tests::row;
     use crate::tables::formats::format::Format as _;
     use crate::tables::formats::latex::Latex;
     use crate::tables::formats::markdown::Markdown;
@@ -119,6 +186,20 @@ mod tests {
         ] {
             assert!(text.contains(part), "no {part} in {text}");
         }
-        assert!(Latex.text(&table).contains("75.0"));
+        assert!(Latex.text(&table).contains("75.0") && !text.contains("None of these"), "{text}");
+    }
+
+    #[test]
+    fn what_is_rejected_of_whom_stands_with_its_interval() {
+        let strangers = (0..20).map(|it| {
+            let told = if it < 15 { Told::NoneOfThese } else { Told::Tree };
+            row(PartialClass::Other, &format!("fence-{it}"), 3, told, [1.0; 4])
+        });
+        let rows: Vec<_> = rows().into_iter().chain(strangers).collect();
+        let table = PartialTable { title: "Objects.", curves: &PartialCurve::all(&rows), method: "graphs" };
+        let text = Markdown.text(&table);
+        let line = text.lines().find(|it| it.contains("| strangers |")).unwrap();
+        assert!(line.contains("75.0") && line.contains(" to "), "{line}");
+        assert!(text.lines().any(|it| it.contains("| known ") && it.contains("0.0")), "{text}");
     }
 }

@@ -6,3 +6,4 @@ pub mod comparison;
 pub mod difference_row;
 pub mod summary;
 pub mod brief;
+pub mod partial_comparison;

@@ -15,11 +15,15 @@ use crate::commands::standard_streams::print_diagnostic;
 #[cfg(feature = "viewer")]
 mod with_viewer;
 #[cfg(feature = "viewer")]
-pub use with_viewer::{Recorder, begin, is_wanted, record_sweep, rerun_version};
+pub use with_viewer::{
+    Recorder, begin, is_wanted, record_growths, record_sweep, records_growths, rerun_version,
+};
 #[cfg(not(feature = "viewer"))]
 mod without_viewer;
 #[cfg(not(feature = "viewer"))]
-pub use without_viewer::{Recorder, begin, is_wanted, record_sweep, rerun_version};
+pub use without_viewer::{
+    Recorder, begin, is_wanted, record_growths, record_sweep, records_growths, rerun_version,
+};
 
 /// What a recording is about.
 #[allow(dead_code, reason = "read by the viewer, where there is one")]

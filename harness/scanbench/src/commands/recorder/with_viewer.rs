@@ -1,14 +1,19 @@
 //! Recordings for the Rerun viewer.
 
+use std::path::Path;
+
+use evaluation::partial::growth::Growth;
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
 use evaluation::sweep::summary::SweepResults;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
+use viewer::partial_recording;
 use viewer::run_recording::{RecordingError, RunRecording, RunRecordingOptions};
 use viewer::sweep_recording;
 use viewer::{FirstTab, Opening, PointChoice, StreamError, StreamOptions, ViewerChoice};
 
 use super::RecordingPlan;
+use crate::cli::PartialArgs;
 use crate::cli::stream::{RecordedPoints, StreamArgs, TabName};
 use crate::commands::failure::Failure;
 use crate::commands::standard_streams::print_diagnostic;
@@ -102,6 +107,20 @@ pub fn record_sweep(
     scores: &SweepScores,
 ) -> Result<(), Failure> {
     Ok(sweep_recording::record_sweep(directory, results, scores)?)
+}
+
+/// Whether objects that grow are recorded.
+pub fn records_growths(arguments: &PartialArgs) -> bool {
+    !arguments.no_rrd
+}
+
+/// Records objects that grow to the file at `path`.
+///
+/// # Errors
+///
+/// If the file cannot be written.
+pub fn record_growths(path: &Path, name: &str, growths: &[Growth]) -> Result<(), Failure> {
+    Ok(partial_recording::record_growths(path, name, growths)?)
 }
 
 /// The version of Rerun that recordings are made with.

@@ -1,12 +1,15 @@
 //! What stands in for recordings in a program that was built without the viewer: there are none.
 
+use std::path::Path;
+
+use evaluation::partial::growth::Growth;
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
 use evaluation::sweep::summary::SweepResults;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
 
 use super::RecordingPlan;
-use crate::cli::StreamArgs;
+use crate::cli::{PartialArgs, StreamArgs};
 use crate::commands::failure::{Failure, Usage};
 
 /// There is none.
@@ -60,6 +63,21 @@ impl ScanRecorder for Recorder {
 /// None here.
 #[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
 pub fn record_sweep(_: &RunDirectory, _: &SweepResults<'_>, _: &SweepScores) -> Result<(), Failure> {
+    Ok(())
+}
+
+/// Whether objects that grow are recorded: never.
+pub fn records_growths(_: &PartialArgs) -> bool {
+    false
+}
+
+/// Records nothing.
+///
+/// # Errors
+///
+/// None here.
+#[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
+pub fn record_growths(_: &Path, _: &str, _: &[Growth]) -> Result<(), Failure> {
     Ok(())
 }
 

@@ -1,0 +1,226 @@
+//! The page of a result of `scanbench partial`: what methods tell of objects of which more and more is seen.
+
+use std::path::Path;
+
+use maud::{Markup, PreEscaped, html};
+
+use super::document::document;
+use super::markup::{commands, panel_of_file, sentences, table};
+use crate::files::archive::ArchiveError;
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::files::whole_file::write_whole;
+use crate::partial_study::partial_curves::PartialCurve;
+use crate::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
+use crate::run_folder::command_line::shell_word;
+use crate::run_folder::partial_archive::PartialArchive;
+use crate::run_folder::partial_manifest::PartialManifest;
+use crate::run_folder::run_directory::{PARTIAL_RRD, REPORT_HTML};
+use crate::tables::sheet::Tabular as _;
+use crate::tables::studies::partial_table::PartialTable;
+
+/// The page of partial clouds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartialPage {
+    /// The page.
+    pub html: String,
+}
+
+impl PartialPage {
+    /// The page of the result in `directory`, made of its files alone; of `method` there is more than of others.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if a file is missing or damaged.
+    pub fn of(directory: &Path, method: &str) -> Result<Self, ArchiveError> {
+        let PartialArchive { manifest, rows } = PartialArchive::read(directory)?;
+        let curves = PartialCurve::all(&rows);
+        let n_objects = n_objects(&manifest);
+        let has_recording = directory.join(PARTIAL_RRD).is_file();
+        let sections = html! {
+            header {
+                p.kicker { "scanbench" }
+                h1 { "What is it, when only a part has been seen?" }
+                p.facts { (manifest.title()) " " (n_objects) " objects, each in growing parts." }
+            }
+            (verdict(&curves, method))
+            (figure("accuracy", "More seen, better decided", &partial_accuracy_plot(&curves, &manifest.title()),
+                "The mean of recalls over the steps, with 95 % intervals over objects."))
+            (tables(&manifest, &curves, method))
+            (errors(&curves, method))
+            (figure("calibration", "How sure, and how often right", &partial_calibration_plot(&curves, &manifest.title()),
+                "Decisions by the chance that they were given, and the share of them that was right; on the thin line both are the same."))
+            (reproduction(&manifest, has_recording))
+        };
+        Ok(Self { html: document("partial clouds", &SECTIONS, &sections).into_string() })
+    }
+
+    /// Writes the page into `directory`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError::Write`] if it cannot be written.
+    pub fn write(&self, directory: &Path) -> Result<(), ArchiveError> {
+        write_whole(&directory.join(REPORT_HTML), self.html.as_bytes())
+    }
+}
+
+/// Where the links at the top lead.
+const SECTIONS: [(&str, &str); 6] = [
+    ("verdict", "Verdict"),
+    ("accuracy", "Accuracy"),
+    ("tables", "Tables"),
+    ("errors", "Errors"),
+    ("calibration", "Calibration"),
+    ("reproduce", "Reproduce"),
+];
+
+fn n_objects(manifest: &PartialManifest) -> usize {
+    manifest.sets.iter().flat_map(|it| it.judged.objects.values()).sum()
+}
+
+/// How many are right when half and when all is seen, in a sentence for each curve of the method.
+fn verdict(curves: &[PartialCurve], method: &str) -> Markup {
+    let said = |curve: &PartialCurve| {
+        let at = |step: u32| curve.steps.iter().find(|it| it.step == step)?.mean_recall;
+        let [half, whole] = [at(5)?, at(10)?].map(|it| fixed_decimals(100.0 * it, 1));
+        let PartialCurve { data, direction, trained_on, .. } = curve;
+        Some(format!(
+            "{data} from {direction} ({trained_on}): right for {half} % at step 5 and for {whole} % when all is seen."
+        ))
+    };
+    let lines: Vec<String> = curves.iter().filter(|it| it.method == method).filter_map(said).collect();
+    html! {
+        @if !lines.is_empty() {
+            section #verdict aria-label="Verdict" {
+                div.verdict { p { "The " (method) ", mean of recalls:" } @for line in &lines { p { (line) } } }
+            }
+        }
+    }
+}
+
+fn figure(id: &str, title: &str, svg: &str, caption: &str) -> Markup {
+    html! {
+        section id=(id) aria-label=(title) {
+            h2 { (title) }
+            (picture(id, svg, caption))
+        }
+    }
+}
+
+fn picture(name: &str, svg: &str, caption: &str) -> Markup {
+    let panel = panel_of_file(name, svg);
+    html! {
+        figure.sweep {
+            @if let Some(panel) = panel {
+                div.scroll tabindex="0" role="region" aria-label=(name) { (PreEscaped(panel.inline())) }
+            }
+            figcaption { (caption) }
+        }
+    }
+}
+
+fn tables(manifest: &PartialManifest, curves: &[PartialCurve], method: &str) -> Markup {
+    let title = manifest.title();
+    let sheet = PartialTable { title: &title, curves, method }.sheet();
+    html! {
+        section #tables aria-label="Tables" {
+            h2 { "Tables" }
+            @for part in &sheet.parts {
+                @let label = part.title.as_deref().unwrap_or("Table");
+                h3 { (label) }
+                (table(&part.grid, &sheet.notes, label))
+            }
+            (sentences(&sheet.notes))
+        }
+    }
+}
+
+/// The mean errors to each class, as in Figs. 4 to 7 of the paper; nothing where nothing has errors.
+fn errors(curves: &[PartialCurve], method: &str) -> Markup {
+    let ours: Vec<&PartialCurve> = curves.iter().filter(|it| it.method == method).collect();
+    html! {
+        @if !ours.is_empty() {
+            section #errors aria-label="Errors" {
+                h2 { "How far from each class" }
+                @for curve in ours {
+                    @let title = format!("{} from {}, trained on {}", curve.data, curve.direction, curve.trained_on);
+                    h3 { (title) }
+                    (picture(&title, &partial_error_plot(curve, &title),
+                        "Mean L1 distance of bags to the mean bag of each class. The upright line is at the first step at which all objects could be judged."))
+                }
+            }
+        }
+    }
+}
+
+fn reproduction(manifest: &PartialManifest, has_recording: bool) -> Markup {
+    let arguments: Vec<String> = manifest.argv.iter().skip(1).map(|it| shell_word(it)).collect();
+    let checkout =
+        manifest.git.as_ref().map_or_else(String::new, |it| format!("git checkout {}\n", it.commit));
+    let lines = format!("{checkout}cargo run --release -- {}", arguments.join(" "));
+    html! {
+        section #reproduce aria-label="Reproduce" {
+            h2 { "Reproduce" }
+            (commands(&lines, "Commands that repeat it"))
+            @for model in manifest.sets.iter().filter_map(|it| it.model.as_ref()).take(1) {
+                p { "The model " (model.name) " was made by " code { (model.made_by) } " of " (model.data.join(", ")) "." }
+            }
+            @for (name, checksum) in &manifest.peers {
+                p { "The results of " (name) " are those of another program; SHA-256 of its file: " code { (checksum) } }
+            }
+            @if has_recording {
+                p { "How objects were seen and told: " a href=(PARTIAL_RRD) { (PARTIAL_RRD) } ", a recording for Rerun." }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::csv_rows::to_csv_bytes;
+    use crate::partial_study::partial_curves::tests::rows;
+    use crate::run_folder::partial_manifest::tests::manifest;
+    use crate::run_folder::run_directory::PARTIAL_CSV;
+    use crate::run_folder::run_target::MANIFEST_JSON;
+
+    fn result() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, content: &[u8]| std::fs::write(folder.path().join(name), content).unwrap();
+        write(PARTIAL_CSV, &to_csv_bytes(&rows()).unwrap());
+        write(MANIFEST_JSON, manifest().to_json().as_bytes());
+        folder
+    }
+
+    #[test]
+    fn a_page_has_figures_tables_and_how_to_make_it_again() {
+        let folder = result();
+        assert!(PartialArchive::is_partial(folder.path()));
+        let page = PartialPage::of(folder.path(), "graphs").unwrap();
+        for part in [
+            "street (simulated), told by the shipped model",
+            "3 objects",
+            "Mean of recalls in %",
+            "claims of the paper",
+            "href=\"#errors\"",
+            "objects that are: tree",
+            "scanbench partial 'it'\\''s &lt;here&gt;'",
+        ] {
+            let part = part.trim_start_matches("scanbench ");
+            assert!(page.html.contains(part), "no {part} in {}", page.html);
+        }
+        assert!(!page.html.contains("partial.rrd") && !page.html.contains("<script"));
+        page.write(folder.path()).unwrap();
+        std::fs::write(folder.path().join(PARTIAL_RRD), "").unwrap();
+        assert!(PartialPage::of(folder.path(), "graphs").unwrap().html.contains("href=\"partial.rrd\""));
+    }
+
+    #[test]
+    fn a_damaged_result_is_named_and_other_methods_have_no_errors() {
+        let folder = result();
+        assert!(!PartialPage::of(folder.path(), "esf").unwrap().html.contains("#errors"));
+        std::fs::write(folder.path().join(MANIFEST_JSON), "{}").unwrap();
+        let error = PartialPage::of(folder.path(), "graphs").unwrap_err().to_string();
+        assert!(error.contains(MANIFEST_JSON), "{error}");
+    }
+}

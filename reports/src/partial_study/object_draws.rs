@@ -1,0 +1,218 @@
+//! What would be had, had other objects been drawn.
+
+use std::collections::BTreeMap;
+
+use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::rows::partial_row::{PartialRow, Told};
+use crate::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
+use crate::vocabulary::partial_class::PartialClass;
+
+/// A number of one method at one step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PartialMetric {
+    /// The mean of the recalls of the learnt classes.
+    MeanRecall,
+    /// The share of what is none of the learnt classes that is told to be none of these.
+    StrangersRejected,
+    /// The share of objects of the learnt classes that is told to be none of these.
+    KnownRejected,
+}
+
+impl PartialMetric {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::MeanRecall, Self::StrangersRejected, Self::KnownRejected];
+
+    /// The name used in files.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::MeanRecall => "mean_recall",
+            Self::StrangersRejected => "strangers_rejected",
+            Self::KnownRejected => "known_rejected",
+        }
+    }
+
+    /// What people read.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::MeanRecall => "mean of recalls",
+            Self::StrangersRejected => "strangers rejected",
+            Self::KnownRejected => "known rejected",
+        }
+    }
+
+    /// 1 if more is worse, -1 if less is.
+    pub fn sign_of_worse(self) -> f64 {
+        match self {
+            Self::MeanRecall | Self::StrangersRejected => -1.0,
+            Self::KnownRejected => 1.0,
+        }
+    }
+
+    /// Whether it is about objects of the learnt classes.
+    fn is_of_known(self) -> bool {
+        self != Self::StrangersRejected
+    }
+}
+
+/// What objects were told to be at every step, by one method that saw them from one end.
+#[derive(Debug)]
+pub struct ObjectDraws<'a> {
+    known: Drawn<'a>,
+    strangers: Drawn<'a>,
+}
+
+/// What one object is, and what it was told to be at each step.
+type ToldAt = (PartialClass, BTreeMap<u32, Told>);
+
+#[derive(Debug)]
+struct Drawn<'a> {
+    objects: BTreeMap<&'a str, ToldAt>,
+    resamples: Resamples,
+}
+
+impl<'a> ObjectDraws<'a> {
+    /// Of `rows` of one method and direction. The same objects of `data` are drawn in the same way whatever was told of them.
+    pub fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
+        let is_known = |it: &&PartialRow| PartialClass::LEARNT.contains(&it.true_class);
+        let (known, strangers): (Vec<&PartialRow>, Vec<&PartialRow>) =
+            rows.iter().copied().partition(is_known);
+        Self { known: Drawn::of(data, &known), strangers: Drawn::of(data, &strangers) }
+    }
+
+    /// The objects of learnt classes, by name.
+    pub fn known(&self) -> impl Iterator<Item = &ToldAt> {
+        self.known.objects.values()
+    }
+
+    /// `metric` at `step`; `None` without objects that it is of.
+    pub fn value(&self, metric: PartialMetric, step: u32) -> Option<f64> {
+        let ratios: Vec<f64> = self
+            .terms(metric, step)
+            .iter()
+            .map(|it| it.iter().fold([0.0, 0.0], |sum: [f64; 2], it| [sum[0] + it[0], sum[1] + it[1]]))
+            .map(|[numerator, denominator]| numerator / denominator)
+            .collect();
+        (!ratios.is_empty()).then(|| ratios.iter().sum::<f64>() / ratios.len() as f64)
+    }
+
+    /// The same for every resample.
+    pub fn resampled(&self, metric: PartialMetric, step: u32) -> Vec<Option<f64>> {
+        let of_classes: Vec<Vec<[f64; 2]>> = self
+            .terms(metric, step)
+            .iter()
+            .map(|terms| {
+                let mut resampled = vec![[0.0, 0.0]; N_RESAMPLES];
+                self.drawn(metric).resamples.add_terms(terms, &mut resampled);
+                resampled
+            })
+            .collect();
+        let mean = |resample: usize| {
+            let ratio =
+                |it: &Vec<[f64; 2]>| (it[resample][1] > 0.0).then(|| it[resample][0] / it[resample][1]);
+            let ratios: Option<Vec<f64>> = of_classes.iter().map(ratio).collect();
+            ratios.filter(|it| !it.is_empty()).map(|it| it.iter().sum::<f64>() / it.len() as f64)
+        };
+        (0..N_RESAMPLES).map(mean).collect()
+    }
+
+    /// The interval of `metric` at `step`, with other objects drawn.
+    pub fn interval(&self, metric: PartialMetric, step: u32) -> Option<Interval> {
+        let resampled = self.resampled(metric, step);
+        Some(Distribution::new(resampled.into_iter(), self.blocks(metric))?.interval())
+    }
+
+    /// How many objects are drawn from.
+    pub fn blocks(&self, metric: PartialMetric) -> BlockCount {
+        self.drawn(metric).resamples.blocks()
+    }
+
+    fn drawn(&self, metric: PartialMetric) -> &Drawn<'a> {
+        if metric.is_of_known() { &self.known } else { &self.strangers }
+    }
+
+    /// For each class that the metric is a mean over: numerator and denominator for every object, in their order.
+    fn terms(&self, metric: PartialMetric, step: u32) -> Vec<Vec<[f64; 2]>> {
+        let objects = &self.drawn(metric).objects;
+        let of = |counts: &dyn Fn(PartialClass) -> bool, is_right: &dyn Fn(PartialClass, Told) -> bool| {
+            let term = |(class, told_at): &ToldAt| match told_at.get(&step) {
+                Some(&told) if counts(*class) => [f64::from(u8::from(is_right(*class, told))), 1.0],
+                _ => [0.0, 0.0],
+            };
+            objects.values().map(term).collect::<Vec<[f64; 2]>>()
+        };
+        let is_none = |_: PartialClass, told: Told| told == Told::NoneOfThese;
+        let of_groups = match metric {
+            PartialMetric::MeanRecall => PartialClass::LEARNT
+                .map(|class| of(&|it| it == class, &|it, told| told == Told::from(it)))
+                .to_vec(),
+            PartialMetric::StrangersRejected | PartialMetric::KnownRejected => vec![of(&|_| true, &is_none)],
+        };
+        of_groups.into_iter().filter(|it| it.iter().any(|it| it[1] > 0.0)).collect()
+    }
+}
+
+impl<'a> Drawn<'a> {
+    fn of(data: &str, rows: &[&'a PartialRow]) -> Self {
+        let mut objects: BTreeMap<&str, ToldAt> = BTreeMap::new();
+        for row in rows {
+            let object = objects.entry(&row.object).or_insert_with(|| (row.true_class, BTreeMap::new()));
+            object.1.insert(row.step, row.told);
+        }
+        let blocks = BlockCount::of_dataset(objects.len() as u64, BlockKind::Tracks);
+        Self { resamples: Resamples::draw(data, blocks), objects }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::partial_row::tests::row;
+    use proptest::prelude::*;
+
+    fn object(class: PartialClass, number: usize, told: Told) -> PartialRow {
+        row(class, &format!("{class}-{number}"), 1, told, [1.0; 4])
+    }
+
+    #[test]
+    fn shares_of_strangers_and_of_known_objects_are_told_apart() {
+        use PartialClass::{Other, Pole, Tree};
+        let rows = [
+            object(Tree, 1, Told::Tree),
+            object(Tree, 2, Told::NoneOfThese),
+            object(Pole, 1, Told::Pole),
+            object(Pole, 2, Told::Tree),
+            object(Other, 1, Told::NoneOfThese),
+            object(Other, 2, Told::Car),
+            object(Other, 3, Told::NoneOfThese),
+        ];
+        let draws = ObjectDraws::of("street", &rows.iter().collect::<Vec<_>>());
+        let value = |metric| draws.value(metric, 1).unwrap();
+        assert_eq!(value(PartialMetric::MeanRecall), 0.5);
+        assert!((value(PartialMetric::StrangersRejected) - 2.0 / 3.0).abs() < 1e-12);
+        assert_eq!(value(PartialMetric::KnownRejected), 0.25);
+        assert_eq!(draws.value(PartialMetric::MeanRecall, 2), None);
+        assert_eq!(draws.blocks(PartialMetric::StrangersRejected).n_blocks, 3);
+        let none = ObjectDraws::of("street", &[]);
+        assert!(
+            PartialMetric::ALL
+                .iter()
+                .all(|it| none.value(*it, 1).is_none() && none.interval(*it, 1).is_none())
+        );
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20))]
+        #[test]
+        fn numbers_lie_in_their_intervals_and_between_0_and_1(told in prop::collection::vec(0_usize..6, 12..40)) {
+            let classes = [PartialClass::Tree, PartialClass::Other];
+            let rows: Vec<PartialRow> =
+                told.iter().enumerate().map(|(it, told)| object(classes[it % 2], it, Told::ALL[*told])).collect();
+            let draws = ObjectDraws::of("street", &rows.iter().collect::<Vec<_>>());
+            for metric in PartialMetric::ALL {
+                let value = draws.value(metric, 1).unwrap();
+                let [low, high] = draws.interval(metric, 1).unwrap().ends;
+                prop_assert!(0.0 <= low && low <= value && value <= high && high <= 1.0, "{low} {value} {high}");
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! What programs of others told objects to be, of which a part had been seen.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::files::archive::ArchiveError;
+use crate::files::csv_rows::{CsvRow, read_rows};
+use crate::rows::partial_row::{Answer, PartialRow, Told};
+use crate::vocabulary::partial_class::PartialClass;
+
+/// A row of the table that another program leaves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct PeerRow {
+    object: String,
+    class: String,
+    from: String,
+    step: u32,
+    n_points: usize,
+    told: String,
+}
+
+impl CsvRow for PeerRow {
+    const COLUMNS: &'static [&'static str] = &["object", "class", "from", "step", "n_points", "told"];
+}
+
+/// Why a table of another program cannot stand beside ours.
+#[derive(Debug, thiserror::Error)]
+pub enum PeerError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// A class that nobody knows.
+    #[error("{path:?}, line {line}: {told:?} is no class")]
+    UnknownClass {
+        /// The file.
+        path: PathBuf,
+        /// Which line.
+        line: usize,
+        /// What it says.
+        told: String,
+    },
+    /// A part that is not the same.
+    #[error(
+        "{path:?}, line {line}: {object} at step {step} from {from} has {found} points, but here it has {expected}"
+    )]
+    Points {
+        /// The file.
+        path: PathBuf,
+        /// Which line.
+        line: usize,
+        /// The object.
+        object: String,
+        /// From which end.
+        from: String,
+        /// The step.
+        step: u32,
+        /// How many points it says.
+        found: usize,
+        /// How many there are.
+        expected: usize,
+    },
+    /// A part of which nothing is said.
+    #[error("{path:?} says nothing of {object} at step {step} from {from}")]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The object.
+        object: String,
+        /// From which end.
+        from: String,
+        /// The step.
+        step: u32,
+    },
+}
+
+/// What rows say that the programs of others were trained on.
+pub const ELSEWHERE: &str = "elsewhere";
+
+/// The rows of `method`, whose results are in the file at `path`, for each part that `ours` judge. `class_of` says which class a
+/// word stands for. What else is in the file is not looked at.
+///
+/// # Errors
+///
+/// [`PeerError`] if the file cannot be read, lacks a part, or has another number of points of it.
+pub fn read_peer_rows(
+    path: &Path,
+    method: &str,
+    ours: &[PartialRow],
+    class_of: impl Fn(&str) -> Option<PartialClass>,
+) -> Result<Vec<PartialRow>, PeerError> {
+    let mut said: BTreeMap<(String, String, u32), (usize, PeerRow)> = BTreeMap::new();
+    for (row, line) in read_rows::<PeerRow>(path)?.into_iter().zip(2..) {
+        said.insert((row.object.clone(), row.from.clone(), row.step), (line, row));
+    }
+    let mut rows: Vec<PartialRow> = Vec::new();
+    let mut done = BTreeSet::new();
+    for part in ours {
+        let place = (part.object.clone(), part.direction.clone(), part.step);
+        if !done.insert(place.clone()) {
+            continue;
+        }
+        let (path, from) = (path.to_path_buf(), part.direction.clone());
+        // Simulated objects are written as files of this name.
+        let as_file = (format!("{}/{}.npy", part.true_class, part.object), part.direction.clone(), part.step);
+        let Some((line, row)) = said.get(&place).or_else(|| said.get(&as_file)) else {
+            return Err(PeerError::Missing { path, object: part.object.clone(), from, step: part.step });
+        };
+        if row.n_points != part.n_points() {
+            let (object, step) = (part.object.clone(), part.step);
+            let [found, expected] = [row.n_points, part.n_points()];
+            return Err(PeerError::Points { path, line: *line, object, from, step, found, expected });
+        }
+        let told = match (row.told.as_str(), class_of(&row.told)) {
+            ("", _) => Told::NotJudged,
+            (_, Some(class)) => class.into(),
+            (told, None) => return Err(PeerError::UnknownClass { path, line: *line, told: told.to_owned() }),
+        };
+        let answer = Answer { told, errors: [None; 5], chances: [None; 5] };
+        rows.push(part.told_by((method, ELSEWHERE), &answer));
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::partial_study::partial_curves::tests::rows;
+
+    fn read(content: &str) -> Result<Vec<PartialRow>, PeerError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("esf.csv");
+        std::fs::write(&path, content).unwrap();
+        let class_of = |word: &str| {
+            if word == "poles" { Some(PartialClass::Pole) } else { PartialClass::from_name(word) }
+        };
+        read_peer_rows(&path, "esf", &rows(), class_of)
+    }
+
+    /// All three objects at three steps, as the rows of the tests have them.
+    fn table() -> String {
+        let mut text = "object,class,from,step,n_points,told\n".to_owned();
+        for (object, told) in
+            [("tree/a.npy", "tree"), ("tree/b.npy", ""), ("c", "poles"), ("car/d.npy", "car")]
+        {
+            for step in 1..=3 {
+                text += &format!("{object},x,below,{step},9,{told}\n");
+            }
+        }
+        text
+    }
+
+    #[test]
+    fn rows_of_others_are_those_of_the_same_parts() {
+        let found = read(&table()).unwrap();
+        assert_eq!(found.len(), 9);
+        let told = |object: &str| found.iter().find(|it| it.object == object).map(|it| it.told);
+        assert_eq!(
+            [told("a"), told("b"), told("c")],
+            [Some(Told::Tree), Some(Told::NotJudged), Some(Told::Pole)]
+        );
+        assert!(found.iter().all(|it| it.method == "esf" && it.trained_on == ELSEWHERE));
+    }
+
+    #[track_caller]
+    fn check_refused(from: &str, to: &str, message: &str) {
+        assert!(table().contains(from));
+        let error = read(&table().replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+
+    #[test]
+    fn other_points_missing_parts_and_unknown_words_are_refused_with_their_line() {
+        check_refused(
+            "a.npy,x,below,2,9",
+            "a.npy,x,below,2,8",
+            "line 3: a at step 2 from below has 8 points, but here it has 9",
+        );
+        check_refused("b.npy,x,below,3,9", "b.npy,x,below,4,9", "says nothing of b at step 3 from below");
+        check_refused("poles\n", "boat\n", "line 8: \"boat\" is no class");
+        check_refused("n_points", "points", "has the columns");
+        check_refused("below,1,9", "below,one,9", "bad row");
+    }
+}
