@@ -8,6 +8,7 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
+use detector::OrientedBox;
 use detector::{Detections, PointCloud};
 use evaluation::protocols::known_protocols::PROTOCOLS;
 use evaluation::protocols::official_objects::OfficialScanView;
@@ -21,12 +22,11 @@ use reports::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
 use reports::protocols::under_protocol::DrawnValues;
 use reports::rows::scan_name::ScanName;
 use reports::rows::scan_row::{ScanOutcome, ScanRow};
+use reports::vocabulary::class::AnnotationClass;
 use reports::vocabulary::extent::OVERALL;
 use reports::vocabulary::task::Task;
 use scans::annotation::{Annotation, LabeledArea, LabeledScan, ScanId};
 use scans::dataset::official::OfficialObject;
-use reports::vocabulary::class::AnnotationClass;
-use detector::OrientedBox;
 
 const N_SCANS: u32 = 6_019;
 const N_DRIVES: u32 = 150;

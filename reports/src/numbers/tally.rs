@@ -232,7 +232,9 @@ impl Tally {
     /// The scans of a data set, given by its place: the drive, the number and the second of each, by drive and number.
     pub(crate) fn scans(&self, dataset_idx: usize) -> impl Iterator<Item = (&str, u32, &DriveSecond)> {
         let drives = self.scans[dataset_idx].iter();
-        drives.flat_map(|(drive, scans)| scans.iter().map(move |(scan, second)| (drive.as_str(), *scan, second)))
+        drives.flat_map(|(drive, scans)| {
+            scans.iter().map(move |(scan, second)| (drive.as_str(), *scan, second))
+        })
     }
 
     /// All slices that detector `detector` has an object in, in the task `task`.

@@ -57,9 +57,9 @@ impl UnderProtocol for Argoverse2 {
         };
         let names = RankedProtocol::Argoverse2.classes();
         let n = self.classes.iter().map(RankedClass::n).sum();
-        let of_several = [ALL_CLASSES, PRESENT_CLASSES].into_iter().flat_map(|class| {
-            OF_CLASS[..N_SUMMED_UP].iter().map(move |it| metric(class, n, *it))
-        });
+        let of_several = [ALL_CLASSES, PRESENT_CLASSES]
+            .into_iter()
+            .flat_map(|class| OF_CLASS[..N_SUMMED_UP].iter().map(move |it| metric(class, n, *it)));
         let of_classes =
             self.present().flat_map(|(place, class)| OF_CLASS.map(|it| metric(names[place], class.n(), it)));
         of_several.chain(of_classes).collect()
@@ -116,7 +116,8 @@ impl ClassScores {
             std::array::from_fn(|distance| average_precision(class, distance, times, n_annotations));
         let precision = average_precisions.iter().sum::<f64>() / average_precisions.len() as f64;
         let errors = mean_errors(class, times);
-        let complements: f64 = errors.iter().zip(LARGEST_ERRORS).map(|(error, largest)| 1.0 - error / largest).sum();
+        let complements: f64 =
+            errors.iter().zip(LARGEST_ERRORS).map(|(error, largest)| 1.0 - error / largest).sum();
         let composite = precision * (complements / errors.len() as f64);
         let numbers = [precision, errors[0], errors[1], errors[2], composite];
         Some(Self { numbers, average_precisions })
@@ -235,7 +236,8 @@ mod tests {
 
     #[test]
     fn what_is_never_found_has_the_largest_errors() {
-        let rows = [labelled(HERE, 0, "SIGN"), labelled(HERE, 1, "SIGN"), found(HERE, (0, 0), "SIGN", 0.5, None)];
+        let rows =
+            [labelled(HERE, 0, "SIGN"), labelled(HERE, 1, "SIGN"), found(HERE, (0, 0), "SIGN", 0.5, None)];
         check(&rows, "SIGN", "ap", 0.0);
         check(&rows, "SIGN", "aoe_rad", PI);
         check(&rows, "SIGN", "cds", 0.0);

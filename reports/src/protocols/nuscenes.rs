@@ -105,9 +105,8 @@ impl UnderProtocol for Nuscenes {
         let metric = |class: &str, n: u64, (id, unit, direction): (&str, &'static str, Direction)| {
             ProtocolMetric { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
         };
-        let of_classes = self.present().flat_map(|(_, name, class)| {
-            OF_CLASS.map(|it| metric(name, class.n(), it))
-        });
+        let of_classes =
+            self.present().flat_map(|(_, name, class)| OF_CLASS.map(|it| metric(name, class.n(), it)));
         let n = self.classes.iter().map(RankedClass::n).sum();
         let of_several = [ALL_CLASSES, PRESENT_CLASSES].into_iter().flat_map(|class| {
             let summed_up = SUMMED_UP.into_iter().map(|it| OF_CLASS[it]);
@@ -205,14 +204,19 @@ impl RecallCurve {
     /// Takes the values at one recall from the line between two points, or from the second where there is none before.
     fn take(&mut self, place: usize, from: [f64; 3], to: [f64; 3]) {
         let at = |axis: usize| {
-            if from == to { to[axis] } else { on_line(recall_at(place), [from[0], from[axis]], [to[0], to[axis]]) }
+            if from == to {
+                to[axis]
+            } else {
+                on_line(recall_at(place), [from[0], from[axis]], [to[0], to[axis]])
+            }
         };
         (self.precisions[place], self.scores[place]) = (at(1), at(2));
     }
 
     fn average_precision(&self) -> f64 {
         let counted = &self.precisions[FIRST_RECALL..];
-        let sum: f64 = counted.iter().map(|it| (it - LEAST_PRECISION).max(0.0) / (1.0 - LEAST_PRECISION)).sum();
+        let sum: f64 =
+            counted.iter().map(|it| (it - LEAST_PRECISION).max(0.0) / (1.0 - LEAST_PRECISION)).sum();
         sum / counted.len() as f64
     }
 
@@ -267,7 +271,9 @@ fn running_means(class: &RankedClass, times: &[u16]) -> (Vec<f64>, Vec<[f64; N_E
             }
         }
         scores.push(detection.score);
-        means.push(std::array::from_fn(|kind| if counts[kind] > 0.0 { sums[kind] / counts[kind] } else { 0.0 }));
+        means.push(std::array::from_fn(
+            |kind| if counts[kind] > 0.0 { sums[kind] / counts[kind] } else { 0.0 },
+        ));
     }
     for kind in (0..N_ERRORS).filter(|kind| counts[*kind] == 0.0) {
         means.iter_mut().for_each(|it| it[kind] = 1.0);

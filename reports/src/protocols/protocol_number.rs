@@ -112,9 +112,11 @@ impl TryFrom<NumberRecord> for ProtocolNumber {
         let unknown = |it: String| format!("unknown blocks of scans {it:?}");
         let kind = record.blocks.map(|it| BlockKind::from_name(&it).ok_or_else(|| unknown(it)));
         let blocks = record.n_blocks.zip(record.degrees_of_freedom).zip(kind.transpose()?);
-        let interval = record.interval_95.zip(blocks).map(|(ends, ((n_blocks, degrees_of_freedom), kind))| {
-            Interval { ends, blocks: BlockCount { n_blocks, degrees_of_freedom, kind } }
-        });
+        let interval =
+            record.interval_95.zip(blocks).map(|(ends, ((n_blocks, degrees_of_freedom), kind))| Interval {
+                ends,
+                blocks: BlockCount { n_blocks, degrees_of_freedom, kind },
+            });
         let metric = ProtocolMetric { class, id, unit, direction, n };
         Ok(Self { protocol, dataset, detector, metric, value, interval })
     }

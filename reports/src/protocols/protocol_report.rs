@@ -89,7 +89,9 @@ mod tests {
     #[test]
     fn damage_is_refused() {
         let json = ProtocolReport::new(vec![number(Some(0.25))]).to_json();
-        for (from, to) in [("\"m\"", "\"mile\""), ("nuscenes", "newscenes"), ("\"n\"", "\"m\""), ("seconds", "hours")] {
+        for (from, to) in
+            [("\"m\"", "\"mile\""), ("nuscenes", "newscenes"), ("\"n\"", "\"m\""), ("seconds", "hours")]
+        {
             assert!(read(&json.replacen(from, to, 1)).is_err(), "{to}");
         }
     }

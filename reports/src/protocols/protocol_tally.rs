@@ -75,7 +75,9 @@ impl ProtocolTally {
         for protocol in self.protocols() {
             for (dataset, scans) in &drawn {
                 for detector in tally.detectors() {
-                    let Some(rows) = self.rows(ProtocolQuestion { protocol, detector }, scans) else { continue };
+                    let Some(rows) = self.rows(ProtocolQuestion { protocol, detector }, scans) else {
+                        continue;
+                    };
                     let drawn = DrawnValues::new(&*rows, scans);
                     for (place, metric) in rows.metrics().into_iter().enumerate() {
                         numbers.push(ProtocolNumber {

@@ -179,7 +179,8 @@ struct BoxRecord {
 
 impl From<RankedBoxRow> for BoxRecord {
     fn from(row: RankedBoxRow) -> Self {
-        let RankedBoxRow { scan: ScanName { dataset, sequence, scan }, detector, protocol, ranked_box: it } = row;
+        let RankedBoxRow { scan: ScanName { dataset, sequence, scan }, detector, protocol, ranked_box: it } =
+            row;
         let [center_x_m, center_y_m, center_z_m] = it.center_m.map(Exact);
         let [length_m, width_m, height_m] = it.length_width_height_m.map(Exact);
         let (kind, score, pairs, errors) = match it.kind {

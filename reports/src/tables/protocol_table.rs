@@ -140,7 +140,6 @@ fn is_of_several(class: &str) -> bool {
     [ALL_CLASSES, PRESENT_CLASSES].contains(&class)
 }
 
-
 /// The value and its interval.
 fn number_cells(number: &ProtocolNumber) -> [Cell; 2] {
     let Some(value) = number.value else { return [Cell::new("–"), Cell::default()] };
@@ -180,7 +179,11 @@ mod tests {
             }
         };
         let of_detector = |name: &str, value: Option<f64>| {
-            [number(name, "all", "ap", value), number(name, "all", "nds", Some(0.5)), number(name, "car", "ap", value)]
+            [
+                number(name, "all", "ap", value),
+                number(name, "all", "nds", Some(0.5)),
+                number(name, "car", "ap", value),
+            ]
         };
         let rows = [of_detector("hierarchical", Some(0.25)), of_detector("pca", None)];
         ProtocolReport::new(rows.concat())

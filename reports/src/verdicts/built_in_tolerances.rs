@@ -97,7 +97,14 @@ impl Tolerances {
         let quality = of_metrics.chain(of_slices).collect();
         let speed = numbers.speed_rule(&sizes.speed);
         let protocols = protocol_rules(baseline, &sizes.protocols);
-        Self { origin: Origin::BuiltIn, quality, protocols, speed, drift: DriftRule::Fail, problems: Vec::new() }
+        Self {
+            origin: Origin::BuiltIn,
+            quality,
+            protocols,
+            speed,
+            drift: DriftRule::Fail,
+            problems: Vec::new(),
+        }
     }
 }
 
@@ -106,9 +113,10 @@ fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<ProtocolRul
     let tally = baseline.tally();
     let scans = DrawnScans::undrawn(DrawnScans::of(&tally, OVERALL).names().to_vec());
     let rule = |protocol: Protocol| {
-        let of_detectors = tally.detectors().iter().filter_map(|detector| {
-            baseline.protocols.rows(ProtocolQuestion { protocol, detector }, &scans)
-        });
+        let of_detectors = tally
+            .detectors()
+            .iter()
+            .filter_map(|detector| baseline.protocols.rows(ProtocolQuestion { protocol, detector }, &scans));
         let known: Vec<ProtocolMetric> = of_detectors.flat_map(|it| it.metrics()).collect();
         let has_it = |id: &&String| known.iter().any(|it| it.class == ALL_CLASSES && it.id == **id);
         let metrics: Vec<String> = size.metrics.iter().filter(has_it).cloned().collect();

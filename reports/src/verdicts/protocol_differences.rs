@@ -77,7 +77,8 @@ fn pair(
     let difference = match (values, places) {
         ([Some(value_before), Some(value_after)], [Some(place_before), Some(place_after)]) => {
             let of_draws = before.drawn.resampled.iter().zip(&after.drawn.resampled);
-            let differences = of_draws.map(|(before, after)| Some(after[place_after]? - before[place_before]?));
+            let differences =
+                of_draws.map(|(before, after)| Some(after[place_after]? - before[place_before]?));
             let distribution = scans.blocks().and_then(|it| Distribution::new(differences, it));
             Some(PairedDifference {
                 metric: metric.clone(),

@@ -126,7 +126,9 @@ mod tests {
 
     #[test]
     fn angles_are_as_the_makers_wrap_them() {
-        for (difference_rad, expected) in [(0.5, 0.5), (-0.5, 0.5), (PI, PI), (2.0 * PI - 0.5, 0.5), (2.0 * PI, PI)] {
+        for (difference_rad, expected) in
+            [(0.5, 0.5), (-0.5, 0.5), (PI, PI), (2.0 * PI - 0.5, 0.5), (2.0 * PI, PI)]
+        {
             let turned = turned_rad(difference_rad);
             assert!((turned - expected).abs() < 1e-12, "{difference_rad} becomes {turned}");
         }

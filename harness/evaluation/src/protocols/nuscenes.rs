@@ -95,9 +95,10 @@ impl RankedRules for Nuscenes {
             let found = detection.velocity_m_per_s.unwrap_or_default();
             (found[0] - labelled[0]).hypot(found[1] - labelled[1])
         });
-        let attribute = annotation.attribute.as_ref().map(|it| {
-            if detection.attribute.as_ref() == Some(it) { 0.0 } else { 1.0 }
-        });
+        let attribute = annotation
+            .attribute
+            .as_ref()
+            .map(|it| if detection.attribute.as_ref() == Some(it) { 0.0 } else { 1.0 });
         PairErrors {
             translation_m: apart_on_plan_m(detection, annotation),
             scale: 1.0 - common / (volume(found_m) + volume(labelled_m) - common),
@@ -137,11 +138,10 @@ fn holds(rack: &OfficialObject, place_m: [f64; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Isometry3, Translation3, Vector3};
+    use nalgebra::{Isometry3, Vector3};
 
     fn at(x_m: f64, y_m: f64) -> OfficialObject {
-        let pose = Isometry3::from_parts(Translation3::new(x_m, y_m, 0.0), Default::default());
-        OfficialObject::new("car", &pose, [4.0, 2.0, 1.0])
+        OfficialObject::new("car", &Isometry3::translation(x_m, y_m, 0.0), [4.0, 2.0, 1.0])
     }
 
     #[test]
@@ -162,11 +162,15 @@ mod tests {
     #[test]
     fn what_is_far_or_empty_or_in_a_rack_is_left_out() {
         let rack = OfficialObject { name: BIKE_RACK.to_owned(), ..at(20.0, 0.0) };
-        let state = |class, object: &OfficialObject| Nuscenes::state(class, object, std::slice::from_ref(&rack));
+        let state =
+            |class, object: &OfficialObject| Nuscenes::state(class, object, std::slice::from_ref(&rack));
         assert_eq!(state("car", &at(30.0, 39.9)), BoxState::Counts);
         assert_eq!(state("car", &at(30.0, 40.0)), BoxState::BeyondRange);
         assert_eq!(state("barrier", &at(30.0, 0.0)), BoxState::BeyondRange);
-        assert_eq!(state("car", &OfficialObject { n_points: Some(0), ..at(9.0, 0.0) }), BoxState::WithoutPoints);
+        assert_eq!(
+            state("car", &OfficialObject { n_points: Some(0), ..at(9.0, 0.0) }),
+            BoxState::WithoutPoints
+        );
         assert_eq!(state("bicycle", &at(22.0, 1.0)), BoxState::InBikeRack);
         assert_eq!(state("bicycle", &at(22.0, 1.1)), BoxState::Counts);
         assert_eq!(state("car", &at(20.0, 0.0)), BoxState::Counts);
@@ -174,16 +178,27 @@ mod tests {
 
     #[test]
     fn errors_can_be_done_in_the_head() {
-        let turned = |yaw_rad: f64| OfficialObject::new(
-            "car",
-            &Isometry3::new(Vector3::new(3.0, 4.0, 9.0), Vector3::z() * yaw_rad),
-            [4.0, 1.0, 2.0],
-        );
-        let labelled = OfficialObject { velocity_m_per_s: Some([0.0, 2.0]), attribute: Some("a".to_owned()), ..at(0.0, 0.0) };
+        let turned = |yaw_rad: f64| {
+            OfficialObject::new(
+                "car",
+                &Isometry3::new(Vector3::new(3.0, 4.0, 9.0), Vector3::z() * yaw_rad),
+                [4.0, 1.0, 2.0],
+            )
+        };
+        let labelled = OfficialObject {
+            velocity_m_per_s: Some([0.0, 2.0]),
+            attribute: Some("a".to_owned()),
+            ..at(0.0, 0.0)
+        };
         let errors = Nuscenes::errors("car", &turned(3.0), &labelled);
-        assert_eq!((errors.translation_m, errors.velocity_m_per_s, errors.attribute), (5.0, Some(2.0), Some(1.0)));
+        assert_eq!(
+            (errors.translation_m, errors.velocity_m_per_s, errors.attribute),
+            (5.0, Some(2.0), Some(1.0))
+        );
         // 4 in common of 8 and 8.
-        assert!((errors.scale - (1.0 - 4.0 / 12.0)).abs() < 1e-12 && (errors.orientation_rad - 3.0).abs() < 1e-12);
+        assert!(
+            (errors.scale - (1.0 - 4.0 / 12.0)).abs() < 1e-12 && (errors.orientation_rad - 3.0).abs() < 1e-12
+        );
         let of_barrier = Nuscenes::errors("barrier", &turned(3.0), &labelled).orientation_rad;
         assert!((of_barrier - (PI - 3.0)).abs() < 1e-12);
     }

@@ -43,8 +43,7 @@ struct Candidate {
 pub(super) fn rows_by<Rules: RankedRules>(found: &FoundInScan<'_>) -> Vec<RankedBoxRow> {
     let labels = found.view.labels();
     let annotations = candidates::<Rules>(labels.clone(), &labels);
-    let mut detections =
-        candidates::<Rules>(found.objects.to_vec(), &labels);
+    let mut detections = candidates::<Rules>(found.objects.to_vec(), &labels);
     for class in Rules::PROTOCOL.classes() {
         let counted = detections.iter_mut().filter(|it| it.class == *class && it.state == BoxState::Counts);
         counted.skip(Rules::MOST_DETECTIONS).for_each(|it| it.state = BoxState::BeyondNumber);

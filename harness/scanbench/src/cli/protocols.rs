@@ -21,5 +21,6 @@ pub struct ProtocolArgs {
 /// Takes the names of the protocols there are.
 fn protocol_parser() -> impl clap::builder::TypedValueParser<Value = Protocol> {
     let names = PROTOCOLS.iter().map(|it| it.protocol().name());
-    PossibleValuesParser::new(names).map(|it| Protocol::from_name(&it).expect("only these names are possible"))
+    PossibleValuesParser::new(names)
+        .map(|it| Protocol::from_name(&it).expect("only these names are possible"))
 }

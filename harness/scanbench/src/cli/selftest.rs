@@ -7,7 +7,9 @@ use super::scans::{DamageArgs, DatasetArgs};
 
 /// Arguments of `scanbench selftest`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  scanbench selftest ../data/kitti_tracking --scans 0..10\n  scanbench selftest streets --protocol nuscenes")]
+#[command(
+    after_help = "Examples:\n  scanbench selftest ../data/kitti_tracking --scans 0..10\n  scanbench selftest streets --protocol nuscenes"
+)]
 pub struct SelftestArgs {
     /// The scans.
     #[command(flatten)]

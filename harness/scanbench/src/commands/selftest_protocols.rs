@@ -44,10 +44,15 @@ impl std::fmt::Display for CheckedProtocol {
         let verdict = if self.is_perfect() { "ok" } else { "FAILED" };
         write!(formatter, "{verdict:<6} {dataset}, protocol {protocol}: ")?;
         if *n_beyond_number > 0 {
-            return write!(formatter, "takes {n_beyond_number} labels fewer than there are, so the best cannot be reached");
+            return write!(
+                formatter,
+                "takes {n_beyond_number} labels fewer than there are, so the best cannot be reached"
+            );
         }
         write!(formatter, "{} of {n_numbers} numbers are the best there is", n_numbers - imperfect.len())?;
-        imperfect.iter().try_for_each(|(it, value)| write!(formatter, "; {} of {} is {value}", it.id, it.class))
+        imperfect
+            .iter()
+            .try_for_each(|(it, value)| write!(formatter, "; {} of {} is {value}", it.id, it.class))
     }
 }
 
@@ -79,8 +84,7 @@ pub fn check_protocols(
             }
         };
         let view = OfficialScanView::new(&*opened.dataset, scan_idx, &scan)?;
-        let name =
-            ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
+        let name = ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
         names.push(name.clone());
         let (detections, objects) = (Detections::default(), view.echoed());
         let found =
@@ -102,7 +106,8 @@ pub fn check_protocols(
     let checks: Vec<CheckedProtocol> =
         checks.map(|(protocol, n)| checked(id, *protocol, n, (&tally, &scans))).collect();
     if let Some(nothing) = checks.iter().find(|it| it.n_numbers == 0) {
-        let reason = format!("no label of {id:?} that counts has a class of the protocol {}", nothing.protocol);
+        let reason =
+            format!("no label of {id:?} that counts has a class of the protocol {}", nothing.protocol);
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(checks)

@@ -23,6 +23,7 @@ mod realism;
 mod readers;
 mod fit_density;
 mod gate;
+mod protocols;
 mod init;
 mod sweep;
 mod train;

@@ -213,7 +213,8 @@ impl<'de> Visitor<'de> for Results<'_, '_, '_> {
                 let at = || format!("{:?}, box {place} of the sample {token:?}", submission.path);
                 // Names that nobody knows are refused in the end, all at once.
                 let Some(class) = submission.classes.class_of(&record.detection_name, at) else { continue };
-                let damaged = |problem| A::Error::custom(format!("box {place} of the sample {token:?} {problem}"));
+                let damaged =
+                    |problem| A::Error::custom(format!("box {place} of the sample {token:?} {problem}"));
                 found.boxes.push(record.foreign_box(class, &sensor_from_world).map_err(damaged)?);
                 found.official.push(record.official().map_err(damaged)?);
             }

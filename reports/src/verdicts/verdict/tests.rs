@@ -114,7 +114,14 @@ fn rule(metrics: &[&str], slices: &[&str]) -> QualityRule {
 /// These rules, without times.
 fn held_to(quality: Vec<QualityRule>) -> Tolerances {
     let origin = Origin::File("tolerances.toml".into());
-    Tolerances { origin, quality, protocols: Vec::new(), speed: None, drift: DriftRule::Fail, problems: Vec::new() }
+    Tolerances {
+        origin,
+        quality,
+        protocols: Vec::new(),
+        speed: None,
+        drift: DriftRule::Fail,
+        problems: Vec::new(),
+    }
 }
 
 /// Recall of everything may fall by 2 points, and times may grow by a quarter.

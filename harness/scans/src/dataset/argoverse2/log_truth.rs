@@ -166,7 +166,8 @@ fn read_labels(
             return Err(damaged(format!("has a box with sides of {size_m:?} m in row {row}")));
         }
         let n_points = n_points.get(row).and_then(|it| u64::try_from(*it).ok());
-        let object = OfficialObject { n_points, ..OfficialObject::new(&categories[row], &poses[row], size_m) };
+        let object =
+            OfficialObject { n_points, ..OfficialObject::new(&categories[row], &poses[row], size_m) };
         objects.entry(times[row]).or_default().push(object);
         let place = || format!("{path:?}, row {row}");
         let Some(class) = classes.class_of(&categories[row], place) else { continue };

@@ -189,7 +189,10 @@ impl References {
             world_from_box: pose(it.translation, it.rotation)?,
             length_width_height_m: [length_m, width_m, height_m],
             attribute: attribute.cloned(),
-            n_points: it.num_lidar_pts.zip(it.num_radar_pts).map(|(lidar, radar)| lidar.saturating_add(radar)),
+            n_points: it
+                .num_lidar_pts
+                .zip(it.num_radar_pts)
+                .map(|(lidar, radar)| lidar.saturating_add(radar)),
             velocity_m_per_s: None,
         })
     }
@@ -214,7 +217,6 @@ fn read_instances(
     })?;
     Ok(instances)
 }
-
 
 /// The names in the table at `path` by their tokens.
 fn read_names(path: &Path) -> Result<BTreeMap<String, Arc<str>>, DatasetError> {
