@@ -69,7 +69,11 @@ fn measure(protocol: &dyn OfficialProtocol) -> f64 {
         let found =
             FoundInScan { name, detector: "drawn", view: &view, detections: &detections, objects: &objects };
         match protocol.rows(&found) {
-            ProtocolRows::RankedBoxes(boxes) => boxes.iter().for_each(|it| rows.add_ranked_box(it)),
+            ProtocolRows::RankedBoxes(boxes) => {
+                for row in &boxes {
+                    rows.add_ranked_box(row);
+                }
+            }
         }
         matching_s += started.elapsed().as_secs_f64();
     }

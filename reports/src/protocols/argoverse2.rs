@@ -1,6 +1,6 @@
 //! Argoverse 2's detection challenge: average precision over centre distances, three errors, and CDS.
 //!
-//! Wilson et al.: Argoverse 2: Next Generation Datasets for Self-Driving Perception and Forecasting, NeurIPS 2021, section 4.1; av2 0.3.6
+//! Wilson et al.: Argoverse 2: Next Generation Datasets for Self-Driving Perception and Forecasting, `NeurIPS` 2021, section 4.1; av2 0.3.6
 //! where both differ.
 
 use std::collections::BTreeMap;

@@ -64,7 +64,9 @@ pub(super) fn right_false_right(protocol: RankedProtocol, class: &'static str) -
 /// The number called `metric` of `class`, where scan *i* is there `times[i]` times.
 pub(super) fn number(rows: &[RankedBoxRow], times: &[u16], class: &str, metric: &str) -> Option<f64> {
     let mut tally = ProtocolTally::default();
-    rows.iter().for_each(|it| tally.add_ranked_box(it));
+    for row in rows {
+        tally.add_ranked_box(row);
+    }
     let scans = DrawnScans::undrawn(rows.iter().map(|it| it.scan.clone()).collect());
     let question = ProtocolQuestion { protocol: rows[0].protocol.protocol(), detector: "mine" };
     let rows = tally.rows(question, &scans).expect("there are rows");

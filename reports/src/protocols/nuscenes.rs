@@ -276,7 +276,9 @@ fn running_means(class: &RankedClass, times: &[u16]) -> (Vec<f64>, Vec<[f64; N_E
         ));
     }
     for kind in (0..N_ERRORS).filter(|kind| counts[*kind] == 0.0) {
-        means.iter_mut().for_each(|it| it[kind] = 1.0);
+        for mean in &mut means {
+            mean[kind] = 1.0;
+        }
     }
     (scores, means)
 }

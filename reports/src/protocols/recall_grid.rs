@@ -3,13 +3,13 @@
 /// Number of recalls: 0, 0.01, …, 1.
 pub(super) const N_RECALLS: usize = 101;
 
-/// The recall at `place`, to the bit as NumPy's `linspace` has it: where a recall that was reached lies on it, the last bit decides
+/// The recall at `place`, to the bit as `NumPy`'s `linspace` has it: where a recall that was reached lies on it, the last bit decides
 /// which precision is taken.
 pub(super) fn recall_at(place: usize) -> f64 {
     if place + 1 == N_RECALLS { 1.0 } else { place as f64 * 0.01 }
 }
 
-/// The value at `x` on the straight line from one point to another, as NumPy's `interp` has it.
+/// The value at `x` on the straight line from one point to another, as `NumPy`'s `interp` has it.
 pub(super) fn on_line(x: f64, [from_x, from_y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> f64 {
     if x == from_x { from_y } else { (to_y - from_y) / (to_x - from_x) * (x - from_x) + from_y }
 }

@@ -138,11 +138,10 @@ fn holds(rack: &OfficialObject, place_m: [f64; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Isometry3, Translation3, Vector3};
+    use nalgebra::{Isometry3, Vector3};
 
     fn at(x_m: f64, y_m: f64) -> OfficialObject {
-        let pose = Isometry3::from_parts(Translation3::new(x_m, y_m, 0.0), Default::default());
-        OfficialObject::new("car", &pose, [4.0, 2.0, 1.0])
+        OfficialObject::new("car", &Isometry3::translation(x_m, y_m, 0.0), [4.0, 2.0, 1.0])
     }
 
     #[test]

@@ -52,7 +52,7 @@ impl<'a> OfficialScanView<'a> {
     /// sensor, by the names of our classes.
     pub fn labels(&self) -> Vec<OfficialObject> {
         if let Some((official, _)) = &self.official {
-            return official.objects.iter().map(|it| self.from_origin(it.clone())).collect();
+            return official.objects.iter().map(|it| self.moved_to_origin(it.clone())).collect();
         }
         let annotations = self.scan.annotations.iter().filter_map(|it| {
             let object = in_frame(it.class, &it.bounding_box?, &Isometry3::identity());
@@ -66,7 +66,7 @@ impl<'a> OfficialScanView<'a> {
     pub fn found(&self, output: &DetectorOutput, official: &[OfficialObject]) -> Vec<OfficialObject> {
         let with_score = |it: OfficialObject, score: Option<f64>| OfficialObject {
             score: Some(score.unwrap_or(SCORE_OF_NONE.into())),
-            ..self.from_origin(it)
+            ..self.moved_to_origin(it)
         };
         if self.official.is_some() && !official.is_empty() {
             return official.iter().map(|it| with_score(it.clone(), it.score)).collect();
@@ -94,7 +94,7 @@ impl<'a> OfficialScanView<'a> {
         objects.map(|it| KittiObject { score: Some(SCORE_OF_NONE.into()), ..it.clone() }).collect()
     }
 
-    fn from_origin(&self, object: OfficialObject) -> OfficialObject {
+    fn moved_to_origin(&self, object: OfficialObject) -> OfficialObject {
         let origin_m = self.official.as_ref().map_or([0.0; 3], |(it, _)| it.origin_m);
         let center_m = std::array::from_fn(|axis| object.center_m[axis] - origin_m[axis]);
         OfficialObject { center_m, ..object }

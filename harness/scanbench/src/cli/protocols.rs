@@ -14,7 +14,7 @@ pub struct ProtocolArgs {
     /// Evaluate as others do, too; docs/protocols.md
     ///
     /// A run directory gets `protocols.json`, the rows of it, and a table for each protocol.
-    #[arg(long = "protocol", value_name = "NAMES", value_delimiter = ',', value_parser = protocol_parser())]
+    #[arg(long = "protocol", value_name = "NAMES", value_delimiter = ',', value_parser = protocol_parser(), hide_short_help = true)]
     pub protocols: Vec<Protocol>,
 }
 

@@ -115,7 +115,9 @@ pub fn check_protocols(
         for (protocol, n_beyond) in protocols.iter().zip(&mut n_beyond_number) {
             match official_protocol(*protocol).map(|it| it.rows(&found)) {
                 Some(ProtocolRows::RankedBoxes(rows)) => {
-                    rows.iter().for_each(|it| tally.add_ranked_box(it));
+                    for row in &rows {
+                        tally.add_ranked_box(row);
+                    }
                     let is_beyond = |state: BoxState| state == BoxState::BeyondNumber;
                     *n_beyond += rows.iter().filter(|it| is_beyond(it.ranked_box.state)).count();
                 }

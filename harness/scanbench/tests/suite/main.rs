@@ -25,6 +25,7 @@ mod readers;
 mod protocol_labels;
 mod fit_density;
 mod gate;
+mod protocols;
 mod init;
 #[cfg(unix)]
 mod submit;

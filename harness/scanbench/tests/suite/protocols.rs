@@ -1,0 +1,133 @@
+//! Protocols of others: what a run leaves of them, and what is made of it.
+
+use serde_json::Value;
+use test_data::{needs_test_data, test_data};
+
+use crate::program::Workplace;
+
+/// Runs two detectors on scans of a narrow street, seen by few beams.
+#[track_caller]
+fn run(workplace: &Workplace, name: &str, options: &[&str]) {
+    let mut arguments =
+        vec!["run", "street-narrow", "--simulated-scans", "24", "--scans", "0..24:2", "-o", name];
+    arguments.extend(["--sensor", "vlp-16"]);
+    if !options.contains(&"-d") {
+        arguments.extend(["-d", "hierarchical,pca"]);
+    }
+    if cfg!(feature = "viewer") {
+        arguments.push("--no-rrd");
+    }
+    arguments.extend(options);
+    workplace.succeed(&arguments);
+}
+
+fn numbers(workplace: &Workplace, run: &str) -> Vec<Value> {
+    let report: Value = serde_json::from_str(&workplace.read(&format!("{run}/protocols.json"))).unwrap();
+    report["rows"].as_array().unwrap().clone()
+}
+
+#[test]
+fn a_run_leaves_numbers_rows_tables_and_a_section() {
+    let workplace = Workplace::new();
+    run(&workplace, "run", &["--protocol", "nuscenes,argoverse2"]);
+    let rows = numbers(&workplace, "run");
+    for (protocol, best) in [("nuscenes", "nds"), ("argoverse2", "cds")] {
+        for detector in ["hierarchical", "pca"] {
+            let is_it = |it: &&Value| {
+                it["protocol"] == protocol
+                    && it["detector"] == detector
+                    && it["class"] == "all"
+                    && it["metric"] == best
+            };
+            let number = rows.iter().find(is_it).unwrap_or_else(|| panic!("no {best} of {detector}"));
+            let [value, low] = [&number["value"], &number["interval_95"][0]].map(|it| it.as_f64().unwrap());
+            assert!(value > 0.0 && value < 1.0 && low <= value, "{number}");
+        }
+        for ending in ["csv", "md", "tex"] {
+            assert!(workplace.read(&format!("run/table_protocol_{protocol}.{ending}")).contains(best));
+        }
+        assert!(workplace.read("run/protocol_boxes.csv").contains(&format!(",pca,{protocol},detection,")));
+    }
+    let page = workplace.read("run/report.html");
+    assert!(page.contains("href=\"#protocols\"") && page.contains("Protocol argoverse2"));
+    let manifest: Value = serde_json::from_str(&workplace.read("run/manifest.json")).unwrap();
+    assert_eq!(manifest["protocols"], serde_json::json!(["nuscenes", "argoverse2"]));
+    workplace.succeed(&["report", "run"]);
+    assert_eq!(workplace.read("run/report.html"), page);
+}
+
+#[test]
+fn the_order_of_detectors_changes_no_number_and_others_leave_no_file() {
+    let workplace = Workplace::new();
+    run(&workplace, "once", &["--protocol", "nuscenes"]);
+    run(&workplace, "again", &["--protocol", "nuscenes", "-d", "pca,hierarchical"]);
+    let sorted = |run: &str| {
+        let mut rows: Vec<String> = numbers(&workplace, run).iter().map(Value::to_string).collect();
+        rows.sort();
+        rows
+    };
+    assert_eq!(sorted("once"), sorted("again"));
+    run(&workplace, "without", &[]);
+    assert!(!workplace.path("without/protocols.json").exists());
+    let manifest: Value = serde_json::from_str(&workplace.read("without/manifest.json")).unwrap();
+    assert!(manifest["protocols"].is_null());
+}
+
+#[test]
+fn a_gate_holds_numbers_of_protocols_to_rules() {
+    let workplace = Workplace::new();
+    run(&workplace, "before", &["--protocol", "nuscenes"]);
+    run(&workplace, "after", &["--protocol", "nuscenes", "-P", "hierarchical.cluster.min_vehicle_points=60"]);
+    let same = workplace.succeed(&["gate", "before", "-b", "before", "--full"]);
+    assert!(same.stdout.starts_with("PASSED"), "{}", same.stdout);
+    let compared = workplace.succeed(&["compare", "before", "after", "-o", "compared"]).stdout;
+    assert!(compared.contains("nuscenes") && compared.contains("nds"), "{compared}");
+    assert!(workplace.read("compared/comparison.csv").contains("nuscenes,hierarchical,all,nds,"));
+    let rule = |metric: &str| {
+        format!(
+            "quality = []\n[[protocol]]\nprotocol = \"nuscenes\"\nmetrics = [\"{metric}\"]\nclasses = [\"all\", \"car\"]\n\
+             absolute = 0.0001\nrelative = 0.0\n"
+        )
+    };
+    workplace.write("rules.toml", &rule("ap"));
+    let gate = |run: &str| {
+        workplace.run(&["gate", run, "-b", "before", "-t", "rules.toml", "-o", "verdict", "--allow-drift"])
+    };
+    assert_eq!(gate("before").exit_code, Some(0));
+    gate("after");
+    assert!(workplace.read("verdict/gate.json").contains("\"task\": \"nuscenes\""));
+    workplace.write("rules.toml", &rule("cds"));
+    let refused = gate("after");
+    assert_eq!(refused.exit_code, Some(2), "{}", refused.stderr);
+    assert!(refused.stderr.contains("the rule has no effect on \"cds\" of \"car\""), "{}", refused.stderr);
+    run(&workplace, "without", &[]);
+    workplace.write("rules.toml", &rule("ap"));
+    let missing = gate("without");
+    assert_eq!(missing.exit_code, Some(5), "{}{}", missing.stdout, missing.stderr);
+}
+
+#[test]
+fn labels_fed_back_have_the_best_numbers() {
+    let workplace = Workplace::new();
+    let arguments =
+        ["selftest", "street-narrow", "--simulated-scans", "2", "--protocol", "nuscenes,argoverse2"];
+    let said = workplace.succeed(&arguments).stdout;
+    assert!(said.contains("protocol nuscenes: ") && said.contains("protocol argoverse2: "), "{said}");
+    assert!(!said.contains("FAILED"), "{said}");
+}
+
+#[test]
+fn an_unknown_protocol_is_refused_with_those_there_are() {
+    let ended = Workplace::new().run(&["run", "street-narrow", "--protocol", "waymo"]);
+    assert_eq!(ended.exit_code, Some(2));
+    assert!(ended.stderr.contains("nuscenes") && ended.stderr.contains("argoverse2"), "{}", ended.stderr);
+}
+
+#[test]
+#[needs_test_data("data/argoverse2")]
+fn labels_of_a_recorded_sweep_have_the_best_numbers() {
+    let root = test_data!("data/argoverse2").join("sensor/val");
+    let said =
+        Workplace::new().succeed(&["selftest", root.to_str().unwrap(), "--protocol", "argoverse2"]).stdout;
+    assert!(said.contains("ok     val, protocol argoverse2: "), "{said}");
+}
