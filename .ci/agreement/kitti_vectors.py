@@ -1,4 +1,4 @@
-"""Makes the vectors that hold the protocol kitti-object to KITTI's development kit: made-up labels and results, and the kit's numbers of them.
+"""Makes the vectors that hold the protocol kitti-object to KITTI's development kit: made-up scans, and the kit's numbers.
 
     kitti_vectors.py KIT FOLDER [--only-kit]
 

@@ -1,8 +1,8 @@
-//! `protocol_kitti_object.csv`: what KITTI's evaluation of object detection looks at, one row for every annotation, every detection, every pair of them that
-//! overlaps enough to count somewhere, and every detection in a region that is not labelled.
+//! `protocol_kitti_object.csv`: what KITTI's evaluation of object detection looks at, one row for every annotation, every detection, every
+//! pair of them that overlaps enough to count somewhere, and every detection in a region that is not labelled.
 //!
-//! Boxes are those of the files, in the rectified frame of the camera (x right, y down, z ahead) and in its image. Numbers are written in full, since
-//! a result may hang on the last digit.
+//! Boxes are those of the files, in the rectified frame of the camera (x right, y down, z ahead) and in its image. Numbers are written in
+//! full, since a result may hang on the last digit.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,8 @@
 //! Precision at 41 recalls as the development kit has it.
 //!
-//! The least scores that it is looked up at are those of detections that are right when all are kept: from the surest down, each is taken that comes
-//! nearest to the next of the recalls 0, 1/40, …, 1. So with fewer than 41 annotations there are fewer, and precision is 0 at the rest: annotations fed back
-//! do not reach the maximum.
+//! The least scores that it is looked up at are those of detections that are right when all are kept: from the surest down, each is taken
+//! that comes nearest to the next of the recalls 0, 1/40, …, 1. So with fewer than 41 annotations there are fewer, and precision is 0 at
+//! the rest: annotations fed back do not reach the maximum.
 
 use super::score_events::{Counted, ScoredMatches};
 
@@ -32,7 +32,7 @@ impl OfficialCurve {
             precision[place] = counted.tp as f64 / n_detections;
             similarity[place] = counted.similarity / n_detections;
         }
-        Self { precision: best_from_here(precision), similarity: best_from_here(similarity) }
+        Self { precision: best_from_here(&precision), similarity: best_from_here(&similarity) }
     }
 }
 
@@ -61,8 +61,8 @@ fn thresholds(matches: &ScoredMatches, times: &[u16]) -> Vec<f64> {
 }
 
 /// The largest value at each place or after it. What is no number stays none, and is smaller than every other.
-fn best_from_here(values: [f64; N_RECALLS]) -> [f64; N_RECALLS] {
-    let (mut best, mut largest) = (values, f64::NEG_INFINITY);
+fn best_from_here(values: &[f64; N_RECALLS]) -> [f64; N_RECALLS] {
+    let (mut best, mut largest) = (*values, f64::NEG_INFINITY);
     for value in best.iter_mut().rev() {
         largest = largest.max(*value);
         if !value.is_nan() {

@@ -1,7 +1,7 @@
 //! Matching as the development kit does it: annotation by annotation, in the order of the files, anew for each least score.
 //!
-//! Twice over: first with all detections, where an annotation takes the surest that overlaps it enough; the scores of what is found so become the
-//! least scores that precision is looked up at. Then for each of these, where an annotation takes the one that overlaps it most.
+//! Twice over: first with all detections, where an annotation takes the surest that overlaps it enough; the scores of what is found so
+//! become the least scores that precision is looked up at. Then for each of these, where an annotation takes the one that overlaps it most.
 
 use super::roles::{Role, Roles};
 use super::rules::{Plane, Question};
@@ -15,7 +15,7 @@ pub fn official_matches<'a>(
 ) -> ScoredMatches {
     let mut matches = ScoredMatches::default();
     for (place, scan) in scans {
-        let mut matching = OfficialMatching::new(scan, question);
+        let mut matching = OfficialMatching::new(scan, *question);
         let n_annotations = matching.roles.n_annotations();
         if n_annotations > 0 {
             matches.annotations.push((place, n_annotations));
@@ -39,10 +39,10 @@ struct OfficialMatching<'a> {
 }
 
 impl<'a> OfficialMatching<'a> {
-    fn new(scan: &'a KittiScan, question: &Question) -> Self {
-        let roles = Roles::of(scan, question);
+    fn new(scan: &'a KittiScan, question: Question) -> Self {
+        let roles = Roles::of(scan, &question);
         let min_overlap = question.min_overlap();
-        let pairs = scan.pairs().iter().map(|it| (it, it.overlap_in(question)));
+        let pairs = scan.pairs().iter().map(|it| (it, it.overlap_in(&question)));
         let pairs = pairs.filter(|(it, overlap)| {
             *overlap > min_overlap
                 && roles.annotations[it.annotation] != Role::Absent
@@ -120,8 +120,8 @@ impl<'a> OfficialMatching<'a> {
         events.extend(false_alone.map(event));
     }
 
-    /// What is right among detections of at least `min_score`. Those that are false are counted as if nothing were found, elsewhere; so what is taken of
-    /// them counts as less than none here.
+    /// What is right among detections of at least `min_score`. Those that are false are counted as if nothing were found, elsewhere; so
+    /// what is taken of them counts as less than none here.
     fn found_and_excused(&mut self, min_score: f64) -> Counted {
         self.is_taken.fill(false);
         let mut counted = Counted::default();

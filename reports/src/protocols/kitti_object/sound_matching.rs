@@ -1,7 +1,8 @@
 //! Matching that does not depend on the order of files: once, the surest detection first.
 //!
-//! A detection takes the free annotation that it overlaps most, one that counts before one that is ignored. Among detections of like scores the pair with
-//! the largest overlap comes first, so that annotations fed back find themselves. Regions without labels excuse in every plane.
+//! A detection takes the free annotation that it overlaps most, one that counts before one that is ignored. Among detections of like scores
+//! the pair with the largest overlap comes first, so that annotations fed back find themselves. Regions without labels excuse in every
+//! plane.
 //!
 //! Everingham et al. 2010 (detections in the order of their scores), Lin et al. 2014 (what is ignored).
 
@@ -25,7 +26,7 @@ pub fn sound_matches<'a>(
         if n_annotations > 0 {
             matches.annotations.push((place, n_annotations));
         }
-        let found = found_by_detections(scan, question, &roles);
+        let found = found_by_detections(scan, *question, &roles);
         let min_share = question.class.min_overlap(Plane::Image, Demand::Strict);
         for (detection_idx, detection) in scan.detections().iter().enumerate() {
             if detection.object.class != question.class.annotation_class() {
@@ -49,13 +50,13 @@ pub fn sound_matches<'a>(
 }
 
 /// Of each detection the annotation that it takes.
-fn found_by_detections(scan: &KittiScan, question: &Question, roles: &Roles) -> Vec<Option<usize>> {
+fn found_by_detections(scan: &KittiScan, question: Question, roles: &Roles) -> Vec<Option<usize>> {
     let min_overlap = question.min_overlap();
     let class = question.class.annotation_class();
     let mut candidates: Vec<(&KittiPair, f64)> = scan
         .pairs()
         .iter()
-        .map(|it| (it, it.overlap_in(question)))
+        .map(|it| (it, it.overlap_in(&question)))
         .filter(|(it, overlap)| {
             *overlap > min_overlap
                 && roles.annotations[it.annotation] != Role::Absent

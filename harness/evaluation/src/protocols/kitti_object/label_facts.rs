@@ -27,8 +27,8 @@ pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<Kit
     facts_of(labels, &detections)
 }
 
-/// The same of detections in the frame of the sensor: vehicles are cars, all else is no class that is evaluated. The rectangle in the image is that
-/// around the corners of the box.
+/// The same of detections in the frame of the sensor: vehicles are cars, all else is no class that is evaluated. The rectangle in the image
+/// is that around the corners of the box.
 ///
 /// `None` if the frame is not that of a scan with a camera.
 pub fn facts_of_detections(
