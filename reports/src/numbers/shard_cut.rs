@@ -59,7 +59,9 @@ fn possible_cuts(datasets: &[Vec<ScanToCut>]) -> Vec<Cut> {
             scans.iter().map(|it| blocks.place_of(&it.second)).collect();
         let mut last_scans = vec![0; blocks.len()];
         for (scan_idx, block_idx) in blocks_of_scans.iter().enumerate() {
-            block_idx.iter().for_each(|it| last_scans[*it] = scan_idx);
+            if let Some(block_idx) = block_idx {
+                last_scans[*block_idx] = scan_idx;
+            }
         }
         let mut reach = 0;
         for (scan_idx, (scan, block_idx)) in scans.iter().zip(&blocks_of_scans).enumerate() {
@@ -76,6 +78,8 @@ fn possible_cuts(datasets: &[Vec<ScanToCut>]) -> Vec<Cut> {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::single_range_in_vec_init, reason = "there is one data set")]
+
     use super::*;
     use proptest::prelude::*;
 

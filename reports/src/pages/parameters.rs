@@ -10,6 +10,10 @@ pub(super) fn parameters(manifest: &Manifest) -> Markup {
         || "not known".to_owned(),
         |it| format!("{}{}", it.commit, if it.dirty { ", with uncommitted changes" } else { "" }),
     );
+    // The list of shards would be longer than all the rest.
+    let shown = Manifest { shards: Vec::new(), ..manifest.clone() };
+    let made_in =
+        (!manifest.shards.is_empty()).then(|| ("made in", format!("{} shards", manifest.shards.len())));
     let facts = [
         ("started", manifest.created.clone()),
         (
@@ -39,10 +43,10 @@ pub(super) fn parameters(manifest: &Manifest) -> Markup {
     html! {
         section #manifest aria-labelledby="manifest-title" {
             h2 #manifest-title { "Manifest" }
-            dl { @for (name, value) in facts { div { dt { (name) } dd { (value) } } } }
+            dl { @for (name, value) in facts.into_iter().chain(made_in) { div { dt { (name) } dd { (value) } } } }
             details {
                 summary { "manifest.json, with every parameter" }
-                (commands(manifest.to_json().trim_end(), "manifest.json"))
+                (commands(shown.to_json().trim_end(), "manifest.json"))
             }
         }
     }

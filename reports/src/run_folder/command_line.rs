@@ -32,14 +32,12 @@ pub fn command_of_whole_run(argv: &[String], output: &str) -> Vec<String> {
     while let Some(argument) = arguments.next() {
         if argument == "--shard" || argument == "--shards" {
             arguments.next();
-        } else if argument.starts_with("--shard=") || argument.starts_with("--shards=") {
-            continue;
         } else if matches!(output_option(argument), OutputOption::ValueFollows) {
             arguments.next();
             words.extend([argument.clone(), output.to_owned()]);
         } else if let Some(option) = ["--output=", "-o"].into_iter().find(|it| argument.starts_with(it)) {
             words.push(format!("{option}{output}"));
-        } else {
+        } else if !["--shard=", "--shards="].iter().any(|it| argument.starts_with(it)) {
             words.push(argument.clone());
         }
     }

@@ -382,7 +382,7 @@ mod tests {
     fn every_shard_is_there_once_and_every_scan_in_one() {
         let halves = || [shard(1, 2, 0..30), shard(2, 2, 30..60)];
         let [first, second] = halves();
-        check_refused(&[first.clone()], "1 of 2 shards are missing: 2");
+        check_refused(std::slice::from_ref(&first), "1 of 2 shards are missing: 2");
         check_refused(&[first.clone(), first.clone()], "1-of-2 and 1-of-2 are both shard 1/2");
         check_refused(&[first.clone(), shard(2, 3, 30..60)], "1-of-2 is one of 2 shards, 2-of-3 one of 3");
         check_refused(
