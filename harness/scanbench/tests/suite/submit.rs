@@ -29,7 +29,7 @@ const OF_ENGINES: [&str; 18] = [
 ];
 
 /// A `sbatch` that runs a job at once, an array task by task; a job that depends on another only if that has succeeded.
-const SBATCH: &str = r##"#!/bin/bash
+const SBATCH: &str = r#"#!/bin/bash
 set -u
 count=0
 for argument; do
@@ -55,7 +55,7 @@ else
 fi
 echo "$failed" > "failed.$id"
 echo "$id;cluster"
-"##;
+"#;
 
 /// The program with `arguments` as a task that has these variables.
 fn task(workplace: &Workplace, arguments: &[&str], variables: &[(&str, &str)]) -> Ended {
@@ -245,6 +245,6 @@ fn pods_get_the_words_of_the_run_and_the_number_of_shards() {
     }
     let merge = workplace.read("runs/Fleet_1/merge.yaml");
     let words = ["merge", "fleet-1/shards/shard-1-of-2", "fleet-1/shards/shard-2-of-2", "-o", "fleet-1/run"];
-    let lines: String = words.iter().map(|it| format!("            - {it:?}\n")).collect();
-    assert!(merge.contains(&lines), "{merge}");
+    let lines: Vec<String> = words.iter().map(|it| format!("            - {it:?}\n")).collect();
+    assert!(merge.contains(&lines.concat()), "{merge}");
 }

@@ -57,7 +57,8 @@ fn merge_words(shards: &str, n_shards: u32, run: &str) -> Vec<String> {
 
 /// The rest of a list of YAML, a line for each word. Kubernetes puts variables in the place of `$(NAME)`, and a dollar in the place of two.
 fn yaml_list(words: &[String]) -> String {
-    words.iter().map(|it| format!("            - {}\n", yaml_text(&it.replace('$', "$$")))).collect()
+    let line = |word: &String| format!("            - {}\n", yaml_text(&word.replace('$', "$$")));
+    words.iter().map(line).collect::<Vec<_>>().concat()
 }
 
 /// `text` in double quotes, as both JSON and YAML read it.

@@ -64,11 +64,14 @@ struct Place {
 impl Place {
     fn shards_sh(&self, arguments: &SlurmArgs, command: &ShardedCommand) -> String {
         let n_shards = arguments.submitted.shards;
-        let limit = |option: &str, value: &Option<String>| {
-            value.as_ref().map(|it| format!("#SBATCH --{option}={it}\n")).unwrap_or_default()
+        let limit = |option: &str, value: Option<&String>| {
+            value.map(|it| format!("#SBATCH --{option}={it}\n")).unwrap_or_default()
         };
-        let limits =
-            limit("time", &arguments.time) + &limit("mem", &arguments.memory) + &partition(arguments);
+        let limits = [
+            limit("time", arguments.time.as_ref()),
+            limit("mem", arguments.memory.as_ref()),
+            partition(arguments),
+        ];
         let shards = format!("{}/{SHARDS}", self.folder);
         let words = command.of_one_shard(n_shards, &shards);
         let words: Vec<String> = words.iter().map(|it| shell_word(it)).collect();
@@ -77,7 +80,7 @@ impl Place {
             &[
                 ("name", &self.name),
                 ("n_shards", &n_shards.to_string()),
-                ("limits", &limits),
+                ("limits", &limits.concat()),
                 ("workplace", &shell_word(&self.workplace)),
                 ("shards", &shell_word(&shards)),
                 ("shard", &shard_pattern(n_shards)),
