@@ -20,7 +20,7 @@ mod tests {
 
     #[test]
     fn recalls_are_products_and_end_at_one() {
-        assert_eq!([0, 35, 100].map(recall_at), [0.0, 0.35000000000000003, 1.0]);
+        assert_eq!([0, 35, 100].map(recall_at), [0.0, 0.350_000_000_000_000_03, 1.0]);
     }
 
     #[test]
