@@ -1,8 +1,8 @@
 //! The numbers that others publish, made of rows as their makers make them, and how sure they are.
 
 pub mod protocol_number;
-pub mod under_protocol;
 pub mod drawn_scans;
+pub mod under_protocol;
 mod scan_terms;
 mod semantic_kitti;
 mod ground;
