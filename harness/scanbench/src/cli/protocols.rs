@@ -12,25 +12,10 @@ use super::help_text::JUDGING;
 #[command(next_help_heading = JUDGING)]
 pub struct ProtocolArgs {
     /// Evaluate as others do, too; docs/protocols.md
-    #[arg(
-        long = "protocol",
-        value_name = "NAMES",
-        value_delimiter = ',',
-        value_parser = protocol_parser(),
-        hide_possible_values = true,
-        long_help = protocol_help()
-    )]
+    ///
+    /// A run directory gets `protocols.json`, the rows of it, and a table for each protocol.
+    #[arg(long = "protocol", value_name = "NAMES", value_delimiter = ',', value_parser = protocol_parser(), hide_short_help = true)]
     pub protocols: Vec<Protocol>,
-}
-
-/// Which protocols there are, and what they leave.
-fn protocol_help() -> String {
-    let names: Vec<String> = known_protocols().map(|it| format!("`{it}`")).collect();
-    format!(
-        "Evaluate as others do, too: {}; docs/protocols.md\n\n\
-         A run directory gets `protocols.json`, the rows of it, and a table for each protocol.",
-        names.join(", ")
-    )
 }
 
 /// Takes the names of the protocols there are.

@@ -101,13 +101,13 @@ Examples:
   scanbench run
   scanbench run --seed 7 --simulated-scans 100 -P tolerance_m=0.7 -o runs/seed-7
   scanbench run ~/data/kitti_tracking -d hierarchical,pca --criterion centre
-  scanbench run ~/data/kitti_tracking --detections pointrcnn=results/pointrcnn
-  scanbench run ~/data/av2/val --detections mine=mine.feather --protocol argoverse2";
+  scanbench run ~/data/kitti_tracking --detections pointrcnn=results/pointrcnn";
 
 const RUN_DETAILS: &str = "\
 The run directory holds report.html with figures/, report.json, manifest.json,
 scans.csv, matches.csv, stages.csv, precision_recall.csv,
 table_<task>.{csv,md,tex}, table_times.md, table_stages.md and worst_points.json;
-with --protocol, protocols.json, protocol_*.csv and table_protocol_<name>.*;
+with --protocol, such as --protocol nuscenes,argoverse2, also protocols.json,
+protocol_*.csv and table_protocol_<name>.*;
 unless --no-rrd, run.rrd for the Rerun viewer; with --mcap, run.mcap for Foxglove.
 Unless -o names it, runs/latest points at it.";
