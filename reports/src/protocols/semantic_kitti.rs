@@ -43,7 +43,8 @@ const OF_THINGS: [&str; 3] = ["pq", "sq", "rq"];
 /// What became of the labels of one scan.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct ScoredLabels {
-    instances: Vec<InstanceScore>,
+    // By label, so that the order of rows does not show.
+    instances: BTreeMap<u32, InstanceScore>,
     things: BTreeMap<ThingClass, ThingCounts>,
     entropies: Option<SegmentationEntropies>,
 }
@@ -52,7 +53,9 @@ impl ScoredLabels {
     /// Adds a score; those of other protocols change nothing.
     pub(super) fn add(&mut self, score: &LabelScore) {
         match score {
-            LabelScore::Instance(it) => self.instances.push(*it),
+            LabelScore::Instance(it) => {
+                self.instances.insert(it.label, *it);
+            }
             LabelScore::Things(class, it) => {
                 self.things.insert(*class, *it);
             }
@@ -63,7 +66,7 @@ impl ScoredLabels {
 
     fn terms(&self) -> [f64; N_TERMS] {
         let mut of_instances = [0.0; N_INSTANCE_TERMS];
-        for it in &self.instances {
+        for it in self.instances.values() {
             let terms = [
                 1.0,
                 it.association,
@@ -209,6 +212,7 @@ impl UnderProtocol for SemanticKitti {
 mod tests {
     use super::*;
     use crate::rows::label_score_row::tests::row;
+    use proptest::prelude::*;
 
     /// The numbers of scans, each with its scores, by class and name.
     fn numbers(scans: &[&[LabelScore]], times: &[u16]) -> BTreeMap<(String, String), (Option<f64>, u64)> {
@@ -226,8 +230,10 @@ mod tests {
         metrics.into_iter().zip(values).map(|(it, value)| ((it.class, it.id), (value, it.n))).collect()
     }
 
+    /// Instances of one scan have different numbers of points here, and these for labels.
     fn instance(n_points: u64, association: f64, matched_iou: Option<f64>) -> LabelScore {
-        LabelScore::Instance(InstanceScore { label: 10 | 1 << 16, n_points, association, matched_iou })
+        let label = 10 | (n_points as u32) << 16;
+        LabelScore::Instance(InstanceScore { label, n_points, association, matched_iou })
     }
 
     fn entropies(over_nats: f64, under_nats: f64) -> LabelScore {
@@ -257,6 +263,29 @@ mod tests {
         assert_eq!(of(&[0, 3], "s_assoc").0, Some(0.5));
         assert_eq!(of(&[0, 0], "s_assoc").0, None);
         assert!(!numbers(&scans, &[1, 1]).contains_key(&("all".to_owned(), "pq".to_owned())));
+    }
+
+    proptest! {
+        #[test]
+        fn the_order_of_rows_changes_nothing(
+            scores in prop::collection::btree_map((0_u32..4, 1_u64..200), 0.0_f64..1.0, 0..40),
+            seed in any::<u64>(),
+        ) {
+            let rows: Vec<_> =
+                scores.iter().map(|((scan, n), it)| row(*scan, instance(*n, *it, (*it > 0.5).then_some(*it)))).collect();
+            let mut shuffled = rows.clone();
+            shuffled.sort_by_key(|it| match it.score {
+                LabelScore::Instance(score) => (u64::from(score.label) << 8 | u64::from(it.scan.scan)) ^ seed,
+                _ => seed,
+            });
+            let values = |rows: &[crate::rows::label_score_row::LabelScoreRow]| {
+                let mut by_scan: BTreeMap<ScanName, ScoredLabels> = BTreeMap::new();
+                rows.iter().for_each(|it| by_scan.entry(it.scan.clone()).or_default().add(&it.score));
+                let names: Vec<ScanName> = by_scan.keys().cloned().collect();
+                SemanticKitti::new(&names, &by_scan).values(&vec![1; names.len()])
+            };
+            prop_assert_eq!(values(&shuffled), values(&rows));
+        }
     }
 
     #[test]
