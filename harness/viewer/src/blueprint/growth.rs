@@ -48,8 +48,7 @@ pub fn send_growth_blueprint(
     let mut properties = Vec::new();
     let mut containers: Vec<ContainerLike> = Vec::new();
     for tab in tabs {
-        let columns: Vec<ContainerLike> =
-            tab.columns.iter().map(|it| column(it, &mut properties)).collect();
+        let columns: Vec<ContainerLike> = tab.columns.iter().map(|it| column(it, &mut properties)).collect();
         containers.push(Horizontal::new(columns).with_name(tab.name.as_str()).into());
     }
     let panel =
@@ -84,8 +83,7 @@ fn column(of: &GrowthColumn, properties: &mut Vec<Property>) -> ContainerLike {
     add(properties, &chances, "ScalarAxis", ScalarAxis::new().with_range(Range1D([-0.04, 1.04])));
     let errors: ContainerLike =
         TimeSeriesView::new("distance to each class").with_origin(origin(GrowthPart::Errors)).into();
-    let bag: ContainerLike =
-        BarChartView::new("bag of patterns").with_origin(origin(GrowthPart::Bag)).into();
+    let bag: ContainerLike = BarChartView::new("bag of patterns").with_origin(origin(GrowthPart::Bag)).into();
     for view in [&chances, &errors, &bag] {
         add(properties, view, "PlotLegend", without_legend());
     }
