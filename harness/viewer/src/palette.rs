@@ -78,7 +78,7 @@ pub fn partial_class_color(class: PartialClass) -> Rgb {
         PartialClass::Car => ORANGE,
         PartialClass::Pole => SKY_BLUE,
         PartialClass::Pedestrian => REDDISH_PURPLE,
-        PartialClass::Other => GREY,
+        PartialClass::Other => YELLOW,
     }
 }
 

@@ -184,7 +184,7 @@ fn label_color(label: u8) -> Rgb {
 
 /// What it is told to be and how surely, above it.
 fn decision(of: &Growth, moment: &GrowthMoment) -> Points3D {
-    let ([x, y, z], _) = bounds(of);
+    let ([x, y, z], extent_m) = bounds(of);
     let top_m = moment.cloud.z_m().iter().copied().filter(|it| it.is_finite()).fold(z, f32::max);
     let told = moment.answer.told;
     let chance = moment.answer.chances.into_iter().flatten().reduce(f64::max);
@@ -197,7 +197,7 @@ fn decision(of: &Growth, moment: &GrowthMoment) -> Points3D {
         Told::NotJudged => palette::GREY,
         _ => palette::FALSE,
     };
-    Points3D::new([[x, y, top_m + 0.3]])
+    Points3D::new([[x, y, top_m + 0.12 * extent_m]])
         .with_labels([text])
         .with_show_labels(true)
         .with_colors([legend::rgba(color)])

@@ -33,10 +33,10 @@ pub struct PartialArgs {
     #[arg(long, value_name = "OBJECTS", help_heading = TRAINING)]
     pub train: Option<String>,
     /// Learn from whole clouds, as the paper does, from parts, or from each in turn [default: whole,parts]
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT", requires = "train", hide_possible_values = true, help_heading = TRAINING)]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT", requires = "train", hide_possible_values = true, hide_short_help = true, help_heading = TRAINING)]
     pub trained_on: Vec<LearnedFrom>,
     /// Compare the method with itself without each part, instead of with rivals
-    #[arg(long, requires = "train", help_heading = JUDGING)]
+    #[arg(long, requires = "train", hide_short_help = true, help_heading = JUDGING)]
     pub ablation: bool,
     /// Also fences, hedges and the like, which are none of the four; methods may reject
     #[arg(long, help_heading = JUDGING)]
@@ -45,15 +45,15 @@ pub struct PartialArgs {
     #[arg(long, help_heading = JUDGING)]
     pub drives: bool,
     /// Results of another program on the same objects, called NAME in tables; may be repeated
-    #[arg(long, value_name = "NAME=FILE", help_heading = JUDGING)]
+    #[arg(long, value_name = "NAME=FILE", hide_short_help = true, help_heading = JUDGING)]
     pub peer_results: Vec<PeerResults>,
-    /// Write no Rerun recording
-    #[arg(long, help_heading = VIEWER)]
-    #[allow(dead_code, reason = "read by the viewer, where there is one")]
-    pub no_rrd: bool,
     /// Where everything is written.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// Write no Rerun recording
+    #[arg(long, hide_short_help = true, help_heading = VIEWER)]
+    #[allow(dead_code, reason = "read by the viewer, where there is one")]
+    pub no_rrd: bool,
 }
 
 /// What methods learn from.

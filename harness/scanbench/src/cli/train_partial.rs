@@ -9,15 +9,21 @@ use super::help_text::TRAINING;
 #[command(next_help_heading = TRAINING)]
 pub struct PartialTrainingArgs {
     /// Train for this task, from objects instead of scans
-    #[arg(long, value_enum, value_name = "TASK", conflicts_with_all = OF_SCANS)]
+    #[arg(long, value_enum, value_name = "TASK", hide_short_help = true, conflicts_with_all = OF_SCANS)]
     pub task: Option<TrainedTask>,
     /// Objects to train on, one set after the other [default: simulated ones, as the shipped model]
     ///
     /// Simulated objects, of which the training part is taken, or folders with a folder for each class.
-    #[arg(long, value_name = "OBJECTS,...", value_delimiter = ',', requires = "task")]
+    #[arg(
+        long,
+        value_name = "OBJECTS,...",
+        value_delimiter = ',',
+        requires = "task",
+        hide_short_help = true
+    )]
     pub objects: Vec<String>,
     /// Simulated objects of each set and class [default: as the shipped model]
-    #[arg(long, value_name = "N", requires = "task", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", requires = "task", hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub per_class: Option<u32>,
 }
 

@@ -1,7 +1,7 @@
 //! Objects that grow side by side: the cloud, how likely each class is, how far it is, and the bag.
 
 use re_sdk_types::blueprint::archetypes::{EyeControls3D, LineGrid3D, PlotLegend, ScalarAxis};
-use re_sdk_types::blueprint::components::{Corner2D, PanelState};
+use re_sdk_types::blueprint::components::PanelState;
 use re_sdk_types::datatypes::Range1D;
 use rerun::RecordingStream;
 use rerun::blueprint::{
@@ -48,12 +48,7 @@ pub fn send_growth_blueprint(
     let mut properties = Vec::new();
     let mut containers: Vec<ContainerLike> = Vec::new();
     for tab in tabs {
-        let columns: Vec<ContainerLike> = tab
-            .columns
-            .iter()
-            .enumerate()
-            .map(|(place, it)| column(it, place == 0, &mut properties))
-            .collect();
+        let columns: Vec<ContainerLike> = tab.columns.iter().map(|it| column(it, &mut properties)).collect();
         containers.push(Horizontal::new(columns).with_name(tab.name.as_str()).into());
     }
     let panel =
@@ -67,7 +62,7 @@ pub fn send_growth_blueprint(
     send(stream, application_id, &blueprint, &properties)
 }
 
-fn column(of: &GrowthColumn, is_first: bool, properties: &mut Vec<Property>) -> ContainerLike {
+fn column(of: &GrowthColumn, properties: &mut Vec<Property>) -> ContainerLike {
     let origin = |part| growth(&of.of, part);
     let scene: ContainerLike =
         Spatial3DView::new(of.title.as_str()).with_origin(origin(GrowthPart::Scene)).into();
@@ -80,17 +75,17 @@ fn column(of: &GrowthColumn, is_first: bool, properties: &mut Vec<Property>) -> 
     add(properties, &scene, "EyeControls3D", eye);
     add(properties, &scene, "Background", plain_background());
     add(properties, &scene, "LineGrid3D", LineGrid3D::new().with_visible(true).with_spacing(1.0_f32));
-    let mut series = |name: &str, part, has_legend: bool, range: Option<[f64; 2]>| {
-        let view: ContainerLike = TimeSeriesView::new(name).with_origin(origin(part)).into();
-        let legend = PlotLegend::new().with_corner(Corner2D::LeftTop).with_visible(has_legend);
-        add(properties, &view, "PlotLegend", legend);
-        if let Some(range) = range {
-            add(properties, &view, "ScalarAxis", ScalarAxis::new().with_range(Range1D(range)));
-        }
-        view
-    };
-    let chances = series("chance of each class", GrowthPart::Chances, is_first, Some([0.0, 1.0]));
-    let errors = series("distance to each class", GrowthPart::Errors, false, None);
+    // The colours are those of the bars of each class.
+    let without_legend = || PlotLegend::new().with_visible(false);
+    let chances: ContainerLike =
+        TimeSeriesView::new("chance of each class").with_origin(origin(GrowthPart::Chances)).into();
+    // What is sure is still seen as a line.
+    add(properties, &chances, "ScalarAxis", ScalarAxis::new().with_range(Range1D([-0.04, 1.04])));
+    let errors: ContainerLike =
+        TimeSeriesView::new("distance to each class").with_origin(origin(GrowthPart::Errors)).into();
     let bag: ContainerLike = BarChartView::new("bag of patterns").with_origin(origin(GrowthPart::Bag)).into();
+    for view in [&chances, &errors, &bag] {
+        add(properties, view, "PlotLegend", without_legend());
+    }
     Vertical::new([scene, chances, errors, bag]).with_row_shares(vec![5.0, 2.0, 2.0, 1.6]).into()
 }
