@@ -33,12 +33,12 @@ pub fn learn_class_weights(
     let mut slopes = Slopes {
         by_column: ByColumn::of(bags, n_columns),
         excess: vec![0.0; bags.len() * n_classes],
-        slopes: vec![0.0; n_weights],
+        of_weights: vec![0.0; n_weights],
     };
     for step in 0..params.n_steps {
         slopes.fill(&descent.weights, bags, (n_classes, params.penalty));
         let left = 1.0 - step as f64 / params.n_steps as f64;
-        descent.step(&slopes.slopes, step, params.step_size * left);
+        descent.step(&slopes.of_weights, step, params.step_size * left);
     }
     let of_class = |class_idx: usize| ClassWeights {
         offset: descent.weights[n_columns * n_classes + class_idx] as f32,
@@ -112,18 +112,18 @@ struct Slopes {
     /// For each bag: how much more likely each class is than it should be, times the weight of the bag.
     excess: Vec<f64>,
     /// In the order of the weights.
-    slopes: Vec<f64>,
+    of_weights: Vec<f64>,
 }
 
 impl Slopes {
     /// Every thread adds up whole columns, each in the order of the bags, so that the number of threads changes nothing.
     fn fill(&mut self, weights: &[f64], bags: &[TrainingBag], (n_classes, penalty): (usize, f64)) {
-        let Self { by_column, excess, slopes } = self;
+        let Self { by_column, excess, of_weights } = self;
         let n_of_columns = weights.len() - n_classes;
         let (of_columns, offsets) = weights.split_at(n_of_columns);
         let of_bags = excess.par_chunks_mut(n_classes).zip(bags).with_min_len(LEAST_SHARE);
         of_bags.for_each(|(excess, bag)| fill_excess(bag, of_columns, offsets, excess));
-        let (slopes_of_columns, slopes_of_offsets) = slopes.split_at_mut(n_of_columns);
+        let (slopes_of_columns, slopes_of_offsets) = of_weights.split_at_mut(n_of_columns);
         let columns = slopes_of_columns.par_chunks_mut(n_classes).zip(of_columns.par_chunks(n_classes));
         columns.enumerate().with_min_len(LEAST_SHARE).for_each(|(column, (slopes, weights))| {
             for (slope, weight) in slopes.iter_mut().zip(weights) {

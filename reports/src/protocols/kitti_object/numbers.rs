@@ -29,7 +29,7 @@ struct OfQuestion {
 
 impl KittiMatches {
     /// Matches `scans`, each by its place among all scans; those of which nothing is known may be left out.
-    pub fn of<'a>(scans: &[(u32, &'a KittiScan)]) -> Self {
+    pub fn of(scans: &[(u32, &KittiScan)]) -> Self {
         let mut detections = scans.iter().flat_map(|(_, it)| it.detections());
         let of_question = |question: Question| {
             let sound = sound_matches(scans.iter().copied(), &question);
