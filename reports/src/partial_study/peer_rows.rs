@@ -125,6 +125,8 @@ pub fn read_peer_rows(
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
+
     use super::*;
     use crate::partial_study::partial_curves::tests::rows;
 
@@ -145,7 +147,7 @@ mod tests {
             [("tree/a.npy", "tree"), ("tree/b.npy", ""), ("c", "poles"), ("car/d.npy", "car")]
         {
             for step in 1..=3 {
-                text += &format!("{object},x,below,{step},9,{told}\n");
+                writeln!(text, "{object},x,below,{step},9,{told}").unwrap();
             }
         }
         text

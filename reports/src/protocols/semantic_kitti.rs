@@ -1,7 +1,7 @@
 //! Scores of SemanticKITTI's instances: association, unknown quality, panoptic quality of things, entropies.
 //!
 //! Nunes et al.: Unsupervised Class-Agnostic Instance Segmentation of 3D LiDAR Data for Autonomous Vehicles, 2022, for the association.
-//! Wong et al.: Identifying Unknown Instances for Autonomous Driving, `CoRL` 2019, for unknown quality. Kirillov et al.: Panoptic Segmentation,
+//! Wong et al.: Identifying Unknown Instances for Autonomous Driving, 2019, for unknown quality. Kirillov et al.: Panoptic Segmentation,
 //! CVPR 2019, as semantic-kitti-api has it. Oh et al.: TRAVEL, RA-L 2022, as `continuous_clustering` has it, for entropies.
 
 use std::collections::BTreeMap;
@@ -232,7 +232,7 @@ mod tests {
 
     /// Instances of one scan have different numbers of points here, and these for labels.
     fn instance(n_points: u64, association: f64, matched_iou: Option<f64>) -> LabelScore {
-        let label = 10 | (n_points as u32) << 16;
+        let label = 10 + ((n_points as u32) << 16);
         LabelScore::Instance(InstanceScore { label, n_points, association, matched_iou })
     }
 
@@ -280,7 +280,9 @@ mod tests {
             });
             let values = |rows: &[crate::rows::label_score_row::LabelScoreRow]| {
                 let mut by_scan: BTreeMap<ScanName, ScoredLabels> = BTreeMap::new();
-                rows.iter().for_each(|it| by_scan.entry(it.scan.clone()).or_default().add(&it.score));
+                for it in rows {
+                    by_scan.entry(it.scan.clone()).or_default().add(&it.score);
+                }
                 let names: Vec<ScanName> = by_scan.keys().cloned().collect();
                 SemanticKitti::new(&names, &by_scan).values(&vec![1; names.len()])
             };

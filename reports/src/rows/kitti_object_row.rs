@@ -313,7 +313,7 @@ mod tests {
     fn rows() -> Vec<KittiObjectRow> {
         let facts = [
             KittiFact::Annotation { annotation: 3, object: CAR, occlusion: 1, truncation: 0.15 },
-            KittiFact::Detection { detection: 0, object: CAR, score: -2.718_281_828_459_045 },
+            KittiFact::Detection { detection: 0, object: CAR, score: -2.718_281_828_459_046 },
             KittiFact::Pair {
                 annotation: 3,
                 detection: 0,

@@ -280,7 +280,7 @@ pub(crate) mod tests {
     #[test]
     fn rows_read_back_as_they_were() {
         let car = InstanceScore {
-            label: 10 | 7 << 16,
+            label: 10 + (7 << 16),
             n_points: 51,
             association: 0.1 + 0.2,
             matched_iou: Some(0.75),

@@ -1,6 +1,6 @@
 //! What every protocol can do with a scan.
 
-use detector::Detections;
+use detector::DetectorOutput;
 use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_name::ScanName;
@@ -33,8 +33,8 @@ pub struct FoundInScan<'a> {
     pub detector: &'a str,
     /// The scan.
     pub view: &'a OfficialScanView<'a>,
-    /// The detections.
-    pub detections: &'a Detections,
+    /// What it reported.
+    pub output: &'a DetectorOutput,
     /// The same as objects, see [`OfficialScanView::found`].
     pub objects: &'a [OfficialObject],
     /// Of results in KITTI's files, what these say; `None` of others.

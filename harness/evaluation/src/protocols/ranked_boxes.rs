@@ -140,7 +140,7 @@ mod tests {
     use crate::protocols::argoverse2::Argoverse2;
     use crate::protocols::nuscenes::Nuscenes;
     use crate::protocols::official_objects::OfficialScanView;
-    use detector::{Detections, OrientedBox, PointCloud};
+    use detector::{DetectorOutput, OrientedBox, PointCloud};
     use proptest::prelude::*;
     use reports::rows::scan_name::ScanName;
     use reports::vocabulary::class::AnnotationClass;
@@ -176,7 +176,8 @@ mod tests {
             name: ScanName { dataset: "drawn".to_owned(), sequence: "drawn".to_owned(), scan: 0 },
             detector: "mine",
             view: &view,
-            detections: &Detections::default(),
+            output: &DetectorOutput::default(),
+            kitti_objects: None,
             objects,
         })
     }

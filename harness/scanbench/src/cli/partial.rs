@@ -13,6 +13,7 @@ use super::scans::SourceArgs;
 /// Arguments of `scanbench partial`.
 #[derive(Debug, Args)]
 #[command(after_help = PARTIAL_EXAMPLES, after_long_help = with_details(PARTIAL_EXAMPLES, PARTIAL_DETAILS))]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct PartialArgs {
     /// Objects that are judged: simulated ones, a folder with a folder for each class, or a data set
     #[arg(value_name = "OBJECTS", default_value = "objects-around")]

@@ -59,7 +59,8 @@ pub fn compare_partial(arguments: &CompareArgs) -> Result<(), Failure> {
 }
 
 fn of_methods(result: &PartialArchive, first: &str, second: &str) -> Result<PartialComparison, Failure> {
-    let mut known: Vec<&str> = result.rows.iter().map(|it| it.method()).collect();
+    let mut known: Vec<&str> =
+        result.rows.iter().map(reports::rows::partial_row::PartialRow::method).collect();
     known.sort_unstable();
     known.dedup();
     match [first, second].into_iter().find(|it| !known.contains(it)) {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use detector::Detections;
+use detector::DetectorOutput;
 use evaluation::protocols::known_protocols::official_protocol;
 use evaluation::protocols::official_objects::OfficialScanView;
 use evaluation::protocols::official_protocol::{FoundInScan, ProtocolRows};
@@ -102,29 +102,19 @@ pub fn check_protocols(
             add_echoed_labels(&mut tally, &name, &LabeledPoints::new(&scan.cloud, labels, &asked), &asked);
         }
         let view = OfficialScanView::new(&*opened.dataset, scan_idx, &scan)?;
-        let (detections, objects) = (Detections::default(), view.echoed());
+        let (output, objects) = (DetectorOutput::default(), view.echoed());
         let kitti_objects = view.echoed_kitti();
         let found = FoundInScan {
             name,
             detector: ECHO,
             view: &view,
-            detections: &detections,
+            output: &output,
             objects: &objects,
             kitti_objects: Some(&kitti_objects),
         };
         for (protocol, n_beyond) in protocols.iter().zip(&mut n_beyond_number) {
-            match official_protocol(*protocol).map(|it| it.rows(&found)) {
-                Some(ProtocolRows::RankedBoxes(rows)) => {
-                    for row in &rows {
-                        tally.add_ranked_box(row);
-                    }
-                    let is_beyond = |state: BoxState| state == BoxState::BeyondNumber;
-                    *n_beyond += rows.iter().filter(|it| is_beyond(it.ranked_box.state)).count();
-                }
-                Some(ProtocolRows::KittiObjects(rows)) => {
-                    rows.iter().for_each(|it| tally.add_kitti_object(it));
-                }
-                None => {}
+            if let Some(protocol) = official_protocol(*protocol) {
+                *n_beyond += add_echoed_boxes(&mut tally, &protocol.rows(&found));
             }
         }
     }
@@ -139,6 +129,24 @@ pub fn check_protocols(
         return Err(NothingEvaluated { reason }.into());
     }
     Ok(checks)
+}
+
+/// Returns how many are beyond the number that a protocol evaluates.
+fn add_echoed_boxes(tally: &mut ProtocolTally, rows: &ProtocolRows) -> usize {
+    match rows {
+        ProtocolRows::RankedBoxes(rows) => {
+            for row in rows {
+                tally.add_ranked_box(row);
+            }
+            rows.iter().filter(|it| it.ranked_box.state == BoxState::BeyondNumber).count()
+        }
+        ProtocolRows::KittiObjects(rows) => {
+            for row in rows {
+                tally.add_kitti_object(row);
+            }
+            0
+        }
+    }
 }
 
 fn add_echoed_labels(

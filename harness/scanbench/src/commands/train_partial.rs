@@ -78,10 +78,12 @@ fn open_all(arguments: &TrainArgs, recipe: &PartialRecipe) -> Result<Vec<Box<dyn
 fn provenance(arguments: &TrainArgs, recipe: &PartialRecipe) -> Provenance {
     let mut command = "scanbench train --task partial".to_owned();
     if !arguments.partial.objects.is_empty() {
-        command += &format!(" --objects {}", recipe.objects.join(","));
+        command.push_str(" --objects ");
+        command.push_str(&recipe.objects.join(","));
     }
     if let Some(per_class) = arguments.partial.per_class {
-        command += &format!(" --per-class {per_class}");
+        command.push_str(" --per-class ");
+        command.push_str(&per_class.to_string());
     }
     let data = recipe.objects.iter().map(|name| match ObjectSource::of(name) {
         ObjectSource::Simulated => {

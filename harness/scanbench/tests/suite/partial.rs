@@ -1,5 +1,6 @@
 //! `scanbench partial`: what an object is of which a part has been seen.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use test_data::{needs_test_data, test_data};
@@ -94,8 +95,8 @@ fn drives_show_more_and_more_and_the_ablation_has_a_row_for_each_part() {
 #[track_caller]
 fn check_refused(arguments: &[&str], words: &str) {
     let workplace = Workplace::new();
-    std::fs::create_dir_all(workplace.path("mine/car")).unwrap();
-    std::fs::write(workplace.path("mine/car/1.bin"), [0; 64]).unwrap();
+    std::fs::create_dir_all(workplace.path("mine/car")).expect("the workplace is ours");
+    std::fs::write(workplace.path("mine/car/1.bin"), [0; 64]).expect("the workplace is ours");
     let refused = workplace.run(&[arguments, &["-o", "x"]].concat());
     assert!(refused.exit_code == Some(2) && refused.stderr.contains(words), "{refused:#?}");
     assert!(!workplace.path("x").exists());
@@ -224,7 +225,8 @@ fn results_of_others_stand_beside_ours_if_they_are_of_the_same_parts() {
     workplace.succeed(&[&judge[..], &["-o", "ours"]].concat());
     let mut table = "object,class,from,step,n_points,told\n".to_owned();
     for row in rows(&workplace, "ours/partial.csv") {
-        table += &format!("{}/{}.npy,{},{},{},{},tree\n", row[6], row[1], row[6], row[2], row[3], row[8]);
+        writeln!(table, "{}/{}.npy,{},{},{},{},tree", row[6], row[1], row[6], row[2], row[3], row[8])
+            .unwrap();
     }
     workplace.write("esf.csv", &table);
     let ended = workplace.succeed(&[&judge[..], &["--peer-results", "esf=esf.csv", "-o", "out"]].concat());

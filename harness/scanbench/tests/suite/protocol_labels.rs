@@ -23,7 +23,7 @@ fn simulate(workplace: &Workplace) {
 }
 
 fn numbers_of(run: &Path) -> ProtocolReport {
-    ProtocolReport::read(&run.join("protocols.json")).unwrap()
+    ProtocolReport::read(&run.join("protocols.json")).expect("a run leaves it")
 }
 
 /// The value of a metric of a detector.
@@ -88,7 +88,7 @@ fn real_scans_have_the_numbers_of_the_makers() {
         let found: Vec<u32> = scan.cloud.positions_m().map(column_of).collect();
         instances.extend(instance_scores(&labels, &found));
         let found_labels: Vec<u32> =
-            found.iter().map(|it| if *it == 0 { 0 } else { 10 | (it % 65536) << 16 }).collect();
+            found.iter().map(|it| if *it == 0 { 0 } else { 10 + ((it % 65536) << 16) }).collect();
         let of_cars = thing_counts(&labels, &found_labels)[0];
         cars.n_matched += of_cars.n_matched;
         cars.n_missed += of_cars.n_missed;

@@ -22,8 +22,9 @@ fn run(workplace: &Workplace, name: &str, options: &[&str]) {
 }
 
 fn numbers(workplace: &Workplace, run: &str) -> Vec<Value> {
-    let report: Value = serde_json::from_str(&workplace.read(&format!("{run}/protocols.json"))).unwrap();
-    report["rows"].as_array().unwrap().clone()
+    let report = workplace.read(&format!("{run}/protocols.json"));
+    let report: Value = serde_json::from_str(&report).expect("it is JSON");
+    report["rows"].as_array().expect("rows are a list").clone()
 }
 
 #[test]

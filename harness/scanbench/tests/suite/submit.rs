@@ -60,7 +60,9 @@ echo "$id;cluster"
 /// The program with `arguments` as a task that has these variables.
 fn task(workplace: &Workplace, arguments: &[&str], variables: &[(&str, &str)]) -> Ended {
     let mut command = workplace.command(arguments);
-    OF_ENGINES.iter().for_each(|it| _ = command.env_remove(it));
+    for it in OF_ENGINES {
+        command.env_remove(it);
+    }
     Ended::from(command.envs(variables.iter().copied()).output().unwrap())
 }
 
@@ -73,7 +75,9 @@ fn with_sbatch(workplace: &Workplace, arguments: &[&str]) -> Ended {
     std::fs::write(programs.join("sbatch"), SBATCH).unwrap();
     std::fs::set_permissions(programs.join("sbatch"), std::fs::Permissions::from_mode(0o755)).unwrap();
     let mut command = workplace.command(arguments);
-    OF_ENGINES.iter().for_each(|it| _ = command.env_remove(it));
+    for it in OF_ENGINES {
+        command.env_remove(it);
+    }
     let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
     Ended::from(command.env("PATH", path).output().unwrap())
 }

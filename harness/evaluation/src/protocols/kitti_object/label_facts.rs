@@ -1,6 +1,6 @@
 //! From KITTI's labels, and what a detector found, to what the evaluation has to know.
 
-use detector::{DetectedClass, Detections};
+use detector::{DetectedClass, DetectorOutput};
 use nalgebra::{Matrix3x4, Matrix4};
 use reports::protocols::kitti_object::scan::{KittiAnnotation, KittiDetection};
 use reports::rows::kitti_object_row::{KittiBox, KittiFact};
@@ -27,40 +27,40 @@ pub fn facts_of_results(labels: &[KittiLabel], found: &[KittiObject]) -> Vec<Kit
     facts_of(labels, &detections)
 }
 
-/// The same of detections in the frame of the sensor: vehicles are cars, all else is no class that is evaluated. The rectangle in the image
-/// is that around the corners of the box.
+/// The same of what a detector found, in the frame of the sensor: vehicles are cars, the unlikely ones, too, since scores rank them; nothing
+/// else is of a class that is evaluated. The rectangle in the image is that around the corners of the box.
 ///
 /// `None` if the frame is not that of a scan with a camera.
 pub fn facts_of_detections(
     labels: &[KittiLabel],
-    detections: &Detections,
+    output: &DetectorOutput,
     frame: &ForeignFrame,
 ) -> Option<Vec<KittiFact>> {
     let ForeignFrame::Camera { velodyne_from_camera, image_from_velodyne, image_size_px } = frame else {
         return None;
     };
-    let camera = Camera { velodyne_from_camera, image_from_velodyne, image_size_px: *image_size_px };
-    let detections: Vec<KittiDetection> = detections.iter().map(|it| camera.detection_of(&it)).collect();
+    let camera =
+        Camera { velodyne: velodyne_from_camera, image_from_velodyne, image_size_px: *image_size_px };
+    let vehicles = output.detections.iter().filter(|it| it.class == DetectedClass::Vehicle);
+    let vehicles = vehicles.chain(output.unlikely_vehicles.iter());
+    let detections: Vec<KittiDetection> = vehicles.map(|it| camera.car(&it)).collect();
     Some(facts_of(labels, &detections))
 }
 
 /// How the camera lies to the sensor.
 struct Camera<'a> {
-    velodyne_from_camera: &'a Matrix4<f64>,
+    velodyne: &'a Matrix4<f64>,
     image_from_velodyne: &'a Matrix3x4<f64>,
     image_size_px: [u32; 2],
 }
 
 impl Camera<'_> {
-    fn detection_of(&self, it: &detector::Detection<'_>) -> KittiDetection {
-        let camera_box = box_in_camera(&it.bounding_box, self.velodyne_from_camera);
+    fn car(&self, it: &detector::Detection<'_>) -> KittiDetection {
+        let camera_box = box_in_camera(&it.bounding_box, self.velodyne);
         let CameraBox { bottom_center_m, height_width_length_m, rotation_y_rad } = camera_box;
         let in_image = image_box(&it.bounding_box, self.image_from_velodyne, self.image_size_px);
         let object = KittiBox {
-            class: match it.class {
-                DetectedClass::Vehicle => AnnotationClass::Car,
-                DetectedClass::Object => AnnotationClass::Misc,
-            },
+            class: AnnotationClass::Car,
             left_top_right_bottom_px: in_image.unwrap_or(UNSEEN_PX),
             // Of the ray to the object, not of the camera.
             alpha_rad: rotation_y_rad - bottom_center_m[0].atan2(bottom_center_m[2]),

@@ -23,7 +23,7 @@ impl OfficialProtocol for KittiObjectProtocol {
     fn rows(&self, found: &FoundInScan<'_>) -> ProtocolRows {
         let facts = found.view.kitti.as_ref().and_then(|(labels, frame)| match found.kitti_objects {
             Some(objects) => Some(facts_of_results(labels, objects)),
-            None => facts_of_detections(labels, found.detections, frame),
+            None => facts_of_detections(labels, found.output, frame),
         });
         let row =
             |fact| KittiObjectRow { scan: found.name.clone(), detector: found.detector.to_owned(), fact };

@@ -53,7 +53,7 @@ mod tests {
         let label = |letter: char| match letter {
             '-' => 40,
             '~' => 0,
-            letter => 10 | u32::from(letter) << 16,
+            letter => 10 + (u32::from(letter) << 16),
         };
         let segment = |letter: char| if letter == '-' { 0 } else { u32::from(letter) };
         let labels: Vec<u32> = labels.chars().map(label).collect();
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn the_same_number_in_another_class_is_another_instance() {
-        let scores = instance_scores(&[10 | 1 << 16, 252 | 1 << 16], &[5, 5]);
+        let scores = instance_scores(&[10 + (1 << 16), 252 + (1 << 16)], &[5, 5]);
         assert_eq!(scores.iter().map(|it| it.label).collect::<Vec<_>>(), [0x1_000a, 0x1_00fc]);
         assert_eq!(scores.iter().map(|it| it.association).collect::<Vec<_>>(), [0.5, 0.5]);
     }

@@ -55,11 +55,10 @@ const LOW_VEGETATION_M: f64 = -1.73 * 3.0 / 4.0;
 /// Whether a point `z_m` metres above the sensor is ground by its label; `None` if it is left out.
 ///
 /// Sources: `ground_classes` and `outlier_classes` in `utils.hpp` of Patchwork; `groundLabels` and `nonGroundLabels` in
-/// `eval_groundpoint_classifier.py` of GroundGrid; `evaluateGroundPoints` of `continuous_clustering`.
+/// `eval_groundpoint_classifier.py` of `GroundGrid`; `evaluateGroundPoints` of `continuous_clustering`.
 pub fn is_ground(definition: GroundDefinition, number: u16, z_m: f32) -> Option<bool> {
     match (definition, number) {
-        (_, 0) | (GroundDefinition::Patchwork | GroundDefinition::GroundGrid, 1) => None,
-        (GroundDefinition::GroundGrid, 70) => None,
+        (_, 0) | (GroundDefinition::Patchwork, 1) | (GroundDefinition::GroundGrid, 1 | 70) => None,
         (GroundDefinition::Patchwork, 70) => Some(f64::from(z_m) < LOW_VEGETATION_M),
         _ => Some(is_surface(number)),
     }

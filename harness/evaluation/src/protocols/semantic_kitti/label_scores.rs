@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use reports::rows::label_score_row::InstanceScore;
 
-    const CAR: u32 = 10 | 3 << 16;
+    const CAR: u32 = 10 + (3 << 16);
 
     fn scores(protocol: Protocol, found: &FoundPoints<'_>) -> Vec<LabelScore> {
         let cloud: PointCloud = (0..4).map(|it| [it as f32 * 0.1, 0.0, -1.0]).collect();

@@ -53,7 +53,9 @@ pub fn same_label_clusters(cloud: &PointCloud, labels: &[u32]) -> Vec<u32> {
             n_objects += 1;
             n_objects
         });
-        points.iter().for_each(|it| objects[*it as usize] = number);
+        for it in points {
+            objects[*it as usize] = number;
+        }
     }
     objects
 }
@@ -151,8 +153,8 @@ mod tests {
 
     #[test]
     fn another_class_or_instance_is_another_object() {
-        check(&[([0.0; 3], 10, 10 | 1 << 16), ([0.0, 0.5, 0.0], 10, 10 | 2 << 16)], &[1, 2]);
-        check(&[([0.0; 3], 10, 10 | 1 << 16), ([0.0, 0.5, 0.0], 10, 252 | 1 << 16)], &[1, 2]);
+        check(&[([0.0; 3], 10, 10 + (1 << 16)), ([0.0, 0.5, 0.0], 10, 10 + (2 << 16))], &[1, 2]);
+        check(&[([0.0; 3], 10, 10 + (1 << 16)), ([0.0, 0.5, 0.0], 10, 252 + (1 << 16))], &[1, 2]);
     }
 
     #[test]
@@ -185,7 +187,9 @@ mod tests {
             }
             if members.len() >= LEAST_POINTS {
                 n_objects += 1;
-                members.into_iter().for_each(|it| objects[it] = n_objects);
+                for it in members {
+                    objects[it] = n_objects;
+                }
             }
         }
         objects

@@ -87,7 +87,7 @@ impl RunSink<Failure> for ProtocolRowFiles<'_> {
                 name: name.clone(),
                 detector: result.detector,
                 view: &view,
-                detections: &result.output.detections,
+                output: &result.output,
                 objects: &objects,
                 kitti_objects: detector.kitti_objects(&results.scan.id),
             };
