@@ -86,11 +86,6 @@ impl ProtocolTally {
         }
     }
 
-    /// Takes the scores of labels that `other` has instead of its own.
-    pub fn take_labels_of(&mut self, other: Self) {
-        (self.labels, self.ground) = (other.labels, other.ground);
-    }
-
     /// The protocols that there are rows of, in the order of tables.
     pub fn protocols(&self) -> Vec<Protocol> {
         let has_rows = |protocol: &Protocol| match protocol {

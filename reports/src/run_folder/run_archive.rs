@@ -11,7 +11,8 @@ use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::ScanRow;
 use crate::run_folder::manifest::Manifest;
 use crate::run_folder::run_directory::{
-    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, REPORT_JSON, SCANS_CSV,
+    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, PROTOCOL_LABELS_CSV, REPORT_JSON,
+    SCANS_CSV,
 };
 use crate::run_folder::run_target::MANIFEST_JSON;
 
@@ -51,8 +52,9 @@ impl RunArchive {
 
     fn protocol_tally(directory: &Path) -> Result<ProtocolTally, ArchiveError> {
         let mut tally = ProtocolTally::default();
-        for path in protocol_files(directory) {
-            each_row(&path, |row| tally.add_ranked_box(&row))?;
+        let boxes = directory.join(PROTOCOL_BOXES_CSV);
+        if boxes.exists() {
+            each_row(&boxes, |row| tally.add_ranked_box(&row))?;
         }
         let path = directory.join(KITTI_OBJECT_CSV);
         if path.exists() {
@@ -81,6 +83,6 @@ impl RunArchive {
 
 /// The files of rows under protocols of others that `directory` has.
 fn protocol_files(directory: &Path) -> Vec<PathBuf> {
-    let files = [PROTOCOL_BOXES_CSV].map(|it| directory.join(it));
+    let files = PROTOCOL_FILES.map(|it| directory.join(it));
     files.into_iter().filter(|it| it.is_file()).collect()
 }

@@ -12,6 +12,7 @@ use crate::run_folder::folder_in_place::{Moved, move_into_place};
 use crate::run_folder::run_target::{
     ClaimedTarget, ExistingTarget, LATEST, LatestPointer, RunDirectoryError, refused,
 };
+use crate::vocabulary::protocol::Protocol;
 
 /// The numbers of the run.
 pub const REPORT_JSON: &str = "report.json";
@@ -39,6 +40,17 @@ pub const PROTOCOL_BOXES_CSV: &str = "protocol_boxes.csv";
 pub const KITTI_OBJECT_CSV: &str = "protocol_kitti_object.csv";
 /// What became of labelled instances, things and ground points under protocols that score labels of points, for each detector.
 pub const PROTOCOL_LABELS_CSV: &str = "protocol_labels.csv";
+/// The files of rows under protocols of others.
+pub const PROTOCOL_FILES: [&str; 3] = [PROTOCOL_BOXES_CSV, KITTI_OBJECT_CSV, PROTOCOL_LABELS_CSV];
+
+/// That of [`PROTOCOL_FILES`] that has the rows under `protocol`.
+pub fn protocol_file(protocol: Protocol) -> &'static str {
+    match protocol {
+        Protocol::KittiObject => KITTI_OBJECT_CSV,
+        Protocol::Nuscenes | Protocol::Argoverse2 => PROTOCOL_BOXES_CSV,
+        Protocol::SemanticKitti | Protocol::Ground => PROTOCOL_LABELS_CSV,
+    }
+}
 /// Folder of the figures of the page, each as a file of its own.
 pub const FIGURES: &str = "figures";
 /// Rates of a sweep.

@@ -243,6 +243,7 @@ fn different_parameters(ours: &Manifest, theirs: &Manifest) -> Option<String> {
             ("detectors", names(it)),
             ("the matching criterion", it.matching_criterion.clone()),
             ("the ignored annotations", format!("{:?}", it.ignored)),
+            ("--protocol", it.protocols.iter().map(|it| it.name()).collect::<Vec<_>>().join(",")),
             ("--warmup", it.n_warmup_detections.to_string()),
             ("--repeats", it.n_repeats.to_string()),
         ]

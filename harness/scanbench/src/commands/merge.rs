@@ -23,6 +23,7 @@ use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
 use crate::commands::run_ending::{print_ending, write_agreement};
 use crate::commands::run_numbers::write_numbers;
+use crate::commands::run_protocols::write_protocols;
 use crate::commands::shards::rows_of_shards::{ShardDirectory, merge_rows};
 use crate::commands::times_of_processors::write_times_of_processors;
 use crate::commands::watched_run::tell_of_nothing;
@@ -45,11 +46,12 @@ pub fn merge(arguments: &MergeArgs) -> Result<(), Failure> {
     write_worst(&shards, &merged.worst, &directory)?;
     let agreement = agreement_of(&shards, &manifest)?;
     refuse_nothing(&manifest, &merged.tally)?;
+    let protocols = write_protocols(&directory, &manifest, (&merged.tally, &merged.protocols))?;
     let numbers = write_numbers(&directory, &manifest, &merged.tally)?;
     write_times_of_processors(&directory, &manifest, &merged.of_processors)?;
-    let table = write_agreement(&directory, &agreement)?;
+    let more = protocols.into_iter().chain(write_agreement(&directory, &agreement)?).collect();
     let written = directory.finish()?;
-    print_ending((&numbers, &manifest, &merged.tally), (table.into_iter().collect(), &agreement), &written)
+    print_ending((&numbers, &manifest, &merged.tally), (more, &agreement), &written)
 }
 
 fn open_shard(directory: &Path) -> Result<NamedShard, Failure> {

@@ -21,6 +21,7 @@ pub mod recorder;
 pub mod run_manifest;
 pub mod run_numbers;
 pub mod run_protocols;
+pub mod official_evaluation;
 pub mod sinks;
 pub mod watched_run;
 pub mod shards;

@@ -1,12 +1,10 @@
 //! `scanbench run`.
 
-use evaluation::protocols::known_protocols::official_protocol;
 use jiff::Timestamp;
 use reports::numbers::tally::Tally;
 use reports::protocols::protocol_tally::ProtocolTally;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
-use reports::vocabulary::protocol::Protocol;
 use scans::conversion::results::result_folder::ResultFolder;
 
 use crate::cli::{ResultFilesArgs, RunArgs};
@@ -25,7 +23,6 @@ use crate::commands::run_setup::ChosenRun;
 use crate::commands::run_shard::run_shard;
 use crate::commands::sinks::agreement_of_detectors::AgreementOfDetectors;
 use crate::commands::sinks::detection_files::DetectionFiles;
-use crate::commands::sinks::label_scores::LabelScores;
 use crate::commands::sinks::mcap_results::McapResults;
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::sinks::protocol_rows::ProtocolRowFiles;
@@ -51,7 +48,7 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Update)?)?;
     let progress = RunProgress::new();
     let (mut tally, mut served, mut agreement) = (Tally::default(), None, Vec::new());
-    let (mut protocol_tally, mut label_tally) = (ProtocolTally::default(), ProtocolTally::default());
+    let mut protocol_tally = ProtocolTally::default();
     let name = directory.target().file_name().unwrap_or_default().to_string_lossy().into_owned();
     let recorder = opened.begin_recording(arguments, &name, directory.path_of("run.rrd"))?;
     let mut sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
@@ -59,15 +56,14 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
     sinks.push(Box::new(arguments.mcap.then(|| McapResults::new(&directory, datasets.len()))));
     sinks.push(Box::new(recorder.map(|it| RerunRecording::new(it, &progress, &mut served))));
     sinks.push(Box::new(detection_files(&arguments.result_files, datasets)?));
-    sinks.push(Box::new(protocol_rows(&arguments.protocol.protocols, &directory, &mut protocol_tally)?));
-    sinks.push(Box::new(LabelScores::begin(&directory, &arguments.protocol.protocols, &mut label_tally)?));
+    let protocols = &arguments.protocol.protocols;
+    sinks.push(Box::new(ProtocolRowFiles::begin(&directory, protocols, &mut protocol_tally)?));
     let watched = opened.watched(arguments, WithoutLabels::Compare, (interrupted, &progress));
     if let Err(failure) = watched.run(sinks) {
         let has_rows = !tally.datasets().is_empty();
         return Err(if has_rows { unfinished(directory, failure) } else { failure });
     }
     let manifest = opened.manifest(arguments, started);
-    protocol_tally.take_labels_of(label_tally);
     let protocols = write_protocols(&directory, &manifest, (&tally, &protocol_tally))?;
     let numbers = write_numbers(&directory, &manifest, &tally)?;
     let more = protocols.into_iter().chain(write_agreement(&directory, &agreement)?).collect();
@@ -77,16 +73,6 @@ pub fn run(arguments: &RunArgs) -> Result<(), Failure> {
         serve_until_interrupted(&*served, interrupted);
     }
     Ok(())
-}
-
-/// What evaluates scans under `protocols`; `None` if there are none.
-fn protocol_rows<'a>(
-    protocols: &[Protocol],
-    directory: &RunDirectory,
-    tally: &'a mut ProtocolTally,
-) -> Result<Option<ProtocolRowFiles<'a>>, Failure> {
-    let chosen: Vec<_> = protocols.iter().filter_map(|it| official_protocol(*it)).collect();
-    if chosen.is_empty() { Ok(None) } else { ProtocolRowFiles::begin(directory, chosen, tally).map(Some) }
 }
 
 fn detection_files(

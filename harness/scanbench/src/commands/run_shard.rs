@@ -81,9 +81,6 @@ fn refuse_what_is_for_whole_runs(arguments: &RunArgs) -> Result<(), Usage> {
     if stream.serve.is_some() {
         return Err(Usage("a shard ends, and nobody is served by it: leave out --serve".to_owned()));
     }
-    if !arguments.protocol.protocols.is_empty() {
-        return Err(Usage("merge knows no rows of protocols of others: leave out --protocol".to_owned()));
-    }
     Ok(())
 }
 
@@ -201,10 +198,11 @@ impl Unfinished {
         let recorder = opened.begin_recording(arguments, &name, self.folder.join(&file))?;
         let is_recorded = recorder.is_some();
         let (end, mut served) = (Cell::new(None), None);
+        let protocols = &arguments.protocol.protocols;
         let watched = opened.watched(arguments, WithoutLabels::AskLater, (interrupted, progress));
         let ended = watched.run(vec![
             Box::new(recorder.map(|it| RerunRecording::new(it, progress, &mut served))),
-            Box::new(ShardJournal::new(&self.journal, &opened.datasets, &end)),
+            Box::new(ShardJournal::new(&self.journal, (&opened.datasets, protocols), &end)),
             Box::new(Terminal::new(progress)),
         ]);
         let is_complete = matches!(ended, Ok(()) | Err(Failure::Interrupted(_) | Failure::Detector(_)));

@@ -19,9 +19,9 @@ use reports::vocabulary::protocol::Protocol;
 use scans::dataset::source::DamagePolicy;
 
 use crate::commands::failure::{Failure, NothingEvaluated};
+use crate::commands::official_evaluation::labels_for;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::progress_over_scans;
-use crate::commands::sinks::label_scores::labels_for;
 
 /// What the labels are said to be found by.
 const ECHO: &str = "labels";

@@ -14,6 +14,7 @@ use crate::program::{Ended, Workplace};
 /// Two streets of a few seconds: forty scans.
 const STREETS: [&str; 8] =
     ["street-narrow", "street-main-road", "--simulated-scans", "20", "--sensor", "vlp-16", "--no-rrd", "-q"];
+const PROTOCOLS: [&str; 2] = ["--protocol", "nuscenes,argoverse2"];
 const QUICK: [&str; 2] = ["-d", "simple-grid,pca"];
 
 /// Runs what `run` asks for in `count` shards below `folder`.
@@ -137,7 +138,7 @@ fn what_has_no_times_is_the_same_to_the_last_byte_in_any_number_of_shards() {
     let written = ["--detections-out", "found", "--as", "csv", "-o", "first"];
     workplace.succeed(&[&["run"][..], &STREETS, &["-d", "simple-grid"], &written].concat());
     // Results that were read have no times.
-    let read = [&STREETS[..], &["--detections", "grid=found/simple-grid", "-d", "grid"]].concat();
+    let read = [&STREETS[..], &["--detections", "grid=found/simple-grid", "-d", "grid"], &PROTOCOLS].concat();
     workplace.succeed(&[&["run"], &read[..], &["-o", "whole"]].concat());
     for count in [1, 2, 3, 7, 16] {
         let [shards, merged] = [format!("shards-{count}"), format!("merged-{count}")];
@@ -169,10 +170,15 @@ fn recorded_drives_give_the_same_in_shards() {
     let root = test_data!("data/kitti_tracking");
     let workplace = Workplace::new();
     let run = [root.to_str().unwrap(), "-d", "simple-grid,pca", "--scans", "0..60:4", "--no-rrd", "-q"];
+    let run = [&run[..], &["--protocol", "kitti-object"]].concat();
     workplace.succeed(&[&["run"], &run[..], &["-o", "whole"]].concat());
     run_shards(&workplace, &run, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "whole", "merged");
+    for name in ["protocol_kitti_object.csv", "protocols.json", "table_protocol_kitti_object.md"] {
+        let [one, other] = ["whole", "merged"].map(|it| workplace.read(&format!("{it}/{name}")));
+        assert!(one == other && one.lines().count() > 20, "{name}");
+    }
     let manifest: Value = serde_json::from_str(&workplace.read("merged/manifest.json")).unwrap();
     assert_eq!(manifest["shards"][0]["cut_by"], "file-sizes");
 }

@@ -1,5 +1,6 @@
 //! The rows of shards, one after the other: copied as they are, and read for the numbers that are made of them.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Read, Write as _};
 use std::path::PathBuf;
@@ -8,12 +9,17 @@ use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, csv_head, each_row_of};
 use reports::files::whole_file::WholeFile;
 use reports::numbers::tally::Tally;
+use reports::protocols::protocol_tally::ProtocolTally;
+use reports::rows::kitti_object_row::KittiObjectRow;
+use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::match_row::MatchRow;
+use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
-    MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON,
+    KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, RunDirectory, SCANS_CSV, STAGES_CSV,
+    WORST_POINTS_JSON, protocol_file,
 };
 use reports::run_folder::shard_check::{NamedShard, ShardMismatch};
 use reports::run_folder::shard_record::{ShardRecord, processors_of};
@@ -69,6 +75,8 @@ impl<'a> ShardDirectory<'a> {
 pub struct MergedRows {
     /// Their sums.
     pub tally: Tally,
+    /// Those of rows under protocols of others.
+    pub protocols: ProtocolTally,
     /// The worst mistakes, with the place of the shard that each is in.
     pub worst: WorstPlaces<usize>,
     /// The times of each kind of processor by themselves, where these are unlike.
@@ -90,6 +98,7 @@ pub fn merge_rows(
     let unlike = processors.iter().filter(|_| processors.len() > 1);
     let mut merged = MergedRows {
         tally: manifest.tally(),
+        protocols: ProtocolTally::default(),
         worst: WorstPlaces::default(),
         of_processors: unlike.map(|it| ((*it).to_owned(), Tally::default())).collect(),
     };
@@ -116,11 +125,40 @@ pub fn merge_rows(
         progress.inc(1);
     }
     output.finish()?;
+    merged.add_official(shards, manifest, directory)?;
     progress.finish_and_clear();
     Ok(merged)
 }
 
 impl MergedRows {
+    /// Copies the rows under protocols of others.
+    fn add_official(
+        &mut self,
+        shards: &[ShardDirectory<'_>],
+        manifest: &Manifest,
+        directory: &RunDirectory,
+    ) -> Result<(), Failure> {
+        let tally = &mut self.protocols;
+        let names: BTreeSet<&str> = manifest.protocols.iter().map(|it| protocol_file(*it)).collect();
+        for name in PROTOCOL_FILES.into_iter().filter(|it| names.contains(it)) {
+            let mut output = match name {
+                PROTOCOL_BOXES_CSV => Output::begin::<RankedBoxRow>(directory, name)?,
+                KITTI_OBJECT_CSV => Output::begin::<KittiObjectRow>(directory, name)?,
+                _ => Output::begin::<LabelScoreRow>(directory, name)?,
+            };
+            for shard in shards {
+                match name {
+                    PROTOCOL_BOXES_CSV => copy_rows(shard, &mut output, |row| tally.add_ranked_box(&row))?,
+                    KITTI_OBJECT_CSV => copy_rows(shard, &mut output, |row| tally.add_kitti_object(&row))?,
+                    _ => copy_rows(shard, &mut output, |row| tally.add_label_score(&row))?,
+                }
+                tally.check().map_err(|problem| shard.damaged(problem))?;
+            }
+            output.finish()?;
+        }
+        Ok(())
+    }
+
     fn add_scans(&mut self, shard: &ShardDirectory<'_>, output: &mut Output) -> Result<(), Failure> {
         let stretches = shard.record().map_or(&[][..], |it| &it.processors);
         let (mut stretch_idx, mut n_left) = (0, stretches.first().map_or(0, |it| it.n_scan_rows));

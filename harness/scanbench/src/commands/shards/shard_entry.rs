@@ -52,10 +52,23 @@ pub struct ShardScan {
     pub matches: String,
     /// Lines of `stages.csv`.
     pub stages: String,
+    /// Lines of the files of protocols of others.
+    pub official: OfficialLines,
     /// How far detectors agree; nothing where something is labelled.
     pub agreement: Vec<AgreementRow>,
     /// What the sensor saw around those of its mistakes that may be among the worst.
     pub patches: Vec<Patch>,
+}
+
+/// The lines of a scan under protocols of others.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OfficialLines {
+    /// Those of `protocol_boxes.csv`.
+    pub boxes: String,
+    /// Those of `protocol_kitti_object.csv`.
+    pub kitti: String,
+    /// Those of `protocol_labels.csv`.
+    pub labels: String,
 }
 
 /// How far a shard is.

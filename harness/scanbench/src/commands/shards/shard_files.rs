@@ -9,20 +9,25 @@ use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, csv_head, each_row_of, to_csv_bytes};
 use reports::files::whole_file::WholeFile;
 use reports::rows::agreement_row::{AgreementRow, add_agreement};
+use reports::rows::kitti_object_row::KittiObjectRow;
+use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::match_row::MatchRow;
+use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
 use reports::run_folder::manifest::{Manifest, SkippedScan};
 use reports::run_folder::run_directory::{
-    AGREEMENT_CSV, MATCHES_CSV, RunDirectory, SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON,
+    AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RunDirectory,
+    SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON, protocol_file,
 };
 use reports::run_folder::shard_record::{ProcessorRows, ShardFile, ShardRecord, ShardRecording};
+use reports::vocabulary::protocol::Protocol;
 use reports::worst::places::{ObjectName, WorstPlace, WorstPlaces};
 use reports::worst::points::{Patch, PlanCells, WorstPoints};
 use reports::worst::recorded::RecordedPlace;
 use scans::dataset::checksum::{ContentChecksum, sha256};
 
-use super::shard_entry::{ShardEntry, ShardScan};
+use super::shard_entry::{OfficialLines, ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
 
 /// Writes the rows of `journal` into `directory`, and what they are into `manifest` and `record`.
@@ -35,7 +40,7 @@ pub fn write_shard_files(
     directory: &RunDirectory,
     (manifest, record): (&mut Manifest, &mut ShardRecord),
 ) -> Result<(), Failure> {
-    let mut files = ShardFiles::begin(directory, record.parts.len())?;
+    let mut files = ShardFiles::begin(directory, record.parts.len(), &manifest.protocols)?;
     let mut failure = None;
     journal.each_entry(|entry: ShardEntry| {
         if failure.is_none() {
@@ -65,6 +70,10 @@ struct ShardFiles {
     scans: ChecksummedFile,
     matches: ChecksummedFile,
     stages: ChecksummedFile,
+    // Of protocols of others, those that were asked for.
+    boxes: Option<ChecksummedFile>,
+    kitti: Option<ChecksummedFile>,
+    labels: Option<ChecksummedFile>,
     datasets: Vec<DatasetSoFar>,
     worst: WorstPlaces<SeenMistake>,
     processors: Vec<ProcessorRows>,
@@ -72,11 +81,21 @@ struct ShardFiles {
 }
 
 impl ShardFiles {
-    fn begin(directory: &RunDirectory, n_datasets: usize) -> Result<Self, Failure> {
+    fn begin(directory: &RunDirectory, n_datasets: usize, protocols: &[Protocol]) -> Result<Self, Failure> {
+        let is_asked = |name: &str| protocols.iter().any(|it| protocol_file(*it) == name);
         Ok(Self {
             scans: ChecksummedFile::begin::<ScanRow>(directory, SCANS_CSV)?,
             matches: ChecksummedFile::begin::<MatchRow>(directory, MATCHES_CSV)?,
             stages: ChecksummedFile::begin::<StageRow>(directory, STAGES_CSV)?,
+            boxes: is_asked(PROTOCOL_BOXES_CSV)
+                .then(|| ChecksummedFile::begin::<RankedBoxRow>(directory, PROTOCOL_BOXES_CSV))
+                .transpose()?,
+            kitti: is_asked(KITTI_OBJECT_CSV)
+                .then(|| ChecksummedFile::begin::<KittiObjectRow>(directory, KITTI_OBJECT_CSV))
+                .transpose()?,
+            labels: is_asked(PROTOCOL_LABELS_CSV)
+                .then(|| ChecksummedFile::begin::<LabelScoreRow>(directory, PROTOCOL_LABELS_CSV))
+                .transpose()?,
             datasets: (0..n_datasets).map(|_| DatasetSoFar::default()).collect(),
             worst: WorstPlaces::default(),
             processors: Vec::new(),
@@ -115,6 +134,13 @@ impl ShardFiles {
         self.scans.write(scan.scans.as_bytes())?;
         self.matches.write(scan.matches.as_bytes())?;
         self.stages.write(scan.stages.as_bytes())?;
+        let OfficialLines { boxes, kitti, labels } = &scan.official;
+        let official = [(&mut self.boxes, boxes), (&mut self.kitti, kitti), (&mut self.labels, labels)];
+        for (file, lines) in official {
+            if let Some(file) = file {
+                file.write(lines.as_bytes())?;
+            }
+        }
         let worst = &mut self.worst;
         let lines = [csv_head::<MatchRow>(), scan.matches.into_bytes()].concat();
         each_row_of(&lines[..], &self.matches.path, |row: MatchRow| {
@@ -131,6 +157,9 @@ impl ShardFiles {
         (manifest, record): (&mut Manifest, &mut ShardRecord),
     ) -> Result<(), Failure> {
         record.files = vec![self.scans.finish()?, self.matches.finish()?, self.stages.finish()?];
+        for file in [self.boxes, self.kitti, self.labels].into_iter().flatten() {
+            record.files.push(file.finish()?);
+        }
         let places = || self.worst.lists().flat_map(|(_, places)| places);
         let patch =
             |it: &WorstPlace<SeenMistake>| Patch { object: it.object.clone(), cells: it.kept.0.clone() };

@@ -6,11 +6,13 @@ use evaluation::journal::Journal;
 use evaluation::run::rows::TaskRows;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use reports::files::csv_rows::to_csv_lines;
+use reports::vocabulary::protocol::Protocol;
 use reports::worst::places::{ObjectName, WorstPlaces};
 use reports::worst::points::Patch;
 
-use super::shard_entry::{ShardEntry, ShardScan};
+use super::shard_entry::{OfficialLines, ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
+use crate::commands::official_evaluation::OfficialEvaluation;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::sinks::agreement_of_detectors::agreement_of;
 use crate::commands::sinks::plan_cells::plan_cells;
@@ -24,16 +26,30 @@ pub struct ShardJournal<'a> {
     n_skipped: Vec<usize>,
     // Which mistakes may be among the worst.
     worst: WorstPlaces<()>,
+    // `None` without protocols of others.
+    official: Option<OfficialEvaluation>,
     // The number behind that of the last scan.
     end: &'a Cell<Option<u64>>,
 }
 
 impl<'a> ShardJournal<'a> {
-    /// Writes what happens in `datasets`, and tells `end` the number behind that of the last scan.
-    pub fn new(journal: &'a Journal, datasets: &'a [OpenedDataset], end: &'a Cell<Option<u64>>) -> Self {
+    /// Writes what happens in `datasets`, also under `protocols` of others, and tells `end` the number behind that of the last scan.
+    pub fn new(
+        journal: &'a Journal,
+        (datasets, protocols): (&'a [OpenedDataset], &[Protocol]),
+        end: &'a Cell<Option<u64>>,
+    ) -> Self {
         // What opening a data set left out is told by opening it again.
         let n_skipped = datasets.iter().map(|it| it.skipped.borrow().len()).collect();
-        Self { journal, datasets, dataset_idx: 0, n_skipped, worst: WorstPlaces::default(), end }
+        Self {
+            journal,
+            datasets,
+            dataset_idx: 0,
+            n_skipped,
+            worst: WorstPlaces::default(),
+            official: OfficialEvaluation::of(protocols),
+            end,
+        }
     }
 
     fn add_skipped(&mut self) -> Result<(), Failure> {
@@ -45,6 +61,16 @@ impl<'a> ShardJournal<'a> {
         }
         *n_known = skipped.len();
         Ok(())
+    }
+
+    fn official_lines(&mut self, judged: &JudgedScan<'_>) -> Result<OfficialLines, Failure> {
+        let Some(official) = &mut self.official else { return Ok(OfficialLines::default()) };
+        let rows = official.rows(judged)?;
+        Ok(OfficialLines {
+            boxes: text(to_csv_lines(&rows.boxes)?),
+            kitti: text(to_csv_lines(&rows.kitti)?),
+            labels: text(to_csv_lines(&rows.labels)?),
+        })
     }
 
     /// What the sensor saw around the mistakes that are worse than those before.
@@ -70,14 +96,13 @@ impl RunSink<Failure> for ShardJournal<'_> {
         let id = &watched.dataset.description().id;
         let dataset_idx = self.datasets.iter().position(|it| it.dataset.description().id == *id);
         self.dataset_idx = dataset_idx.expect("it is one of those that are run");
-        Ok(())
+        self.official.as_mut().map_or(Ok(()), |it| it.begin_dataset(watched))
     }
 
     fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), Failure> {
         self.add_skipped()?;
         let scan = judged.results.scan;
         let tasks: Vec<&TaskRows> = judged.rows.iter().flat_map(|it| &it.tasks).collect();
-        let text = |lines: Vec<u8>| String::from_utf8(lines).expect("rows are text");
         let entry = ShardScan {
             dataset_idx: self.dataset_idx,
             place: judged.results.run_idx,
@@ -88,6 +113,7 @@ impl RunSink<Failure> for ShardJournal<'_> {
             n_scan_rows: tasks.len() as u64,
             matches: text(to_csv_lines(tasks.iter().flat_map(|it| &it.matches))?),
             stages: text(to_csv_lines(judged.rows.iter().flat_map(|it| &it.stages))?),
+            official: self.official_lines(judged)?,
             agreement: if scan.annotations.is_empty() { agreement_of(judged) } else { Vec::new() },
             patches: self.patches(judged),
         };
@@ -96,6 +122,13 @@ impl RunSink<Failure> for ShardJournal<'_> {
     }
 
     fn end_dataset(&mut self) -> Result<(), Failure> {
+        if let Some(official) = &self.official {
+            official.end_dataset();
+        }
         self.add_skipped()
     }
+}
+
+fn text(lines: Vec<u8>) -> String {
+    String::from_utf8(lines).expect("rows are text")
 }

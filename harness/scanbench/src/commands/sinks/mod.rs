@@ -10,4 +10,3 @@ pub mod detection_files;
 pub mod rerun_recording;
 pub mod agreement_of_detectors;
 pub mod protocol_rows;
-pub mod label_scores;

@@ -1,105 +1,94 @@
 //! `--protocol`: the rows of protocols of others, to files and to sums.
 
-use evaluation::protocols::official_objects::OfficialScanView;
-use evaluation::protocols::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
-use reports::files::csv_rows::CsvRowWriter;
+use reports::files::csv_rows::{CsvRow, CsvRowWriter};
 use reports::protocols::protocol_tally::ProtocolTally;
 use reports::rows::kitti_object_row::KittiObjectRow;
+use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::ranked_box_row::RankedBoxRow;
-use reports::rows::scan_name::ScanName;
-use reports::run_folder::run_directory::{KITTI_OBJECT_CSV, PROTOCOL_BOXES_CSV, RunDirectory};
+use reports::run_folder::run_directory::{
+    KITTI_OBJECT_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RunDirectory, protocol_file,
+};
 use reports::vocabulary::protocol::Protocol;
 
 use crate::commands::failure::Failure;
+use crate::commands::official_evaluation::OfficialEvaluation;
 
 /// Evaluates every scan under some protocols.
 pub struct ProtocolRowFiles<'a> {
-    protocols: Vec<&'static dyn OfficialProtocol>,
-    boxes: CsvRowWriter<RankedBoxRow>,
-    // `None` unless it is asked for.
-    kitti: Option<CsvRowWriter<KittiObjectRow>>,
+    evaluation: OfficialEvaluation,
+    boxes: RowFile<RankedBoxRow>,
+    kitti: RowFile<KittiObjectRow>,
+    labels: RowFile<LabelScoreRow>,
     tally: &'a mut ProtocolTally,
 }
 
 impl<'a> ProtocolRowFiles<'a> {
-    /// Begins the files in `directory`; `tally` gets the rows, too.
+    /// Begins the files of `protocols` in `directory`; `tally` gets the rows, too. `None` if there are no protocols.
     ///
     /// # Errors
     ///
     /// If one cannot be written.
     pub fn begin(
         directory: &RunDirectory,
-        protocols: Vec<&'static dyn OfficialProtocol>,
+        protocols: &[Protocol],
         tally: &'a mut ProtocolTally,
-    ) -> Result<Self, Failure> {
-        let boxes = CsvRowWriter::new(directory.begin_file(PROTOCOL_BOXES_CSV)?)?;
-        let is_kitti = protocols.iter().any(|it| it.protocol() == Protocol::KittiObject);
-        let kitti =
-            if is_kitti { Some(CsvRowWriter::new(directory.begin_file(KITTI_OBJECT_CSV)?)?) } else { None };
-        Ok(Self { protocols, boxes, kitti, tally })
-    }
-
-    fn write(&mut self, rows: &ProtocolRows) -> Result<(), Failure> {
-        match rows {
-            ProtocolRows::RankedBoxes(rows) => {
-                for row in rows {
-                    self.boxes.write(row)?;
-                    self.tally.add_ranked_box(row);
-                }
-            }
-            ProtocolRows::KittiObjects(rows) => {
-                for row in rows {
-                    if let Some(kitti) = &mut self.kitti {
-                        kitti.write(row)?;
-                    }
-                    self.tally.add_kitti_object(row);
-                }
-            }
-        }
-        Ok(())
+    ) -> Result<Option<Self>, Failure> {
+        let Some(evaluation) = OfficialEvaluation::of(protocols) else { return Ok(None) };
+        let boxes = RowFile::begin(directory, PROTOCOL_BOXES_CSV, protocols)?;
+        let kitti = RowFile::begin(directory, KITTI_OBJECT_CSV, protocols)?;
+        let labels = RowFile::begin(directory, PROTOCOL_LABELS_CSV, protocols)?;
+        Ok(Some(Self { evaluation, boxes, kitti, labels, tally }))
     }
 }
 
 impl RunSink<Failure> for ProtocolRowFiles<'_> {
     fn begin_dataset(&mut self, watched: &WatchedDataset<'_>) -> Result<(), Failure> {
-        let lacking = self.protocols.iter().find_map(|it| Some((it.protocol(), it.lacks(watched.dataset)?)));
-        match lacking {
-            None => Ok(()),
-            Some((protocol, what)) => {
-                let id = &watched.dataset.description().id;
-                Err(Failure::usage(format!("--protocol {protocol}"), format!("{id:?} {what}")))
-            }
-        }
+        self.evaluation.begin_dataset(watched)
     }
 
     fn add_scan(&mut self, judged: &JudgedScan<'_>) -> Result<(), Failure> {
-        let results = judged.results;
-        let view = OfficialScanView::new(judged.watched.dataset, judged.scan_idx(), results.scan)?;
-        let name = ScanName {
-            dataset: judged.dataset().id.clone(),
-            sequence: results.scan.id.sequence.clone(),
-            scan: results.scan.id.index,
-        };
-        for (result, detector) in results.results.iter().zip(results.detectors) {
-            let objects = view.found(&result.output, detector.official_objects(&results.scan.id));
-            let found = FoundInScan {
-                name: name.clone(),
-                detector: result.detector,
-                view: &view,
-                output: &result.output,
-                objects: &objects,
-                kitti_objects: detector.kitti_objects(&results.scan.id),
-            };
-            for protocol in self.protocols.clone() {
-                self.write(&protocol.rows(&found))?;
+        let rows = self.evaluation.rows(judged)?;
+        self.boxes.write(&rows.boxes)?;
+        self.kitti.write(&rows.kitti)?;
+        self.labels.write(&rows.labels)?;
+        rows.add_to(self.tally);
+        Ok(())
+    }
+
+    fn end_dataset(&mut self) -> Result<(), Failure> {
+        self.evaluation.end_dataset();
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), Failure> {
+        self.boxes.finish()?;
+        self.kitti.finish()?;
+        self.labels.finish()
+    }
+}
+
+/// A file, unless no protocol has such rows.
+struct RowFile<Row>(Option<CsvRowWriter<Row>>);
+
+impl<Row: CsvRow> RowFile<Row> {
+    fn begin(directory: &RunDirectory, name: &str, protocols: &[Protocol]) -> Result<Self, Failure> {
+        if protocols.iter().all(|it| protocol_file(*it) != name) {
+            return Ok(Self(None));
+        }
+        Ok(Self(Some(CsvRowWriter::new(directory.begin_file(name)?)?)))
+    }
+
+    fn write(&mut self, rows: &[Row]) -> Result<(), Failure> {
+        if let Some(file) = &mut self.0 {
+            for row in rows {
+                file.write(row)?;
             }
         }
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> Result<(), Failure> {
-        self.kitti.map_or(Ok(()), CsvRowWriter::finish)?;
-        Ok(self.boxes.finish()?)
+    fn finish(self) -> Result<(), Failure> {
+        Ok(self.0.map_or(Ok(()), CsvRowWriter::finish)?)
     }
 }
