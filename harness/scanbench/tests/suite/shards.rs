@@ -175,7 +175,7 @@ fn recorded_drives_give_the_same_in_shards() {
     run_shards(&workplace, &run, 3, "shards");
     merge_whole(&workplace, "shards", "merged");
     check_same_but_times(&workplace, "whole", "merged");
-    for name in ["protocol_kitti_object.csv", "protocols.json", "table_protocol_kitti_object.md"] {
+    for name in ["protocol_kitti_object.csv", "protocols.json", "table_protocol_kitti-object.md"] {
         let [one, other] = ["whole", "merged"].map(|it| workplace.read(&format!("{it}/{name}")));
         assert!(one == other && one.lines().count() > 20, "{name}");
     }
