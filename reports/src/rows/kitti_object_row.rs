@@ -342,7 +342,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("kitti_object.csv");
         let text = String::from_utf8(to_csv_bytes(&rows()).unwrap()).unwrap();
-        std::fs::write(&path, text.replace("-2.718281828459045", "")).unwrap();
+        std::fs::write(&path, text.replace("-2.718281828459046", "")).unwrap();
         let error = read_rows::<KittiObjectRow>(&path).expect_err("no score");
         let causes = crate::files::causes::with_causes(&error);
         assert!(causes.contains("line: 3") && causes.contains("a column that its kind needs"), "{causes}");

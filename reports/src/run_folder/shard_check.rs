@@ -161,9 +161,11 @@ pub fn check_shards(shards: &[NamedShard]) -> Result<Vec<usize>, ShardMismatch> 
         let bad_number = |problem| ShardMismatch::Number { name: name.clone(), problem };
         records.push((idx, record.shard().map_err(bad_number)?, record));
     }
-    let Some((first, others)) = shards.split_first() else { return Ok(Vec::new()) };
-    for other in others {
-        check_same_run(first, other)?;
+    // So that the order in which they are given decides no word.
+    records.sort_by_key(|(idx, shard, _)| (shard.index(), &shards[*idx].name));
+    let Some((&(first, ..), others)) = records.split_first() else { return Ok(Vec::new()) };
+    for (other, ..) in others {
+        check_same_run(&shards[first], &shards[*other])?;
     }
     check_numbers(shards, &mut records)?;
     check_scans(shards, &records)?;

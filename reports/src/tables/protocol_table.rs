@@ -205,7 +205,7 @@ mod tests {
         let of_detector = |name: &str, value: Option<f64>| {
             [
                 number(name, "all", "ap", value),
-                number(name, "all", "nds", Some(0.5)),
+                number(name, "present", "nds", Some(0.5)),
                 number(name, "car", "ap", value),
             ]
         };
@@ -221,12 +221,12 @@ mod tests {
         insta::assert_snapshot!(text(ProtocolLines::Summary), @r"
         Protocol nuscenes. n: annotations that count.
 
-                                                         hierarchical                   pca
-                                                   ────────────────────────   ────────────────────────
-        data set               class  metric   n    value              95 %    value              95 %
-        ──────────────────────────────────────────────────────────────────────────────────────────────
-        main_road (simulated)  all    ap      41   0.2500  0.1500 to 0.3500   –
-                                      nds          0.5000  0.4000 to 0.6000   0.5000  0.4000 to 0.6000
+                                                           hierarchical                   pca
+                                                     ────────────────────────   ────────────────────────
+        data set               class    metric   n    value              95 %    value              95 %
+        ────────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)  all      ap      41   0.2500  0.1500 to 0.3500   –
+                               present  nds     41   0.5000  0.4000 to 0.6000   0.5000  0.4000 to 0.6000
 
         all: the mean over all classes, as the makers have it; classes without annotations count as not
           found. present: over classes with annotations, and errors that are known.

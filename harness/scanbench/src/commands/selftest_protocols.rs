@@ -177,7 +177,10 @@ fn checked(
     // KITTI's own reading does not give the best of few annotations; ours has to.
     let is_asked = |metric: &ProtocolMetric| match protocol {
         Protocol::KittiObject => metric.class != ALL_CLASSES && is_sound(&metric.id),
-        _ => metric.class != ALL_CLASSES || !of_present.contains(&metric.id),
+        Protocol::Nuscenes | Protocol::Argoverse2 => metric.class != ALL_CLASSES,
+        Protocol::SemanticKitti | Protocol::Ground => {
+            metric.class != ALL_CLASSES || !of_present.contains(&metric.id)
+        }
     };
     let values: Vec<(ProtocolMetric, f64)> = values.into_iter().filter(|(it, _)| is_asked(it)).collect();
     let n_numbers = values.len();

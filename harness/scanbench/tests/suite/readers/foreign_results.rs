@@ -197,7 +197,8 @@ fn scans_without_results_are_named_and_so_are_results_without_scans() {
         ],
     );
     let mut results = try_results(&path, &*dataset, MissingResults::AreEmpty).unwrap();
-    assert_eq!(results.read(&dataset.read_scan(1).unwrap()).unwrap(), Some(ForeignDetections::default()));
+    let nothing = ForeignDetections { kitti_objects: Some(Vec::new()), ..ForeignDetections::default() };
+    assert_eq!(results.read(&dataset.read_scan(1).unwrap()).unwrap(), Some(nothing));
     assert_eq!(results.read(&dataset.read_scan(2).unwrap()).unwrap(), None);
     let warnings = results.warnings();
     assert!(
