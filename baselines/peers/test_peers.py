@@ -31,7 +31,7 @@ def street() -> np.ndarray:
     return np.column_stack([positions, np.full(len(positions), 0.3)]).astype(np.float32)
 
 
-@pytest.mark.parametrize("name", [name for name in DETECTORS if not name.endswith(("-as-documented", "-swept"))])
+@pytest.mark.parametrize("name", [name for name in DETECTORS if not name.endswith(("-as-documented", "-swept", "-swept-model"))])
 def test_three_cars_are_three_clusters(name: str) -> None:
     section = DETECTORS[name]
     limits = Limits(start_s=120, first_scan_s=120, scan_s=120)
