@@ -2,14 +2,13 @@
 
     protocol_nuscenes.py SCANBENCH FOLDER
 
-On a made-up data set: submissions with distinct scores, with scores alike, of one class, of one box, and the labels themselves; two of them
+The scenes that `nuscenes-val` has are those of the devkit. On simulated streets, brought into the layout of nuScenes box by box: what
+detectors of ours found there. On a made-up data set: submissions with distinct scores, with scores alike, of one class, of one box, and the labels themselves; two of them
 shuffled. The devkit cannot read one without any box. Where scores are alike the devkit takes the last of its list first, and so it is given lists in the order that scanbench makes.
 """
 
-import json
-import math
-import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +16,15 @@ import numpy as np
 from nuscenes import NuScenes
 from nuscenes.eval.detection.config import config_factory
 from nuscenes.eval.detection.evaluate import DetectionEval
+from nuscenes.utils import splits
 
 from made_nuscenes import MadeNuScenes, Record, make, noisy, write_submission, yaw_of
+from nuscenes_of_rows import of_rows
+from protocol_numbers import check_order, compare, numbers_of, run
 
-LARGEST_DIFFERENCE = 1e-6
+MAKER = "nuscenes-devkit"
+STREETS = ("street-main-road", "street-narrow", "--simulated-scans", "10")
+DETECTORS = ("hierarchical", "pca")
 ERRORS = {"ate_m": "trans_err", "ase": "scale_err", "aoe_rad": "orient_err", "ave_m_per_s": "vel_err", "aae": "attr_err"}
 Found = dict[str, list[Record]]
 
@@ -56,7 +60,7 @@ def devkit_numbers(tables: NuScenes, path: Path, scratch: Path) -> dict[tuple[st
     return numbers
 
 
-def main(scanbench: str, folder: Path) -> None:
+def check_made_up(scanbench: str, folder: Path) -> None:
     made = make(folder / "nuscenes")
     distinct, alike = noisy(made, 1), noisy(made, 2, score_step=0.1)
     cases = {
@@ -73,41 +77,58 @@ def main(scanbench: str, folder: Path) -> None:
         write_submission(folder / f"{name}.last-first.json", last_first(made, found))
     results = [word for name in cases for word in ("--detections", f"{name}={folder / name}.json")]
     # What one of ours finds, as others read it: without what is less likely a vehicle than not.
-    own = ["ours"]
-    command = [scanbench, "run", str(made.folder), "-d", "simple-grid", "--no-rrd"]
-    command += ["--detections-out", str(folder / "found"), "--as", "nuscenes", "-o", str(folder / "own")]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    results += ["--detections", f"{own[0]}={folder}/found/simple-grid/results_nusc.json"]
-    command = [scanbench, "run", str(made.folder), *results, "-d", ",".join([*cases, *own]), "--protocol", "nuscenes", "--no-rrd"]
-    command += ["-o", str(folder / "run")]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    rows = json.loads((folder / "run/protocols.json").read_text())["rows"]
+    written = folder / "found/simple-grid/results_nusc.json"
+    run(scanbench, made.folder, "-d", "simple-grid", "--detections-out", folder / "found", "--as", "nuscenes", "-o", folder / "own")
+    results += ["--detections", f"ours={written}"]
+    names = [*cases, "ours"]
+    run(scanbench, made.folder, *results, "-d", ",".join(names), "--protocol", "nuscenes", "-o", folder / "run")
+    ours = numbers_of(folder / "run", "nuscenes")
     tables = NuScenes("v1.0-mini", str(made.folder), verbose=False)
-    worst, n = 0.0, 0
-    for name in [*cases, *own]:
-        path = folder / f"{name}.last-first.json" if name in cases else folder / "found/simple-grid/results_nusc.json"
-        theirs = devkit_numbers(tables, path, folder / "devkit")
-        for row in rows:
-            key = row["class"], row["metric"]
-            if row["detector"] != name or key not in theirs:
-                continue
-            number = math.nan if row["value"] is None else row["value"]
-            if math.isnan(number) and math.isnan(theirs[key]):
-                continue
-            difference = abs(number - theirs[key])
-            if not difference <= LARGEST_DIFFERENCE:
-                sys.exit(f"{name}: {key} is {row['value']}, nuscenes-devkit says {theirs[key]}")
-            worst, n = max(worst, difference), n + 1
-    ours = {(row["detector"], row["class"], row["metric"]): row["value"] for row in rows}
-    for name in ("distinct", "alike"):
-        same = [ours[name, *key] == value for (detector, *key), value in ours.items() if detector == f"{name}-shuffled"]
-        if not same or not all(same):
-            sys.exit(f"{name}: another order gives other numbers")
-    if ours["truth", "present", "ap"] != 1.0:
-        sys.exit(f"the labels themselves have an AP of {ours['truth', 'present', 'ap']}")
+    n, worst = 0, 0.0
+    for name in names:
+        path = folder / f"{name}.last-first.json" if name in cases else written
+        compared, apart = compare(name, ours[name], devkit_numbers(tables, path, folder / "devkit"), MAKER)
+        n, worst = n + compared, max(worst, apart)
+    check_order(ours, ("distinct", "alike"))
+    if ours["truth"]["present", "ap"] != 1.0:
+        sys.exit(f"the labels themselves have an AP of {ours['truth']['present', 'ap']}")
     if n < 500:
         sys.exit(f"only {n} numbers were compared")
-    print(f"  nuscenes: {n} numbers of {len(cases) + len(own)} detectors as nuscenes-devkit has them, largest difference {worst:.1e}")
+    print(f"  nuscenes: {n} numbers of {len(names)} detectors as {MAKER} has them, largest difference {worst:.1e}")
+
+
+def check_streets(scanbench: str, folder: Path) -> None:
+    """Detectors of ours on simulated streets, whose boxes are written as the tables and submissions of nuScenes."""
+    run(scanbench, *STREETS, "-d", ",".join(DETECTORS), "--protocol", "nuscenes", "-o", folder / "streets")
+    ours = numbers_of(folder / "streets", "nuscenes")
+    converted = of_rows(folder / "converted", folder / "streets/protocol_boxes.csv")
+    tables = NuScenes("v1.0-mini", str(folder / "converted"), verbose=False)
+    n, worst = 0, 0.0
+    for name in DETECTORS:
+        write_submission(folder / f"{name}.json", converted[name])
+        theirs = devkit_numbers(tables, folder / f"{name}.json", folder / "devkit")
+        compared, apart = compare(name, ours[name], theirs, MAKER)
+        n, worst = n + compared, max(worst, apart)
+        if not ours[name]["car", "ap"] > 0.0:
+            sys.exit(f"{name} found no car on simulated streets")
+    if n < 100:
+        sys.exit(f"only {n} numbers were compared on simulated streets")
+    print(f"  nuscenes: {n} numbers of {len(DETECTORS)} detectors on simulated streets, largest difference {worst:.1e}")
+
+
+def check_scenes() -> None:
+    """The scenes of the data set `nuscenes-val`."""
+    catalogue = tomllib.loads((Path(__file__).parents[2] / "datasets.toml").read_text())
+    ours = catalogue["recorded"]["nuscenes-val"]["sequences"]
+    if sorted(ours) != sorted(splits.val):
+        sys.exit(f"nuscenes-val has {len(ours)} scenes, which are not the {len(splits.val)} of the devkit")
+    print(f"  nuscenes: the {len(ours)} scenes of nuscenes-val are those of {MAKER}")
+
+
+def main(scanbench: str, folder: Path) -> None:
+    check_scenes()
+    check_made_up(scanbench, folder)
+    check_streets(scanbench, folder)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,7 @@ impl SimulatedEntry for StreetDrive {
 mod tests {
     use super::*;
     use scans::dataset::AnnotatedClasses;
+    use scans::dataset::catalogue::CataloguedParts;
     use scans::dataset::kitti::label::KITTI_CLASSES;
 
     fn parse_catalogue(name: &str, text: &str) -> Result<Catalogue, DatasetError> {
@@ -76,17 +77,40 @@ mod tests {
         let ids: Vec<&String> = catalogue.recorded.keys().collect();
         let expected = [
             "argoverse2",
+            "argoverse2-val",
             "kitti-object",
+            "kitti-object-val",
             "kitti-raw",
             "kitti-tracking",
             "nuscenes",
+            "nuscenes-val",
             "semantic-kitti",
             "semantic-kitti-08",
         ];
         assert_eq!(ids, expected);
-        for id in &ids[1..4] {
+        for id in ids.iter().filter(|it| it.starts_with("kitti")) {
             let entry = &catalogue.recorded[*id];
             assert_eq!(entry.annotated, AnnotatedClasses::Only(KITTI_CLASSES.to_vec()));
+        }
+    }
+
+    #[test]
+    fn official_splits_are_parts_of_what_is_there() {
+        let recorded = built_in_catalogue().unwrap().recorded;
+        let list = recorded["kitti-object-val"].scan_list.clone();
+        assert_eq!(list, Some("ImageSets/val.txt".into()));
+        let CataloguedParts::NuScenes { sequences: Some(scenes) } = &recorded["nuscenes-val"].parts else {
+            panic!("all scenes");
+        };
+        assert_eq!((scenes.len(), scenes.contains("scene-0003")), (150, true));
+        for (split, whole) in [
+            ("kitti-object-val", "kitti-object"),
+            ("nuscenes-val", "nuscenes"),
+            ("argoverse2-val", "argoverse2"),
+        ] {
+            let [split, whole] = [split, whole].map(|it| &recorded[it]);
+            assert_eq!((&split.annotated, &split.sensor), (&whole.annotated, &whole.sensor));
+            assert_eq!((split.sensor_height_m, &split.licence), (whole.sensor_height_m, &whole.licence));
         }
     }
 

@@ -7,7 +7,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
-use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::numbers::blocks::Interval;
+use crate::numbers::number_record::NumberRecord;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
@@ -277,24 +278,8 @@ struct RowRecord {
     detector: String,
     slice: Slice,
     metric: String,
-    // Spelled out, because serde lets an absent field pass for null otherwise.
-    #[serde(deserialize_with = "Option::deserialize")]
-    value: Option<f64>,
-    unit: String,
-    #[serde(deserialize_with = "Option::deserialize")]
-    higher_is_better: Option<bool>,
-    n: u64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    interval_95: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    n_blocks: Option<u64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    degrees_of_freedom: Option<u64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    blocks: Option<String>,
-    // For people; it follows from the metric, n and the blocks.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    caveat: Option<String>,
+    #[serde(flatten)]
+    number: NumberRecord,
 }
 
 impl From<MetricRow> for RowRecord {
@@ -306,15 +291,8 @@ impl From<MetricRow> for RowRecord {
             detector,
             slice,
             metric: row.metric.id(),
-            value: row.value,
-            unit: row.metric.unit().to_owned(),
-            higher_is_better: row.metric.direction().higher_is_better(),
-            n: row.n,
-            interval_95: row.interval.map(|it| it.ends),
-            n_blocks: row.interval.map(|it| it.blocks.n_blocks),
-            degrees_of_freedom: row.interval.map(|it| it.blocks.degrees_of_freedom),
-            blocks: row.interval.map(|it| it.blocks.kind.name().to_owned()),
-            caveat: row.metric.caveat(row.n).map(str::to_owned).or_else(|| row.interval?.caveat()),
+            number: NumberRecord::new(row.value, (row.metric.unit(), row.metric.direction()), row.n)
+                .within(row.interval, row.metric.caveat(row.n)),
         }
     }
 }
@@ -325,30 +303,27 @@ impl TryFrom<RowRecord> for MetricRow {
     fn try_from(record: RowRecord) -> Result<Self, MetricRowError> {
         let metric = Metric::from_id(&record.metric)
             .ok_or_else(|| MetricRowError::UnknownMetric(record.metric.clone()))?;
-        if record.unit != metric.unit() {
+        let number = record.number;
+        if number.unit != metric.unit() {
             let expected = metric.unit();
-            return Err(MetricRowError::Unit { metric: record.metric, expected, found: record.unit });
+            return Err(MetricRowError::Unit { metric: record.metric, expected, found: number.unit });
         }
         let expected = metric.direction().higher_is_better();
-        if record.higher_is_better != expected {
-            let found = record.higher_is_better;
+        if number.higher_is_better != expected {
+            let found = number.higher_is_better;
             return Err(MetricRowError::Direction { metric: record.metric, expected, found });
         }
-        let kind = record.blocks.map(|it| BlockKind::from_name(&it).ok_or(MetricRowError::UnknownBlocks(it)));
-        let blocks = record.n_blocks.zip(record.degrees_of_freedom).zip(kind.transpose()?);
-        let interval =
-            record.interval_95.zip(blocks).map(|(ends, ((n_blocks, degrees_of_freedom), kind))| Interval {
-                ends,
-                blocks: BlockCount { n_blocks, degrees_of_freedom, kind },
-            });
-        let RowRecord { dataset, task, detector, slice, value, n, .. } = record;
-        Ok(Self::new(Subject { dataset, task, detector, slice }, metric, value, n).within(interval))
+        let interval = number.interval().map_err(MetricRowError::UnknownBlocks)?;
+        let RowRecord { dataset, task, detector, slice, .. } = record;
+        let subject = Subject { dataset, task, detector, slice };
+        Ok(Self::new(subject, metric, number.value, number.n).within(interval))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::blocks::{BlockCount, BlockKind};
     use crate::vocabulary::metric::LatencyStatistic;
 
     fn row(metric: Metric, value: Option<f64>, n: u64) -> MetricRow {

@@ -31,7 +31,7 @@ impl SweepScores {
         let is_numeric = self.scores.iter().all(|it| number(&it.subject.values[0]).is_some());
         let mut curves: Vec<SweepCurve<'_>> = Vec::new();
         for score in &self.scores {
-            let others = self.others(score);
+            let others = other_values((&self.parameters, self.n_swept), &score.subject.values);
             let fits = |curve: &SweepCurve<'_>| {
                 let first = curve.points[0].score;
                 curve.others == others
@@ -60,22 +60,29 @@ impl SweepScores {
 
     /// The last part of the name of the first parameter, with its unit.
     pub fn axis_title(&self) -> String {
-        let name = short(&self.parameters[0]);
-        let units = [("_m", "m"), ("_deg", "degrees")];
-        let with_unit = units.iter().find_map(|(ending, unit)| {
-            let bare = name.strip_suffix(ending)?;
-            Some(format!("{} ({unit})", bare.replace('_', " ")))
-        });
-        with_unit.unwrap_or_else(|| name.replace('_', " "))
-    }
-
-    fn others(&self, score: &SweepScore) -> Vec<String> {
-        let swept = self.parameters.iter().zip(&score.subject.values).take(self.n_swept).skip(1);
-        swept.map(|(name, value)| format!("{} = {value}", short(name))).collect()
+        axis_title(&self.parameters)
     }
 }
 
-fn number(text: &str) -> Option<f64> {
+/// The last part of the name of the first of the swept `parameters`, with its unit.
+pub(crate) fn axis_title(parameters: &[String]) -> String {
+    let name = short(&parameters[0]);
+    let units = [("_m", "m"), ("_deg", "degrees")];
+    let with_unit = units.iter().find_map(|(ending, unit)| {
+        let bare = name.strip_suffix(ending)?;
+        Some(format!("{} ({unit})", bare.replace('_', " ")))
+    });
+    with_unit.unwrap_or_else(|| name.replace('_', " "))
+}
+
+/// The values of all of the first `n_swept` of `parameters` but the first, as `name = value`.
+pub(crate) fn other_values((parameters, n_swept): (&[String], usize), values: &[String]) -> Vec<String> {
+    let swept = parameters.iter().zip(values).take(n_swept).skip(1);
+    swept.map(|(name, value)| format!("{} = {value}", short(name))).collect()
+}
+
+/// The number that a value is; `None` of a word.
+pub(crate) fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|it: &f64| it.is_finite())
 }
 

@@ -10,19 +10,29 @@ use crate::tables::sheet::Tabular as _;
 /// Nothing where the run was evaluated under none.
 pub(super) fn protocols(facts: &RunFacts) -> Markup {
     let Some(report) = &facts.protocols else { return html! {} };
-    let tables = ProtocolTable::all(report, &facts.manifest, ProtocolLines::Every);
+    let [short, every] = [ProtocolLines::Short, ProtocolLines::Every]
+        .map(|it| ProtocolTable::all(report, &facts.manifest, it));
     html! {
         section #protocols aria-labelledby="protocols-title" {
             h2 #protocols-title { "Protocols of others" }
             p.about { "The numbers that the makers' own programs give, with intervals." }
-            @for it in &tables {
-                @let sheet = it.sheet();
-                h3 { "Protocol " (it.protocol) }
-                @for part in &sheet.parts {
-                    (table(&part.grid, &sheet.notes, &format!("Protocol {}", it.protocol)))
+            @for (short, every) in short.iter().zip(&every) {
+                h3 { "Protocol " (short.protocol) }
+                (grids(short))
+                @if short.is_short() {
+                    details { summary { "All numbers" } (grids(every)) }
                 }
-                (sentences(&sheet.notes))
             }
         }
+    }
+}
+
+fn grids(table_of_protocol: &ProtocolTable<'_>) -> Markup {
+    let sheet = table_of_protocol.sheet();
+    html! {
+        @for part in &sheet.parts {
+            (table(&part.grid, &sheet.notes, &format!("Protocol {}", table_of_protocol.protocol)))
+        }
+        (sentences(&sheet.notes))
     }
 }

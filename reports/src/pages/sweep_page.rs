@@ -8,13 +8,18 @@ use super::document::document;
 use super::markup::panel_of_file;
 use crate::files::archive::ArchiveError;
 use crate::files::whole_file::write_whole;
-use crate::run_folder::run_directory::{REPORT_HTML, SWEEP_CSV, SWEEP_TIMES_CSV};
+use crate::run_folder::run_directory::{REPORT_HTML, SWEEP_CSV, SWEEP_PROTOCOLS_CSV, SWEEP_TIMES_CSV};
 
 /// The kinds of plots that a sweep leaves, by the beginnings of their names, and what is seen on them.
-const PLOTS: [(&str, &str, &str); 3] = [
+const PLOTS: [(&str, &str, &str); 4] = [
     ("f_rate_", "Rates over the parameter", "With 95 % intervals; the best point is marked."),
     ("fitness_", "Cell fitness", "As in figures 6 a and b of the paper; needs no annotations."),
     ("pareto_", "Rates over times", "On the Pareto front, no other point is both better and faster."),
+    (
+        "protocol_",
+        "Protocols of others",
+        "Their principal numbers with 95 % intervals; the best point is marked.",
+    ),
 ];
 
 /// The page of a sweep.
@@ -44,8 +49,8 @@ impl SweepPage {
         });
         let plots = plots.collect::<Result<Vec<_>, ArchiveError>>()?;
         let scores = Table::read(&directory.join(SWEEP_CSV))?;
-        let times = directory.join(SWEEP_TIMES_CSV);
-        let times = if times.is_file() { Some(Table::read(&times)?) } else { None };
+        let [times, protocols] = [SWEEP_TIMES_CSV, SWEEP_PROTOCOLS_CSV].map(|it| directory.join(it));
+        let [times, protocols] = [Table::read_if_there(&times)?, Table::read_if_there(&protocols)?];
         let sections = html! {
             header {
                 p.kicker { "scanbench" }
@@ -72,10 +77,19 @@ impl SweepPage {
             section #table aria-label="All numbers" {
                 h2 { "All numbers" }
                 details { summary { "sweep.csv" } (scores.markup(SWEEP_CSV)) }
+                @if let Some(protocols) = &protocols {
+                    details { summary { "sweep_protocols.csv" } (protocols.markup(SWEEP_PROTOCOLS_CSV)) }
+                }
                 @if let Some(times) = &times { details { summary { "times.csv" } (times.markup(SWEEP_TIMES_CSV)) } }
             }
         };
-        let links = [("plots-0", "Rates"), ("plots-1", "Fitness"), ("plots-2", "Times"), ("table", "Table")];
+        let links = [
+            ("plots-0", "Rates"),
+            ("plots-1", "Fitness"),
+            ("plots-2", "Times"),
+            ("plots-3", "Protocols"),
+            ("table", "Table"),
+        ];
         Ok(Self { html: document("a sweep", &links, &sections).into_string() })
     }
 
@@ -122,6 +136,10 @@ impl Table {
         Ok(Self { heads, rows: rows.collect::<Result<_, _>>()? })
     }
 
+    fn read_if_there(path: &Path) -> Result<Option<Self>, ArchiveError> {
+        if path.is_file() { Self::read(path).map(Some) } else { Ok(None) }
+    }
+
     /// The parameters: columns with a dot or an equals sign in their name.
     fn swept(&self) -> String {
         let names: Vec<&str> = self.heads.iter().filter(|it| it.contains('.')).map(String::as_str).collect();
@@ -158,6 +176,8 @@ mod tests {
         let svg = "<svg width=\"90\" height=\"40\"><rect fill=\"#FFFFFF\"/><text fill=\"#000000\">\nF &amp; x\n</text></svg>";
         write("f_rate_street.svg", svg);
         write("pareto_street.svg", "<svg <");
+        write("protocol_nuscenes_street.svg", svg);
+        write(SWEEP_PROTOCOLS_CSV, "dataset,metric,value\na<b,nds,0.33\n");
         write("other.svg", svg);
         folder
     }
@@ -174,6 +194,8 @@ mod tests {
             "a&lt;b",
             "f_rate_street.svg",
             "pareto_street.svg is damaged.",
+            "Their principal numbers",
+            "nds",
             "href=\"#table\"",
         ] {
             assert!(page.html.contains(part), "no {part} in {}", page.html);

@@ -23,6 +23,7 @@ pub mod latency_plot;
 pub mod scene_plot;
 mod sweep_panels;
 pub mod rate_plot;
+pub mod swept_protocol_plot;
 pub mod fitness_plot;
 pub mod pareto_plot;
 pub mod pdf;

@@ -1,6 +1,6 @@
 //! The scans that numbers of protocols are made of, and how often each is drawn.
 
-use crate::numbers::blocks::BlockCount;
+use crate::numbers::blocks::{BlockCount, Blocks, DriveSecond};
 use crate::numbers::tally::Tally;
 use crate::rows::scan_name::ScanName;
 use crate::uncertainty::bootstrap::Resamples;
@@ -22,14 +22,23 @@ pub struct DrawnScans {
 impl DrawnScans {
     /// The scans of `dataset`, or of all data sets if it is [`OVERALL`], each drawn from by itself.
     pub fn of(tally: &Tally, dataset: &str) -> Self {
+        let ids = tally.datasets().iter().enumerate();
+        let asked = ids.filter(|(_, id)| dataset == OVERALL || dataset == id.as_str());
+        Self::of_datasets(asked.map(|(dataset_idx, id)| {
+            let name =
+                |sequence: &str, scan| ScanName { dataset: id.clone(), sequence: sequence.to_owned(), scan };
+            let scans =
+                tally.scans(dataset_idx).map(|(sequence, scan, second)| (name(sequence, scan), second));
+            (id.as_str(), scans.collect())
+        }))
+    }
+
+    /// The scans of data sets, given with their ids, each with the second that it was taken in. Each data set is drawn from by itself.
+    pub fn of_datasets<'a>(datasets: impl Iterator<Item = (&'a str, Vec<(ScanName, DriveSecond)>)>) -> Self {
         let (mut scans, mut resamples) = (Vec::new(), Vec::new());
-        for (dataset_idx, blocks) in tally.blocks().iter().enumerate() {
-            let id = &tally.datasets()[dataset_idx];
-            if dataset != OVERALL && dataset != id {
-                continue;
-            }
-            for (sequence, scan, second) in tally.scans(dataset_idx) {
-                let name = ScanName { dataset: id.clone(), sequence: sequence.to_owned(), scan };
+        for (id, of_dataset) in datasets {
+            let blocks = Blocks::of(of_dataset.iter().map(|(_, second)| second.clone()));
+            for (name, second) in of_dataset {
                 let block = blocks.place_of(&second).expect("blocks are made of the same scans");
                 scans.push((name, (resamples.len(), block)));
             }

@@ -15,3 +15,6 @@ pub mod protocol_tally;
 #[cfg(test)]
 mod made_rows;
 pub mod protocol_report;
+mod short_forms;
+pub mod swept_numbers;
+pub mod swept_number_curves;

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::blocks::{BlockCount, BlockKind, Interval};
+use crate::numbers::blocks::Interval;
+use crate::numbers::number_record::NumberRecord;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::Protocol;
 
@@ -29,7 +30,7 @@ pub struct ProtocolMetric {
 
 /// A number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(into = "NumberRecord", try_from = "NumberRecord")]
+#[serde(into = "RowRecord", try_from = "RowRecord")]
 pub struct ProtocolNumber {
     /// The protocol.
     pub protocol: Protocol,
@@ -50,32 +51,17 @@ const UNITS: [&str; 6] = ["ratio", "m", "rad", "m/s", "nats", "count"];
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct NumberRecord {
+struct RowRecord {
     protocol: Protocol,
     dataset: String,
     detector: String,
     class: String,
     metric: String,
-    #[serde(deserialize_with = "Option::deserialize")]
-    value: Option<f64>,
-    unit: String,
-    #[serde(deserialize_with = "Option::deserialize")]
-    higher_is_better: Option<bool>,
-    n: u64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    interval_95: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    n_blocks: Option<u64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    degrees_of_freedom: Option<u64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    blocks: Option<String>,
-    // For people; it follows from the blocks.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    caveat: Option<String>,
+    #[serde(flatten)]
+    number: NumberRecord,
 }
 
-impl From<ProtocolNumber> for NumberRecord {
+impl From<ProtocolNumber> for RowRecord {
     fn from(number: ProtocolNumber) -> Self {
         let ProtocolNumber { protocol, dataset, detector, metric, value, interval } = number;
         Self {
@@ -84,40 +70,37 @@ impl From<ProtocolNumber> for NumberRecord {
             detector,
             class: metric.class,
             metric: metric.id,
-            value,
-            unit: metric.unit.to_owned(),
-            higher_is_better: metric.direction.higher_is_better(),
-            n: metric.n,
-            interval_95: interval.map(|it| it.ends),
-            n_blocks: interval.map(|it| it.blocks.n_blocks),
-            degrees_of_freedom: interval.map(|it| it.blocks.degrees_of_freedom),
-            blocks: interval.map(|it| it.blocks.kind.name().to_owned()),
-            caveat: interval.and_then(|it| it.caveat()),
+            number: NumberRecord::new(value, (metric.unit, metric.direction), metric.n)
+                .within(interval, None),
         }
     }
 }
 
-impl TryFrom<NumberRecord> for ProtocolNumber {
+impl TryFrom<RowRecord> for ProtocolNumber {
     type Error = String;
 
-    fn try_from(record: NumberRecord) -> Result<Self, String> {
-        let NumberRecord { protocol, dataset, detector, class, metric: id, value, n, .. } = record;
-        let unit = UNITS.into_iter().find(|it| *it == record.unit);
-        let unit = unit.ok_or_else(|| format!("{id} has the unknown unit {:?}", record.unit))?;
-        let direction = match record.higher_is_better {
-            Some(true) => Direction::HigherIsBetter,
-            Some(false) => Direction::LowerIsBetter,
-            None => Direction::Neither,
-        };
-        let unknown = |it: String| format!("unknown blocks of scans {it:?}");
-        let kind = record.blocks.map(|it| BlockKind::from_name(&it).ok_or_else(|| unknown(it)));
-        let blocks = record.n_blocks.zip(record.degrees_of_freedom).zip(kind.transpose()?);
-        let interval =
-            record.interval_95.zip(blocks).map(|(ends, ((n_blocks, degrees_of_freedom), kind))| Interval {
-                ends,
-                blocks: BlockCount { n_blocks, degrees_of_freedom, kind },
-            });
-        let metric = ProtocolMetric { class, id, unit, direction, n };
-        Ok(Self { protocol, dataset, detector, metric, value, interval })
+    fn try_from(record: RowRecord) -> Result<Self, String> {
+        let RowRecord { protocol, dataset, detector, class, metric: id, number } = record;
+        let unit = UNITS.into_iter().find(|it| *it == number.unit);
+        let unit = unit.ok_or_else(|| format!("{id} has the unknown unit {:?}", number.unit))?;
+        let interval = number.interval().map_err(|it| format!("unknown blocks of scans {it:?}"))?;
+        let metric = ProtocolMetric { class, id, unit, direction: number.direction(), n: number.n };
+        Ok(Self { protocol, dataset, detector, metric, value: number.value, interval })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_that_nobody_knows_is_refused() {
+        let written = r#"{"protocol":"nuscenes","dataset":"a","detector":"b","class":"car","metric":"ap","value":0.5,"unit":"ratio","higher_is_better":true,"n":3}"#;
+        let number: ProtocolNumber = serde_json::from_str(written).unwrap();
+        assert_eq!(serde_json::to_string(&number).unwrap(), written);
+        for (from, to) in [("\"n\":3", "\"n\":3,\"m\":4"), ("\"value\":0.5,", ""), ("\"n\":3", "\"n\":-3")] {
+            let damaged = written.replacen(from, to, 1);
+            assert!(serde_json::from_str::<ProtocolNumber>(&damaged).is_err(), "{damaged}");
+        }
     }
 }

@@ -15,6 +15,7 @@ use super::under_protocol::{DrawnValues, UnderProtocol};
 use crate::numbers::tally::Tally;
 use crate::rows::kitti_object_row::{KittiFact, KittiObjectRow};
 use crate::rows::label_score_row::LabelScoreRow;
+use crate::rows::official_rows::OfficialRows;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::extent::OVERALL;
@@ -56,6 +57,19 @@ impl ProtocolTally {
     pub fn add_kitti_object(&mut self, row: &KittiObjectRow) {
         let scans = self.kitti.entry(row.detector.clone()).or_default();
         scans.entry(row.scan.clone()).or_default().push(row.fact);
+    }
+
+    /// Adds rows of any kind.
+    pub fn add(&mut self, rows: &OfficialRows) {
+        for row in &rows.boxes {
+            self.add_ranked_box(row);
+        }
+        for row in &rows.kitti {
+            self.add_kitti_object(row);
+        }
+        for row in &rows.labels {
+            self.add_label_score(row);
+        }
     }
 
     /// Makes sure that rows fit together.
@@ -141,27 +155,40 @@ impl ProtocolTally {
         }
         let drawn: Vec<(&str, DrawnScans)> =
             datasets.into_iter().map(|it| (it, DrawnScans::of(tally, it))).collect();
+        let detectors: Vec<&str> = tally.detectors().iter().map(String::as_str).collect();
+        self.numbers_on(&drawn, &detectors)
+    }
+
+    /// The same of `detectors` on scans with the names of what they are together, in this order.
+    pub fn numbers_on(&self, drawn: &[(&str, DrawnScans)], detectors: &[&str]) -> Vec<ProtocolNumber> {
         let mut numbers = Vec::new();
         for protocol in self.protocols() {
-            for (dataset, scans) in &drawn {
-                for detector in tally.detectors() {
-                    let Some(rows) = self.rows(ProtocolQuestion { protocol, detector }, scans) else {
-                        continue;
-                    };
-                    let drawn = DrawnValues::new(&*rows, scans);
-                    for (place, metric) in rows.metrics().into_iter().enumerate() {
-                        numbers.push(ProtocolNumber {
-                            protocol,
-                            dataset: (*dataset).to_owned(),
-                            detector: detector.clone(),
-                            metric,
-                            value: drawn.values[place],
-                            interval: drawn.interval(place, scans),
-                        });
+            for (dataset, scans) in drawn {
+                for detector in detectors {
+                    if let Some(rows) = self.rows(ProtocolQuestion { protocol, detector }, scans) {
+                        numbers.extend(numbers_of(&*rows, scans, (protocol, dataset, detector)));
                     }
                 }
             }
         }
         numbers
     }
+}
+
+/// The numbers of `rows` on `scans`, which are what a detector made of a data set under a protocol.
+fn numbers_of(
+    rows: &dyn UnderProtocol,
+    scans: &DrawnScans,
+    (protocol, dataset, detector): (Protocol, &str, &str),
+) -> Vec<ProtocolNumber> {
+    let drawn = DrawnValues::new(rows, scans);
+    let number = |(place, metric)| ProtocolNumber {
+        protocol,
+        dataset: dataset.to_owned(),
+        detector: detector.to_owned(),
+        metric,
+        value: drawn.values[place],
+        interval: drawn.interval(place, scans),
+    };
+    rows.metrics().into_iter().enumerate().map(number).collect()
 }

@@ -14,3 +14,4 @@ pub mod scan_name;
 pub mod kitti_object_row;
 pub mod ranked_box_row;
 pub mod label_score_row;
+pub mod official_rows;

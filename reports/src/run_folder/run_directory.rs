@@ -57,6 +57,10 @@ pub const FIGURES: &str = "figures";
 pub const SWEEP_CSV: &str = "sweep.csv";
 /// Times of a sweep.
 pub const SWEEP_TIMES_CSV: &str = "times.csv";
+/// Numbers of a sweep under protocols of others.
+pub const SWEEP_PROTOCOLS_CSV: &str = "sweep_protocols.csv";
+/// The same, with all that is needed to read them.
+pub const SWEEP_PROTOCOLS_JSON: &str = "sweep_protocols.json";
 
 /// What objects were told to be of which a part has been seen: one row for every object, step and method.
 pub const PARTIAL_CSV: &str = "partial.csv";

@@ -19,17 +19,17 @@ use crate::vocabulary::protocol::Protocol;
 pub struct ProtocolTable<'a> {
     /// The protocol.
     pub protocol: Protocol,
-    /// Which of its numbers.
-    pub lines: ProtocolLines,
     numbers: Vec<&'a ProtocolNumber>,
+    // How many numbers of the protocol it has not.
+    n_left_out: usize,
     manifest: &'a Manifest,
 }
 
 /// Which numbers a table has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProtocolLines {
-    /// Those of all classes together, if the protocol has any; else all.
-    Summary,
+    /// The few that stand in the short form: see [`ProtocolNumber::is_in_short_form`].
+    Short,
     /// All.
     Every,
 }
@@ -38,19 +38,27 @@ impl<'a> ProtocolTable<'a> {
     /// The tables of `report`, in the order of protocols.
     pub fn all(report: &'a ProtocolReport, manifest: &'a Manifest, lines: ProtocolLines) -> Vec<Self> {
         let of_protocol = |protocol: Protocol| {
-            let numbers: Vec<_> = report.rows.iter().filter(|it| it.protocol == protocol).collect();
-            let is_summary = |it: &&ProtocolNumber| is_of_several(&it.metric.class);
-            let has_summary = numbers.iter().any(is_summary);
-            let is_shown =
-                |it: &&ProtocolNumber| lines == ProtocolLines::Every || !has_summary || is_summary(it);
-            Self { protocol, lines, numbers: numbers.into_iter().filter(is_shown).collect(), manifest }
+            let of_protocol = report.rows.iter().filter(|it| it.protocol == protocol);
+            let is_shown = |it: &&ProtocolNumber| lines == ProtocolLines::Every || it.is_in_short_form();
+            let (numbers, left_out): (Vec<_>, Vec<_>) = of_protocol.partition(is_shown);
+            Self { protocol, numbers, n_left_out: left_out.len(), manifest }
         };
         let tables = Protocol::ALL.into_iter().map(of_protocol);
         tables.filter(|it| !it.numbers.is_empty()).collect()
     }
 
+    /// Whether it has fewer numbers than there are.
+    pub fn is_short(&self) -> bool {
+        self.n_left_out > 0
+    }
+
     /// Name of its files without ending.
     pub fn file_stem(&self) -> String {
+        let form = if self.is_short() { "_short" } else { "" };
+        format!("{}{form}", self.stem_of_all())
+    }
+
+    fn stem_of_all(&self) -> String {
         format!("table_protocol_{}", self.protocol.name())
     }
 
@@ -141,8 +149,7 @@ impl<'a> ProtocolTable<'a> {
                 "class: which labels are ground, by whose definition. Numbers of one are not to be compared with those of another."
             }
         };
-        let more = (self.lines == ProtocolLines::Summary && has_classes)
-            .then(|| format!("Class by class: {}.md.", self.file_stem()));
+        let more = self.is_short().then(|| format!("All numbers: {}.md.", self.stem_of_all()));
         let about_scores = Some(about_scores.to_owned());
         [about_classes, about_scores, about_gaps, about_intervals, more].into_iter().flatten().collect()
     }
@@ -156,12 +163,8 @@ impl Tabular for ProtocolTable<'_> {
             Protocol::Ground => "points, or scans",
         };
         let title = format!("Protocol {}. n: {counted}.", self.protocol);
-        Sheet::of(title, self.grid(), self.sentences()).labelled(&format!("protocol_{}", self.protocol))
+        Sheet::of(title, self.grid(), self.sentences()).labelled(&self.file_stem().replacen("table_", "", 1))
     }
-}
-
-fn is_of_several(class: &str) -> bool {
-    [ALL_CLASSES, PRESENT_CLASSES].contains(&class)
 }
 
 /// The value and its interval.
@@ -214,11 +217,11 @@ mod tests {
     }
 
     #[test]
-    fn a_summary_has_no_classes_and_a_table_all() {
+    fn a_short_table_has_no_classes_and_a_long_one_all() {
         let (report, manifest) = (report(), sample::manifest());
         let tables = |lines| ProtocolTable::all(&report, &manifest, lines);
         let text = |lines| Terminal::UNFOLDED.text(&tables(lines)[0]);
-        insta::assert_snapshot!(text(ProtocolLines::Summary), @r"
+        insta::assert_snapshot!(text(ProtocolLines::Short), @r"
         Protocol nuscenes. n: annotations that count.
 
                                                            hierarchical                   pca
@@ -234,11 +237,30 @@ mod tests {
         –: no annotation that it could be of, or not known.
         95 % interval: cluster bootstrap, 1000 resamples of seconds, because there are fewer than 10 drives:
           they cover other scans of the same drives, but not other drives.
-        Class by class: table_protocol_nuscenes.md.
+        All numbers: table_protocol_nuscenes.md.
         simulated: from a simulator, not recorded.
         ");
         assert!(text(ProtocolLines::Every).contains("car"));
-        assert_eq!(tables(ProtocolLines::Every).len(), 1);
+        let stems = |lines| tables(lines).iter().map(ProtocolTable::file_stem).collect::<Vec<_>>();
+        assert_eq!(stems(ProtocolLines::Every), ["table_protocol_nuscenes"]);
+        assert_eq!(stems(ProtocolLines::Short), ["table_protocol_nuscenes_short"]);
+    }
+
+    #[test]
+    fn of_kitti_the_short_table_has_plan_and_space_of_every_class() {
+        let mut report = report();
+        report.rows.truncate(3);
+        let ids = ["ap_3d_moderate_r40", "ap_bev_hard_r40", "sound_ap_3d_easy_r40"];
+        for (row, id) in report.rows.iter_mut().zip(ids) {
+            row.protocol = Protocol::KittiObject;
+            row.metric.class = "cyclist".to_owned();
+            row.metric.id = id.to_owned();
+        }
+        let manifest = sample::manifest();
+        let table = &ProtocolTable::all(&report, &manifest, ProtocolLines::Short)[0];
+        let text = Terminal::UNFOLDED.text(table);
+        assert!(text.contains(ids[0]) && text.contains(ids[1]) && !text.contains("sound"), "{text}");
+        assert!(text.contains("All numbers: table_protocol_kitti-object.md."), "{text}");
     }
 
     #[test]

@@ -8,3 +8,4 @@ pub mod argoverse2;
 pub mod kitti_object;
 pub mod semantic_kitti;
 pub mod known_protocols;
+pub mod chosen_protocols;

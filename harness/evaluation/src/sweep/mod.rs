@@ -3,6 +3,7 @@
 pub mod swept_values;
 pub mod sweep_plan;
 pub mod programs;
+pub mod swept_protocols;
 pub mod scan_at_point;
 pub mod timed_scan;
 pub mod journal_entry;
@@ -10,3 +11,4 @@ pub mod quality_pass;
 pub mod timing_pass;
 pub mod block_resamples;
 pub mod summary;
+pub mod protocol_numbers;

@@ -9,10 +9,12 @@ use scans::dataset::{Dataset, DatasetError};
 
 use crate::journal::{Journal, JournalError};
 use crate::process::problem::DetectorFailure;
+use crate::protocols::chosen_protocols::ProtocolError;
 use crate::sweep::journal_entry::JournalEntry;
 use crate::sweep::programs::Programs;
-use crate::sweep::scan_at_point::{ScanAtPoint, look_at_points};
+use crate::sweep::scan_at_point::{LookedAt, ScanAtPoint, look_at_points};
 use crate::sweep::sweep_plan::SweepPlan;
+use crate::sweep::swept_protocols::SweptProtocols;
 
 /// A data set and the scans that are taken from it.
 #[derive(Clone, Copy)]
@@ -30,6 +32,8 @@ pub struct SweepPass<'a> {
     pub plan: &'a SweepPlan,
     /// The scans.
     pub datasets: &'a [SweptDataset<'a>],
+    /// What else it is evaluated by, if anything.
+    pub protocols: Option<&'a SweptProtocols>,
     /// Where results are kept.
     pub journal: &'a Journal,
     /// Ends the sweep at the next point once it is set.
@@ -44,6 +48,9 @@ pub enum SweepError {
     /// A scan could not be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// A scan could not be evaluated under a protocol.
+    #[error(transparent)]
+    Protocol(#[from] ProtocolError),
     /// A detector failed.
     #[error(transparent)]
     Detector(#[from] DetectorFailure),
@@ -93,7 +100,7 @@ impl SweepPass<'_> {
         };
         let added: Vec<Result<Vec<ScanAtPoint>, SweepError>> =
             pool.install(|| missing.par_iter().with_max_len(1).map(look).collect());
-        let mut all = results;
+        let mut all: Vec<ScanAtPoint> = results.into_iter().map(|it| self.without_rows(it)).collect();
         // Collected before it is looked through for errors, so that the first in order is reported.
         for of_scan in added {
             all.extend(of_scan?);
@@ -130,23 +137,36 @@ impl SweepPass<'_> {
         let SweptDataset { dataset, scan_indices } = self.datasets[dataset_idx];
         self.check_interrupted(n_left)?;
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
+        let official = match self.protocols {
+            Some(it) => Some(it.chosen.scan(dataset, (scan_indices[scan_idx], &scan))?),
+            None => None,
+        };
+        let looked_at = LookedAt { scan: &scan, time_s, official: official.as_ref() };
         let mut results = Vec::new();
-        let scan = (&scan, time_s);
         look_at_points(
             (self.plan, programs),
             dataset.description(),
-            scan,
+            looked_at,
             point_idxs,
-            |point_idx, detectors| {
-                let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors };
+            |point_idx, detectors, official| {
+                let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors, official };
                 self.journal.add(&JournalEntry::Quality(result.clone()))?;
-                results.push(result);
+                results.push(self.without_rows(result));
                 n_left.fetch_sub(1, Ordering::Relaxed);
                 (self.on_done)();
                 self.check_interrupted(n_left)
             },
         )?;
         Ok(results)
+    }
+
+    /// `result` without its rows, which are added to those of its point.
+    fn without_rows(&self, mut result: ScanAtPoint) -> ScanAtPoint {
+        let rows = std::mem::take(&mut result.official);
+        if let Some(protocols) = self.protocols {
+            protocols.add(result.point_idx, &rows);
+        }
+        result
     }
 
     fn check_interrupted(&self, n_left: &AtomicUsize) -> Result<(), SweepError> {

@@ -3,6 +3,7 @@
 use detector::DetectorOutput;
 use detector::grid::cell_fitness::CellTally;
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use reports::rows::official_rows::OfficialRows;
 use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
 use scans::dataset::DatasetDescription;
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::matching::assign::assign;
 use crate::metrics::counts::Counts;
 use crate::process::problem::DetectorFailure;
+use crate::protocols::chosen_protocols::ScanUnderProtocols;
 use crate::run::config::RunConfig;
 use crate::run::detector_list::ChosenDetector;
 use crate::run::entrant::Entrant;
@@ -29,6 +31,20 @@ pub struct ScanAtPoint {
     pub point_idx: usize,
     /// What each detector made of it, in the order of the plan.
     pub detectors: Vec<DetectorAtPoint>,
+    /// The rows of protocols of others.
+    #[serde(default, skip_serializing_if = "OfficialRows::is_empty")]
+    pub official: OfficialRows,
+}
+
+/// A scan that is looked at.
+#[derive(Clone, Copy)]
+pub struct LookedAt<'a> {
+    /// The scan.
+    pub scan: &'a LabeledScan,
+    /// When it was taken, in seconds since the first of its drive.
+    pub time_s: f64,
+    /// The same under protocols of others, if it is to be evaluated by some.
+    pub official: Option<&'a ScanUnderProtocols<'a>>,
 }
 
 /// What one detector made of it.
@@ -41,7 +57,7 @@ pub struct DetectorAtPoint {
     pub cells: Option<CellTally>,
 }
 
-/// Lets all detectors look at `scan` with the parameters of the points `point_idxs`; `on_point` is given what they made of it
+/// Lets all detectors look at a scan with the parameters of the points `point_idxs`; `on_point` is given what they made of it
 /// at one point after the other, until it returns an error. Detectors that are programs are those of `programs`, started where
 /// there is none.
 ///
@@ -51,21 +67,25 @@ pub struct DetectorAtPoint {
 pub fn look_at_points<E: From<DetectorFailure>>(
     (plan, programs): (&SweepPlan, &Programs),
     dataset: &DatasetDescription,
-    (scan, time_s): (&LabeledScan, f64),
+    looked_at: LookedAt<'_>,
     point_idxs: &[usize],
-    mut on_point: impl FnMut(usize, Vec<DetectorAtPoint>) -> Result<(), E>,
+    mut on_point: impl FnMut(usize, Vec<DetectorAtPoint>, OfficialRows) -> Result<(), E>,
 ) -> Result<(), E> {
+    let LookedAt { scan, time_s, official } = looked_at;
     let mut output = DetectorOutput::default();
     let mut cells = CellsOfScan::default();
     for &point_idx in point_idxs {
         let config = of_sensor(&plan.points[point_idx].config, dataset);
-        let mut looked = Vec::new();
+        let (mut looked, mut rows) = (Vec::new(), OfficialRows::default());
         for chosen in &plan.detectors {
             let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
             let program = programs.take(dataset, entrant.name);
             let mut detector =
                 entrant.begin_with(dataset, program).map_err(|it| plan.at_point(point_idx, it))?;
             detector.detect(scan, time_s, &mut output).map_err(|it| plan.at_point(point_idx, it))?;
+            if let Some(official) = official {
+                rows.append(official.rows((entrant.name, &*detector), &output));
+            }
             programs.put_back(dataset, entrant.name, detector);
             let counts = Task::ALL.iter().map(|&task| {
                 Counts::of(&assign(scan, &output.detections, task, &dataset.annotated, &config.matching))
@@ -74,7 +94,7 @@ pub fn look_at_points<E: From<DetectorFailure>>(
             let cells = grid_of(chosen, &config).map(|grid| cells.tally(scan, &grid, &config));
             looked.push(DetectorAtPoint { counts, cells });
         }
-        on_point(point_idx, looked)?;
+        on_point(point_idx, looked, rows)?;
     }
     Ok(())
 }

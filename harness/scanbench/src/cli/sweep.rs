@@ -9,6 +9,7 @@ use super::detectors::detector_names;
 use super::help_text::{DETECTORS as DETECTORS_HEADING, VIEWER, with_details};
 use super::output::OutputArgs;
 use super::parameters::MatchingArgs;
+use super::protocols::ProtocolArgs;
 use super::scans::{DamageArgs, DatasetArgs};
 
 /// Arguments of `scanbench sweep`.
@@ -49,6 +50,9 @@ pub struct SweepArgs {
     /// How detections are judged.
     #[command(flatten)]
     pub matching: MatchingArgs,
+    /// What else they are evaluated by.
+    #[command(flatten)]
+    pub protocol: ProtocolArgs,
     /// Where the files are written.
     #[command(flatten)]
     pub output: OutputArgs,
@@ -73,15 +77,17 @@ Examples:
   scanbench sweep streets -P cell_size_m=0.2:2.0:0.1
   scanbench sweep streets -P cell_size_m=0.4:1.0:0.2 -L xi=2,3 -o runs/cells
   scanbench sweep street-narrow -d kd-tree -P tolerance_m=0.3:0.8:0.1 -L foreground=short,refined
-  scanbench sweep streets -P cell_size_m=0.2:2.0:0.1 -P min_length_cells=7.2/cell_size_m";
+  scanbench sweep streets -P cell_size_m=0.2:2.0:0.1 -P min_length_cells=7.2/cell_size_m
+  scanbench sweep streets -L grouping.ranked_probability=0.05,0.2,0.5 --protocol nuscenes";
 
 const SWEEP_DETAILS: &str = "\
 Runs every combination of values on each scan. The first swept parameter is the axis
 of the plots. Writes sweep.csv with the counts behind every rate and every reading of
 the cell fitness, times.csv, f_rate_<data set>.svg, pareto_<data set>.svg and
 manifest.json; if cell sizes are swept, also fitness_<data set>.svg, cell_fitness.csv
-and cell_fitness.md; and sweep.rrd, one scan at all points, unless the program was
-built without Rerun.
+and cell_fitness.md; with --protocol, sweep_protocols.{csv,json,md,tex} and
+protocol_<name>_<data set>.svg; and sweep.rrd, one scan at all points, unless the
+program was built without Rerun.
 
 To continue an interrupted sweep, give the same command again: its results so far are
 in DIR.unfinished. The same sweep writes the same bytes, interrupted or not, except

@@ -10,6 +10,7 @@ use std::path::Path;
 
 use evaluation::journal::JournalError;
 use evaluation::process::problem::DetectorFailure;
+use evaluation::protocols::chosen_protocols::ProtocolError;
 use evaluation::realism::survey::SurveyError;
 use evaluation::run::config::ConfigError;
 use evaluation::run::detector_list::DetectorListError;
@@ -213,10 +214,20 @@ impl From<DetectorFailure> for Failure {
     }
 }
 
+impl From<ProtocolError> for Failure {
+    fn from(error: ProtocolError) -> Self {
+        match error {
+            ProtocolError::Dataset(error) => error.into(),
+            ProtocolError::Lacks { .. } | ProtocolError::NoLabels { .. } => Self::Usage(error.into()),
+        }
+    }
+}
+
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
             SweepError::Dataset(error) => error.into(),
+            SweepError::Protocol(error) => error.into(),
             SweepError::Detector(error) => error.into(),
             SweepError::Journal(error) => error.into(),
             SweepError::Threads { .. } => Self::Internal(error.into()),

@@ -52,6 +52,7 @@ pub mod partial_files;
 pub mod partial;
 pub mod sweep_identity;
 pub mod sweep_files;
+pub mod sweep_protocol_files;
 pub mod sweep;
 pub mod data_list;
 pub mod data_add;

@@ -10,10 +10,11 @@ use reports::tables::formats::lists::protocol_formats;
 use reports::tables::protocol_table::{ProtocolLines, ProtocolTable};
 
 use crate::commands::failure::Failure;
+use crate::commands::paper_files::write_table;
 use crate::commands::standard_streams::terminal;
 
-/// Makes the numbers of rows under protocols and writes them into `directory` in all their forms. Returns what is printed: a summary of each
-/// protocol. Nothing where the run was evaluated under none.
+/// Makes the numbers of rows under protocols and writes them into `directory` in all their forms. Returns what is printed: the short
+/// table of each protocol. Nothing where the run was evaluated under none.
 ///
 /// # Errors
 ///
@@ -33,6 +34,9 @@ pub fn write_protocols(
             directory.write_file(&format.file_name(&table.file_stem()), format.text(&table).as_bytes())?;
         }
     }
-    let summaries = ProtocolTable::all(&report, manifest, ProtocolLines::Summary);
-    Ok(summaries.iter().map(|it| terminal().text(it)).collect())
+    let short = ProtocolTable::all(&report, manifest, ProtocolLines::Short);
+    for table in short.iter().filter(|it| it.is_short()) {
+        write_table(directory, &table.file_stem(), table)?;
+    }
+    Ok(short.iter().map(|it| terminal().text(it)).collect())
 }

@@ -2,24 +2,17 @@
 
 use std::collections::BTreeSet;
 
-use detector::DetectorOutput;
-use evaluation::protocols::known_protocols::official_protocol;
-use evaluation::protocols::official_objects::OfficialScanView;
-use evaluation::protocols::official_protocol::{FoundInScan, ProtocolRows};
-use evaluation::protocols::semantic_kitti::label_scores::{LabeledPoints, scores_labels};
+use evaluation::protocols::chosen_protocols::{ChosenProtocols, ScanUnderProtocols, n_beyond_number};
 use reports::protocols::drawn_scans::DrawnScans;
 use reports::protocols::kitti_object::measures::is_sound;
 use reports::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
 use reports::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
-use reports::rows::label_score_row::LabelScoreRow;
-use reports::rows::ranked_box_row::BoxState;
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::metric::Direction;
 use reports::vocabulary::protocol::Protocol;
 use scans::dataset::source::DamagePolicy;
 
 use crate::commands::failure::{Failure, NothingEvaluated};
-use crate::commands::official_evaluation::labels_for;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::progress::progress_over_scans;
 
@@ -72,57 +65,11 @@ pub fn check_protocols(
     policy: DamagePolicy,
     protocols: &[Protocol],
 ) -> Result<Vec<CheckedProtocol>, Failure> {
-    if protocols.is_empty() {
-        return Ok(Vec::new());
-    }
+    let Some(chosen) = ChosenProtocols::of(protocols) else { return Ok(Vec::new()) };
+    chosen.check(&*opened.dataset)?;
     let id = &opened.dataset.description().id;
-    for protocol in protocols {
-        if let Some(lacks) = official_protocol(*protocol).and_then(|it| it.lacks(&*opened.dataset)) {
-            return Err(Failure::usage(format!("--protocol {protocol}"), format!("{id:?} {lacks}")));
-        }
-    }
-    let (mut tally, mut names) = (ProtocolTally::default(), Vec::new());
-    let mut n_beyond_number = vec![0; protocols.len()];
-    let progress = progress_over_scans(opened.scan_indices.len(), id);
-    for &scan_idx in &opened.scan_indices {
-        progress.inc(1);
-        let scan = match opened.dataset.read_scan(scan_idx) {
-            Ok(scan) => scan,
-            Err(error) => {
-                let scan_id = &opened.dataset.scan_ids()[scan_idx];
-                progress.suspend(|| opened.on_damage(policy, scan_id, error))?;
-                continue;
-            }
-        };
-        let asked: Vec<Protocol> = protocols.iter().copied().filter(|it| scores_labels(*it)).collect();
-        let name = ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
-        names.push(name.clone());
-        if !asked.is_empty() {
-            let labels = labels_for(&asked, &*opened.dataset, (scan_idx, &scan))?;
-            add_echoed_labels(&mut tally, &name, &LabeledPoints::new(&scan.cloud, labels, &asked), &asked);
-        }
-        let view = OfficialScanView::new(&*opened.dataset, scan_idx, &scan)?;
-        let (output, objects) = (DetectorOutput::default(), view.echoed());
-        let kitti_objects = view.echoed_kitti();
-        let found = FoundInScan {
-            name,
-            detector: ECHO,
-            view: &view,
-            output: &output,
-            objects: &objects,
-            kitti_objects: Some(&kitti_objects),
-        };
-        for (protocol, n_beyond) in protocols.iter().zip(&mut n_beyond_number) {
-            if let Some(protocol) = official_protocol(*protocol) {
-                *n_beyond += add_echoed_boxes(&mut tally, &protocol.rows(&found));
-            }
-        }
-    }
-    progress.finish_and_clear();
-    let scans = DrawnScans::undrawn(names);
-    let checks = protocols.iter().zip(n_beyond_number);
-    let checks: Vec<CheckedProtocol> =
-        checks.map(|(protocol, n)| checked(id, *protocol, n, (&tally, &scans))).collect();
+    let echoes = EchoedLabels::of(opened, policy, (&chosen, protocols))?;
+    let checks = echoes.checked(id, protocols);
     if let Some(nothing) = checks.iter().find(|it| it.n_numbers == 0) {
         let reason =
             format!("no label of {id:?} that counts has a class of the protocol {}", nothing.protocol);
@@ -131,32 +78,54 @@ pub fn check_protocols(
     Ok(checks)
 }
 
-/// Returns how many are beyond the number that a protocol evaluates.
-fn add_echoed_boxes(tally: &mut ProtocolTally, rows: &ProtocolRows) -> usize {
-    match rows {
-        ProtocolRows::RankedBoxes(rows) => {
-            for row in rows {
-                tally.add_ranked_box(row);
-            }
-            rows.iter().filter(|it| it.ranked_box.state == BoxState::BeyondNumber).count()
-        }
-        ProtocolRows::KittiObjects(rows) => {
-            for row in rows {
-                tally.add_kitti_object(row);
-            }
-            0
-        }
-    }
+/// What came of the labels of some scans.
+struct EchoedLabels {
+    tally: ProtocolTally,
+    names: Vec<ScanName>,
+    // Of each protocol, the labels that it takes no more of.
+    n_beyond_number: Vec<usize>,
 }
 
-fn add_echoed_labels(
-    tally: &mut ProtocolTally,
-    name: &ScanName,
-    points: &LabeledPoints<'_>,
-    protocols: &[Protocol],
-) {
-    for score in protocols.iter().flat_map(|it| points.echoed_scores(*it)) {
-        tally.add_label_score(&LabelScoreRow { scan: name.clone(), detector: ECHO.to_owned(), score });
+impl EchoedLabels {
+    fn of(
+        opened: &OpenedDataset,
+        policy: DamagePolicy,
+        (chosen, protocols): (&ChosenProtocols, &[Protocol]),
+    ) -> Result<Self, Failure> {
+        let mut echoes = Self {
+            tally: ProtocolTally::default(),
+            names: Vec::new(),
+            n_beyond_number: vec![0; protocols.len()],
+        };
+        let id = &opened.dataset.description().id;
+        let progress = progress_over_scans(opened.scan_indices.len(), id);
+        for &scan_idx in &opened.scan_indices {
+            progress.inc(1);
+            match opened.dataset.read_scan(scan_idx) {
+                Ok(scan) => echoes.add(&chosen.scan(&*opened.dataset, (scan_idx, &scan))?, protocols),
+                Err(error) => {
+                    let scan_id = &opened.dataset.scan_ids()[scan_idx];
+                    progress.suspend(|| opened.on_damage(policy, scan_id, error))?;
+                }
+            }
+        }
+        progress.finish_and_clear();
+        Ok(echoes)
+    }
+
+    fn add(&mut self, scan: &ScanUnderProtocols<'_>, protocols: &[Protocol]) {
+        let rows = scan.echoed_rows(ECHO);
+        self.tally.add(&rows);
+        self.names.push(scan.name().clone());
+        for (protocol, n) in protocols.iter().zip(&mut self.n_beyond_number) {
+            *n += n_beyond_number(&rows, *protocol);
+        }
+    }
+
+    fn checked(self, id: &str, protocols: &[Protocol]) -> Vec<CheckedProtocol> {
+        let scans = DrawnScans::undrawn(self.names);
+        let checks = protocols.iter().zip(self.n_beyond_number);
+        checks.map(|(protocol, n)| checked(id, *protocol, n, (&self.tally, &scans))).collect()
     }
 }
 

@@ -10,6 +10,7 @@ use evaluation::sweep::quality_pass::{SweepError, SweepPass, SweptDataset};
 use evaluation::sweep::scan_at_point::ScanAtPoint;
 use evaluation::sweep::summary::SweepResults;
 use evaluation::sweep::sweep_plan::SweepPlan;
+use evaluation::sweep::swept_protocols::SweptProtocols;
 use evaluation::sweep::swept_values::SweptValues;
 use evaluation::sweep::timed_scan::TimedScan;
 use evaluation::sweep::timing_pass::DETECTIONS_PER_SCAN;
@@ -35,11 +36,14 @@ use crate::commands::run_manifest::{RunSettings, detector_entries, run_manifest}
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::sweep_files::write_sweep;
 use crate::commands::sweep_identity::sweep_identity;
+use crate::commands::sweep_protocol_files::write_swept_protocols;
 
 /// What is swept, over what, and where it goes.
 struct Sweep<'a> {
     arguments: &'a SweepArgs,
     plan: SweepPlan,
+    // `None` without protocols of others.
+    protocols: Option<SweptProtocols>,
     datasets: Vec<OpenedDataset>,
     started: Timestamp,
 }
@@ -80,7 +84,10 @@ pub fn sweep(arguments: &SweepArgs) -> Result<(), Failure> {
     refuse_nothing(&scores)?;
     let directory = RunDirectory::begin(claimed)?;
     directory.write_file(MANIFEST_JSON, sweep.manifest().as_bytes())?;
-    let printed = write_sweep(&directory, &scores)?;
+    let mut printed = write_sweep(&directory, &scores)?;
+    if let Some(protocols) = &sweep.protocols {
+        printed.push_str(&write_swept_protocols(&directory, protocols, (&results, &scores))?);
+    }
     if !arguments.no_rrd {
         record_sweep(&directory, &results, &scores)?;
     }
@@ -105,10 +112,14 @@ impl<'a> Sweep<'a> {
         for point in &mut plan.points {
             point.config.own_curves.clone_from(&plan.base.own_curves);
         }
+        let protocols = SweptProtocols::of(&arguments.protocol.protocols, plan.points.len());
         for opened in &datasets {
             warn_of_unknown_sensor(&plan.base, &opened.dataset.description().sensor);
+            if let Some(protocols) = &protocols {
+                protocols.chosen.check(&*opened.dataset)?;
+            }
         }
-        Ok(Self { arguments, plan, datasets, started })
+        Ok(Self { arguments, plan, protocols, datasets, started })
     }
 
     fn open_journal(&self, target: &Path) -> Result<(Journal, Vec<JournalEntry>), JournalError> {
@@ -150,8 +161,14 @@ impl<'a> Sweep<'a> {
         let n_scans: usize = datasets.iter().map(|it| it.scan_indices.len()).sum();
         let bar = progress_over_results(n_scans * self.plan.points.len(), counted.len(), "counting");
         let on_done = || bar.inc(1);
-        let pass =
-            SweepPass { plan: &self.plan, datasets: &datasets, journal, interrupted, on_done: &on_done };
+        let pass = SweepPass {
+            plan: &self.plan,
+            datasets: &datasets,
+            protocols: self.protocols.as_ref(),
+            journal,
+            interrupted,
+            on_done: &on_done,
+        };
         let counted = pass.count(counted, self.n_jobs())?;
         bar.finish_and_clear();
         let n_timed = self.arguments.timed_scans as usize;
@@ -177,7 +194,7 @@ impl<'a> Sweep<'a> {
             config: &self.plan.base,
             detectors: detector_entries(&self.plan.detectors, &self.plan.base),
             datasets: &self.datasets,
-            protocols: &[],
+            protocols: &self.arguments.protocol.protocols,
             started: self.started,
         });
         // Which scans have been read depends on where the sweep was taken up.

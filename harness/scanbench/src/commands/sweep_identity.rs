@@ -33,6 +33,7 @@ pub fn sweep_identity(
         "other_parameters": other_parameters(plan),
         "detectors_of_others": plan.detectors.iter().filter_map(of_others).collect::<Vec<_>>(),
         "vehicle_models": vehicle_models,
+        "protocols": arguments.protocol.protocols,
         "matching_criterion": criterion_in_words(plan.base.matching.criterion),
         "data_sets": data_sets,
         "timed_scans": arguments.timed_scans,

@@ -274,6 +274,24 @@ fn a_catalogued_data_set_that_is_not_there() {
 }
 
 #[test]
+fn an_official_split_that_is_not_there() {
+    let it = Spoilt::drive();
+    std::fs::create_dir_all(it.workplace.path("objects/training/label_2")).unwrap();
+    std::fs::create_dir_all(it.workplace.path("scenes")).unwrap();
+    let refused = |name: &str, variable: &str, root: &str, parts: &[&str]| {
+        let mut command = it.workplace.command(&["run", name, "-o", "out"]);
+        let ended = Ended::from(command.env(variable, root).output().expect("it starts"));
+        check_refusal(&ended, 3, parts);
+    };
+    let list = ["\"objects/ImageSets/val.txt\"", "a line", "put the list there"];
+    refused("kitti-object-val", "KITTI_OBJECT_ROOT", "objects", &list);
+    let tables = ["\"nuscenes-val\" is not at \"scenes/v1.0-trainval\"", "set NUSCENES_ROOT"];
+    refused("nuscenes-val", "NUSCENES_ROOT", "scenes", &tables);
+    let logs = ["\"argoverse2-val\" is not at \"gone/sensor/val\"", "set ARGOVERSE2_ROOT"];
+    refused("argoverse2-val", "ARGOVERSE2_ROOT", "gone", &logs);
+}
+
+#[test]
 fn two_data_sets_of_the_same_name() {
     let it = Spoilt::drive();
     it.check("run street ./street -o out", 2, &["two data sets are called \"street\""]);

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use test_data::{needs_test_data, test_data};
 
-use crate::program::Workplace;
+use crate::program::{Ended, Workplace};
 
 /// Runs two detectors on scans of a narrow street, seen by few beams.
 #[track_caller]
@@ -46,6 +46,13 @@ fn a_run_leaves_numbers_rows_tables_and_a_section() {
         }
         for ending in ["csv", "md", "tex"] {
             assert!(workplace.read(&format!("run/table_protocol_{protocol}.{ending}")).contains(best));
+        }
+        for ending in ["md", "tex"] {
+            let short = workplace.read(&format!("run/table_protocol_{protocol}_short.{ending}"));
+            assert!(
+                short.contains(best) && !short.contains("pedestrian") && !short.contains("PEDESTRIAN"),
+                "{short}"
+            );
         }
         assert!(workplace.read("run/protocol_boxes.csv").contains(&format!(",pca,{protocol},detection,")));
     }
@@ -108,6 +115,62 @@ fn a_gate_holds_numbers_of_protocols_to_rules() {
 }
 
 #[test]
+fn a_sweep_has_the_numbers_of_a_run_at_every_value() {
+    let workplace = Workplace::new();
+    let name = "hierarchical.grouping.ranked_probability";
+    let street = ["street-narrow", "--simulated-scans", "24", "--scans", "0..24:2", "--sensor", "vlp-16"];
+    let swept =
+        ["-L", "ranked_probability=0.05,0.5", "--timed-scans", "0", "--protocol", "nuscenes,argoverse2"];
+    let ended = workplace.succeed(&[&["sweep"][..], &street, &swept, &["-o", "out"]].concat());
+    assert!(ended.stdout.contains("Protocols of others: best of 2 values"), "{}", ended.stdout);
+    let rows: Value = serde_json::from_str(&workplace.read("out/sweep_protocols.json")).unwrap();
+    let rows = rows["rows"].as_array().unwrap();
+    for value in ["0.05", "0.5"] {
+        let parameter = format!("{name}={value}");
+        run(
+            &workplace,
+            value,
+            &["-d", "hierarchical", "--protocol", "nuscenes,argoverse2", "-P", &parameter],
+        );
+        let without_point = |row: &Value| {
+            let mut row = row.as_object().unwrap().clone();
+            row.remove("point");
+            row.remove("values");
+            Value::Object(row)
+        };
+        let at_value: Vec<Value> =
+            rows.iter().filter(|it| it["values"][name] == value).map(without_point).collect();
+        assert_eq!(at_value, numbers(&workplace, value));
+    }
+    assert_eq!(workplace.read("out/sweep_protocols.csv").lines().count(), 1 + rows.len());
+    for file in ["sweep_protocols.md", "sweep_protocols.tex", "protocol_nuscenes_street-narrow.pdf"] {
+        assert!(workplace.path(&format!("out/{file}")).is_file(), "{file}");
+    }
+    let svg = workplace.read("out/protocol_argoverse2_street-narrow.svg");
+    assert!(svg.contains("present cds") && svg.contains("ranked probability"), "{svg}");
+    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).unwrap();
+    assert_eq!(manifest["protocols"], serde_json::json!(["nuscenes", "argoverse2"]));
+    workplace.succeed(&["report", "out"]);
+    assert!(workplace.read("out/report.html").contains("sweep_protocols.csv"));
+}
+
+#[test]
+fn a_sweep_refuses_a_protocol_that_the_data_cannot_have() {
+    let workplace = Workplace::new();
+    let swept =
+        ["sweep", "street-narrow", "--simulated-scans", "1", "-L", "xi=2,3", "-o", "out", "--protocol"];
+    for (protocol, expected) in [
+        ("kitti-object", "--protocol kitti-object: \"street-narrow\" has no labels in KITTI's layouts"),
+        ("ground", "--protocol ground needs labels of points"),
+    ] {
+        let refused = workplace.run(&[&swept[..], &[protocol]].concat());
+        assert_eq!(refused.exit_code, Some(2), "{}", refused.stderr);
+        assert!(refused.stderr.contains(expected), "{}", refused.stderr);
+        assert!(!workplace.path("out").exists());
+    }
+}
+
+#[test]
 fn labels_fed_back_have_the_best_numbers() {
     let workplace = Workplace::new();
     let arguments =
@@ -115,6 +178,49 @@ fn labels_fed_back_have_the_best_numbers() {
     let said = workplace.succeed(&arguments).stdout;
     assert!(said.contains("protocol nuscenes: ") && said.contains("protocol argoverse2: "), "{said}");
     assert!(!said.contains("FAILED"), "{said}");
+}
+
+#[test]
+fn a_split_of_kitti_is_the_scans_of_its_list() {
+    let workplace = Workplace::new();
+    let street = ["data", "simulate", "street-narrow", "--simulated-scans", "3", "--sensor", "vlp-16"];
+    workplace.succeed(&[&street[..], &["--to", "kitti-object", "-o", "objects"]].concat());
+    // KITTI has no class for what else stands there.
+    for scan in 0..3 {
+        let labels = format!("objects/training/label_2/{scan:06}.txt");
+        let text = workplace.read(&labels);
+        let known =
+            |it: &&str| ["Car ", "Van ", "Pedestrian ", "Cyclist "].iter().any(|name| it.starts_with(name));
+        let known: String = text.lines().filter(known).flat_map(|it| [it, "\n"]).collect();
+        workplace.write(&labels, &known);
+    }
+    std::fs::create_dir_all(workplace.path("objects/ImageSets")).unwrap();
+    workplace.write("objects/ImageSets/val.txt", "000002\n000000\n");
+    let run = |name: &str| {
+        let arguments =
+            ["run", name, "-d", "pca", "--protocol", "kitti-object", "--no-rrd", "--overwrite", "-o", "run"];
+        let mut command = workplace.command(&arguments);
+        Ended::from(command.env("KITTI_OBJECT_ROOT", "objects").output().expect("it starts"))
+    };
+    let ended = run("kitti-object-val");
+    assert_eq!(ended.exit_code, Some(0), "{}", ended.stderr);
+    assert!(
+        ended.stdout.contains("ap_3d_moderate_r40") && !ended.stdout.contains("sound_"),
+        "{}",
+        ended.stdout
+    );
+    let scans: std::collections::BTreeSet<String> = workplace
+        .read("run/scans.csv")
+        .lines()
+        .skip(1)
+        .map(|it| it.split(',').nth(2).unwrap_or_default().to_owned())
+        .collect();
+    assert_eq!(scans.into_iter().collect::<Vec<_>>(), ["0", "2"]);
+    assert_eq!(numbers(&workplace, "run").len(), 216);
+    workplace.write("objects/ImageSets/val.txt", "000002\n000007\n");
+    let ended = run("kitti-object-val");
+    assert_eq!(ended.exit_code, Some(3), "{}", ended.stderr);
+    assert!(ended.stderr.contains("000007.bin"), "{}", ended.stderr);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The catalogue of data sets, `datasets.toml`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -58,6 +58,8 @@ pub struct CatalogueEntry {
     pub parts: CataloguedParts,
     /// Where it lies.
     pub root: RootTemplate,
+    /// A text file below the root that lists the numbers of the scans to read, one a line, if it has one.
+    pub scan_list: Option<PathBuf>,
     /// What its annotations cover.
     pub annotated: AnnotatedClasses,
     /// Height of the sensor above the road, in metres.
@@ -225,6 +227,7 @@ struct WrittenFields {
     root: Option<Spanned<String>>,
     sequences: Option<Spanned<BTreeSet<String>>>,
     scans: Option<Spanned<BTreeSet<u32>>>,
+    scan_list: Option<Spanned<PathBuf>>,
     topic: Option<Spanned<String>>,
     annotation_topic: Option<Spanned<String>>,
     annotated_classes: Option<AnnotatedClasses>,
@@ -244,6 +247,7 @@ struct WrittenEntry {
     root: Spanned<String>,
     sequences: Option<Spanned<BTreeSet<String>>>,
     scans: Option<Spanned<BTreeSet<u32>>>,
+    scan_list: Option<Spanned<PathBuf>>,
     topic: Option<Spanned<String>>,
     annotation_topic: Option<Spanned<String>>,
     annotated_classes: AnnotatedClasses,
@@ -264,6 +268,7 @@ fn complete(
     let WrittenFields {
         sequences,
         scans,
+        scan_list,
         topic,
         annotation_topic,
         sensor,
@@ -279,6 +284,7 @@ fn complete(
             root,
             sequences,
             scans,
+            scan_list,
             topic,
             annotation_topic,
             annotated_classes,
@@ -356,6 +362,7 @@ fn entry_from_written(
     Ok(CatalogueEntry {
         parts: parts(&written, source)?,
         root,
+        scan_list: written.scan_list.map(Spanned::into_inner),
         annotated: written.annotated_classes,
         sensor_height_m,
         sensor: written.sensor,
@@ -393,6 +400,9 @@ fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<Catalogue
         };
         *scans = Some(chosen.get_ref().clone());
     }
+    if let Some(list) = &written.scan_list {
+        check_scan_list(list.get_ref(), &parts).map_err(|it| source.error(list.span().start, it))?;
+    }
     for (field, chosen) in [("topic", &written.topic), ("annotation_topic", &written.annotation_topic)] {
         let Some(chosen) = chosen else { continue };
         let CataloguedParts::Mcap(choice) = &mut parts else {
@@ -402,6 +412,21 @@ fn parts(written: &WrittenEntry, source: &CatalogueText<'_>) -> Result<Catalogue
         *slot = Some(chosen.get_ref().clone());
     }
     Ok(parts)
+}
+
+/// Makes sure that a list of scans goes with the rest of an entry; if not, says why.
+fn check_scan_list(list: &Path, parts: &CataloguedParts) -> Result<(), String> {
+    let is_below = list.components().all(|it| matches!(it, Component::Normal(_)));
+    match parts {
+        CataloguedParts::KittiObject { scans: None } if is_below && !list.as_os_str().is_empty() => Ok(()),
+        CataloguedParts::KittiObject { scans: None } => {
+            Err(format!("scan_list {list:?} is not a file below the root"))
+        }
+        CataloguedParts::KittiObject { scans: Some(_) } => {
+            Err("scans are given, and a scan_list, too".to_owned())
+        }
+        other => Err(format!("scan_list does not exist for the format {}", other.format())),
+    }
 }
 
 /// Whether `name` is one name, that leads neither up nor elsewhere.
@@ -468,6 +493,7 @@ url = "https://example.org"
                 sequences: Some(BTreeSet::from(["0001".to_owned(), "0003".to_owned()])),
             },
             root: RootTemplate::parse("/data").unwrap(),
+            scan_list: None,
             annotated: AnnotatedClasses::Only(vec![AnnotationClass::Car, AnnotationClass::Van]),
             sensor_height_m: 1.8,
             sensor: "hdl-64e-s2".to_owned(),
@@ -571,6 +597,26 @@ url = "https://example.org"
     #[test]
     fn sequences_cannot_be_chosen_where_there_are_none() {
         check_refused("kitti-tracking", "kitti-object", 5, "sequences does not exist for the format");
+    }
+
+    #[test]
+    fn a_list_of_scans_lies_below_the_root_and_is_of_single_scans() {
+        let objects = ENTRY
+            .replace("kitti-tracking", "kitti-object")
+            .replace("sequences = [\"0003\", \"0001\"]", "scan_list = \"ImageSets/val.txt\"");
+        let list = parse(&objects).unwrap().recorded["my-drive"].scan_list.clone();
+        assert_eq!(list.as_deref(), Some(Path::new("ImageSets/val.txt")));
+        let refused = |text: &str, line: usize, problem: &str| {
+            let message = parse(text).expect_err("a mistake").to_string();
+            let place = format!("my.toml, line {line}: ");
+            assert!(message.starts_with(&place) && message.contains(problem), "{message}");
+        };
+        let elsewhere = |list: &str| objects.replace("ImageSets/val.txt", list);
+        for list in ["../val.txt", "/etc/passwd", ""] {
+            refused(&elsewhere(list), 5, "is not a file below the root");
+        }
+        refused(&objects.replace("url", "scans = [3]\nurl"), 5, "scans are given, and a scan_list, too");
+        check_refused("url", "scan_list = \"a.txt\"\nurl", 9, "scan_list does not exist for the format");
     }
 
     #[test]

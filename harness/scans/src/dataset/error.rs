@@ -179,6 +179,16 @@ pub enum DatasetError {
         /// The name.
         name: String,
     },
+    /// The list of the scans of a catalogued data set is not where the catalogue says.
+    #[error(
+        "the data set {id:?} reads the numbers of its scans, one a line, from {path:?}, which does not exist; put the list there"
+    )]
+    MissingScanList {
+        /// The data set.
+        id: String,
+        /// The list.
+        path: PathBuf,
+    },
     /// The data set cannot be scored.
     #[error("{scans:?} has no labels ({labels:?} does not exist): a test split cannot be scored")]
     Unlabeled {

@@ -16,6 +16,7 @@ use super::dataset_format::DatasetFormat;
 use super::detect_format::{FoundDataset, detect_format};
 use super::kitti::label::KITTI_CLASSES;
 use super::kitti::object::open_kitti_object;
+use super::kitti::scan_list::read_scan_list;
 use super::kitti::split_folder::KITTI_SENSOR_HEIGHT_M;
 use super::kitti::tracking::open_kitti_tracking;
 use super::kitti_raw::drives::open_kitti_raw;
@@ -151,7 +152,17 @@ fn open_catalogued(
         damage: options.damage,
         classes: options.classes.clone(),
     };
-    let dataset = open_parts(source, &entry.parts, &options.topics)?;
+    let parts = match &entry.scan_list {
+        None => entry.parts.clone(),
+        Some(list) => {
+            let path = root.join(list);
+            if !path.exists() {
+                return Err(DatasetError::MissingScanList { id: id.to_owned(), path });
+            }
+            CataloguedParts::KittiObject { scans: Some(read_scan_list(&path)?) }
+        }
+    };
+    let dataset = open_parts(source, &parts, &options.topics)?;
     match (&entry.checksum, &dataset.description().checksum) {
         (Some(expected), Some(found)) if expected != found => Err(DatasetError::Checksum {
             id: id.to_owned(),

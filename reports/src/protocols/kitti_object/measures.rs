@@ -6,6 +6,19 @@ use super::rules::{Demand, Plane, Question};
 /// What names of the sound reading begin with.
 const SOUND: &str = "sound_";
 
+/// The numbers that stand in short tables: of the kit, over 40 recalls, in space and on the plan, at the usual overlaps.
+pub const SHORT_FORM: [&str; 6] = [
+    "ap_3d_easy_r40",
+    "ap_3d_moderate_r40",
+    "ap_3d_hard_r40",
+    "ap_bev_easy_r40",
+    "ap_bev_moderate_r40",
+    "ap_bev_hard_r40",
+];
+
+/// Those in the difficulty that the benchmark ranks by.
+pub const PRINCIPAL: [&str; 2] = ["ap_3d_moderate_r40", "ap_bev_moderate_r40"];
+
 /// Whether a number of this name is of the sound reading.
 pub fn is_sound(id: &str) -> bool {
     id.starts_with(SOUND)
@@ -88,7 +101,8 @@ mod tests {
         let ids: Vec<String> = of_cars.flat_map(Measure::of).map(|it| it.id()).collect();
         let distinct: std::collections::BTreeSet<&String> = ids.iter().collect();
         assert_eq!((ids.len(), distinct.len()), (72, 72));
-        for id in ["ap_2d_easy_r11", "aos_hard_r40", "sound_ap_bev_loose_moderate_r40"] {
+        let some = ["ap_2d_easy_r11", "aos_hard_r40", "sound_ap_bev_loose_moderate_r40"];
+        for id in some.into_iter().chain(SHORT_FORM).chain(PRINCIPAL) {
             assert!(ids.iter().any(|it| it == id), "{id}");
         }
     }

@@ -4,6 +4,7 @@ pub mod ablation_score;
 pub mod ablation_table;
 pub mod survival_table;
 pub mod sweep_table;
+pub mod swept_protocol_table;
 pub mod fitness_table;
 pub mod gap_row;
 pub mod gap_table;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use reports::rows::agreement_row::AgreementRow;
+use reports::rows::official_rows::OfficialLines;
 use reports::run_folder::shard_record::ShardRecording;
 use reports::worst::points::Patch;
 use serde::{Deserialize, Serialize};
@@ -58,17 +59,6 @@ pub struct ShardScan {
     pub agreement: Vec<AgreementRow>,
     /// What the sensor saw around those of its mistakes that may be among the worst.
     pub patches: Vec<Patch>,
-}
-
-/// The lines of a scan under protocols of others.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct OfficialLines {
-    /// Those of `protocol_boxes.csv`.
-    pub boxes: String,
-    /// Those of `protocol_kitti_object.csv`.
-    pub kitti: String,
-    /// Those of `protocol_labels.csv`.
-    pub labels: String,
 }
 
 /// How far a shard is.

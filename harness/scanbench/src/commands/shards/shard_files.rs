@@ -12,6 +12,7 @@ use reports::rows::agreement_row::{AgreementRow, add_agreement};
 use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::label_score_row::LabelScoreRow;
 use reports::rows::match_row::MatchRow;
+use reports::rows::official_rows::OfficialLines;
 use reports::rows::ranked_box_row::RankedBoxRow;
 use reports::rows::scan_row::ScanRow;
 use reports::rows::stage_row::StageRow;
@@ -27,7 +28,7 @@ use reports::worst::points::{Patch, PlanCells, WorstPoints};
 use reports::worst::recorded::RecordedPlace;
 use scans::dataset::checksum::{ContentChecksum, sha256};
 
-use super::shard_entry::{OfficialLines, ShardEntry, ShardScan};
+use super::shard_entry::{ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
 
 /// Writes the rows of `journal` into `directory`, and what they are into `manifest` and `record`.

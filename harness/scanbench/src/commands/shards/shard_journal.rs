@@ -6,11 +6,12 @@ use evaluation::journal::Journal;
 use evaluation::run::rows::TaskRows;
 use evaluation::run::sink::{JudgedScan, RunSink, WatchedDataset};
 use reports::files::csv_rows::to_csv_lines;
+use reports::rows::official_rows::OfficialLines;
 use reports::vocabulary::protocol::Protocol;
 use reports::worst::places::{ObjectName, WorstPlaces};
 use reports::worst::points::Patch;
 
-use super::shard_entry::{OfficialLines, ShardEntry, ShardScan};
+use super::shard_entry::{ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
 use crate::commands::official_evaluation::OfficialEvaluation;
 use crate::commands::open_datasets::OpenedDataset;
@@ -65,12 +66,7 @@ impl<'a> ShardJournal<'a> {
 
     fn official_lines(&mut self, judged: &JudgedScan<'_>) -> Result<OfficialLines, Failure> {
         let Some(official) = &mut self.official else { return Ok(OfficialLines::default()) };
-        let rows = official.rows(judged)?;
-        Ok(OfficialLines {
-            boxes: text(to_csv_lines(&rows.boxes)?),
-            kitti: text(to_csv_lines(&rows.kitti)?),
-            labels: text(to_csv_lines(&rows.labels)?),
-        })
+        Ok(official.rows(judged)?.to_lines()?)
     }
 
     /// What the sensor saw around the mistakes that are worse than those before.

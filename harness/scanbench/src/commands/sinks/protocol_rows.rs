@@ -52,7 +52,7 @@ impl RunSink<Failure> for ProtocolRowFiles<'_> {
         self.boxes.write(&rows.boxes)?;
         self.kitti.write(&rows.kitti)?;
         self.labels.write(&rows.labels)?;
-        rows.add_to(self.tally);
+        self.tally.add(&rows);
         Ok(())
     }
 

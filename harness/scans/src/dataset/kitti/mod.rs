@@ -9,4 +9,5 @@ pub mod region_file;
 pub mod ground_truth;
 pub mod split_folder;
 pub mod tracking;
+pub mod scan_list;
 pub mod object;

@@ -1,0 +1,201 @@
+//! The protocols that a scan is evaluated under, from what detectors found in it to rows.
+
+use detector::DetectorOutput;
+use reports::rows::label_score_row::{LabelScore, LabelScoreRow};
+use reports::rows::official_rows::OfficialRows;
+use reports::rows::ranked_box_row::{BoxState, RankedBoxRow};
+use reports::rows::scan_name::ScanName;
+use reports::vocabulary::protocol::Protocol;
+use scans::annotation::LabeledScan;
+use scans::dataset::{Dataset, DatasetError};
+
+use super::known_protocols::official_protocol;
+use super::official_objects::OfficialScanView;
+use super::official_protocol::{FoundInScan, OfficialProtocol, ProtocolRows};
+use super::semantic_kitti::label_scores::{FoundPoints, LabeledPoints, scores_labels};
+use crate::run::running_detector::RunningDetector;
+
+/// Some protocols, at least one.
+pub struct ChosenProtocols {
+    of_boxes: Vec<&'static dyn OfficialProtocol>,
+    of_labels: Vec<Protocol>,
+}
+
+/// Why a scan cannot be evaluated.
+#[derive(Debug, thiserror::Error)]
+pub enum ProtocolError {
+    /// The data set has not what one of the protocols needs.
+    #[error("--protocol {protocol}: {dataset:?} {what}")]
+    Lacks {
+        /// The protocol.
+        protocol: Protocol,
+        /// Id of the data set.
+        dataset: String,
+        /// The rest of the sentence.
+        what: &'static str,
+    },
+    /// Labels of points are needed, and there are none.
+    #[error(
+        "--protocol {protocols} needs labels of points, as semantic-kitti has them; {dataset:?} has none"
+    )]
+    NoLabels {
+        /// Names of the protocols.
+        protocols: String,
+        /// Id of the data set.
+        dataset: String,
+    },
+    /// What its makers say of the scan cannot be read.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+}
+
+/// A scan that is evaluated, with what its makers say of it.
+pub struct ScanUnderProtocols<'a> {
+    chosen: &'a ChosenProtocols,
+    name: ScanName,
+    scan: &'a LabeledScan,
+    // `None` where no protocol asks.
+    view: Option<OfficialScanView<'a>>,
+    points: Option<LabeledPoints<'a>>,
+}
+
+impl ChosenProtocols {
+    /// These; `None` if there are none.
+    pub fn of(protocols: &[Protocol]) -> Option<Self> {
+        let chosen = Self {
+            of_boxes: protocols.iter().filter_map(|it| official_protocol(*it)).collect(),
+            of_labels: protocols.iter().copied().filter(|it| scores_labels(*it)).collect(),
+        };
+        (!protocols.is_empty()).then_some(chosen)
+    }
+
+    /// Makes sure that `dataset` has what can be told of it without reading a scan.
+    ///
+    /// # Errors
+    ///
+    /// [`ProtocolError::Lacks`] if it has not.
+    pub fn check(&self, dataset: &dyn Dataset) -> Result<(), ProtocolError> {
+        let lacking = self.of_boxes.iter().find_map(|it| Some((it.protocol(), it.lacks(dataset)?)));
+        lacking.map_or(Ok(()), |(protocol, what)| {
+            Err(ProtocolError::Lacks { protocol, dataset: dataset.description().id.clone(), what })
+        })
+    }
+
+    /// Whether detectors are asked which points are ground.
+    pub fn ask_for_ground(&self) -> bool {
+        self.of_labels.contains(&Protocol::Ground)
+    }
+
+    /// `scan`, which is scan `scan_idx` of `dataset`.
+    ///
+    /// # Errors
+    ///
+    /// [`ProtocolError`] if its labels are damaged, or there are none.
+    pub fn scan<'a>(
+        &'a self,
+        dataset: &'a dyn Dataset,
+        (scan_idx, scan): (usize, &'a LabeledScan),
+    ) -> Result<ScanUnderProtocols<'a>, ProtocolError> {
+        let id = &dataset.description().id;
+        let name = ScanName { dataset: id.clone(), sequence: scan.id.sequence.clone(), scan: scan.id.index };
+        let view = || OfficialScanView::new(dataset, scan_idx, scan);
+        let view = (!self.of_boxes.is_empty()).then(view).transpose()?;
+        let points = || -> Result<LabeledPoints<'a>, ProtocolError> {
+            let none = || {
+                let names: Vec<&str> = self.of_labels.iter().map(|it| it.name()).collect();
+                ProtocolError::NoLabels { protocols: names.join(","), dataset: id.clone() }
+            };
+            let labels = dataset.point_labels(scan_idx, scan)?.ok_or_else(none)?;
+            Ok(LabeledPoints::new(&scan.cloud, labels, &self.of_labels))
+        };
+        let points = (!self.of_labels.is_empty()).then(points).transpose()?;
+        Ok(ScanUnderProtocols { chosen: self, name, scan, view, points })
+    }
+}
+
+impl ScanUnderProtocols<'_> {
+    /// The rows of what `detector`, called `name`, has just found in the scan: `output`. Of ground there are none if it does not tell.
+    pub fn rows(
+        &self,
+        (name, detector): (&str, &dyn RunningDetector),
+        output: &DetectorOutput,
+    ) -> OfficialRows {
+        let mut rows = OfficialRows::default();
+        if let Some(view) = &self.view {
+            let id = &self.scan.id;
+            let objects = view.found(output, detector.official_objects(id));
+            let found = FoundInScan {
+                name: self.name.clone(),
+                detector: name,
+                view,
+                output,
+                objects: &objects,
+                kitti_objects: detector.kitti_objects(id),
+            };
+            self.add_boxes(&found, &mut rows);
+        }
+        if let Some(points) = &self.points {
+            let labels = detector.point_labels(self.scan);
+            let ground =
+                self.chosen.ask_for_ground().then(|| detector.ground_points(&self.scan.cloud)).flatten();
+            let found = FoundPoints { detections: &output.detections, labels: labels.as_deref(), ground };
+            let scores = self.chosen.of_labels.iter().flat_map(|it| points.scores(*it, &found));
+            self.add_labels(name, scores, &mut rows);
+        }
+        rows
+    }
+
+    /// The rows of the labels themselves, fed back as what `name` found.
+    pub fn echoed_rows(&self, name: &str) -> OfficialRows {
+        let mut rows = OfficialRows::default();
+        if let Some(view) = &self.view {
+            let (objects, kitti_objects) = (view.echoed(), view.echoed_kitti());
+            let found = FoundInScan {
+                name: self.name.clone(),
+                detector: name,
+                view,
+                output: &DetectorOutput::default(),
+                objects: &objects,
+                kitti_objects: Some(&kitti_objects),
+            };
+            self.add_boxes(&found, &mut rows);
+        }
+        if let Some(points) = &self.points {
+            let scores = self.chosen.of_labels.iter().flat_map(|it| points.echoed_scores(*it));
+            self.add_labels(name, scores, &mut rows);
+        }
+        rows
+    }
+
+    /// Which scan it is.
+    pub fn name(&self) -> &ScanName {
+        &self.name
+    }
+
+    fn add_boxes(&self, found: &FoundInScan<'_>, rows: &mut OfficialRows) {
+        for protocol in &self.chosen.of_boxes {
+            match protocol.rows(found) {
+                ProtocolRows::RankedBoxes(of_scan) => rows.boxes.extend(of_scan),
+                ProtocolRows::KittiObjects(of_scan) => rows.kitti.extend(of_scan),
+            }
+        }
+    }
+
+    fn add_labels(&self, name: &str, scores: impl Iterator<Item = LabelScore>, rows: &mut OfficialRows) {
+        let row = |score| LabelScoreRow { scan: self.name.clone(), detector: name.to_owned(), score };
+        rows.labels.extend(scores.map(row));
+    }
+}
+
+/// Whether any of `rows` is of ground: a detector that does not tell ground has none.
+pub fn tell_ground(rows: &OfficialRows) -> bool {
+    rows.labels.iter().any(|it| it.score.protocol() == Protocol::Ground)
+}
+
+/// How many of `rows` are beyond the number that `protocol` evaluates.
+pub fn n_beyond_number(rows: &OfficialRows, protocol: Protocol) -> usize {
+    let is_beyond = |it: &&RankedBoxRow| {
+        it.protocol.protocol() == protocol && it.ranked_box.state == BoxState::BeyondNumber
+    };
+    rows.boxes.iter().filter(is_beyond).count()
+}

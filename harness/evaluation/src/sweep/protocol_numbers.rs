@@ -1,0 +1,59 @@
+//! From the rows of every point to the numbers of a sweep under protocols of others.
+
+use std::collections::BTreeMap;
+
+use reports::numbers::blocks::DriveSecond;
+use reports::numbers::sweep_score::{SweepScores, SweepSubject};
+use reports::protocols::drawn_scans::DrawnScans;
+use reports::protocols::swept_numbers::{SweptNumber, SweptNumbers};
+use reports::rows::scan_name::ScanName;
+use reports::vocabulary::extent::Extent;
+use scans::dataset::scan_times::scan_times_s;
+
+use crate::sweep::quality_pass::SweptDataset;
+use crate::sweep::summary::SweepResults;
+use crate::sweep::swept_protocols::SweptProtocols;
+
+impl SweepResults<'_> {
+    /// The numbers under `protocols` of each data set and, if there are several, of all together; `scores` is the summary of the same
+    /// sweep. `on_point` is called after each point.
+    pub fn protocol_numbers(
+        &self,
+        protocols: &SweptProtocols,
+        scores: &SweepScores,
+        on_point: impl Fn(),
+    ) -> SweptNumbers {
+        let key = |it: &SweepSubject| (it.point_idx, it.extent.name().to_owned(), it.detector.clone());
+        let subjects: BTreeMap<_, &SweepSubject> =
+            scores.scores.iter().map(|it| (key(&it.subject), &it.subject)).collect();
+        let detectors: Vec<&str> = self.plan.detectors.iter().map(|it| it.name()).collect();
+        let drawn: Vec<(&str, DrawnScans)> =
+            scores.extents().into_iter().map(|it| (it.name(), self.drawn_scans(it))).collect();
+        let mut numbers = Vec::new();
+        for point_idx in 0..self.plan.points.len() {
+            for number in protocols.tally(point_idx).numbers_on(&drawn, &detectors) {
+                let subject = &subjects[&(point_idx, number.dataset.clone(), number.detector.clone())];
+                numbers.push(SweptNumber { subject: (*subject).clone(), number });
+            }
+            on_point();
+        }
+        SweptNumbers { parameters: scores.parameters.clone(), n_swept: scores.n_swept, numbers }
+    }
+
+    fn drawn_scans(&self, extent: &Extent) -> DrawnScans {
+        let is_asked = |it: &&SweptDataset<'_>| match extent {
+            Extent::Dataset(id) => it.dataset.description().id == *id,
+            Extent::Overall => true,
+        };
+        DrawnScans::of_datasets(self.datasets.iter().filter(is_asked).map(|it| {
+            let (id, times_s) = (it.dataset.description().id.as_str(), scan_times_s(it.dataset));
+            let scan = |&scan_idx: &usize| {
+                let scan_id = &it.dataset.scan_ids()[scan_idx];
+                let sequence = scan_id.sequence.clone();
+                let second = DriveSecond::of(&sequence, times_s[scan_idx]);
+                (ScanName { dataset: id.to_owned(), sequence, scan: scan_id.index }, second)
+            };
+            (id, it.scan_indices.iter().map(scan).collect())
+        }))
+    }
+}

@@ -1,0 +1,93 @@
+//! The table of a sweep under protocols of others: for every principal number the best point.
+
+use crate::files::fixed_decimals::fixed_decimals;
+use crate::protocols::drawn_scans::N_PROTOCOL_RESAMPLES;
+use crate::protocols::protocol_number::ProtocolNumber;
+use crate::protocols::swept_number_curves::NumberCurve;
+use crate::protocols::swept_numbers::SweptNumbers;
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
+use crate::tables::notes::about_interval_of;
+use crate::tables::sheet::{Sheet, Tabular};
+use crate::vocabulary::extent::Extent;
+use crate::vocabulary::origin::Origin;
+
+/// For every principal number the best point.
+#[derive(Debug, Clone, Copy)]
+pub struct SweptProtocolTable<'a> {
+    /// All numbers of the sweep.
+    pub swept: &'a SweptNumbers,
+}
+
+impl Tabular for SweptProtocolTable<'_> {
+    fn sheet(&self) -> Sheet {
+        let curves = self.swept.principal_curves();
+        let columns = ["data set", "detector", "protocol", "class", "metric"].map(Column::left);
+        let numbers = ["n", "best at", "value there", "95 %", "worst"].map(Column::number);
+        let mut lines: Vec<Line> = curves.iter().map(line).collect();
+        // A rule stands above the first of them alone.
+        let overall = lines.iter_mut().filter(|it| it.kind == LineKind::Overall);
+        overall.skip(1).for_each(|it| it.kind = LineKind::Dataset);
+        let kind = self.swept.numbers.iter().find_map(|it| it.number.interval).map(|it| it.blocks.kind);
+        let about_interval = kind.map(|it| format!("95 %: {}", about_interval_of(N_PROTOCOL_RESAMPLES, it)));
+        let sentences = [
+            Some("n: annotations, scans or points that the number is made of. Best at: the first of the best values.".to_owned()),
+            about_interval,
+            Some("All numbers at all points: sweep_protocols.csv.".to_owned()),
+        ];
+        let n_values = curves.first().map_or(0, |it| it.points.len());
+        let title =
+            format!("Protocols of others: best of {n_values} values over {}.", self.swept.parameters[0]);
+        let grid = Grid { columns: columns.into_iter().chain(numbers).collect(), lines };
+        Sheet::of(title, grid, sentences.into_iter().flatten().collect()).labelled("sweep_protocols")
+    }
+}
+
+fn line(curve: &NumberCurve<'_>) -> Line {
+    let first = curve.first();
+    let name = match (&first.subject.extent, first.subject.origin) {
+        (Extent::Dataset(id), Origin::Recorded) => id.clone(),
+        (extent, Origin::Recorded) => extent.name().to_owned(),
+        (extent, origin) => format!("{} ({})", extent.name(), origin.name()),
+    };
+    let ProtocolNumber { protocol, detector, metric, .. } = &first.number;
+    let detector = [vec![detector.clone()], curve.others.clone()].concat().join(", ");
+    let best = curve.best().map(|it| &curve.points[it]);
+    let undefined = || Cell::new("–");
+    let value = |it: &ProtocolNumber| it.value.map(|it| Cell::new(fixed_decimals(it, 4)));
+    let interval = best
+        .and_then(|it| it.swept.number.interval)
+        .map(|it| Cell::interval(it.ends.map(|end| fixed_decimals(end, 4)).join(" to "), it.blocks));
+    let worst = curve.worst().and_then(|it| value(&curve.points[it].swept.number));
+    let texts = [&name, &detector, protocol.name(), &metric.class, &metric.id, &metric.n.to_string()];
+    let numbers =
+        [best.map(|it| Cell::new(it.x_text)), best.and_then(|it| value(&it.swept.number)), interval, worst];
+    let kind = if first.subject.extent == Extent::Overall { LineKind::Overall } else { LineKind::Dataset };
+    let numbers = numbers.into_iter().map(|it| it.unwrap_or_else(undefined));
+    Line { kind, cells: texts.map(Cell::new).into_iter().chain(numbers).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocols::swept_numbers::tests::swept;
+    use crate::tables::formats::format::Format as _;
+    use crate::tables::formats::terminal::Terminal;
+
+    #[test]
+    fn every_principal_number_has_its_best_point() {
+        let swept = swept(&[Some(0.25), Some(0.5), None]);
+        insta::assert_snapshot!(Terminal::UNFOLDED.text(&SweptProtocolTable { swept: &swept }), @r"
+        Protocols of others: best of 3 values over hierarchical.grouping.ranked_probability.
+
+        data set            detector      protocol  class    metric  n  best at  value there               95 %   worst
+        ───────────────────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated)  hierarchical  nuscenes  present  ap      9      0.2       0.5000  0.3750 to 0.6250§  0.2500
+
+        n: annotations, scans or points that the number is made of. Best at: the first of the best values.
+        95 %: cluster bootstrap, 1000 resamples of seconds, because there are fewer than 10 drives: they
+          cover other scans of the same drives, but not other drives.
+        All numbers at all points: sweep_protocols.csv.
+        § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
+        ");
+    }
+}
