@@ -1,10 +1,14 @@
 """Makes the vectors that hold the protocol kitti-object to KITTI's development kit: made-up scans, and the kit's numbers.
 
     kitti_vectors.py KIT FOLDER [--only-kit]
+    kitti_vectors.py KIT FOLDER --street LABELS RESULTS
 
 KIT is the folder cpp of the kit (devkit_object.zip or a copy), with evaluate_object.cpp; g++ and Boost have to be there.
 FOLDER gets, for every case, CASE.labels.txt and CASE.results.txt (lines of KITTI's tracking layout, so that a case is one
 file) and CASE.kit.csv: the averages that the kit's precisions at 41 recalls have. --only-kit takes the cases that are there.
+--street writes the case simulated-street instead: LABELS is the folder label_2 of `scanbench data simulate --to kitti-object`, RESULTS what
+`scanbench run … --detections-out` wrote of it as KITTI's text files. Both get rectangles in the image of a camera that is made up, too, and
+what it does not see, or KITTI has no name for, is left out.
 Nothing of the kit is kept.
 """
 
@@ -224,6 +228,26 @@ def write_case(folder: Path, number: int) -> None:
     (folder / f"{name}.results.txt").write_text(results)
 
 
+def things_of(path: Path) -> list[Thing]:
+    """What a text file of KITTI says, as the camera sees it; nothing of what it does not see, or KITTI has no name for."""
+    things = []
+    for it in path.read_text().splitlines():
+        kind, truncation, occlusion, _, _, _, _, _, *numbers = it.split()
+        place = dict(zip(("h", "w", "l", "x", "y", "z", "ry", "score"), map(float, numbers), strict=False))
+        if place["z"] > 3.0 and kind in (*SIZES_M, "Misc"):
+            thing = seen({"kind": kind, **place, "truncation": float(truncation), "occlusion": int(occlusion)})
+            if thing["px"][2] > thing["px"][0] + 1 and thing["px"][3] > thing["px"][1] + 1:
+                things.append(thing)
+    return things
+
+
+def write_street(folder: Path, labels: Path, results: Path) -> None:
+    for kind, of in (("labels", labels), ("results", results)):
+        paths = sorted(of.glob("*.txt"))
+        lines = [line(scan, thing) for scan, path in enumerate(paths) for thing in things_of(path)]
+        (folder / f"simulated-street.{kind}.txt").write_text("".join(lines))
+
+
 def built(kit: Path, demand: str, folder: Path) -> Path:
     text = (kit / "evaluate_object.cpp").read_text()
     lines = [
@@ -269,6 +293,7 @@ def write_numbers(programs: dict[str, Path], labels: Path) -> None:
 
 
 def main() -> None:
+    cases = "*"
     match sys.argv[1:]:
         case [kit, folder]:
             Path(folder).mkdir(parents=True, exist_ok=True)
@@ -276,11 +301,14 @@ def main() -> None:
                 write_case(Path(folder), number)
         case [kit, folder, "--only-kit"]:
             pass
+        case [kit, folder, "--street", labels, results]:
+            write_street(Path(folder), Path(labels), Path(results))
+            cases = "simulated-street"
         case _:
             sys.exit(__doc__)
     with tempfile.TemporaryDirectory() as workplace:
         programs = {demand: built(Path(kit), demand, Path(workplace)) for demand in DEMANDS}
-        for labels in sorted(Path(folder).glob("*.labels.txt")):
+        for labels in sorted(Path(folder).glob(f"{cases}.labels.txt")):
             write_numbers(programs, labels)
 
 

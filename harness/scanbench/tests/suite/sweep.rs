@@ -137,11 +137,12 @@ fn start_long(workplace: &Workplace, data: &[&str], n_lines: usize) -> Child {
     child
 }
 
-const LONG: [&str; 4] = ["sweep", "street-narrow", "--simulated-scans", "8"];
+const LONG: [&str; 6] = ["sweep", "street-narrow", "--simulated-scans", "8", "--protocol", "nuscenes"];
 
 #[track_caller]
 fn check_same_files(left: &Workplace, right: &Workplace) {
-    for file in SAME_FILES {
+    let of_protocols = ["sweep_protocols.csv", "sweep_protocols.json", "protocol_nuscenes_street-narrow.svg"];
+    for file in SAME_FILES.into_iter().chain(of_protocols) {
         let file = format!("out/{file}");
         assert!(left.read(&file) == right.read(&file), "{file} is not the same");
     }
@@ -207,6 +208,7 @@ fn going_on_with_something_else_is_refused() {
     refused(&with(&CELLS, &["--scans", "0..4"]), "data sets");
     refused(&with(&CELLS, &["-P", "walls.min_support=0.7"]), "other parameters");
     refused(&with(&CELLS, &["-d", "simple-grid"]), "detectors");
+    refused(&with(&CELLS, &["--protocol", "argoverse2"]), "protocols");
     refused(&with(&CELLS, &["--criterion", "centre"]), "matching criterion, other parameters");
     assert_eq!(workplace.read("out.unfinished"), journal);
     // Unless what is there is to go.
@@ -241,7 +243,8 @@ fn another_detector_of_scanbench_toml_is_none_of_its_business() {
 #[test]
 fn the_number_of_threads_changes_no_byte() {
     let (alone, together) = (Workplace::new(), Workplace::new());
-    let arguments = with(&STREET, &with(&CELLS, &["--timed-scans", "0", "-o", "out", "--jobs"]));
+    let arguments = with(&STREET, &with(&CELLS, &["--timed-scans", "0", "--protocol", "nuscenes"]));
+    let arguments = with(&arguments, &["-o", "out", "--jobs"]);
     alone.succeed(&with(&arguments, &["1"]));
     together.succeed(&with(&arguments, &["5"]));
     check_same_files(&alone, &together);
