@@ -10,6 +10,7 @@ use reports::rows::scan_name::ScanName;
 use reports::vocabulary::extent::Extent;
 use scans::dataset::scan_times::scan_times_s;
 
+use crate::run::detector_list::ChosenDetector;
 use crate::sweep::quality_pass::SweptDataset;
 use crate::sweep::summary::SweepResults;
 use crate::sweep::swept_protocols::SweptProtocols;
@@ -26,7 +27,7 @@ impl SweepResults<'_> {
         let key = |it: &SweepSubject| (it.point_idx, it.extent.name().to_owned(), it.detector.clone());
         let subjects: BTreeMap<_, &SweepSubject> =
             scores.scores.iter().map(|it| (key(&it.subject), &it.subject)).collect();
-        let detectors: Vec<&str> = self.plan.detectors.iter().map(|it| it.name()).collect();
+        let detectors: Vec<&str> = self.plan.detectors.iter().map(ChosenDetector::name).collect();
         let drawn: Vec<(&str, DrawnScans)> =
             scores.extents().into_iter().map(|it| (it.name(), self.drawn_scans(it))).collect();
         let mut numbers = Vec::new();

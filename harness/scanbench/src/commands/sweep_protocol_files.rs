@@ -1,5 +1,6 @@
 //! What `scanbench sweep --protocol` leaves behind.
 
+use evaluation::run::detector_list::ChosenDetector;
 use evaluation::sweep::summary::SweepResults;
 use evaluation::sweep::swept_protocols::SweptProtocols;
 use reports::files::archive::ArchiveError;
@@ -46,7 +47,7 @@ pub fn write_swept_protocols(
 }
 
 fn warn_of_no_ground(results: &SweepResults<'_>, swept: &SweptNumbers) {
-    for detector in results.plan.detectors.iter().map(|it| it.name()) {
+    for detector in results.plan.detectors.iter().map(ChosenDetector::name) {
         let mut of_ground = swept.numbers.iter().filter(|it| it.number.protocol == Protocol::Ground);
         if of_ground.all(|it| it.number.detector != detector) {
             print_diagnostic(warning_of_no_ground(detector));
