@@ -5,10 +5,12 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::ops::Range;
 
+use super::drawn_scans::{N_LANES, Times, add, single_draw};
 use super::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
 use super::ranked_classes::{RankedClass, RankedScan};
-use super::recall_grid::{N_RECALLS, on_line, recall_at};
+use super::recall_grid::{N_RECALLS, n_to_pass, on_line, recall_at};
 use super::under_protocol::UnderProtocol;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
@@ -48,26 +50,15 @@ impl Argoverse2 {
     fn present(&self) -> impl Iterator<Item = (usize, &RankedClass)> {
         self.classes.iter().enumerate().filter(|(_, class)| class.n() > 0)
     }
-}
 
-impl UnderProtocol for Argoverse2 {
-    fn metrics(&self) -> Vec<ProtocolMetric> {
-        let metric = |class: &str, n: u64, (id, unit, direction): (&str, &'static str, Direction)| {
-            ProtocolMetric { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
-        };
-        let names = RankedProtocol::Argoverse2.classes();
-        let n = self.classes.iter().map(RankedClass::n).sum();
-        let of_several = [ALL_CLASSES, PRESENT_CLASSES]
-            .into_iter()
-            .flat_map(|class| OF_CLASS[..N_SUMMED_UP].iter().map(move |it| metric(class, n, *it)));
-        let of_classes =
-            self.present().flat_map(|(place, class)| OF_CLASS.map(|it| metric(names[place], class.n(), it)));
-        of_several.chain(of_classes).collect()
+    /// The values of each draw.
+    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
+        let scores: Vec<[Option<ClassScores>; N]> =
+            self.classes.iter().map(|class| ClassScores::of(class, times)).collect();
+        std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
     }
 
-    fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
-        let scores: Vec<Option<ClassScores>> =
-            self.classes.iter().map(|class| ClassScores::of(class, times)).collect();
+    fn values_of(&self, scores: &[Option<ClassScores>]) -> Vec<Option<f64>> {
         let nothing = ClassScores { numbers: ClassScores::of_nothing(), average_precisions: [0.0; 4] };
         let mean = |of: &[&ClassScores]| -> [Option<f64>; N_SUMMED_UP] {
             std::array::from_fn(|number| {
@@ -92,7 +83,33 @@ impl UnderProtocol for Argoverse2 {
     }
 }
 
+impl UnderProtocol for Argoverse2 {
+    fn metrics(&self) -> Vec<ProtocolMetric> {
+        let metric = |class: &str, n: u64, (id, unit, direction): (&str, &'static str, Direction)| {
+            ProtocolMetric { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
+        };
+        let names = RankedProtocol::Argoverse2.classes();
+        let n = self.classes.iter().map(RankedClass::n).sum();
+        let of_several = [ALL_CLASSES, PRESENT_CLASSES]
+            .into_iter()
+            .flat_map(|class| OF_CLASS[..N_SUMMED_UP].iter().map(move |it| metric(class, n, *it)));
+        let of_classes =
+            self.present().flat_map(|(place, class)| OF_CLASS.map(|it| metric(names[place], class.n(), it)));
+        of_several.chain(of_classes).collect()
+    }
+
+    fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
+        let [values] = self.of_draws(&single_draw(times));
+        values
+    }
+
+    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
+        self.of_draws(times).into()
+    }
+}
+
 /// The numbers of a class.
+#[derive(Debug, Clone, Copy)]
 struct ClassScores {
     // AP, ATE, ASE, AOE, CDS.
     numbers: [f64; N_SUMMED_UP],
@@ -106,99 +123,174 @@ impl ClassScores {
         [0.0, translation_m, scale, orientation_rad, 0.0]
     }
 
-    /// `None` without annotations.
-    fn of(class: &RankedClass, times: &[u16]) -> Option<Self> {
+    /// Of each draw; `None` of one without annotations.
+    fn of<const N: usize>(class: &RankedClass, times: &[Times<N>]) -> [Option<Self>; N] {
         let n_annotations = class.n_annotations(times);
-        if n_annotations == 0 {
-            return None;
-        }
-        let average_precisions: [f64; PAIR_DISTANCES_M.len()] =
-            std::array::from_fn(|distance| average_precision(class, distance, times, n_annotations));
-        let precision = average_precisions.iter().sum::<f64>() / average_precisions.len() as f64;
+        let of_distances = average_precisions(class, times, &n_annotations);
         let errors = mean_errors(class, times);
+        std::array::from_fn(|draw| {
+            let average_precisions = of_distances.map(|it| it[draw]);
+            (n_annotations[draw] > 0.0).then(|| Self::made_of(average_precisions, errors[draw]))
+        })
+    }
+
+    fn made_of(average_precisions: [f64; PAIR_DISTANCES_M.len()], errors: [f64; 3]) -> Self {
+        let precision = average_precisions.iter().sum::<f64>() / average_precisions.len() as f64;
         let complements: f64 =
             errors.iter().zip(LARGEST_ERRORS).map(|(error, largest)| 1.0 - error / largest).sum();
         let composite = precision * (complements / errors.len() as f64);
         let numbers = [precision, errors[0], errors[1], errors[2], composite];
-        Some(Self { numbers, average_precisions })
+        Self { numbers, average_precisions }
     }
 }
 
-/// A detection that finds an annotation, in the order of the ranking.
-struct Found {
+/// Average precision at each of [`PAIR_DISTANCES_M`] in each draw: the mean over recalls of the best precision at that recall or a higher
+/// one.
+fn average_precisions<const N: usize>(
+    class: &RankedClass,
+    times: &[Times<N>],
+    n_annotations: &[f64; N],
+) -> [[f64; N]; PAIR_DISTANCES_M.len()] {
+    let mut of_distances: [BestPrecisions<N>; PAIR_DISTANCES_M.len()] =
+        std::array::from_fn(|_| BestPrecisions::new(n_annotations));
+    let n_all = class.go_through(times, |finder, n_times, n_before| {
+        for (distance, precisions) in of_distances.iter_mut().enumerate() {
+            if finder.finds_at(distance) {
+                precisions.find(n_times, n_before);
+            }
+        }
+    });
+    of_distances.map(|it| it.means(&n_all))
+}
+
+/// The best precisions at one distance, while the ranking is gone through.
+struct BestPrecisions<const N: usize> {
+    n_annotations: [f64; N],
+    n_found: [f64; N],
+    // How many detections there were with the last that found something.
+    n_all_when_found: [f64; N],
+    // How many have to be found for the next recall, and the best precision since the last.
+    n_needed: [f64; N],
+    best: [f64; N],
+    passed: [Vec<PassedRecalls>; N],
+}
+
+/// Recalls that were passed when something was found.
+struct PassedRecalls {
+    recalls: Range<usize>,
+    /// The recall that was reached.
     recall: f64,
-    precision: f64,
-    /// Whether a false detection stands between it and the one before.
-    follows_false: bool,
+    /// Recall and precision of what was found before, where no false detection stands between.
+    follows: Option<[f64; 2]>,
+    /// The best precision from there on.
+    best: f64,
 }
 
-/// The mean over recalls of the best precision at that recall or a higher one.
-fn average_precision(class: &RankedClass, distance: usize, times: &[u16], n_annotations: u64) -> f64 {
-    let mut found: Vec<Found> = Vec::new();
-    let (mut n_found, mut n_all, mut follows_false) = (0_u64, 0_u64, false);
-    for detection in &class.detections {
-        let n_times = u64::from(times[detection.scan as usize]);
-        if n_times == 0 {
-            continue;
-        }
-        n_all += n_times;
-        if detection.finds_at(distance) {
-            n_found += n_times;
-            let [recall, precision] = [n_annotations, n_all].map(|it| n_found as f64 / it as f64);
-            found.push(Found { recall, precision, follows_false });
-            follows_false = false;
-        } else {
-            follows_false = true;
+impl<const N: usize> BestPrecisions<N> {
+    fn new(n_annotations: &[f64; N]) -> Self {
+        Self {
+            n_annotations: *n_annotations,
+            n_found: [0.0; N],
+            n_all_when_found: [0.0; N],
+            n_needed: n_annotations.map(|it| n_to_pass(0, it)),
+            best: [0.0; N],
+            passed: std::array::from_fn(|_| Vec::new()),
         }
     }
-    let last_precision = if n_all == 0 { 0.0 } else { n_found as f64 / n_all as f64 };
-    let mut best = 0.0_f64;
-    for it in found.iter_mut().rev() {
-        best = best.max(it.precision);
-        it.precision = best;
+
+    /// Counts a detection that finds something, after `n_before` detections.
+    #[inline(always)]
+    fn find(&mut self, n_times: &Times<N>, n_before: &[f64; N]) {
+        add(&mut self.n_found, n_times);
+        if self.n_found.iter().zip(&self.n_needed).fold(false, |any, (found, needed)| any | (found >= needed))
+        {
+            self.pass(n_times, n_before);
+        }
+        for draw in 0..N {
+            let n_all = n_before[draw] + n_times[draw];
+            // Before anything is there it is no number, which is not above the best.
+            let precision = self.n_found[draw] / n_all;
+            self.best[draw] = if precision > self.best[draw] { precision } else { self.best[draw] };
+            self.n_all_when_found[draw] =
+                if n_times[draw] > 0.0 { n_all } else { self.n_all_when_found[draw] };
+        }
     }
-    mean_over_recalls(&found, last_precision)
+
+    /// Notes the recalls that are passed by what was just found.
+    fn pass(&mut self, n_times: &Times<N>, n_before: &[f64; N]) {
+        let (n_found, n_needed) = (self.n_found, self.n_needed);
+        for draw in (0..N).filter(|it| n_found[*it] >= n_needed[*it]) {
+            let recall = n_found[draw] / self.n_annotations[draw];
+            let first = self.end_last(draw);
+            let mut end = first;
+            while end < N_RECALLS && recall_at(end) < recall {
+                end += 1;
+            }
+            let n_found_before = n_found[draw] - n_times[draw];
+            let follows = n_found_before > 0.0 && n_before[draw] == self.n_all_when_found[draw];
+            let before =
+                || [n_found_before / self.n_annotations[draw], n_found_before / self.n_all_when_found[draw]];
+            let follows = follows.then(before);
+            self.passed[draw].push(PassedRecalls { recalls: first..end, recall, follows, best: 0.0 });
+            self.n_needed[draw] = n_to_pass(end, self.n_annotations[draw]);
+        }
+    }
+
+    /// Gives the last recalls passed the best precision since, and returns the first recall that is not passed yet.
+    fn end_last(&mut self, draw: usize) -> usize {
+        let best = std::mem::take(&mut self.best[draw]);
+        self.passed[draw].last_mut().map_or(0, |last| {
+            last.best = best;
+            last.recalls.end
+        })
+    }
+
+    /// The mean over recalls in each draw, once all `n_all` detections were gone through.
+    fn means(mut self, n_all: &[f64; N]) -> [f64; N] {
+        std::array::from_fn(|draw| {
+            let next = self.end_last(draw);
+            let mut best = 0.0_f64;
+            for it in self.passed[draw].iter_mut().rev() {
+                best = best.max(it.best);
+                it.best = best;
+            }
+            let mut sum = 0.0;
+            for it in &self.passed[draw] {
+                it.recalls.clone().for_each(|place| sum += it.at(place));
+            }
+            let reached = self.n_found[draw] / self.n_annotations[draw];
+            if n_all[draw] > 0.0 && next < N_RECALLS && recall_at(next) == reached {
+                sum += self.n_found[draw] / n_all[draw];
+            }
+            sum / N_RECALLS as f64
+        })
+    }
 }
 
-/// `found` has the best precisions from each on; `last_precision` is that of all detections.
-fn mean_over_recalls(found: &[Found], last_precision: f64) -> f64 {
-    let (mut sum, mut next) = (0.0, 0);
-    for (place, to) in found.iter().enumerate() {
-        while next < N_RECALLS && recall_at(next) < to.recall {
-            // Behind a false detection the best precision is that of what comes next.
-            let from = match place.checked_sub(1).map(|it| &found[it]) {
-                Some(before) if !to.follows_false => [before.recall, before.precision],
-                Some(before) => [before.recall, to.precision],
-                None if to.follows_false => [0.0, to.precision],
-                None => [to.recall, to.precision],
-            };
-            sum += if from[1] == to.precision {
-                to.precision
-            } else {
-                on_line(recall_at(next), from, [to.recall, to.precision])
-            };
-            next += 1;
+impl PassedRecalls {
+    /// The best precision at one of the recalls. Behind a false detection it is that of what comes next.
+    fn at(&self, place: usize) -> f64 {
+        match self.follows {
+            Some([recall, precision]) if precision > self.best => {
+                on_line(recall_at(place), [recall, precision], [self.recall, self.best])
+            }
+            _ => self.best,
         }
     }
-    let reached = found.last().map_or(0.0, |it| it.recall);
-    if next < N_RECALLS && recall_at(next) == reached {
-        sum += last_precision;
-    }
-    sum / N_RECALLS as f64
 }
 
-/// The means over what is found at 2 m.
-fn mean_errors(class: &RankedClass, times: &[u16]) -> [f64; 3] {
-    let (mut n, mut sums) = (0.0, [0.0; 3]);
-    for detection in class.detections.iter().filter(|it| it.finds_at(ERROR_DISTANCE)) {
-        let n_times = f64::from(times[detection.scan as usize]);
-        let errors = class.errors_of(detection);
-        n += n_times;
-        sums[0] += n_times * errors.translation_m;
-        sums[1] += n_times * errors.scale;
-        sums[2] += n_times * errors.orientation_rad;
+/// The means over what is found at 2 m, in each draw.
+fn mean_errors<const N: usize>(class: &RankedClass, times: &[Times<N>]) -> [[f64; 3]; N] {
+    let (mut n, mut sums) = ([0.0; N], [[0.0; N]; 3]);
+    for (place, errors) in class.errors() {
+        let n_times = class.times_of(place, times);
+        add(&mut n, n_times);
+        let errors = [errors.translation_m, errors.scale, errors.orientation_rad];
+        for (sums, error) in sums.iter_mut().zip(errors) {
+            add(sums, &n_times.map(|it| it * error));
+        }
     }
-    if n > 0.0 { sums.map(|it| it / n) } else { LARGEST_ERRORS }
+    std::array::from_fn(|draw| if n[draw] > 0.0 { sums.map(|it| it[draw] / n[draw]) } else { LARGEST_ERRORS })
 }
 
 #[cfg(test)]
