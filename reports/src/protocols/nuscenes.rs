@@ -175,7 +175,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocols::made_rows::{found, labelled, number, right_false_right};
+    use crate::protocols::made_rows::{any_times, check_draws, found, labelled, number, right_false_right};
     use crate::rows::ranked_box_row::RankedBoxRow;
     use proptest::prelude::*;
 
@@ -270,6 +270,11 @@ mod tests {
             let numbered = scores.iter().zip(0..);
             rows.extend(numbered.map(|(score, scan)| found(HERE, (scan, 0), "car", f64::from(*score), Some(0))));
             prop_assert_eq!(number(&rows, &[1; 4], "present", "ap"), Some(1.0));
+        }
+
+        #[test]
+        fn several_draws_at_once_have_the_values_of_each(rows in drawn_rows(), times in any_times(4)) {
+            check_draws(&rows, &times);
         }
     }
 }

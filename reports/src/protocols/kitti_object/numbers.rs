@@ -230,5 +230,19 @@ mod tests {
             prop_assert!(once.iter().all(|(_, it)| it.is_none_or(|it| (0.0..=1.0 + 1e-12).contains(&it))));
             prop_assert_eq!(sound(values(&scenes, 2)), sound(once));
         }
+
+        #[test]
+        fn several_draws_at_once_have_the_values_of_each(
+            scenes in prop::collection::vec(any_scene(), 4), times in prop::collection::vec(prop::array::uniform8(0..4_u16), 4)
+        ) {
+            let scans: Vec<KittiScan> = scenes.iter().map(scan_of).collect();
+            let placed: Vec<(u32, &KittiScan)> = (0..).zip(&scans).collect();
+            let matches = KittiMatches::of(&placed);
+            let at_once: Vec<[f64; 8]> = times.iter().map(|it| it.map(f64::from)).collect();
+            for (draw, values) in matches.of_draws(&at_once).into_iter().enumerate() {
+                let of_draw: Vec<u16> = times.iter().map(|it| it[draw]).collect();
+                prop_assert_eq!(values, matches.values(&of_draw));
+            }
+        }
     }
 }
