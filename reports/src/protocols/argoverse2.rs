@@ -6,9 +6,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use super::argoverse2_precisions::average_precisions;
+use super::drawn_scans::{N_LANES, Times, add, single_draw};
 use super::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
 use super::ranked_classes::{RankedClass, RankedScan};
-use super::recall_grid::{N_RECALLS, on_line, recall_at};
 use super::under_protocol::UnderProtocol;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
@@ -48,26 +49,15 @@ impl Argoverse2 {
     fn present(&self) -> impl Iterator<Item = (usize, &RankedClass)> {
         self.classes.iter().enumerate().filter(|(_, class)| class.n() > 0)
     }
-}
 
-impl UnderProtocol for Argoverse2 {
-    fn metrics(&self) -> Vec<ProtocolMetric> {
-        let metric = |class: &str, n: u64, (id, unit, direction): (&str, &'static str, Direction)| {
-            ProtocolMetric { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
-        };
-        let names = RankedProtocol::Argoverse2.classes();
-        let n = self.classes.iter().map(RankedClass::n).sum();
-        let of_several = [ALL_CLASSES, PRESENT_CLASSES]
-            .into_iter()
-            .flat_map(|class| OF_CLASS[..N_SUMMED_UP].iter().map(move |it| metric(class, n, *it)));
-        let of_classes =
-            self.present().flat_map(|(place, class)| OF_CLASS.map(|it| metric(names[place], class.n(), it)));
-        of_several.chain(of_classes).collect()
+    /// The values of each draw.
+    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
+        let scores: Vec<[Option<ClassScores>; N]> =
+            self.classes.iter().map(|class| ClassScores::of(class, times)).collect();
+        std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
     }
 
-    fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
-        let scores: Vec<Option<ClassScores>> =
-            self.classes.iter().map(|class| ClassScores::of(class, times)).collect();
+    fn values_of(&self, scores: &[Option<ClassScores>]) -> Vec<Option<f64>> {
         let nothing = ClassScores { numbers: ClassScores::of_nothing(), average_precisions: [0.0; 4] };
         let mean = |of: &[&ClassScores]| -> [Option<f64>; N_SUMMED_UP] {
             std::array::from_fn(|number| {
@@ -92,7 +82,33 @@ impl UnderProtocol for Argoverse2 {
     }
 }
 
+impl UnderProtocol for Argoverse2 {
+    fn metrics(&self) -> Vec<ProtocolMetric> {
+        let metric = |class: &str, n: u64, (id, unit, direction): (&str, &'static str, Direction)| {
+            ProtocolMetric { class: class.to_owned(), id: id.to_owned(), unit, direction, n }
+        };
+        let names = RankedProtocol::Argoverse2.classes();
+        let n = self.classes.iter().map(RankedClass::n).sum();
+        let of_several = [ALL_CLASSES, PRESENT_CLASSES]
+            .into_iter()
+            .flat_map(|class| OF_CLASS[..N_SUMMED_UP].iter().map(move |it| metric(class, n, *it)));
+        let of_classes =
+            self.present().flat_map(|(place, class)| OF_CLASS.map(|it| metric(names[place], class.n(), it)));
+        of_several.chain(of_classes).collect()
+    }
+
+    fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
+        let [values] = self.of_draws(&single_draw(times));
+        values
+    }
+
+    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
+        self.of_draws(times).into()
+    }
+}
+
 /// The numbers of a class.
+#[derive(Debug, Clone, Copy)]
 struct ClassScores {
     // AP, ATE, ASE, AOE, CDS.
     numbers: [f64; N_SUMMED_UP],
@@ -106,105 +122,46 @@ impl ClassScores {
         [0.0, translation_m, scale, orientation_rad, 0.0]
     }
 
-    /// `None` without annotations.
-    fn of(class: &RankedClass, times: &[u16]) -> Option<Self> {
+    /// Of each draw; `None` of one without annotations.
+    fn of<const N: usize>(class: &RankedClass, times: &[Times<N>]) -> [Option<Self>; N] {
         let n_annotations = class.n_annotations(times);
-        if n_annotations == 0 {
-            return None;
-        }
-        let average_precisions: [f64; PAIR_DISTANCES_M.len()] =
-            std::array::from_fn(|distance| average_precision(class, distance, times, n_annotations));
-        let precision = average_precisions.iter().sum::<f64>() / average_precisions.len() as f64;
+        let of_distances = average_precisions(class, times, &n_annotations);
         let errors = mean_errors(class, times);
+        std::array::from_fn(|draw| {
+            let average_precisions = of_distances.map(|it| it[draw]);
+            (n_annotations[draw] > 0.0).then(|| Self::made_of(average_precisions, errors[draw]))
+        })
+    }
+
+    fn made_of(average_precisions: [f64; PAIR_DISTANCES_M.len()], errors: [f64; 3]) -> Self {
+        let precision = average_precisions.iter().sum::<f64>() / average_precisions.len() as f64;
         let complements: f64 =
             errors.iter().zip(LARGEST_ERRORS).map(|(error, largest)| 1.0 - error / largest).sum();
         let composite = precision * (complements / errors.len() as f64);
         let numbers = [precision, errors[0], errors[1], errors[2], composite];
-        Some(Self { numbers, average_precisions })
+        Self { numbers, average_precisions }
     }
 }
 
-/// A detection that finds an annotation, in the order of the ranking.
-struct Found {
-    recall: f64,
-    precision: f64,
-    /// Whether a false detection stands between it and the one before.
-    follows_false: bool,
-}
-
-/// The mean over recalls of the best precision at that recall or a higher one.
-fn average_precision(class: &RankedClass, distance: usize, times: &[u16], n_annotations: u64) -> f64 {
-    let mut found: Vec<Found> = Vec::new();
-    let (mut n_found, mut n_all, mut follows_false) = (0_u64, 0_u64, false);
-    for detection in &class.detections {
-        let n_times = u64::from(times[detection.scan as usize]);
-        if n_times == 0 {
-            continue;
-        }
-        n_all += n_times;
-        if detection.finds_at(distance) {
-            n_found += n_times;
-            let [recall, precision] = [n_annotations, n_all].map(|it| n_found as f64 / it as f64);
-            found.push(Found { recall, precision, follows_false });
-            follows_false = false;
-        } else {
-            follows_false = true;
+/// The means over what is found at 2 m, in each draw.
+fn mean_errors<const N: usize>(class: &RankedClass, times: &[Times<N>]) -> [[f64; 3]; N] {
+    let (mut n, mut sums) = ([0.0; N], [[0.0; N]; 3]);
+    for (place, errors) in class.errors() {
+        let n_times = class.times_of(place, times);
+        add(&mut n, n_times);
+        let errors = [errors.translation_m, errors.scale, errors.orientation_rad];
+        for (sums, error) in sums.iter_mut().zip(errors) {
+            add(sums, &n_times.map(|it| it * error));
         }
     }
-    let last_precision = if n_all == 0 { 0.0 } else { n_found as f64 / n_all as f64 };
-    let mut best = 0.0_f64;
-    for it in found.iter_mut().rev() {
-        best = best.max(it.precision);
-        it.precision = best;
-    }
-    mean_over_recalls(&found, last_precision)
-}
-
-/// `found` has the best precisions from each on; `last_precision` is that of all detections.
-fn mean_over_recalls(found: &[Found], last_precision: f64) -> f64 {
-    let (mut sum, mut next) = (0.0, 0);
-    for (place, to) in found.iter().enumerate() {
-        while next < N_RECALLS && recall_at(next) < to.recall {
-            // Behind a false detection the best precision is that of what comes next.
-            let from = match place.checked_sub(1).map(|it| &found[it]) {
-                Some(before) if !to.follows_false => [before.recall, before.precision],
-                Some(before) => [before.recall, to.precision],
-                None if to.follows_false => [0.0, to.precision],
-                None => [to.recall, to.precision],
-            };
-            sum += if from[1] == to.precision {
-                to.precision
-            } else {
-                on_line(recall_at(next), from, [to.recall, to.precision])
-            };
-            next += 1;
-        }
-    }
-    let reached = found.last().map_or(0.0, |it| it.recall);
-    if next < N_RECALLS && recall_at(next) == reached {
-        sum += last_precision;
-    }
-    sum / N_RECALLS as f64
-}
-
-/// The means over what is found at 2 m.
-fn mean_errors(class: &RankedClass, times: &[u16]) -> [f64; 3] {
-    let (mut n, mut sums) = (0.0, [0.0; 3]);
-    for detection in class.detections.iter().filter(|it| it.finds_at(ERROR_DISTANCE)) {
-        let n_times = f64::from(times[detection.scan as usize]);
-        let errors = class.errors_of(detection);
-        n += n_times;
-        sums[0] += n_times * errors.translation_m;
-        sums[1] += n_times * errors.scale;
-        sums[2] += n_times * errors.orientation_rad;
-    }
-    if n > 0.0 { sums.map(|it| it / n) } else { LARGEST_ERRORS }
+    std::array::from_fn(|draw| if n[draw] > 0.0 { sums.map(|it| it[draw] / n[draw]) } else { LARGEST_ERRORS })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocols::made_rows::{found, labelled, number, right_false_right};
+    use crate::protocols::made_rows::{any_times, check_draws, found, labelled, number, right_false_right};
+    use crate::protocols::recall_grid::{N_RECALLS, on_line, recall_at};
     use crate::rows::ranked_box_row::RankedBoxRow;
     use proptest::prelude::*;
 
@@ -278,6 +235,18 @@ mod tests {
             }));
             let value = number(&rows, &vec![1; n], "DOG", "ap").unwrap();
             prop_assert!((value - slow_average(&is_right, n)).abs() < 1e-12);
+        }
+
+        #[test]
+        fn several_draws_at_once_have_the_values_of_each(
+            drawn in prop::collection::vec((0..4_u32, 0..5_u8, any::<bool>()), 0..30), times in any_times(4)
+        ) {
+            let mut rows: Vec<RankedBoxRow> = (0..8).map(|it| labelled(HERE, it % 4, "DOG")).collect();
+            let numbered = drawn.iter().zip(0..);
+            rows.extend(numbered.map(|((scan, score, right), id)| {
+                found(HERE, (*scan, id), "DOG", f64::from(*score), right.then_some(0))
+            }));
+            check_draws(&rows, &times);
         }
     }
 }

@@ -9,6 +9,12 @@ use crate::vocabulary::extent::OVERALL;
 /// Number of times that scans are drawn: fewer than of other rates, since a ranking has to be gone through anew for each.
 pub const N_PROTOCOL_RESAMPLES: usize = 1_000;
 
+/// How many draws are gone through at once: as many numbers as fill a line of the processor's cache.
+pub const N_LANES: usize = 8;
+
+/// How often a scan is there in each of `N` draws. Whole numbers, which sums keep exactly.
+pub type Times<const N: usize> = [f64; N];
+
 /// Scans by name, with the blocks that they are drawn in. The draws are the first of those that other rates have.
 #[derive(Debug, Clone)]
 pub struct DrawnScans {
@@ -72,9 +78,37 @@ impl DrawnScans {
         if self.resamples.is_empty() { 0 } else { N_PROTOCOL_RESAMPLES }
     }
 
-    /// How often each scan is there in draw `draw`.
-    pub fn times(&self, draw: usize) -> Vec<u16> {
-        let drawn: Vec<&[u16]> = self.resamples.iter().map(|it| it.times_drawn(draw)).collect();
-        self.place_of_scan.iter().map(|(dataset, block)| drawn[*dataset][*block]).collect()
+    /// How often each scan is there in draw `first` and those after it; never in a draw beyond the last.
+    pub fn times(&self, first: usize) -> Vec<Times<N_LANES>> {
+        let mut times = vec![[0.0; N_LANES]; self.place_of_scan.len()];
+        for (lane, draw) in (first..self.n_draws()).take(N_LANES).enumerate() {
+            let drawn: Vec<&[u16]> = self.resamples.iter().map(|it| it.times_drawn(draw)).collect();
+            for (times, (dataset, block)) in times.iter_mut().zip(&self.place_of_scan) {
+                times[lane] = f64::from(drawn[*dataset][*block]);
+            }
+        }
+        times
     }
+}
+
+/// Adds the numbers of each draw to those of another sum.
+#[inline(always)]
+pub(super) fn add<const N: usize>(sums: &mut [f64; N], terms: &[f64; N]) {
+    for (sum, term) in sums.iter_mut().zip(terms) {
+        *sum += term;
+    }
+}
+
+/// How many there are in each draw of what `counts` names: places of scans, and how many each has.
+pub(super) fn n_in_draws<const N: usize>(counts: &[(u32, u32)], times: &[Times<N>]) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for (scan, n) in counts {
+        add(&mut sums, &times[*scan as usize].map(|it| it * f64::from(*n)));
+    }
+    sums
+}
+
+/// One draw, in which scan *i* is there `times[i]` times.
+pub(super) fn single_draw(times: &[u16]) -> Vec<Times<1>> {
+    times.iter().map(|it| [f64::from(*it)]).collect()
 }

@@ -1,6 +1,8 @@
 //! Rows that can be looked through in the head.
 
-use super::drawn_scans::DrawnScans;
+use proptest::prelude::*;
+
+use super::drawn_scans::{DrawnScans, N_LANES};
 use super::protocol_tally::{ProtocolQuestion, ProtocolTally};
 use crate::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox, RankedBoxRow};
 use crate::rows::scan_name::ScanName;
@@ -72,4 +74,24 @@ pub(super) fn number(rows: &[RankedBoxRow], times: &[u16], class: &str, metric: 
     let rows = tally.rows(question, &scans).expect("there are rows");
     let place = rows.metrics().iter().position(|it| it.class == class && it.id == metric);
     rows.values(times)[place.unwrap_or_else(|| panic!("no {metric} of {class}"))]
+}
+
+/// How often each of `n` scans is there in several draws.
+pub(super) fn any_times(n: usize) -> impl Strategy<Value = Vec<[u16; N_LANES]>> {
+    prop::collection::vec(prop::array::uniform8(0..4_u16), n)
+}
+
+/// Makes sure that several draws at once have the values of each by itself.
+#[track_caller]
+pub(super) fn check_draws(rows: &[RankedBoxRow], times: &[[u16; N_LANES]]) {
+    let mut tally = ProtocolTally::default();
+    for row in rows {
+        tally.add_ranked_box(row);
+    }
+    let scans = DrawnScans::undrawn(rows.iter().map(|it| it.scan.clone()).collect());
+    let question = ProtocolQuestion { protocol: rows[0].protocol.protocol(), detector: "mine" };
+    let rows = tally.rows(question, &scans).expect("there are rows");
+    let of_each = (0..N_LANES).map(|draw| rows.values(&times.iter().map(|it| it[draw]).collect::<Vec<_>>()));
+    let at_once: Vec<[f64; N_LANES]> = times.iter().map(|it| it.map(f64::from)).collect();
+    assert_eq!(rows.values_of_draws(&at_once), of_each.collect::<Vec<_>>());
 }

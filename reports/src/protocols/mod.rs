@@ -8,6 +8,8 @@ mod semantic_kitti;
 mod ground;
 mod ranked_classes;
 mod recall_grid;
+mod nuscenes_curves;
+mod argoverse2_precisions;
 pub mod nuscenes;
 pub mod argoverse2;
 pub mod kitti_object;

@@ -4,19 +4,15 @@
 
 use std::collections::BTreeMap;
 
+use super::drawn_scans::{N_LANES, Times, single_draw};
+use super::nuscenes_curves::{N_ERRORS, RecallCurve, mean_errors, recall_curves};
 use super::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolMetric};
 use super::ranked_classes::{RankedClass, RankedScan};
-use super::recall_grid::{N_RECALLS, on_line, recall_at};
 use super::under_protocol::UnderProtocol;
-use crate::rows::ranked_box_row::PairErrors;
 use crate::rows::scan_name::ScanName;
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, PAIR_DISTANCES_M, RankedProtocol};
 
-/// Precision below this counts as none, and so does recall up to it.
-const LEAST_PRECISION: f64 = 0.1;
-/// The first recall that counts: 0.11.
-const FIRST_RECALL: usize = 11;
 /// How much mAP weighs beside one error in NDS.
 const AP_WEIGHT: f64 = 5.0;
 
@@ -37,8 +33,6 @@ const OF_CLASS: [(&str, &str, Direction); 10] = [
 /// The places of these numbers that classes are summed up by.
 const SUMMED_UP: [usize; 6] = [0, 5, 6, 7, 8, 9];
 
-const N_ERRORS: usize = 5;
-
 /// What one detector made of scans.
 pub(super) struct Nuscenes {
     classes: Vec<RankedClass>,
@@ -47,7 +41,7 @@ pub(super) struct Nuscenes {
 /// The numbers of a class.
 #[derive(Debug, Clone, Copy)]
 struct ClassScores {
-    n_annotations: u64,
+    n_annotations: f64,
     average_precisions: [f64; PAIR_DISTANCES_M.len()],
     // NaN where the class has no such error.
     errors: [f64; N_ERRORS],
@@ -59,9 +53,26 @@ impl Nuscenes {
         Self { classes: RankedClass::all(RankedProtocol::Nuscenes, scans, rows) }
     }
 
-    fn scores(&self, times: &[u16]) -> Vec<ClassScores> {
-        let names = RankedProtocol::Nuscenes.classes();
-        self.classes.iter().zip(names).map(|(class, name)| ClassScores::of(class, name, times)).collect()
+    /// The values of each draw.
+    fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
+        let named = self.classes.iter().zip(RankedProtocol::Nuscenes.classes());
+        let scores: Vec<[ClassScores; N]> =
+            named.map(|(class, name)| ClassScores::of(class, name, times)).collect();
+        std::array::from_fn(|draw| self.values_of(&scores.iter().map(|it| it[draw]).collect::<Vec<_>>()))
+    }
+
+    fn values_of(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
+        let mut values = Self::of_all(scores);
+        values.extend(self.of_present(scores));
+        for (place, name, class) in self.present() {
+            let it = &scores[place];
+            let is_there = it.n_annotations > 0.0;
+            let precisions = [it.average_precision()].into_iter().chain(it.average_precisions);
+            values.extend(precisions.map(|value| is_there.then_some(value)));
+            let errors = it.errors.into_iter().zip(Self::known_errors(class, name));
+            values.extend(errors.map(|(error, is_known)| (is_there && is_known).then_some(error)));
+        }
+        values
     }
 
     /// Which errors are known: velocities and attributes only where an annotation has one.
@@ -88,7 +99,7 @@ impl Nuscenes {
 
     /// The same over what there are annotations of, with the errors that are known.
     fn of_present(&self, scores: &[ClassScores]) -> Vec<Option<f64>> {
-        let drawn: Vec<_> = self.present().filter(|(place, ..)| scores[*place].n_annotations > 0).collect();
+        let drawn: Vec<_> = self.present().filter(|(place, ..)| scores[*place].n_annotations > 0.0).collect();
         let precision = mean(drawn.iter().map(|(place, ..)| scores[*place].average_precision()));
         let errors: [Option<f64>; N_ERRORS] = std::array::from_fn(|kind| {
             let known = drawn.iter().filter(|(_, name, class)| Self::known_errors(class, name)[kind]);
@@ -116,36 +127,33 @@ impl UnderProtocol for Nuscenes {
     }
 
     fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
-        let scores = self.scores(times);
-        let mut values = Self::of_all(&scores);
-        values.extend(self.of_present(&scores));
-        for (place, name, class) in self.present() {
-            let it = &scores[place];
-            let is_there = it.n_annotations > 0;
-            let precisions = [it.average_precision()].into_iter().chain(it.average_precisions);
-            values.extend(precisions.map(|value| is_there.then_some(value)));
-            let errors = it.errors.into_iter().zip(Self::known_errors(class, name));
-            values.extend(errors.map(|(error, is_known)| (is_there && is_known).then_some(error)));
-        }
+        let [values] = self.of_draws(&single_draw(times));
         values
+    }
+
+    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
+        self.of_draws(times).into()
     }
 }
 
 impl ClassScores {
-    fn of(class: &RankedClass, name: &str, times: &[u16]) -> Self {
+    /// Of each draw.
+    fn of<const N: usize>(class: &RankedClass, name: &str, times: &[Times<N>]) -> [Self; N] {
         let n_annotations = class.n_annotations(times);
-        let curves: [Option<RecallCurve>; PAIR_DISTANCES_M.len()] =
-            std::array::from_fn(|distance| RecallCurve::of(class, distance, times, n_annotations));
-        let average_precisions =
-            curves.each_ref().map(|it| it.as_ref().map_or(0.0, RecallCurve::average_precision));
-        let errors = curves[ERROR_DISTANCE].as_ref().map_or([1.0; N_ERRORS], |it| it.errors(class, times));
+        let curves = recall_curves(class, times, &n_annotations);
+        let errors = mean_errors(class, times, &curves[ERROR_DISTANCE]);
         let is_left_out = match name {
             "traffic_cone" => [false, false, true, true, true],
             "barrier" => [false, false, false, true, true],
             _ => [false; N_ERRORS],
         };
-        let errors = std::array::from_fn(|kind| if is_left_out[kind] { f64::NAN } else { errors[kind] });
-        Self { n_annotations, average_precisions, errors }
+        std::array::from_fn(|draw| Self {
+            n_annotations: n_annotations[draw],
+            average_precisions: curves
+                .each_ref()
+                .map(|it| it[draw].as_ref().map_or(0.0, RecallCurve::average_precision)),
+            errors: std::array::from_fn(|kind| if is_left_out[kind] { f64::NAN } else { errors[draw][kind] }),
+        })
     }
 
     fn average_precision(&self) -> f64 {
@@ -164,129 +172,10 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (n > 0).then(|| sum / f64::from(n))
 }
 
-/// Precision and score at each of the recalls, and 0 where they are not reached.
-struct RecallCurve {
-    precisions: [f64; N_RECALLS],
-    scores: [f64; N_RECALLS],
-}
-
-impl RecallCurve {
-    /// `None` if nothing is found. A scan that is there several times finds all at once what it finds.
-    fn of(class: &RankedClass, distance: usize, times: &[u16], n_annotations: u64) -> Option<Self> {
-        let n_annotations = n_annotations as f64;
-        let mut curve = Self { precisions: [0.0; N_RECALLS], scores: [0.0; N_RECALLS] };
-        let (mut n_found, mut n_all, mut score, mut next) = (0_u64, 0_u64, 0.0, 0);
-        for detection in &class.detections {
-            let n_times = u64::from(times[detection.scan as usize]);
-            if n_times == 0 {
-                continue;
-            }
-            if detection.finds_at(distance) {
-                let from = (n_all > 0).then(|| point(n_found, n_all, n_annotations, score));
-                (n_found, n_all) = (n_found + n_times, n_all + n_times);
-                let to = point(n_found, n_all, n_annotations, detection.score);
-                while next < N_RECALLS && recall_at(next) < to[0] {
-                    curve.take(next, from.unwrap_or(to), to);
-                    next += 1;
-                }
-            } else {
-                n_all += n_times;
-            }
-            score = detection.score;
-        }
-        let last = point(n_found, n_all, n_annotations, score);
-        if next < N_RECALLS && recall_at(next) == last[0] {
-            curve.take(next, last, last);
-        }
-        (n_found > 0).then_some(curve)
-    }
-
-    /// Takes the values at one recall from the line between two points, or from the second where there is none before.
-    fn take(&mut self, place: usize, from: [f64; 3], to: [f64; 3]) {
-        let at = |axis: usize| {
-            if from == to {
-                to[axis]
-            } else {
-                on_line(recall_at(place), [from[0], from[axis]], [to[0], to[axis]])
-            }
-        };
-        (self.precisions[place], self.scores[place]) = (at(1), at(2));
-    }
-
-    fn average_precision(&self) -> f64 {
-        let counted = &self.precisions[FIRST_RECALL..];
-        let sum: f64 =
-            counted.iter().map(|it| (it - LEAST_PRECISION).max(0.0) / (1.0 - LEAST_PRECISION)).sum();
-        sum / counted.len() as f64
-    }
-
-    /// The errors: of each the mean over what is found up to a recall, and of these the mean over recalls from 0.11 to the highest.
-    fn errors(&self, class: &RankedClass, times: &[u16]) -> [f64; N_ERRORS] {
-        let last = self.scores.iter().rposition(|it| *it != 0.0).unwrap_or(0);
-        if last < FIRST_RECALL {
-            return [1.0; N_ERRORS];
-        }
-        let (scores, means) = running_means(class, times);
-        let mut sums = [0.0; N_ERRORS];
-        let mut place = 0;
-        for &score in &self.scores[FIRST_RECALL..=last] {
-            while place + 1 < scores.len() && scores[place] > score {
-                place += 1;
-            }
-            for (kind, sum) in sums.iter_mut().enumerate() {
-                let to = [scores[place], means[place][kind]];
-                *sum += if place == 0 || score <= scores[place] {
-                    to[1]
-                } else {
-                    on_line(score, to, [scores[place - 1], means[place - 1][kind]])
-                };
-            }
-        }
-        sums.map(|it| it / (last + 1 - FIRST_RECALL) as f64)
-    }
-}
-
-/// Recall, precision and score once these were found.
-fn point(n_found: u64, n_all: u64, n_annotations: f64, score: f64) -> [f64; 3] {
-    [n_found as f64 / n_annotations, n_found as f64 / n_all as f64, score]
-}
-
-/// The scores of what is found at 2 m, best first, and the means of errors up to each. A mean of nothing is 0; where an error is never
-/// known it is 1 throughout.
-fn running_means(class: &RankedClass, times: &[u16]) -> (Vec<f64>, Vec<[f64; N_ERRORS]>) {
-    let (mut scores, mut means) = (Vec::new(), Vec::new());
-    let (mut sums, mut counts) = ([0.0; N_ERRORS], [0.0; N_ERRORS]);
-    for detection in class.detections.iter().filter(|it| it.finds_at(ERROR_DISTANCE)) {
-        let n_times = f64::from(times[detection.scan as usize]);
-        if n_times == 0.0 {
-            continue;
-        }
-        let PairErrors { translation_m, scale, orientation_rad, velocity_m_per_s, attribute } =
-            *class.errors_of(detection);
-        let errors = [Some(translation_m), Some(scale), Some(orientation_rad), velocity_m_per_s, attribute];
-        for (kind, error) in errors.into_iter().enumerate() {
-            if let Some(error) = error {
-                sums[kind] += n_times * error;
-                counts[kind] += n_times;
-            }
-        }
-        scores.push(detection.score);
-        means.push(std::array::from_fn(
-            |kind| if counts[kind] > 0.0 { sums[kind] / counts[kind] } else { 0.0 },
-        ));
-    }
-    for kind in (0..N_ERRORS).filter(|kind| counts[*kind] == 0.0) {
-        for mean in &mut means {
-            mean[kind] = 1.0;
-        }
-    }
-    (scores, means)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocols::made_rows::{found, labelled, number, right_false_right};
+    use crate::protocols::made_rows::{any_times, check_draws, found, labelled, number, right_false_right};
     use crate::rows::ranked_box_row::RankedBoxRow;
     use proptest::prelude::*;
 
@@ -381,6 +270,11 @@ mod tests {
             let numbered = scores.iter().zip(0..);
             rows.extend(numbered.map(|(score, scan)| found(HERE, (scan, 0), "car", f64::from(*score), Some(0))));
             prop_assert_eq!(number(&rows, &[1; 4], "present", "ap"), Some(1.0));
+        }
+
+        #[test]
+        fn several_draws_at_once_have_the_values_of_each(rows in drawn_rows(), times in any_times(4)) {
+            check_draws(&rows, &times);
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::drawn_scans::{Times, add, n_in_draws};
 use crate::rows::ranked_box_row::{BoxKind, BoxState, PairErrors, RankedBox};
 use crate::rows::scan_name::ScanName;
-use crate::vocabulary::ranked_protocol::RankedProtocol;
+use crate::vocabulary::ranked_protocol::{ERROR_DISTANCE, RankedProtocol};
 
 /// What counts of one scan.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -59,26 +60,29 @@ impl RankedScan {
 pub(super) struct RankedClass {
     // Of each scan that has some: its place, and how many.
     annotations: Vec<(u32, u32)>,
-    /// The best score first; those of like scores by scan, and in a scan by their numbers.
-    pub(super) detections: Vec<RankedDetection>,
-    errors: Vec<PairErrors>,
+    // Invariant: of each detection the place of its scan and its score, the best score first; those of like scores by scan, and in a scan by
+    // their numbers.
+    scans: Vec<u32>,
+    scores: Vec<f64>,
+    // Those that find something, in the same order.
+    finders: Vec<Finder>,
     /// Whether the velocity of any annotation is known.
     pub(super) has_velocity: bool,
     /// Whether any annotation has an attribute.
     pub(super) has_attribute: bool,
 }
 
-/// A detection in the ranking.
+/// A detection that finds an annotation at some distance.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RankedDetection {
-    pub(super) score: f64,
-    /// The place of its scan.
-    pub(super) scan: u32,
-    errors: u32,
+pub(super) struct Finder {
+    /// Its place in the ranking.
+    pub(super) place: u32,
     pairs: u8,
+    // At the distance of errors, if it finds one there.
+    errors: Option<PairErrors>,
 }
 
-impl RankedDetection {
+impl Finder {
     /// Whether it finds an annotation at the distance at this place of `PAIR_DISTANCES_M`.
     pub(super) fn finds_at(&self, distance: usize) -> bool {
         self.pairs >> distance & 1 == 1
@@ -93,6 +97,7 @@ impl RankedClass {
         rows: &BTreeMap<ScanName, RankedScan>,
     ) -> Vec<Self> {
         let mut classes = vec![Self::default(); protocol.classes().len()];
+        let mut detections: Vec<Vec<(u32, &FoundBox)>> = vec![Vec::new(); classes.len()];
         for (name, scan) in rows {
             let Ok(place) = scans.binary_search(name) else { continue };
             for (class, annotations) in &scan.annotations {
@@ -104,25 +109,30 @@ impl RankedClass {
             let mut by_id: Vec<&FoundBox> = scan.detections.iter().collect();
             by_id.sort_by_key(|it| it.id);
             for it in by_id {
-                classes[usize::from(it.class)].push(place as u32, it);
+                detections[usize::from(it.class)].push((place as u32, it));
             }
         }
-        for class in &mut classes {
-            // Stable: boxes of like scores stay in the order of scans and numbers.
-            class.detections.sort_by(|a, b| b.score.total_cmp(&a.score));
+        for (class, detections) in classes.iter_mut().zip(detections) {
+            class.rank(detections);
         }
         classes
     }
 
-    fn push(&mut self, scan: u32, it: &FoundBox) {
-        let errors = self.errors.len() as u32;
-        self.errors.extend(it.errors.as_deref());
-        self.detections.push(RankedDetection { score: it.score, scan, errors, pairs: it.pairs });
+    /// Ranks detections, which come by scan, and in a scan by their numbers.
+    fn rank(&mut self, mut detections: Vec<(u32, &FoundBox)>) {
+        // Stable: boxes of like scores stay in this order.
+        detections.sort_by(|(_, a), (_, b)| b.score.total_cmp(&a.score));
+        self.scans = detections.iter().map(|(scan, _)| *scan).collect();
+        self.scores = detections.iter().map(|(_, it)| it.score).collect();
+        let finders = (0..).zip(detections).filter(|(_, (_, it))| it.pairs != 0);
+        self.finders = finders
+            .map(|(place, (_, it))| Finder { place, pairs: it.pairs, errors: it.errors.as_deref().copied() })
+            .collect();
     }
 
-    /// The annotations where scan *i* is there `times[i]` times.
-    pub(super) fn n_annotations(&self, times: &[u16]) -> u64 {
-        self.annotations.iter().map(|(scan, n)| u64::from(*n) * u64::from(times[*scan as usize])).sum()
+    /// The annotations in each draw.
+    pub(super) fn n_annotations<const N: usize>(&self, times: &[Times<N>]) -> [f64; N] {
+        n_in_draws(&self.annotations, times)
     }
 
     /// The annotations of all scans once.
@@ -130,8 +140,57 @@ impl RankedClass {
         self.annotations.iter().map(|(_, n)| u64::from(*n)).sum()
     }
 
-    /// How far `detection` is from the annotation that it finds at the distance of errors, where it finds one.
-    pub(super) fn errors_of(&self, detection: &RankedDetection) -> &PairErrors {
-        &self.errors[detection.errors as usize]
+    /// The detections of all scans once.
+    pub(super) fn n_detections(&self) -> usize {
+        self.scans.len()
+    }
+
+    /// The score of a detection.
+    pub(super) fn score(&self, place: u32) -> f64 {
+        self.scores[place as usize]
+    }
+
+    /// How often a detection is there in each draw.
+    pub(super) fn times_of<'a, const N: usize>(&self, place: u32, times: &'a [Times<N>]) -> &'a Times<N> {
+        &times[self.scans[place as usize] as usize]
+    }
+
+    /// The score of the last of the first `n` detections that is there in a draw; 0 if none is.
+    pub(super) fn last_score<const N: usize>(&self, n: usize, times: &[Times<N>], draw: usize) -> f64 {
+        let last = self.scans[..n].iter().rposition(|scan| times[*scan as usize][draw] > 0.0);
+        last.map_or(0.0, |it| self.scores[it])
+    }
+
+    /// Shows every detection that finds something to `visit`, the best first, with how often it is there in each draw and how many
+    /// detections come before it. Returns how many there are in all.
+    #[inline(always)]
+    pub(super) fn go_through<const N: usize>(
+        &self,
+        times: &[Times<N>],
+        mut visit: impl FnMut(&Finder, &Times<N>, &[f64; N]),
+    ) -> [f64; N] {
+        let (mut n_all, mut next) = ([0.0; N], 0);
+        for finder in &self.finders {
+            let place = finder.place as usize;
+            for scan in &self.scans[next..place] {
+                add(&mut n_all, &times[*scan as usize]);
+            }
+            let n_times = &times[self.scans[place] as usize];
+            visit(finder, n_times, &n_all);
+            add(&mut n_all, n_times);
+            next = place + 1;
+        }
+        for scan in &self.scans[next..] {
+            add(&mut n_all, &times[*scan as usize]);
+        }
+        n_all
+    }
+
+    /// The detections that find something at the distance of errors, the best first: their places, and how far they are off.
+    pub(super) fn errors(&self) -> impl Iterator<Item = (u32, &PairErrors)> {
+        self.finders
+            .iter()
+            .filter(|it| it.finds_at(ERROR_DISTANCE))
+            .filter_map(|it| Some((it.place, it.errors.as_ref()?)))
     }
 }

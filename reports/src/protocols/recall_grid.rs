@@ -9,6 +9,20 @@ pub(super) fn recall_at(place: usize) -> f64 {
     if place + 1 == N_RECALLS { 1.0 } else { place as f64 * 0.01 }
 }
 
+/// How many of `n_annotations` have to be found for a recall beyond that at `place`; infinitely many where there is no such place. Quotients
+/// decide, so that it is the same as to compare recalls.
+pub(super) fn n_to_pass(place: usize, n_annotations: f64) -> f64 {
+    if place == N_RECALLS {
+        return f64::INFINITY;
+    }
+    let recall = recall_at(place);
+    let mut n_found = ((recall * n_annotations).floor() - 1.0).max(0.0);
+    while n_found == 0.0 || n_found / n_annotations <= recall {
+        n_found += 1.0;
+    }
+    n_found
+}
+
 /// The value at `x` on the straight line from one point to another, as `NumPy`'s `interp` has it.
 pub(super) fn on_line(x: f64, [from_x, from_y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> f64 {
     if x == from_x { from_y } else { (to_y - from_y) / (to_x - from_x) * (x - from_x) + from_y }
@@ -21,6 +35,18 @@ mod tests {
     #[test]
     fn recalls_are_products_and_end_at_one() {
         assert_eq!([0, 35, 100].map(recall_at), [0.0, 0.350_000_000_000_000_03, 1.0]);
+    }
+
+    #[test]
+    fn a_recall_is_passed_by_the_least_number_beyond_it() {
+        for n_annotations in [1.0, 3.0, 100.0, 200.0, 31_415.0] {
+            for place in 0..N_RECALLS {
+                let n_found = n_to_pass(place, n_annotations);
+                assert!(n_found / n_annotations > recall_at(place), "{place} of {n_annotations}");
+                assert!((n_found - 1.0) / n_annotations <= recall_at(place), "{place} of {n_annotations}");
+            }
+        }
+        assert_eq!(n_to_pass(N_RECALLS, 7.0), f64::INFINITY);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::drawn_scans::DrawnScans;
+use super::drawn_scans::{DrawnScans, N_LANES, Times};
 use super::protocol_number::ProtocolMetric;
 use crate::numbers::blocks::Interval;
 use crate::uncertainty::bootstrap::Distribution;
@@ -14,6 +14,13 @@ pub trait UnderProtocol: Sync {
 
     /// The values where scan *i* is there `times[i]` times; `None` where one is undefined.
     fn values(&self, times: &[u16]) -> Vec<Option<f64>>;
+
+    /// The values of several draws, each as [`Self::values`] has them, where scan *i* is there `times[i]` times. Protocols that rank go
+    /// through their ranking once for all of them.
+    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
+        let of_draw = |draw: usize| times.iter().map(|it| it[draw] as u16).collect::<Vec<u16>>();
+        (0..N_LANES).map(|draw| self.values(&of_draw(draw))).collect()
+    }
 }
 
 /// The values of all scans once, and of every draw.
@@ -29,8 +36,11 @@ impl DrawnValues {
     /// Of `rows` on `scans`, and on every draw of them.
     pub fn new(rows: &dyn UnderProtocol, scans: &DrawnScans) -> Self {
         let values = rows.values(&vec![1; scans.names().len()]);
-        let draws = (0..scans.n_draws()).into_par_iter();
-        Self { values, resampled: draws.map(|draw| rows.values(&scans.times(draw))).collect() }
+        let several = (0..scans.n_draws().div_ceil(N_LANES)).into_par_iter();
+        let several = several.flat_map_iter(|it| rows.values_of_draws(&scans.times(it * N_LANES)));
+        let mut resampled: Vec<Vec<Option<f64>>> = several.collect();
+        resampled.truncate(scans.n_draws());
+        Self { values, resampled }
     }
 
     /// How sure the value at `place` is.

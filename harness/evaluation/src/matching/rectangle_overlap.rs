@@ -17,11 +17,14 @@ impl Rectangle {
         self.length_width_m[0] * self.length_width_m[1]
     }
 
-    /// Whether the circles around both do not meet, so that they have nothing in common.
-    pub fn is_apart_from(&self, other: &Self) -> bool {
-        let radius_m = |it: &Self| it.length_width_m[0].hypot(it.length_width_m[1]) / 2.0;
+    /// Radius of the circle around it.
+    pub fn radius_m(&self) -> f64 {
+        self.length_width_m[0].hypot(self.length_width_m[1]) / 2.0
+    }
+
+    /// Whether the centres are farther from each other than `reach_m`. If that is the sum of both radii, they have nothing in common.
+    pub fn are_centers_apart(&self, other: &Self, reach_m: f64) -> bool {
         let [x_m, y_m] = [0, 1].map(|axis| self.center_m[axis] - other.center_m[axis]);
-        let reach_m = radius_m(self) + radius_m(other);
         x_m * x_m + y_m * y_m > reach_m * reach_m
     }
 }
@@ -61,7 +64,7 @@ fn corners_in_frame_of(frame: &Rectangle, it: &Rectangle) -> [[f64; 2]; 4] {
 
 /// The part of a convex polygon where `inside_m`, the distance from a line, is not negative.
 fn clipped(corners_m: &[[f64; 2]], inside_m: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]> {
-    let mut kept = Vec::new();
+    let mut kept = Vec::with_capacity(corners_m.len() + 1);
     for (corner_idx, &to_m) in corners_m.iter().enumerate() {
         let from_m = corners_m[(corner_idx + corners_m.len() - 1) % corners_m.len()];
         let (from_inside_m, to_inside_m) = (inside_m(from_m), inside_m(to_m));

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::official_curve::{N_RECALLS, OfficialCurve};
+use super::recall_curve::{N_RECALLS, RecallCurve};
 
 /// The recalls of a mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -43,7 +43,7 @@ impl Recalls {
     }
 }
 
-impl OfficialCurve {
+impl RecallCurve {
     /// Average precision, 0 to 1.
     pub fn average_precision(&self, recalls: Recalls) -> Option<f64> {
         recalls.mean_of(&self.precision)

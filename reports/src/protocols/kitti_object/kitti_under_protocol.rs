@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::measures::Measure;
 use super::numbers::KittiMatches;
 use super::scan::KittiScan;
+use crate::protocols::drawn_scans::{N_LANES, Times};
 use crate::protocols::protocol_number::ProtocolMetric;
 use crate::protocols::under_protocol::UnderProtocol;
 use crate::rows::scan_name::ScanName;
@@ -40,5 +41,9 @@ impl UnderProtocol for KittiUnderProtocol {
 
     fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
         self.matches.values(times)
+    }
+
+    fn values_of_draws(&self, times: &[Times<N_LANES>]) -> Vec<Vec<Option<f64>>> {
+        self.matches.of_draws(times).into()
     }
 }

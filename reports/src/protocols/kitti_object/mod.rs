@@ -5,9 +5,12 @@ pub mod scan;
 #[cfg(test)]
 mod drawn_scan;
 pub mod roles;
+pub mod class_scan;
+pub mod components;
 pub mod score_events;
 pub mod official_matching;
 pub mod sound_matching;
+pub mod recall_curve;
 pub mod official_curve;
 pub mod averages;
 pub mod sound_curve;

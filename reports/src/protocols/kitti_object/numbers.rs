@@ -1,13 +1,16 @@
 //! From scans to the numbers of KITTI's protocol.
 
+use super::class_scan::ClassScan;
 use super::measures::{Averaged, Measure, Reading};
-use super::official_curve::OfficialCurve;
-use super::official_matching::official_matches;
-use super::rules::Question;
+use super::official_curve::official_curves;
+use super::official_matching::OfficialMatching;
+use super::recall_curve::RecallCurve;
+use super::rules::{KittiClass, Question};
 use super::scan::KittiScan;
-use super::score_events::ScoredMatches;
-use super::sound_curve::SoundCurve;
-use super::sound_matching::sound_matches;
+use super::score_events::{ScoreEvents, ScoredMatches};
+use super::sound_curve::sound_curves;
+use super::sound_matching::SoundMatching;
+use crate::protocols::drawn_scans::{Times, single_draw};
 
 /// What a heading is where it is not known.
 const UNKNOWN_ALPHA_RAD: f64 = -10.0;
@@ -22,7 +25,6 @@ pub struct KittiMatches {
 #[derive(Debug, Clone)]
 struct OfQuestion {
     question: Question,
-    n_annotations: u64,
     official: ScoredMatches,
     sound: ScoredMatches,
 }
@@ -31,25 +33,17 @@ impl KittiMatches {
     /// Matches `scans`, each by its place among all scans; those of which nothing is known may be left out.
     pub fn of(scans: &[(u32, &KittiScan)]) -> Self {
         let mut detections = scans.iter().flat_map(|(_, it)| it.detections());
-        let of_question = |question: Question| {
-            let sound = sound_matches(scans.iter().copied(), &question);
-            OfQuestion {
-                question,
-                n_annotations: sound.annotations.iter().map(|(_, n)| u64::from(*n)).sum(),
-                official: official_matches(scans.iter().copied(), &question),
-                sound,
-            }
-        };
-        Self {
-            has_headings: detections.all(|it| it.object.alpha_rad != UNKNOWN_ALPHA_RAD),
-            of_questions: Question::all().into_iter().map(of_question).collect(),
-        }
+        let mut of_questions: Vec<OfQuestion> =
+            KittiClass::ALL.into_iter().flat_map(|class| matched(scans, class)).collect();
+        let all = Question::all();
+        of_questions.sort_by_key(|it| all.iter().position(|question| *question == it.question));
+        Self { has_headings: detections.all(|it| it.object.alpha_rad != UNKNOWN_ALPHA_RAD), of_questions }
     }
 
     /// What is measured, with the number of annotations that it is made of, in the order of [`Self::values`].
     pub fn measures(&self) -> Vec<(Measure, u64)> {
         let of = |it: &OfQuestion| {
-            let n_annotations = it.n_annotations;
+            let n_annotations = it.sound.n_annotations_once();
             Measure::of(it.question).into_iter().map(move |measure| (measure, n_annotations))
         };
         self.of_questions.iter().flat_map(of).collect()
@@ -60,22 +54,64 @@ impl KittiMatches {
     /// One is undefined without any annotation that counts, though the development kit says 0; so is a similarity of headings if a
     /// detection does not say its heading, and what the kit would make of zero by zero.
     pub fn values(&self, times: &[u16]) -> Vec<Option<f64>> {
-        self.of_questions.iter().flat_map(|it| it.values(times, self.has_headings)).collect()
+        let [values] = self.of_draws(&single_draw(times));
+        values
+    }
+
+    /// The values of each draw.
+    pub fn of_draws<const N: usize>(&self, times: &[Times<N>]) -> [Vec<Option<f64>>; N] {
+        let mut values: [Vec<Option<f64>>; N] = std::array::from_fn(|_| Vec::new());
+        for it in &self.of_questions {
+            for (values, of_draw) in values.iter_mut().zip(it.of_draws(times, self.has_headings)) {
+                values.extend(of_draw);
+            }
+        }
+        values
     }
 }
 
+/// The questions about `class`, matched scan by scan.
+fn matched(scans: &[(u32, &KittiScan)], class: KittiClass) -> Vec<OfQuestion> {
+    let questions = Question::all().into_iter().filter(|it| it.class == class);
+    let mut of_questions: Vec<(Question, [ScoreEvents; 2])> =
+        questions.map(|question| (question, [ScoreEvents::default(), ScoreEvents::default()])).collect();
+    let (mut official_matching, mut sound_matching) = (OfficialMatching::default(), SoundMatching::default());
+    for (place, scan) in scans {
+        let scan = ClassScan::of(scan, class);
+        for (question, [official, sound]) in &mut of_questions {
+            official_matching.add((*place, &scan), question, official);
+            sound_matching.add((*place, &scan), question, sound);
+        }
+    }
+    let sorted = |(question, [official, sound]): (Question, [ScoreEvents; 2])| OfQuestion {
+        question,
+        official: official.sorted(),
+        sound: sound.sorted(),
+    };
+    of_questions.into_iter().map(sorted).collect()
+}
+
 impl OfQuestion {
-    fn values(&self, times: &[u16], has_headings: bool) -> Vec<Option<f64>> {
-        let official = OfficialCurve::of(&self.official, times);
-        let sound = SoundCurve::of(&self.sound, times);
-        let is_defined = self.sound.n_annotations(times) > 0;
-        let value = |measure: Measure| match (measure.averaged, measure.reading) {
-            _ if !is_defined => None,
-            (Averaged::Similarity, _) if !has_headings => None,
-            (Averaged::Precision, Reading::Official) => official.average_precision(measure.recalls),
-            (Averaged::Similarity, Reading::Official) => official.average_similarity(measure.recalls),
-            (Averaged::Precision, Reading::Sound) => sound.average_precision(measure.recalls),
-            (Averaged::Similarity, Reading::Sound) => sound.average_similarity(measure.recalls),
+    fn of_draws<const N: usize>(&self, times: &[Times<N>], has_headings: bool) -> [Vec<Option<f64>>; N] {
+        let (official, sound) = (official_curves(&self.official, times), sound_curves(&self.sound, times));
+        std::array::from_fn(|draw| match &sound[draw] {
+            Some(sound) => self.values_of(&official[draw], sound, has_headings),
+            // Without annotations.
+            None => vec![None; Measure::of(self.question).len()],
+        })
+    }
+
+    fn values_of(&self, official: &RecallCurve, sound: &RecallCurve, has_headings: bool) -> Vec<Option<f64>> {
+        let value = |measure: Measure| {
+            let curve = match measure.reading {
+                Reading::Official => official,
+                Reading::Sound => sound,
+            };
+            match measure.averaged {
+                Averaged::Precision => curve.average_precision(measure.recalls),
+                Averaged::Similarity if has_headings => curve.average_similarity(measure.recalls),
+                Averaged::Similarity => None,
+            }
         };
         Measure::of(self.question).into_iter().map(value).collect()
     }
@@ -193,6 +229,20 @@ mod tests {
             let once = values(&scenes, 1);
             prop_assert!(once.iter().all(|(_, it)| it.is_none_or(|it| (0.0..=1.0 + 1e-12).contains(&it))));
             prop_assert_eq!(sound(values(&scenes, 2)), sound(once));
+        }
+
+        #[test]
+        fn several_draws_at_once_have_the_values_of_each(
+            scenes in prop::collection::vec(any_scene(), 4), times in prop::collection::vec(prop::array::uniform8(0..4_u16), 4)
+        ) {
+            let scans: Vec<KittiScan> = scenes.iter().map(scan_of).collect();
+            let placed: Vec<(u32, &KittiScan)> = (0..).zip(&scans).collect();
+            let matches = KittiMatches::of(&placed);
+            let at_once: Vec<[f64; 8]> = times.iter().map(|it| it.map(f64::from)).collect();
+            for (draw, values) in matches.of_draws(&at_once).into_iter().enumerate() {
+                let of_draw: Vec<u16> = times.iter().map(|it| it[draw]).collect();
+                prop_assert_eq!(values, matches.values(&of_draw));
+            }
         }
     }
 }

@@ -4,109 +4,131 @@
 //! that comes nearest to the next of the recalls 0, 1/40, …, 1. So with fewer than 41 annotations there are fewer, and precision is 0 at
 //! the rest: annotations fed back do not reach the maximum.
 
+use super::recall_curve::{N_RECALLS, RecallCurve, best_from_here};
 use super::score_events::{Counted, ScoredMatches};
+use crate::protocols::drawn_scans::Times;
 
-/// Number of recalls.
-pub const N_RECALLS: usize = 41;
-
-/// What is looked up.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OfficialCurve {
-    /// The best precision at each recall or beyond; NaN where the makers divide zero by zero.
-    pub precision: [f64; N_RECALLS],
-    /// The same of the similarity of headings.
-    pub similarity: [f64; N_RECALLS],
-}
-
-impl OfficialCurve {
-    /// Of scans of which each is there so many `times`.
-    pub fn of(matches: &ScoredMatches, times: &[u16]) -> Self {
-        let (mut precision, mut similarity) = ([0.0; N_RECALLS], [0.0; N_RECALLS]);
-        let mut events = matches.events.iter().peekable();
-        let mut counted = Counted::default();
-        for (place, min_score) in thresholds(matches, times).into_iter().enumerate() {
-            while let Some(event) = events.next_if(|it| it.score >= min_score) {
-                counted.add(event, times[event.scan as usize]);
+/// The curve of each draw.
+pub fn official_curves<const N: usize>(matches: &ScoredMatches, times: &[Times<N>]) -> [RecallCurve; N] {
+    let (n_annotations, n_hits) = (matches.n_annotations(times), matches.n_hits(times));
+    let mut lookups: [Lookup; N] = std::array::from_fn(|draw| Lookup::new(n_annotations[draw], n_hits[draw]));
+    let mut n_needed = lookups.each_ref().map(Lookup::n_needed);
+    matches.go_through(times, |counted| {
+        let pairs = counted.n_hits.iter().zip(&n_needed);
+        if pairs.fold(false, |any, (n_hits, needed)| any | (n_hits >= needed)) {
+            for (draw, lookup) in lookups.iter_mut().enumerate() {
+                lookup.take(counted, draw);
+                n_needed[draw] = lookup.n_needed();
             }
-            let n_detections = (counted.tp + counted.fp) as f64;
-            precision[place] = counted.tp as f64 / n_detections;
-            similarity[place] = counted.similarity / n_detections;
         }
-        Self { precision: best_from_here(&precision), similarity: best_from_here(&similarity) }
-    }
+    });
+    lookups.map(|it| RecallCurve {
+        precision: best_from_here(&it.precision),
+        similarity: best_from_here(&it.similarity),
+    })
 }
 
-/// The least scores, descending; at most [`N_RECALLS`].
-fn thresholds(matches: &ScoredMatches, times: &[u16]) -> Vec<f64> {
-    let n_annotations = matches.n_annotations(times) as f64;
-    let n_hits: u64 = matches.hits.iter().map(|it| u64::from(times[it.scan as usize])).sum();
-    let mut thresholds = Vec::with_capacity(N_RECALLS);
-    let (mut n_before, mut next_recall) = (0_u64, 0.0);
-    for hit in &matches.hits {
-        for _ in 0..times[hit.scan as usize] {
-            let is_last = n_before + 1 == n_hits;
-            let recall = (n_before + 1) as f64 / n_annotations;
-            let recall_of_next = if is_last { recall } else { (n_before + 2) as f64 / n_annotations };
-            n_before += 1;
-            if recall_of_next - next_recall < next_recall - recall && !is_last {
-                continue;
-            }
-            thresholds.push(hit.score);
+/// What was looked up in one draw so far.
+struct Lookup {
+    n_annotations: f64,
+    n_hits: f64,
+    // How many hits come before the next threshold, and the recall that it is to be near.
+    next: f64,
+    next_recall: f64,
+    n_taken: usize,
+    precision: [f64; N_RECALLS],
+    similarity: [f64; N_RECALLS],
+}
+
+impl Lookup {
+    fn new(n_annotations: f64, n_hits: f64) -> Self {
+        let mut lookup = Self {
+            n_annotations,
+            n_hits,
+            next: 0.0,
+            next_recall: 0.0,
+            n_taken: 0,
+            precision: [0.0; N_RECALLS],
+            similarity: [0.0; N_RECALLS],
+        };
+        lookup.skip();
+        lookup
+    }
+
+    /// How many hits have to be kept for the next threshold; infinitely many if there is none.
+    fn n_needed(&self) -> f64 {
+        if self.next < self.n_hits && self.n_taken < N_RECALLS { self.next + 1.0 } else { f64::INFINITY }
+    }
+
+    /// Takes the values of all thresholds that are reached.
+    fn take<const N: usize>(&mut self, counted: &Counted<N>, draw: usize) {
+        while counted.n_hits[draw] >= self.n_needed() {
+            let n_detections = counted.tp[draw] + counted.fp[draw];
+            self.precision[self.n_taken] = counted.tp[draw] / n_detections;
+            self.similarity[self.n_taken] = counted.similarity[draw] / n_detections;
+            self.n_taken += 1;
             // Summed up, as the makers do: a product rounds otherwise.
-            next_recall += 1.0 / (N_RECALLS as f64 - 1.0);
+            self.next_recall += 1.0 / (N_RECALLS as f64 - 1.0);
+            self.next += 1.0;
+            self.skip();
         }
     }
-    thresholds.truncate(N_RECALLS);
-    thresholds
-}
 
-/// The largest value at each place or after it. What is no number stays none, and is smaller than every other.
-fn best_from_here(values: &[f64; N_RECALLS]) -> [f64; N_RECALLS] {
-    let (mut best, mut largest) = (*values, f64::NEG_INFINITY);
-    for value in best.iter_mut().rev() {
-        largest = largest.max(*value);
-        if !value.is_nan() {
-            *value = largest;
+    /// Leaves out the hits that are farther from the next recall than those that follow. The last is never left out.
+    fn skip(&mut self) {
+        let is_skipped = |n_before: f64| {
+            let [recall, recall_of_next] = [1.0, 2.0].map(|it| (n_before + it) / self.n_annotations);
+            recall_of_next - self.next_recall < self.next_recall - recall
+        };
+        // Less by more than rounding adds: all before are left out.
+        let surely = (self.next_recall * self.n_annotations - 2.5).floor();
+        let mut next = self.next.max(surely.min(self.n_hits - 1.0));
+        while next + 1.0 < self.n_hits && is_skipped(next) {
+            next += 1.0;
         }
+        self.next = next;
     }
-    best
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::averages::Recalls;
-    use super::super::score_events::{Hit, ScoreEvent};
+    use super::super::score_events::{ScoreEvent, ScoreEvents};
     use super::*;
+    use crate::protocols::drawn_scans::single_draw;
 
     /// Detections of these scores, right or false, one a scan, of `n` annotations.
     fn matches(scored: &[(f64, bool)], n: u32) -> ScoredMatches {
-        let mut matches = ScoredMatches { annotations: vec![(0, n)], ..ScoredMatches::default() };
+        let mut matches = ScoreEvents { annotations: vec![(0, n)], ..ScoreEvents::default() };
         for (&(score, is_right), scan) in scored.iter().zip(0..) {
             if is_right {
-                matches.hits.push(Hit { score, scan });
+                matches.events.push(ScoreEvent { score, scan, tp: 1, fp: 0, n_hits: 1, similarity: 1.0 });
+            } else {
+                matches.falses.push((score, scan));
             }
-            let (tp, fp) = (i32::from(is_right), i32::from(!is_right));
-            let similarity = f64::from(tp);
-            matches.events.push(ScoreEvent { score, scan, tp, fp, similarity });
         }
-        matches.sort();
-        matches
+        matches.sorted()
+    }
+
+    fn curve(matches: &ScoredMatches, times: &[u16]) -> RecallCurve {
+        let [curve] = official_curves(matches, &single_draw(times));
+        curve
     }
 
     #[test]
     fn one_of_one_is_one_recall_of_41() {
-        let curve = OfficialCurve::of(&matches(&[(0.9, true)], 1), &[1]);
-        assert_eq!(curve.precision[..2], [1.0, 0.0]);
-        assert_eq!(curve.average_precision(Recalls::R11), Some(1.0 / 11.0));
-        assert_eq!(curve.average_precision(Recalls::R40), Some(0.0));
+        let it = curve(&matches(&[(0.9, true)], 1), &[1]);
+        assert_eq!(it.precision[..2], [1.0, 0.0]);
+        assert_eq!(it.average_precision(Recalls::R11), Some(1.0 / 11.0));
+        assert_eq!(it.average_precision(Recalls::R40), Some(0.0));
     }
 
     #[test]
     fn forty_one_of_forty_one_is_all() {
         for (n, r40) in [(40, 39.0 / 40.0), (41, 1.0), (100, 1.0)] {
             let all: Vec<(f64, bool)> = (0..n).map(|it| (f64::from(it), true)).collect();
-            let curve = OfficialCurve::of(&matches(&all, n), &vec![1; all.len()]);
-            assert_eq!(curve.average_precision(Recalls::R40), Some(r40), "{n}");
+            let it = curve(&matches(&all, n), &vec![1; all.len()]);
+            assert_eq!(it.average_precision(Recalls::R40), Some(r40), "{n}");
         }
     }
 
@@ -114,18 +136,18 @@ mod tests {
     fn a_hundred_of_two_hundred_is_half() {
         // Every other detection is false; so is precision a half from the second on.
         let half: Vec<(f64, bool)> = (0..200).map(|it| (f64::from(-it), it % 2 == 0)).collect();
-        let curve = OfficialCurve::of(&matches(&half, 200), &[1; 200]);
+        let it = curve(&matches(&half, 200), &[1; 200]);
         // Recall 0 is the first detection; recall 0.5 is the last that is right, of 199.
-        assert_eq!(curve.precision[0], 1.0);
-        assert_eq!(curve.precision[20], 100.0 / 199.0);
-        assert_eq!(curve.precision[21], 0.0);
+        assert_eq!(it.precision[0], 1.0);
+        assert_eq!(it.precision[20], 100.0 / 199.0);
+        assert_eq!(it.precision[21], 0.0);
     }
 
     #[test]
     fn scans_drawn_twice_count_twice() {
         let once: Vec<(f64, bool)> = (0..60).map(|it| (f64::from(-it), it % 3 != 0)).collect();
         let twice: Vec<(f64, bool)> = once.iter().flat_map(|it| [*it, *it]).collect();
-        let of_drawn = OfficialCurve::of(&matches(&once, 50), &[2; 60]);
-        assert_eq!(of_drawn, OfficialCurve::of(&matches(&twice, 100), &[1; 120]));
+        let of_drawn = curve(&matches(&once, 50), &[2; 60]);
+        assert_eq!(of_drawn, curve(&matches(&twice, 100), &[1; 120]));
     }
 }

@@ -2,159 +2,160 @@
 //!
 //! Twice over: first with all detections, where an annotation takes the surest that overlaps it enough; the scores of what is found so
 //! become the least scores that precision is looked up at. Then for each of these, where an annotation takes the one that overlaps it most.
+//! What hangs together is matched by itself.
 
-use super::roles::{Role, Roles};
+use super::class_scan::{Candidate, ClassScan};
+use super::components::Components;
+use super::roles::Role;
 use super::rules::{Plane, Question};
-use super::scan::{KittiPair, KittiScan};
-use super::score_events::{Counted, Hit, ScoreEvent, ScoredMatches};
+use super::score_events::{ScoreEvent, ScoreEvents};
 
-/// Matches all `scans`; of each, its place is told in events.
-pub fn official_matches<'a>(
-    scans: impl IntoIterator<Item = (u32, &'a KittiScan)>,
-    question: &Question,
-) -> ScoredMatches {
-    let mut matches = ScoredMatches::default();
-    for (place, scan) in scans {
-        let mut matching = OfficialMatching::new(scan, *question);
-        let n_annotations = matching.roles.n_annotations();
-        if n_annotations > 0 {
-            matches.annotations.push((place, n_annotations));
-        }
-        matches.hits.extend(matching.surest_first().map(|score| Hit { score, scan: place }));
-        matching.add_events(place, &mut matches.events);
-    }
-    matches.sort();
-    matches
-}
-
-/// A scan that is being matched.
-struct OfficialMatching<'a> {
-    scan: &'a KittiScan,
-    roles: Roles,
-    // Overlapping enough, of those that are not absent, in the order of annotations, then detections.
-    pairs: Vec<(&'a KittiPair, f64)>,
-    // Of each detection, whether it is false where it finds nothing.
-    can_be_false: Vec<bool>,
+/// Matches scans; its memory is used again.
+#[derive(Debug, Default)]
+pub struct OfficialMatching {
+    candidates: Vec<Candidate>,
+    components: Components,
+    // Of each detection whether it is found alone, and whether it is taken.
+    is_alone: Vec<bool>,
     is_taken: Vec<bool>,
 }
 
-impl<'a> OfficialMatching<'a> {
-    fn new(scan: &'a KittiScan, question: Question) -> Self {
-        let roles = Roles::of(scan, &question);
-        let min_overlap = question.min_overlap();
-        let pairs = scan.pairs().iter().map(|it| (it, it.overlap_in(&question)));
-        let pairs = pairs.filter(|(it, overlap)| {
-            *overlap > min_overlap
-                && roles.annotations[it.annotation] != Role::Absent
-                && roles.detections[it.detection] != Role::Absent
-        });
-        // Regions without labels have no place in the world, so that they excuse in the image only.
-        let is_excused =
-            |place: usize| question.plane == Plane::Image && scan.dont_care_share(place) > min_overlap;
-        let can_be_false = roles.detections.iter().zip(0..);
-        Self {
-            scan,
-            pairs: pairs.collect(),
-            can_be_false: can_be_false
-                .map(|(role, place)| *role == Role::Counts && !is_excused(place))
-                .collect(),
-            is_taken: vec![false; roles.detections.len()],
-            roles,
+/// What is right among the detections of some least score.
+#[derive(Debug, Clone, Copy, Default)]
+struct Found {
+    tp: i32,
+    // Detections that would be false, had they found nothing.
+    n_excused: i32,
+    similarity: f64,
+}
+
+impl OfficialMatching {
+    /// Adds what is found in the scan at this place.
+    pub fn add(
+        &mut self,
+        (place, scan): (u32, &ClassScan<'_>),
+        question: &Question,
+        events: &mut ScoreEvents,
+    ) {
+        let n_annotations = scan.n_annotations(question.difficulty);
+        if n_annotations > 0 {
+            events.annotations.push((place, n_annotations));
+        }
+        for flags in [&mut self.is_alone, &mut self.is_taken] {
+            flags.clear();
+            flags.resize(scan.scan.detections().len(), false);
+        }
+        let can_be_false = |detection: usize| can_be_false(scan, question, detection);
+        self.candidates.clear();
+        self.candidates.extend(scan.candidates(question));
+        for component in self.components.split(&mut self.candidates) {
+            if let [it] = component {
+                self.is_alone[it.detection] = true;
+                events.events.extend(found_alone(it, place));
+            } else {
+                let mut component = Component { pairs: component, is_taken: &mut self.is_taken };
+                component.add_hits(place, &mut events.events);
+                component.add_changes(place, can_be_false, &mut events.events);
+            }
+        }
+        let falses = scan.of_class().filter(|(it, _)| !self.is_alone[*it] && can_be_false(*it));
+        events.falses.extend(falses.map(|(_, it)| (it.score, place)));
+    }
+}
+
+/// Whether a detection is false where it finds nothing.
+fn can_be_false(scan: &ClassScan<'_>, question: &Question, detection: usize) -> bool {
+    // Regions without labels have no place in the world, so that they excuse in the image only.
+    let is_excused =
+        || question.plane == Plane::Image && scan.scan.dont_care_share(detection) > question.min_overlap();
+    scan.detection_role(detection, question.difficulty) == Role::Counts && !is_excused()
+}
+
+fn is_found_by(it: &Candidate) -> bool {
+    it.annotation_role == Role::Counts && it.detection_role == Role::Counts
+}
+
+/// What a pair changes that hangs together with no other.
+fn found_alone(it: &Candidate, scan: u32) -> Option<ScoreEvent> {
+    let Candidate { score, similarity, .. } = *it;
+    is_found_by(it).then_some(ScoreEvent { score, scan, tp: 1, fp: 0, n_hits: 1, similarity })
+}
+
+/// Pairs that hang together.
+struct Component<'a> {
+    // In the order of annotations, then detections.
+    pairs: &'a [Candidate],
+    is_taken: &'a mut [bool],
+}
+
+impl Component<'_> {
+    fn free_all(&mut self) {
+        for it in self.pairs {
+            self.is_taken[it.detection] = false;
         }
     }
 
-    fn score(&self, pair: &KittiPair) -> f64 {
-        self.scan.detections()[pair.detection].score
-    }
-
-    /// The scores of what is found when every annotation takes the surest detection that is free; the first of those alike.
-    fn surest_first(&mut self) -> impl Iterator<Item = f64> + use<> {
-        self.is_taken.fill(false);
-        let mut scores = Vec::new();
-        for of_annotation in self.pairs.chunk_by(|a, b| a.0.annotation == b.0.annotation) {
-            let mut surest: Option<&KittiPair> = None;
-            for (pair, _) in of_annotation.iter().filter(|(it, _)| !self.is_taken[it.detection]) {
-                if surest.is_none_or(|it| self.score(pair) > self.score(it)) {
-                    surest = Some(pair);
+    /// Adds the scores of what is found when every annotation takes the surest detection that is free; the first of those alike.
+    fn add_hits(&mut self, scan: u32, events: &mut Vec<ScoreEvent>) {
+        self.free_all();
+        for of_annotation in self.pairs.chunk_by(|a, b| a.annotation == b.annotation) {
+            let mut surest: Option<&Candidate> = None;
+            for it in of_annotation.iter().filter(|it| !self.is_taken[it.detection]) {
+                if surest.is_none_or(|surest| it.score > surest.score) {
+                    surest = Some(it);
                 }
             }
-            let Some(pair) = surest else { continue };
-            self.is_taken[pair.detection] = true;
-            if self.is_found_by(pair) {
-                scores.push(self.score(pair));
+            let Some(it) = surest else { continue };
+            self.is_taken[it.detection] = true;
+            if is_found_by(it) {
+                events.push(ScoreEvent { score: it.score, scan, tp: 0, fp: 0, n_hits: 1, similarity: 0.0 });
             }
         }
-        scores.into_iter()
     }
 
-    fn is_found_by(&self, pair: &KittiPair) -> bool {
-        self.roles.annotations[pair.annotation] == Role::Counts
-            && self.roles.detections[pair.detection] == Role::Counts
-    }
-
-    /// Adds what changes at every score that a detection of the scan has.
-    fn add_events(&mut self, place: u32, events: &mut Vec<ScoreEvent>) {
-        let mut scores: Vec<f64> = self.pairs.iter().map(|(it, _)| self.score(it)).collect();
+    /// Adds what changes at every score that a detection has.
+    fn add_changes(&mut self, scan: u32, can_be_false: impl Fn(usize) -> bool, events: &mut Vec<ScoreEvent>) {
+        let mut scores: Vec<f64> = self.pairs.iter().map(|it| it.score).collect();
         scores.sort_by(|a, b| b.total_cmp(a));
         scores.dedup();
-        let mut before = Counted::default();
-        for min_score in scores {
-            let counted = self.found_and_excused(min_score);
-            events.push(ScoreEvent {
-                score: min_score,
-                scan: place,
-                tp: (counted.tp - before.tp) as i32,
-                fp: (counted.fp - before.fp) as i32,
-                similarity: counted.similarity - before.similarity,
-            });
-            before = counted;
+        let mut before = Found::default();
+        for score in scores {
+            let found = self.found(score, &can_be_false);
+            let (tp, fp) = (found.tp - before.tp, before.n_excused - found.n_excused);
+            let similarity = found.similarity - before.similarity;
+            events.push(ScoreEvent { score, scan, tp, fp, n_hits: 0, similarity });
+            before = found;
         }
-        let false_alone = self.scan.detections().iter().zip(&self.can_be_false).filter(|(_, can)| **can);
-        let event = |(it, _): (&super::scan::KittiDetection, _)| ScoreEvent {
-            score: it.score,
-            scan: place,
-            tp: 0,
-            fp: 1,
-            similarity: 0.0,
-        };
-        events.extend(false_alone.map(event));
     }
 
-    /// What is right among detections of at least `min_score`. Those that are false are counted as if nothing were found, elsewhere; so
-    /// what is taken of them counts as less than none here.
-    fn found_and_excused(&mut self, min_score: f64) -> Counted {
-        self.is_taken.fill(false);
-        let mut counted = Counted::default();
-        for of_annotation in self.pairs.chunk_by(|a, b| a.0.annotation == b.0.annotation) {
-            let Some(pair) = self.most_overlapping(of_annotation, min_score) else { continue };
-            self.is_taken[pair.detection] = true;
-            counted.fp -= i64::from(self.can_be_false[pair.detection]);
-            if self.is_found_by(pair) {
-                counted.tp += 1;
-                let turn_rad = self.scan.annotations()[pair.annotation].object.alpha_rad
-                    - self.scan.detections()[pair.detection].object.alpha_rad;
-                counted.similarity += f64::midpoint(1.0, turn_rad.cos());
+    /// What is right among detections of at least `min_score`. Those that are false are counted as if nothing were found, elsewhere.
+    fn found(&mut self, min_score: f64, can_be_false: &impl Fn(usize) -> bool) -> Found {
+        self.free_all();
+        let mut found = Found::default();
+        for of_annotation in self.pairs.chunk_by(|a, b| a.annotation == b.annotation) {
+            let Some(it) = self.most_overlapping(of_annotation, min_score) else { continue };
+            self.is_taken[it.detection] = true;
+            found.n_excused += i32::from(can_be_false(it.detection));
+            if is_found_by(it) {
+                found.tp += 1;
+                found.similarity += it.similarity;
             }
         }
-        counted
+        found
     }
 
     /// The detection that counts and overlaps most, the first of those alike; without one, the first that is ignored.
-    fn most_overlapping(
-        &self,
-        of_annotation: &[(&'a KittiPair, f64)],
-        min_score: f64,
-    ) -> Option<&'a KittiPair> {
-        let is_free = |it: &KittiPair| !self.is_taken[it.detection] && self.score(it) >= min_score;
-        let (mut most, mut ignored): (Option<(&KittiPair, f64)>, Option<&KittiPair>) = (None, None);
-        for (pair, overlap) in of_annotation.iter().filter(|(it, _)| is_free(it)) {
-            if self.roles.detections[pair.detection] == Role::Ignored {
-                ignored = ignored.or(Some(pair));
-            } else if most.is_none_or(|(_, it)| *overlap > it) {
-                most = Some((pair, *overlap));
+    fn most_overlapping<'a>(&self, of_annotation: &'a [Candidate], min_score: f64) -> Option<&'a Candidate> {
+        let is_free = |it: &&Candidate| !self.is_taken[it.detection] && it.score >= min_score;
+        let (mut most, mut ignored): (Option<&Candidate>, Option<&Candidate>) = (None, None);
+        for it in of_annotation.iter().filter(is_free) {
+            if it.detection_role == Role::Ignored {
+                ignored = ignored.or(Some(it));
+            } else if most.is_none_or(|most| it.overlap > most.overlap) {
+                most = Some(it);
             }
         }
-        most.map(|(pair, _)| pair).or(ignored)
+        most.or(ignored)
     }
 }
 
@@ -162,6 +163,7 @@ impl<'a> OfficialMatching<'a> {
 mod tests {
     use super::super::drawn_scan::{annotation, detection, scan};
     use super::super::rules::{Demand, Difficulty, KittiClass};
+    use super::super::scan::KittiScan;
     use super::*;
     use crate::vocabulary::class::AnnotationClass::{Car, Van};
 
@@ -174,15 +176,23 @@ mod tests {
 
     /// The scores that thresholds are taken from, and what is right and false from each score on.
     fn counted(scan: &KittiScan) -> (Vec<f64>, Vec<(f64, i32, i32)>) {
-        let matches = official_matches([(0, scan)], &QUESTION);
+        let mut events = ScoreEvents::default();
+        let scan = ClassScan::of(scan, KittiClass::Car);
+        OfficialMatching::default().add((0, &scan), &QUESTION, &mut events);
+        let falses = events.falses.iter().map(|(score, _)| (*score, 0, 1));
+        let mut changes: Vec<(f64, i32, i32)> =
+            events.events.iter().map(|it| (it.score, it.tp, it.fp)).chain(falses).collect();
+        changes.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (mut tp, mut fp) = (0, 0);
         let mut counted: Vec<(f64, i32, i32)> = Vec::new();
-        for event in &matches.events {
-            (tp, fp) = (tp + event.tp, fp + event.fp);
-            counted.retain(|it| it.0 != event.score);
-            counted.push((event.score, tp, fp));
+        for change in changes {
+            (tp, fp) = (tp + change.1, fp + change.2);
+            counted.retain(|it| it.0 != change.0);
+            counted.push((change.0, tp, fp));
         }
-        (matches.hits.iter().map(|it| it.score).collect(), counted)
+        let mut hits: Vec<f64> = events.events.iter().filter(|it| it.n_hits > 0).map(|it| it.score).collect();
+        hits.sort_by(|a, b| b.total_cmp(a));
+        (hits, counted)
     }
 
     #[test]
@@ -215,7 +225,7 @@ mod tests {
     #[test]
     fn what_finds_something_ignored_is_neither_right_nor_false() {
         let it = scan(&[annotation(Van, 0.0)], &[detection(Car, 0.0, 0.9)], &[(0, 0, 0.8)]);
-        assert_eq!(counted(&it), (vec![], vec![(0.9, 0, 0)]));
+        assert_eq!(counted(&it), (vec![], vec![]));
     }
 
     #[test]
@@ -223,7 +233,7 @@ mod tests {
         let mut low = detection(Van, 0.0, 0.9);
         low.object.left_top_right_bottom_px[3] = 110.0;
         let it = scan(&[annotation(Car, 0.0)], &[low], &[(0, 0, 0.8)]);
-        assert_eq!(counted(&it), (vec![], vec![(0.9, 0, 0)]));
+        assert_eq!(counted(&it), (vec![], vec![]));
         let it =
             scan(&[annotation(Car, 0.0)], &[low, detection(Car, 0.1, 0.5)], &[(0, 0, 0.8), (0, 1, 0.75)]);
         // The surest takes it when thresholds are sought; so there is none, and precision is 0.

@@ -1,7 +1,7 @@
 //! Which annotations are to be found, which may be, and which detections can find them.
 
-use super::rules::{Difficulty, KittiClass, Question};
-use super::scan::{KittiAnnotation, KittiDetection, KittiScan};
+use super::rules::{Difficulty, KittiClass};
+use super::scan::{KittiAnnotation, KittiDetection};
 
 /// What an annotation or a detection is to a question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,32 +14,8 @@ pub enum Role {
     Absent,
 }
 
-/// The roles of all that is in a scan.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Roles {
-    /// Of the annotations.
-    pub annotations: Vec<Role>,
-    /// Of the detections.
-    pub detections: Vec<Role>,
-}
-
-impl Roles {
-    /// Those of `scan` for `question`.
-    pub fn of(scan: &KittiScan, question: &Question) -> Self {
-        let Question { class, difficulty, .. } = *question;
-        Self {
-            annotations: scan.annotations().iter().map(|it| annotation_role(it, class, difficulty)).collect(),
-            detections: scan.detections().iter().map(|it| detection_role(it, class, difficulty)).collect(),
-        }
-    }
-
-    /// Number of annotations that are to be found.
-    pub fn n_annotations(&self) -> u32 {
-        self.annotations.iter().filter(|it| **it == Role::Counts).count() as u32
-    }
-}
-
-fn annotation_role(annotation: &KittiAnnotation, class: KittiClass, difficulty: Difficulty) -> Role {
+/// What an annotation is to questions about a class.
+pub fn annotation_role(annotation: &KittiAnnotation, class: KittiClass, difficulty: Difficulty) -> Role {
     let limits = difficulty.limits();
     let is_within = annotation.occlusion <= limits.max_occlusion
         && annotation.truncation <= limits.max_truncation
@@ -50,8 +26,8 @@ fn annotation_role(annotation: &KittiAnnotation, class: KittiClass, difficulty: 
     if Some(annotation.object.class) == class.neighbor() { Role::Ignored } else { Role::Absent }
 }
 
-/// A detection that is too low in the image is ignored whatever its class is, as the makers' program has it.
-fn detection_role(detection: &KittiDetection, class: KittiClass, difficulty: Difficulty) -> Role {
+/// What a detection is to questions about a class. One that is too low in the image is ignored whatever its class is, as the makers' program has it.
+pub fn detection_role(detection: &KittiDetection, class: KittiClass, difficulty: Difficulty) -> Role {
     if detection.object.height_px().abs() < difficulty.limits().min_height_px {
         Role::Ignored
     } else if detection.object.class == class.annotation_class() {

@@ -1,8 +1,7 @@
 //! What KITTI's evaluation looks at, scan by scan.
 
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
 
-use super::rules::{Plane, Question};
 use crate::rows::kitti_object_row::{KittiBox, KittiFact, KittiOverlap};
 
 /// An annotation.
@@ -53,45 +52,34 @@ impl KittiScan {
     ///
     /// A sentence, if a place is missing, comes twice, or is named by a pair only; or a region names a detection that is not there.
     pub fn of(facts: impl IntoIterator<Item = KittiFact>) -> Result<Self, String> {
-        let (mut annotations, mut detections) = (BTreeMap::new(), BTreeMap::new());
-        let (mut pairs, mut shares) = (BTreeMap::new(), Vec::new());
+        let (mut annotations, mut detections) = (Vec::new(), Vec::new());
+        let (mut pairs, mut shares) = (Vec::new(), Vec::new());
         for fact in facts {
-            let twice = match fact {
+            match fact {
                 KittiFact::Annotation { annotation, object, occlusion, truncation } => {
-                    let it = KittiAnnotation { object, occlusion, truncation };
-                    annotations.insert(annotation as usize, it).map(|_| format!("annotation {annotation}"))
+                    annotations.push((annotation, KittiAnnotation { object, occlusion, truncation }));
                 }
                 KittiFact::Detection { detection, object, score } => {
-                    let it = KittiDetection { object, score };
-                    detections.insert(detection as usize, it).map(|_| format!("detection {detection}"))
+                    detections.push((detection, KittiDetection { object, score }));
                 }
-                KittiFact::Pair { annotation, detection, overlap } => pairs
-                    .insert((annotation as usize, detection as usize), overlap)
-                    .map(|_| format!("the pair of annotation {annotation} and detection {detection}")),
-                KittiFact::DontCare { detection, share } => {
-                    shares.push((detection as usize, share));
-                    None
+                KittiFact::Pair { annotation, detection, overlap } => {
+                    let (annotation, detection) = (annotation as usize, detection as usize);
+                    pairs.push(KittiPair { annotation, detection, overlap });
                 }
-            };
-            if let Some(twice) = twice {
-                return Err(format!("{twice} comes twice"));
+                KittiFact::DontCare { detection, share } => shares.push((detection as usize, share)),
             }
         }
-        let annotations = without_gaps(annotations, "annotation")?;
-        let detections: Vec<KittiDetection> = without_gaps(detections, "detection")?;
+        let annotations = in_order(annotations, "annotation")?;
+        let detections = in_order(detections, "detection")?;
+        pairs.sort_by_key(place_of);
+        check_pairs(&pairs, annotations.len(), detections.len())?;
         let mut dont_care = vec![0.0; detections.len()];
         for (detection, share) in shares {
             let of_detection: &mut f64 =
                 dont_care.get_mut(detection).ok_or_else(|| format!("there is no detection {detection}"))?;
             *of_detection = of_detection.max(share);
         }
-        if let Some((annotation, detection)) =
-            pairs.keys().find(|it| it.0 >= annotations.len() || it.1 >= detections.len())
-        {
-            return Err(format!("annotation {annotation} and detection {detection} are not both there"));
-        }
-        let pair = |((annotation, detection), overlap)| KittiPair { annotation, detection, overlap };
-        Ok(Self { annotations, detections, pairs: pairs.into_iter().map(pair).collect(), dont_care })
+        Ok(Self { annotations, detections, pairs, dont_care })
     }
 
     /// The annotations, in the order of their file.
@@ -115,23 +103,35 @@ impl KittiScan {
     }
 }
 
-impl KittiPair {
-    /// The overlap that a question is about.
-    pub fn overlap_in(&self, question: &Question) -> f64 {
-        match question.plane {
-            Plane::Image => self.overlap.image,
-            Plane::BirdsEye => self.overlap.birds_eye,
-            Plane::Volume => self.overlap.volume,
+/// Puts the values in the order of their places, which are to be those from 0 on, each once.
+fn in_order<T>(mut placed: Vec<(u32, T)>, what: &str) -> Result<Vec<T>, String> {
+    placed.sort_by_key(|(place, _)| *place);
+    for ((place, _), expected) in placed.iter().zip(0..) {
+        match place.cmp(&expected) {
+            Ordering::Less => return Err(format!("{what} {place} comes twice")),
+            Ordering::Equal => {}
+            Ordering::Greater => return Err(format!("there is no {what} {expected}")),
         }
+    }
+    Ok(placed.into_iter().map(|(_, it)| it).collect())
+}
+
+/// Makes sure that no pair comes twice, and that both of each are there.
+fn check_pairs(pairs: &[KittiPair], n_annotations: usize, n_detections: usize) -> Result<(), String> {
+    let twice = pairs.windows(2).find(|it| place_of(&it[0]) == place_of(&it[1]));
+    if let Some([KittiPair { annotation, detection, .. }, ..]) = twice {
+        return Err(format!("the pair of annotation {annotation} and detection {detection} comes twice"));
+    }
+    match pairs.iter().find(|it| it.annotation >= n_annotations || it.detection >= n_detections) {
+        Some(KittiPair { annotation, detection, .. }) => {
+            Err(format!("annotation {annotation} and detection {detection} are not both there"))
+        }
+        None => Ok(()),
     }
 }
 
-/// The values of places from 0 on.
-fn without_gaps<T>(by_place: BTreeMap<usize, T>, what: &str) -> Result<Vec<T>, String> {
-    match by_place.keys().zip(0..).find(|(place, expected)| *place != expected) {
-        Some((_, missing)) => Err(format!("there is no {what} {missing}")),
-        None => Ok(by_place.into_values().collect()),
-    }
+fn place_of(it: &KittiPair) -> (usize, usize) {
+    (it.annotation, it.detection)
 }
 
 #[cfg(test)]
@@ -154,6 +154,7 @@ mod tests {
         let overlap = KittiOverlap { image: 0.9, birds_eye: 0.9, volume: 0.9 };
         check_refused(&[found(0), found(0)], "detection 0 comes twice");
         check_refused(&[found(1)], "there is no detection 0");
+        check_refused(&[found(2), found(0), found(2), found(1)], "detection 2 comes twice");
         check_refused(&[KittiFact::DontCare { detection: 3, share: 0.9 }], "there is no detection 3");
         check_refused(
             &[found(0), KittiFact::Pair { annotation: 0, detection: 0, overlap }],

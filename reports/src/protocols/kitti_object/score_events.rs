@@ -1,6 +1,8 @@
 //! How counts change as the least score that is kept goes down.
 
-/// What changes when detections of this score join.
+use crate::protocols::drawn_scans::{Times, add, n_in_draws};
+
+/// What changes when detections of this score join, other than that one more is false.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScoreEvent {
     /// The score.
@@ -11,60 +13,123 @@ pub struct ScoreEvent {
     pub tp: i32,
     /// By how much those that are false grow.
     pub fp: i32,
+    /// How many of them are right when all detections are kept: thresholds are taken from their scores.
+    pub n_hits: u32,
     /// By how much the sum of the similarities of headings grows.
     pub similarity: f64,
 }
 
-/// A detection that is kept, whatever else is: what thresholds are taken from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Its score.
-    pub score: f64,
-    /// Place of the scan.
-    pub scan: u32,
-}
-
-/// What one question asks of all scans, matched in one way.
+/// What one question asks of all scans, matched in one way, in any order.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct ScoredMatches {
+pub struct ScoreEvents {
     /// Of each scan that has some: its place, and the annotations that are to be found.
     pub annotations: Vec<(u32, u32)>,
-    /// Detections that are right when all are kept, the best score first; empty where nobody asks for them.
-    pub hits: Vec<Hit>,
-    /// The changes, the best score first.
+    /// Detections that are false and change nothing else: the score of each, and the place of its scan.
+    pub falses: Vec<(f64, u32)>,
+    /// All other changes.
     pub events: Vec<ScoreEvent>,
 }
 
-/// Detections of some least score.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Counted {
+/// What one question asks of all scans, the best score first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScoredMatches {
+    annotations: Vec<(u32, u32)>,
+    hits: Vec<(u32, u32)>,
+    falses: Vec<u32>,
+    turns: Vec<Turn>,
+}
+
+/// A change that is more than a false detection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Turn {
+    scan: u32,
+    // How many false detections have its score or a better one.
+    n_falses: u32,
+    tp: i32,
+    fp: i32,
+    n_hits: u32,
+    // Whether it is the last of its score.
+    is_last: bool,
+    similarity: f64,
+}
+
+/// Detections of some least score, in each of `N` draws.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Counted<const N: usize> {
     /// Those that are right.
-    pub tp: i64,
+    pub tp: [f64; N],
     /// Those that are false.
-    pub fp: i64,
+    pub fp: [f64; N],
+    /// Those that thresholds are taken from.
+    pub n_hits: [f64; N],
     /// Sum of the similarities of headings, each 0 to 1.
-    pub similarity: f64,
+    pub similarity: [f64; N],
+}
+
+impl ScoreEvents {
+    /// In the order of scores.
+    pub fn sorted(mut self) -> ScoredMatches {
+        self.falses.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        // Stable: changes of like scores stay in the order of scans.
+        self.events.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let (mut turns, mut n_falses) = (Vec::with_capacity(self.events.len()), 0);
+        for alike in self.events.chunk_by(|a, b| a.score == b.score) {
+            n_falses += self.falses[n_falses..].partition_point(|it| it.0 >= alike[0].score);
+            for (place, it) in alike.iter().enumerate() {
+                turns.push(Turn {
+                    scan: it.scan,
+                    n_falses: n_falses as u32,
+                    tp: it.tp,
+                    fp: it.fp,
+                    n_hits: it.n_hits,
+                    is_last: place + 1 == alike.len(),
+                    similarity: it.similarity,
+                });
+            }
+        }
+        let hits = turns.iter().filter(|it| it.n_hits > 0).map(|it| (it.scan, it.n_hits)).collect();
+        let falses = self.falses.into_iter().map(|(_, scan)| scan).collect();
+        ScoredMatches { annotations: self.annotations, hits, falses, turns }
+    }
 }
 
 impl ScoredMatches {
-    /// Puts hits and events in the order of scores; those of like scores stay in the order of scans.
-    pub fn sort(&mut self) {
-        self.hits.sort_by(|a, b| b.score.total_cmp(&a.score));
-        self.events.sort_by(|a, b| b.score.total_cmp(&a.score));
+    /// Number of annotations that are to be found, where each scan is there once.
+    pub fn n_annotations_once(&self) -> u64 {
+        self.annotations.iter().map(|(_, n)| u64::from(*n)).sum()
     }
 
-    /// Annotations that are to be found where scan *i* is there `times[i]` times.
-    pub fn n_annotations(&self, times: &[u16]) -> u64 {
-        self.annotations.iter().map(|(scan, n)| u64::from(*n) * u64::from(times[*scan as usize])).sum()
+    /// Number of annotations that are to be found in each draw.
+    pub fn n_annotations<const N: usize>(&self, times: &[Times<N>]) -> [f64; N] {
+        n_in_draws(&self.annotations, times)
     }
-}
 
-impl Counted {
-    /// Takes an event in, whose scan is there `times` times.
-    pub fn add(&mut self, event: &ScoreEvent, times: u16) {
-        let times = i64::from(times);
-        self.tp += times * i64::from(event.tp);
-        self.fp += times * i64::from(event.fp);
-        self.similarity += times as f64 * event.similarity;
+    /// Number of detections that thresholds are taken from in each draw.
+    pub fn n_hits<const N: usize>(&self, times: &[Times<N>]) -> [f64; N] {
+        n_in_draws(&self.hits, times)
+    }
+
+    /// Shows `visit` what is counted down to each score at which more changes than that detections are false, the best first.
+    #[inline(always)]
+    pub fn go_through<const N: usize>(&self, times: &[Times<N>], mut visit: impl FnMut(&Counted<N>)) {
+        let zeros = [0.0; N];
+        let mut counted = Counted { tp: zeros, fp: zeros, n_hits: zeros, similarity: zeros };
+        let mut n_falses = 0;
+        for turn in &self.turns {
+            for scan in &self.falses[n_falses..turn.n_falses as usize] {
+                add(&mut counted.fp, &times[*scan as usize]);
+            }
+            n_falses = turn.n_falses as usize;
+            let of_scan = &times[turn.scan as usize];
+            let changes = [f64::from(turn.tp), f64::from(turn.fp), f64::from(turn.n_hits), turn.similarity];
+            let [tp, fp, n_hits, similarity] = changes.map(|change| of_scan.map(|it| it * change));
+            add(&mut counted.tp, &tp);
+            add(&mut counted.fp, &fp);
+            add(&mut counted.n_hits, &n_hits);
+            add(&mut counted.similarity, &similarity);
+            if turn.is_last {
+                visit(&counted);
+            }
+        }
     }
 }

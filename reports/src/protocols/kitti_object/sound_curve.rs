@@ -2,74 +2,118 @@
 //!
 //! Everingham et al. 2010 (interpolation), Simonelli et al. 2019 (R40).
 
-use super::averages::Recalls;
+use super::recall_curve::{N_RECALLS, RecallCurve, best_from_here};
 use super::score_events::{Counted, ScoredMatches};
+use crate::protocols::drawn_scans::Times;
 
-/// What remains when detections below some score are left out.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SoundCurve {
-    n_annotations: u64,
-    points: Vec<Counted>,
+const N_STEPS: u64 = N_RECALLS as u64 - 1;
+
+/// The curve of each draw: the largest value that is reached at each recall or beyond, 0 where none is; `None` without any annotation.
+pub fn sound_curves<const N: usize>(matches: &ScoredMatches, times: &[Times<N>]) -> [Option<RecallCurve>; N] {
+    let n_annotations = matches.n_annotations(times);
+    let mut best = BestValues::new(&n_annotations);
+    matches.go_through(times, |counted| best.take(counted));
+    (0..N).for_each(|draw| best.end(draw));
+    std::array::from_fn(|draw| {
+        (n_annotations[draw] > 0.0).then(|| RecallCurve {
+            precision: best_from_here(&best.precision[draw]),
+            similarity: best_from_here(&best.similarity[draw]),
+        })
+    })
 }
 
-impl SoundCurve {
-    /// Of scans of which each is there so many `times`.
-    pub fn of(matches: &ScoredMatches, times: &[u16]) -> Self {
-        let mut counted = Counted::default();
-        let mut points = Vec::new();
-        for alike in matches.events.chunk_by(|a, b| a.score == b.score) {
-            for event in alike {
-                counted.add(event, times[event.scan as usize]);
+/// The best values between one recall and the next, while scores are gone through.
+struct BestValues<const N: usize> {
+    n_annotations: [f64; N],
+    // How many have to be found for the recall after the last that was reached.
+    n_needed: [f64; N],
+    reached: [usize; N],
+    precision: [[f64; N_RECALLS]; N],
+    similarity: [[f64; N_RECALLS]; N],
+    // Those since the last recall was reached.
+    precision_since: [f64; N],
+    similarity_since: [f64; N],
+}
+
+impl<const N: usize> BestValues<N> {
+    fn new(n_annotations: &[f64; N]) -> Self {
+        Self {
+            n_annotations: *n_annotations,
+            n_needed: n_annotations.map(|it| n_to_reach(1, it)),
+            reached: [0; N],
+            precision: [[0.0; N_RECALLS]; N],
+            similarity: [[0.0; N_RECALLS]; N],
+            precision_since: [0.0; N],
+            similarity_since: [0.0; N],
+        }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, counted: &Counted<N>) {
+        if counted.tp.iter().zip(&self.n_needed).fold(false, |any, (tp, needed)| any | (tp >= needed)) {
+            self.reach(&counted.tp);
+        }
+        for draw in 0..N {
+            let n_detections = counted.tp[draw] + counted.fp[draw];
+            // Of no detection they are no numbers, which are not above the best.
+            let values = [counted.tp[draw] / n_detections, counted.similarity[draw] / n_detections];
+            let since = [&mut self.precision_since[draw], &mut self.similarity_since[draw]];
+            for (value, since) in values.into_iter().zip(since) {
+                *since = if value > *since { value } else { *since };
             }
-            points.push(counted);
         }
-        Self { n_annotations: matches.n_annotations(times), points }
     }
 
-    /// Mean, over recalls, of the largest `value` that is reached at that recall or beyond; 0 where none is. `None` without any annotation.
-    fn mean(&self, recalls: Recalls, value: impl Fn(&Counted) -> f64) -> Option<f64> {
-        if self.n_annotations == 0 {
-            return None;
-        }
-        let (steps, n_steps) = recalls.steps();
-        let mut from_the_end = self.points.iter().rev().filter(|it| it.tp + it.fp > 0).peekable();
-        let (mut largest, mut sum) = (0.0_f64, 0.0);
-        for step in steps.clone().rev() {
-            // In whole numbers: a recall of 0.3 is not to fall short of 30 %.
-            let is_reached = |it: &Counted| it.tp as u64 * n_steps >= step * self.n_annotations;
-            while let Some(point) = from_the_end.next_if(|it| is_reached(it)) {
-                largest = largest.max(value(point));
+    /// Goes on to the last recall that is reached by what was found.
+    fn reach(&mut self, n_found: &[f64; N]) {
+        let n_needed = self.n_needed;
+        for draw in (0..N).filter(|it| n_found[*it] >= n_needed[*it]) {
+            self.end(draw);
+            while n_found[draw] >= self.n_needed[draw] {
+                self.reached[draw] += 1;
+                self.n_needed[draw] = n_to_reach(self.reached[draw] + 1, self.n_annotations[draw]);
             }
-            sum += largest;
         }
-        Some(sum / steps.count() as f64)
     }
 
-    /// Average precision, 0 to 1.
-    pub fn average_precision(&self, recalls: Recalls) -> Option<f64> {
-        self.mean(recalls, |it| it.tp as f64 / (it.tp + it.fp) as f64)
+    /// Notes the best values since the last recall was reached.
+    fn end(&mut self, draw: usize) {
+        let reached = self.reached[draw];
+        self.precision[draw][reached] = std::mem::take(&mut self.precision_since[draw]);
+        self.similarity[draw][reached] = std::mem::take(&mut self.similarity_since[draw]);
     }
+}
 
-    /// Average similarity of headings, 0 to 1.
-    pub fn average_similarity(&self, recalls: Recalls) -> Option<f64> {
-        self.mean(recalls, |it| it.similarity / (it.tp + it.fp) as f64)
+/// How many of `n_annotations` are a recall of so many steps; infinitely many beyond the last. In whole numbers: a recall of 0.3 is not to
+/// fall short of 30 %.
+fn n_to_reach(step: usize, n_annotations: f64) -> f64 {
+    if step < N_RECALLS {
+        (step as u64 * n_annotations as u64).div_ceil(N_STEPS) as f64
+    } else {
+        f64::INFINITY
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::score_events::ScoreEvent;
+    use super::super::averages::Recalls;
+    use super::super::score_events::{ScoreEvent, ScoreEvents};
     use super::*;
+    use crate::protocols::drawn_scans::single_draw;
 
     #[track_caller]
     fn check(scored: &[(f64, bool)], n: u32, expected_r11: f64, expected_r40: f64) {
-        let mut matches = ScoredMatches { annotations: vec![(0, n)], ..ScoredMatches::default() };
+        let mut matches = ScoreEvents { annotations: vec![(0, n)], ..ScoreEvents::default() };
         for &(score, is_right) in scored {
-            let (tp, fp) = (i32::from(is_right), i32::from(!is_right));
-            matches.events.push(ScoreEvent { score, scan: 0, tp, fp, similarity: 0.5 * f64::from(tp) });
+            if is_right {
+                let event = ScoreEvent { score, scan: 0, tp: 1, fp: 0, n_hits: 0, similarity: 0.5 };
+                matches.events.push(event);
+            } else {
+                matches.falses.push((score, 0));
+            }
         }
-        matches.sort();
-        let curve = SoundCurve::of(&matches, &[1]);
+        let [curve] = sound_curves(&matches.sorted(), &single_draw(&[1]));
+        let curve = curve.unwrap();
         for (recalls, expected) in [(Recalls::R11, expected_r11), (Recalls::R40, expected_r40)] {
             let found = curve.average_precision(recalls).unwrap();
             assert!((found - expected).abs() < 1e-12, "{recalls:?}: {found} instead of {expected}");
@@ -93,6 +137,6 @@ mod tests {
 
     #[test]
     fn nothing_to_find_is_undefined() {
-        assert_eq!(SoundCurve::of(&ScoredMatches::default(), &[]).average_precision(Recalls::R40), None);
+        assert_eq!(sound_curves::<1>(&ScoreEvents::default().sorted(), &[]), [None]);
     }
 }

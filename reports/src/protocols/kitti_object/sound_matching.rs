@@ -8,86 +8,96 @@
 
 use std::cmp::Ordering;
 
-use super::roles::{Role, Roles};
+use super::class_scan::{Candidate, ClassScan};
+use super::components::Components;
+use super::roles::Role;
 use super::rules::{Demand, Plane, Question};
-use super::scan::{KittiPair, KittiScan};
-use super::score_events::{ScoreEvent, ScoredMatches};
+use super::scan::{KittiDetection, KittiScan};
+use super::score_events::{ScoreEvent, ScoreEvents};
 use crate::rows::kitti_object_row::KittiBox;
 
-/// Matches all `scans`; of each, its place is told in events.
-pub fn sound_matches<'a>(
-    scans: impl IntoIterator<Item = (u32, &'a KittiScan)>,
-    question: &Question,
-) -> ScoredMatches {
-    let mut matches = ScoredMatches::default();
-    for (place, scan) in scans {
-        let roles = Roles::of(scan, question);
-        let n_annotations = roles.n_annotations();
-        if n_annotations > 0 {
-            matches.annotations.push((place, n_annotations));
-        }
-        let found = found_by_detections(scan, *question, &roles);
-        let min_share = question.class.min_overlap(Plane::Image, Demand::Strict);
-        for (detection_idx, detection) in scan.detections().iter().enumerate() {
-            if detection.object.class != question.class.annotation_class() {
-                continue;
-            }
-            let (tp, fp, similarity) = match found[detection_idx] {
-                Some(annotation) if roles.annotations[annotation] == Role::Counts => {
-                    let seen_rad = scan.annotations()[annotation].object.alpha_rad;
-                    (1, 0, f64::midpoint(1.0, (seen_rad - detection.object.alpha_rad).cos()))
-                }
-                Some(_) => continue,
-                None if roles.detections[detection_idx] == Role::Ignored => continue,
-                None if scan.dont_care_share(detection_idx) > min_share => continue,
-                None => (0, 1, 0.0),
-            };
-            matches.events.push(ScoreEvent { score: detection.score, scan: place, tp, fp, similarity });
-        }
-    }
-    matches.sort();
-    matches
+/// Matches scans; its memory is used again.
+#[derive(Debug, Default)]
+pub struct SoundMatching {
+    candidates: Vec<Candidate>,
+    components: Components,
+    // Of each detection the pair that it takes.
+    taken_by: Vec<Option<Candidate>>,
+    // Whether each annotation is taken.
+    is_taken: Vec<bool>,
 }
 
-/// Of each detection the annotation that it takes.
-fn found_by_detections(scan: &KittiScan, question: Question, roles: &Roles) -> Vec<Option<usize>> {
-    let min_overlap = question.min_overlap();
-    let class = question.class.annotation_class();
-    let mut candidates: Vec<(&KittiPair, f64)> = scan
-        .pairs()
-        .iter()
-        .map(|it| (it, it.overlap_in(&question)))
-        .filter(|(it, overlap)| {
-            *overlap > min_overlap
-                && roles.annotations[it.annotation] != Role::Absent
-                && scan.detections()[it.detection].object.class == class
-        })
-        .collect();
-    let is_ignored = |pair: &KittiPair| roles.annotations[pair.annotation] == Role::Ignored;
-    let score = |pair: &KittiPair| scan.detections()[pair.detection].score;
-    candidates.sort_by(|(a, overlap_of_a), (b, overlap_of_b)| {
-        score(b)
-            .total_cmp(&score(a))
-            .then(is_ignored(a).cmp(&is_ignored(b)))
-            .then(overlap_of_b.total_cmp(overlap_of_a))
-            .then_with(|| by_content(scan, a, b))
-    });
-    let mut taken_by = vec![None; scan.detections().len()];
-    let mut is_taken = vec![false; scan.annotations().len()];
-    for (pair, _) in candidates {
-        if taken_by[pair.detection].is_none() && !is_taken[pair.annotation] {
-            taken_by[pair.detection] = Some(pair.annotation);
-            is_taken[pair.annotation] = true;
+impl SoundMatching {
+    /// Adds what is found in the scan at this place.
+    pub fn add(
+        &mut self,
+        (place, scan): (u32, &ClassScan<'_>),
+        question: &Question,
+        events: &mut ScoreEvents,
+    ) {
+        let n_annotations = scan.n_annotations(question.difficulty);
+        if n_annotations > 0 {
+            events.annotations.push((place, n_annotations));
+        }
+        self.match_all(scan, question);
+        let min_share = question.class.min_overlap(Plane::Image, Demand::Strict);
+        for (detection, KittiDetection { score, .. }) in scan.of_class() {
+            match self.taken_by[detection] {
+                Some(Candidate { annotation_role: Role::Counts, similarity, .. }) => {
+                    let event =
+                        ScoreEvent { score: *score, scan: place, tp: 1, fp: 0, n_hits: 0, similarity };
+                    events.events.push(event);
+                }
+                Some(_) => {}
+                None if scan.detection_role(detection, question.difficulty) == Role::Ignored => {}
+                None if scan.scan.dont_care_share(detection) > min_share => {}
+                None => events.falses.push((*score, place)),
+            }
         }
     }
-    taken_by
+
+    fn match_all(&mut self, scan: &ClassScan<'_>, question: &Question) {
+        let class = question.class.annotation_class();
+        let is_of_class = |it: &Candidate| scan.scan.detections()[it.detection].object.class == class;
+        self.candidates.clear();
+        self.candidates.extend(scan.candidates(question).filter(is_of_class));
+        self.taken_by.clear();
+        self.taken_by.resize(scan.scan.detections().len(), None);
+        self.is_taken.clear();
+        self.is_taken.resize(scan.scan.annotations().len(), false);
+        for component in self.components.split(&mut self.candidates) {
+            let mut take = |it: &Candidate| {
+                if self.taken_by[it.detection].is_none() && !self.is_taken[it.annotation] {
+                    self.taken_by[it.detection] = Some(*it);
+                    self.is_taken[it.annotation] = true;
+                }
+            };
+            if let [it] = component {
+                take(it);
+            } else {
+                let mut sorted = component.to_vec();
+                sorted.sort_by(|a, b| order(scan.scan, a, b));
+                sorted.iter().for_each(take);
+            }
+        }
+    }
+}
+
+/// The order in which pairs are taken.
+fn order(scan: &KittiScan, a: &Candidate, b: &Candidate) -> Ordering {
+    let is_ignored = |it: &Candidate| it.annotation_role == Role::Ignored;
+    b.score
+        .total_cmp(&a.score)
+        .then(is_ignored(a).cmp(&is_ignored(b)))
+        .then(b.overlap.total_cmp(&a.overlap))
+        .then_with(|| by_content(scan, a, b))
 }
 
 /// Tells pairs of like scores and overlaps apart by what they are, not by where they stand in files.
-fn by_content(scan: &KittiScan, a: &KittiPair, b: &KittiPair) -> Ordering {
+fn by_content(scan: &KittiScan, a: &Candidate, b: &Candidate) -> Ordering {
     let boxes =
-        |it: &KittiPair| [&scan.annotations()[it.annotation].object, &scan.detections()[it.detection].object];
-    let numbers = |it: &KittiPair| boxes(it).into_iter().flat_map(numbers_of);
+        |it: &Candidate| [&scan.annotations()[it.annotation].object, &scan.detections()[it.detection].object];
+    let numbers = |it: &Candidate| boxes(it).into_iter().flat_map(numbers_of);
     let mut compared = numbers(a).zip(numbers(b)).map(|(a, b)| a.total_cmp(&b));
     compared.find(|it| it.is_ne()).unwrap_or(Ordering::Equal)
 }
@@ -113,8 +123,14 @@ mod tests {
 
     /// What detections of these scores find, as `(score, right, false)`.
     fn events(scan: &KittiScan) -> Vec<(f64, i32, i32)> {
-        let matches = sound_matches([(0, scan)], &QUESTION);
-        matches.events.iter().map(|it| (it.score, it.tp, it.fp)).collect()
+        let mut events = ScoreEvents::default();
+        let scan = ClassScan::of(scan, KittiClass::Car);
+        SoundMatching::default().add((0, &scan), &QUESTION, &mut events);
+        let right = events.events.iter().map(|it| (it.score, it.tp, it.fp));
+        let mut all: Vec<(f64, i32, i32)> =
+            right.chain(events.falses.iter().map(|(score, _)| (*score, 0, 1))).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        all
     }
 
     #[test]

@@ -7,11 +7,30 @@ use crate::matching::rectangle_overlap::{Rectangle, common_area_m2, over_union};
 /// A rectangle of the image: left, top, right and bottom in pixels.
 pub type ImageRectangle = [f64; 4];
 
+/// A box, ready to be laid on others.
+#[derive(Debug, Clone, Copy)]
+pub struct PlannedBox<'a> {
+    object: &'a KittiBox,
+    plan: Rectangle,
+    // Of the circle around the plan.
+    radius_m: f64,
+}
+
+impl<'a> PlannedBox<'a> {
+    /// Of an object.
+    pub fn of(object: &'a KittiBox) -> Self {
+        let plan = ground_plan(object);
+        Self { object, plan, radius_m: plan.radius_m() }
+    }
+}
+
 /// How far two boxes overlap.
-pub fn overlap(first: &KittiBox, second: &KittiBox) -> KittiOverlap {
+pub fn overlap(first: &PlannedBox<'_>, second: &PlannedBox<'_>) -> KittiOverlap {
+    let plans = [first.plan, second.plan];
+    let reach_m = first.radius_m + second.radius_m;
+    let [first, second] = [first.object, second.object];
     let image = image_iou(&first.left_top_right_bottom_px, &second.left_top_right_bottom_px);
-    let plans = [first, second].map(ground_plan);
-    if plans[0].is_apart_from(&plans[1]) {
+    if plans[0].are_centers_apart(&plans[1], reach_m) {
         return KittiOverlap { image, birds_eye: 0.0, volume: 0.0 };
     }
     let common_m2 = common_area_m2(&plans[0], &plans[1]);
@@ -73,9 +92,13 @@ mod tests {
         rotation_y_rad: 0.0,
     };
 
+    fn overlap_of(first: &KittiBox, second: &KittiBox) -> KittiOverlap {
+        overlap(&PlannedBox::of(first), &PlannedBox::of(second))
+    }
+
     #[track_caller]
     fn check(second: KittiBox, expected: [f64; 3]) {
-        let KittiOverlap { image, birds_eye, volume } = overlap(&CAR, &second);
+        let KittiOverlap { image, birds_eye, volume } = overlap_of(&CAR, &second);
         for (found, expected) in [image, birds_eye, volume].into_iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} instead of {expected}");
         }
@@ -109,8 +132,8 @@ mod tests {
             height_width_length_m: [2.0, 0.1, 0.1],
             ..CAR
         };
-        assert!(overlap(&turned, &at(1.2, -1.2)).birds_eye > 0.0);
-        assert!(overlap(&turned, &at(1.2, 1.2)).birds_eye == 0.0);
+        assert!(overlap_of(&turned, &at(1.2, -1.2)).birds_eye > 0.0);
+        assert!(overlap_of(&turned, &at(1.2, 1.2)).birds_eye == 0.0);
     }
 
     #[test]
@@ -137,10 +160,10 @@ mod tests {
     proptest! {
         #[test]
         fn a_box_overlaps_itself_entirely_and_the_order_does_not_matter(first in any_box(), second in any_box()) {
-            let of_itself = overlap(&first, &first);
+            let of_itself = overlap_of(&first, &first);
             prop_assert_eq!((of_itself.image, of_itself.birds_eye), (1.0, 1.0));
             prop_assert!((of_itself.volume - 1.0).abs() < 1e-9);
-            let (there, back) = (overlap(&first, &second), overlap(&second, &first));
+            let (there, back) = (overlap_of(&first, &second), overlap_of(&second, &first));
             prop_assert!((there.birds_eye - back.birds_eye).abs() < 1e-9);
             prop_assert!((there.volume - back.volume).abs() < 1e-9 && there.volume <= there.birds_eye + 1e-9);
             prop_assert_eq!(there.image, back.image);

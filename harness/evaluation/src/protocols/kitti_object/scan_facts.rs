@@ -4,7 +4,7 @@ use reports::protocols::kitti_object::rules::{Demand, Difficulty, KittiClass, Pl
 use reports::protocols::kitti_object::scan::{KittiAnnotation, KittiDetection};
 use reports::rows::kitti_object_row::{KittiFact, KittiOverlap};
 
-use super::overlaps::{ImageRectangle, overlap, share_in};
+use super::overlaps::{ImageRectangle, PlannedBox, overlap, share_in};
 
 /// The annotations, the detections, the pairs of them that overlap enough for some question, and the detections in regions without labels.
 ///
@@ -22,15 +22,7 @@ pub fn scan_facts(
     for (detection, it) in (0..).zip(detections) {
         facts.push(KittiFact::Detection { detection, object: it.object, score: it.score });
     }
-    for (annotation, it) in (0..).zip(annotations) {
-        let Some(class) = class_beside(it) else { continue };
-        for (detection, found) in (0..).zip(detections).filter(|(_, found)| can_find(found, class)) {
-            let overlap = overlap(&found.object, &it.object);
-            if is_enough_somewhere(&overlap, class) {
-                facts.push(KittiFact::Pair { annotation, detection, overlap });
-            }
-        }
-    }
+    facts.extend(pairs(annotations, detections));
     for (detection, it) in (0..).zip(detections) {
         let shares = dont_care.iter().map(|region| share_in(&it.object.left_top_right_bottom_px, region));
         let share = shares.fold(0.0, f64::max);
@@ -40,6 +32,26 @@ pub fn scan_facts(
         }
     }
     facts
+}
+
+/// The pairs that overlap enough for some question, in the order of annotations, then detections.
+fn pairs(annotations: &[KittiAnnotation], detections: &[KittiDetection]) -> Vec<KittiFact> {
+    let can_be_found = KittiClass::ALL.map(|class| -> Vec<(u32, PlannedBox<'_>)> {
+        let found = (0..).zip(detections).filter(|(_, found)| can_find(found, class));
+        found.map(|(detection, it)| (detection, PlannedBox::of(&it.object))).collect()
+    });
+    let mut pairs = Vec::new();
+    for (annotation, it) in (0..).zip(annotations) {
+        let Some(class) = class_beside(it) else { continue };
+        let labelled = PlannedBox::of(&it.object);
+        for (detection, found) in &can_be_found[class as usize] {
+            let overlap = overlap(found, &labelled);
+            if is_enough_somewhere(&overlap, class) {
+                pairs.push(KittiFact::Pair { annotation, detection: *detection, overlap });
+            }
+        }
+    }
+    pairs
 }
 
 /// The class in whose evaluation an annotation is to be found, or ignored.
