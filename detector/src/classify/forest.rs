@@ -3,7 +3,7 @@
 use crate::vector_instructions::{HotLoop, vectorised};
 
 /// Levels of decisions of a tree.
-pub const DEPTH: usize = 5;
+pub const DEPTH: usize = 6;
 /// Decisions of a tree.
 pub const N_SPLITS: usize = (1 << DEPTH) - 1;
 /// Outcomes of a tree.
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A tree that counts in binary: whether each of five values is 0.5 and more.
+    /// A tree that counts in binary: whether each of six values is 0.5 and more.
     fn counting_tree() -> DecisionTree {
         let mut value_of_split = [0; N_SPLITS];
         for (split, value) in value_of_split.iter_mut().enumerate() {
@@ -144,16 +144,16 @@ mod tests {
 
     #[test]
     fn decisions_lead_left_below_the_threshold_and_right_at_it() {
-        let forest = Forest::<5>::new(vec![counting_tree()], 100.0).unwrap();
-        assert_eq!(forest.sum(&[0.0; 5]), 100.0);
-        assert_eq!(forest.sum(&[1.0; 5]), 131.0);
-        assert_eq!(forest.sum(&[0.5, 0.4, 0.6, 0.0, 0.5]), 100.0 + 16.0 + 4.0 + 1.0);
-        assert_eq!(forest.sum(&[f32::NAN, 0.0, 0.0, 0.0, 0.0]), 116.0);
+        let forest = Forest::<6>::new(vec![counting_tree()], 100.0).unwrap();
+        assert_eq!(forest.sum(&[0.0; 6]), 100.0);
+        assert_eq!(forest.sum(&[1.0; 6]), 163.0);
+        assert_eq!(forest.sum(&[0.5, 0.4, 0.6, 0.0, 0.5, 0.1]), 100.0 + 32.0 + 8.0 + 2.0);
+        assert_eq!(forest.sum(&[f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0]), 132.0);
     }
 
     #[test]
     fn a_value_that_there_is_not_is_refused() {
-        assert_eq!(Forest::<4>::new(vec![counting_tree()], 0.0), None);
+        assert_eq!(Forest::<5>::new(vec![counting_tree()], 0.0), None);
     }
 
     proptest! {

@@ -12,7 +12,7 @@ use crate::describe::trained_file::{
 /// What the file calls itself.
 const FORMAT: &str = "scanbench boosted-trees";
 /// Of the format; other versions are refused.
-const VERSION: i64 = 1;
+const VERSION: i64 = 2;
 
 /// Why there is no forest.
 #[derive(Debug, thiserror::Error)]
@@ -183,10 +183,10 @@ mod tests {
     #[test]
     fn other_and_damaged_files_are_refused_with_their_line() {
         check_refused("boosted-trees", "nu-svm", "line 1: the format is");
-        check_refused("version = 1", "version = 9", "line 2: the format has version 9");
+        check_refused("version = 2", "version = 9", "line 2: the format has version 9");
         check_refused("\"objects\"", "\"vehicles\"", "it is for \"vehicles\", not for \"objects\"");
         check_refused("\"width_m\"", "\"height_m\"", "it looks at the values length_m, height_m, not at");
-        check_refused("  \"00", "  \"07", "line 7: tree 0 is no tree of depth 5");
+        check_refused("  \"00", "  \"07", "line 7: tree 0 is no tree of depth 6");
         check_refused("\",\n]", "0\",\n]", "line 8: tree 1 is no tree");
     }
 }

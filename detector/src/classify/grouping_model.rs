@@ -4,41 +4,42 @@ use std::sync::{Arc, LazyLock};
 
 use crate::classify::forest::Forest;
 use crate::classify::forest_file::{ForestFileError, read_forest};
+use crate::classify::object_looks::{N_MORE_LOOKS, ObjectLooks};
 use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
+use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES};
 use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES};
 
 /// Number of the values that tell vehicles.
 pub const N_VEHICLE_VALUES: usize = VehicleFeatures::NAMES.len() + N_NODE_VALUES;
 
 /// The names of the values that tell vehicles: those of the vehicle model, and those of the group.
-pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
-    let mut names = [""; N_VEHICLE_VALUES];
-    let mut place = 0;
-    while place < N_VEHICLE_VALUES {
-        let n_features = VehicleFeatures::NAMES.len();
-        names[place] =
-            if place < n_features { VehicleFeatures::NAMES[place] } else { NODE_VALUES[place - n_features] };
-        place += 1;
-    }
-    names
-};
+pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = both(VehicleFeatures::NAMES, NODE_VALUES);
 
-/// What the forest of objects calls itself in its file.
+/// The names of the values that a second look at a group sees: those of the group, and its context.
+pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = both(NODE_VALUES, CONTEXT_VALUES);
+
+/// What the forest of objects that sees each group alone calls itself in its file.
 pub const OBJECTS_PURPOSE: &str = "intersection over union of a group with an object";
+
+/// The same of those that look again, with what the look before said.
+pub const MORE_LOOKS_PURPOSES: [&str; N_MORE_LOOKS] = [
+    "intersection over union of a group with an object, second look",
+    "intersection over union of a group with an object, third look",
+];
 
 /// What the forest of vehicles calls itself in its file, with these prototypes.
 pub fn vehicles_purpose(library: &PrototypeLibrary) -> String {
     format!("log odds that an object is a vehicle, by {}", VehicleDescriber::name(library))
 }
 
-/// Both forests, and the prototypes that the second was trained with.
+/// All forests, and the prototypes that the one of vehicles was trained with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupingModel {
     /// What intersection over union with an annotated object is to be expected of a group.
-    pub objects: Forest<N_NODE_VALUES>,
+    pub objects: ObjectLooks,
     /// The logarithm of the odds that a group is a vehicle.
     pub vehicles: Forest<N_VEHICLE_VALUES>,
     /// What side profiles are compared with.
@@ -54,6 +55,14 @@ pub enum GroupingModelError {
     /// The forest of objects cannot be used.
     #[error("bad forest of objects")]
     Objects(#[source] AtLine<ForestFileError>),
+    /// A forest that looks again cannot be used.
+    #[error("bad forest of look {}", .look_idx + 2)]
+    MoreLooks {
+        /// Which, from 0.
+        look_idx: usize,
+        /// Why.
+        source: AtLine<ForestFileError>,
+    },
     /// The forest of vehicles cannot be used.
     #[error("bad forest of vehicles")]
     Vehicles(#[source] AtLine<ForestFileError>),
@@ -66,6 +75,8 @@ impl GroupingModel {
             let model = GroupingModel::from_toml([
                 include_str!("../params/vehicle_model/prototypes.toml"),
                 include_str!("../params/grouping_model/objects.toml"),
+                include_str!("../params/grouping_model/objects_second_look.toml"),
+                include_str!("../params/grouping_model/objects_third_look.toml"),
                 include_str!("../params/grouping_model/vehicles.toml"),
             ]);
             Arc::new(model.expect("the embedded files are tested"))
@@ -73,22 +84,45 @@ impl GroupingModel {
         Arc::clone(&SHIPPED)
     }
 
-    /// A model from the text of its files: prototypes, objects, vehicles.
+    /// A model from the text of its files: prototypes, objects, its two further looks, vehicles.
     ///
     /// # Errors
     ///
-    /// [`GroupingModelError`] if one of them is of another kind or version, or damaged, or if the second forest was trained
-    /// with other prototypes.
-    pub fn from_toml([prototypes, objects, vehicles]: [&str; 3]) -> Result<Self, GroupingModelError> {
+    /// [`GroupingModelError`] if one of them is of another kind or version, or damaged, or if the forest of vehicles was
+    /// trained with other prototypes.
+    pub fn from_toml(
+        [prototypes, objects, second_look, third_look, vehicles]: [&str; 5],
+    ) -> Result<Self, GroupingModelError> {
         let library = PrototypeLibrary::from_toml(prototypes)?;
+        let look = |look_idx: usize, text| {
+            read_forest(text, MORE_LOOKS_PURPOSES[look_idx], SECOND_LOOK_VALUES)
+                .map_err(|source| GroupingModelError::MoreLooks { look_idx, source })
+        };
+        let first = read_forest(objects, OBJECTS_PURPOSE, NODE_VALUES);
         Ok(Self {
-            objects: read_forest(objects, OBJECTS_PURPOSE, NODE_VALUES)
-                .map_err(GroupingModelError::Objects)?,
+            objects: ObjectLooks {
+                first: first.map_err(GroupingModelError::Objects)?,
+                more: [look(0, second_look)?, look(1, third_look)?],
+            },
             vehicles: read_forest(vehicles, &vehicles_purpose(&library), VEHICLE_VALUES)
                 .map_err(GroupingModelError::Vehicles)?,
             library,
         })
     }
+}
+
+/// Some names, and others behind them.
+const fn both<const A: usize, const B: usize, const N: usize>(
+    first: [&'static str; A],
+    second: [&'static str; B],
+) -> [&'static str; N] {
+    let mut names = [""; N];
+    let mut place = 0;
+    while place < N {
+        names[place] = if place < A { first[place] } else { second[place - A] };
+        place += 1;
+    }
+    names
 }
 
 #[cfg(test)]
@@ -97,6 +131,6 @@ mod tests {
 
     #[test]
     fn the_shipped_files_are_a_model() {
-        assert!(!GroupingModel::shipped().objects.trees().is_empty());
+        assert!(!GroupingModel::shipped().objects.first.trees().is_empty());
     }
 }

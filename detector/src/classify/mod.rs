@@ -20,4 +20,5 @@ pub mod paper_model;
 // Boosted trees: their use, their file, and what they decide about groups.
 pub mod forest;
 pub mod forest_file;
+pub mod object_looks;
 pub mod grouping_model;

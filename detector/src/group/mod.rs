@@ -8,5 +8,6 @@ pub mod grouping_tree;
 pub mod drawn_trees;
 pub mod leaf_cuts;
 pub mod node_values;
+pub mod node_context;
 pub mod best_cut;
 pub mod node_points;

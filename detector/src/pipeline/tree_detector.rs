@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::classify::grouping_model::{GroupingModel, N_VEHICLE_VALUES};
+use crate::classify::object_looks::LookBuffers;
 use crate::classify::size_gate::size_gate;
 use crate::classify::vehicle_model::N_FEATURES;
 use crate::complete::completed_object::{box_with_points, merge_points};
@@ -42,6 +43,8 @@ pub struct TreeDetector {
     tells_vehicles: bool,
     // For every described group: what it is expected to be worth.
     worth: Vec<f32>,
+    upward: Vec<u32>,
+    looks: LookBuffers,
     worth_of_node: Vec<f32>,
     best_cut: BestCut,
     taken: Vec<u32>,
@@ -69,6 +72,8 @@ impl TreeDetector {
             model,
             tells_vehicles: false,
             worth: Vec::new(),
+            upward: Vec::new(),
+            looks: LookBuffers::default(),
             worth_of_node: Vec::new(),
             best_cut: BestCut::default(),
             taken: Vec::new(),
@@ -85,9 +90,18 @@ impl TreeDetector {
         Self { tells_vehicles: true, ..self }
     }
 
+    /// Finds what every described group is worth.
+    fn look(&mut self) {
+        let Self { grouping, model, worth, upward, looks, .. } = self;
+        let tree = grouping.tree();
+        tree.upward(upward);
+        let whole_of = |node_idx: u32| tree.nodes()[node_idx as usize].parent;
+        let described = grouping.described().iter().map(|it| (it.node_idx, &it.values));
+        model.objects.worths((upward, whole_of), described, looks, worth);
+    }
+
     fn cut(&mut self) {
         let described = self.grouping.described();
-        self.model.objects.sums(described.iter().map(|it| &it.values), &mut self.worth);
         self.worth_of_node.clear();
         self.worth_of_node.resize(self.grouping.tree().nodes().len(), f32::NEG_INFINITY);
         let cost = self.grouping.params().grouping.object_cost;
@@ -200,6 +214,7 @@ impl Detector for TreeDetector {
         output.clear();
         let mut clock = StageClock::start();
         self.grouping.run(cloud, &mut clock, &mut output.stage_times);
+        self.look();
         self.cut();
         clock.lap(stage::BEST_CUT, &mut output.stage_times);
         self.fit_boxes(cloud);

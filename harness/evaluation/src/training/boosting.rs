@@ -13,6 +13,8 @@ use forust_ml::tree::Tree;
 pub struct BoostingParams {
     /// Number of trees.
     pub n_trees: usize,
+    /// Levels of their decisions, at most [`DEPTH`].
+    pub depth: u32,
     /// By how much each tree makes up for what those before it lack.
     pub learning_rate: f32,
     /// Least weight of the examples at a leaf: their number for [`Target::Number`], and their variance together for
@@ -37,7 +39,7 @@ pub enum Target {
 ///
 /// # Panics
 ///
-/// If there are not as many targets as examples.
+/// If there are not as many targets as examples, or trees are to be too deep.
 pub fn boost<const D: usize>(
     examples: &[&[f32; D]],
     targets: &[f64],
@@ -45,6 +47,7 @@ pub fn boost<const D: usize>(
     params: &BoostingParams,
 ) -> Result<Forest<D>, ForustError> {
     assert_eq!(examples.len(), targets.len(), "examples and targets belong together");
+    assert!(params.depth as usize <= DEPTH, "forests have no deeper trees");
     let columns: Vec<f64> =
         (0..D).flat_map(|column| examples.iter().map(move |it| f64::from(it[column]))).collect();
     let matrix = Matrix::new(&columns, examples.len(), D);
@@ -56,8 +59,8 @@ pub fn boost<const D: usize>(
         .set_objective_type(objective)
         .set_iterations(params.n_trees)
         .set_learning_rate(params.learning_rate)
-        .set_max_depth(DEPTH)
-        .set_max_leaves(N_LEAVES)
+        .set_max_depth(params.depth as usize)
+        .set_max_leaves(1 << params.depth)
         .set_min_leaf_weight(params.least_leaf_weight)
         .set_initialize_base_score(true)
         .set_allow_missing_splits(false);
@@ -105,7 +108,8 @@ fn not_less(threshold: f64) -> f32 {
 mod tests {
     use super::*;
 
-    const PARAMS: BoostingParams = BoostingParams { n_trees: 20, learning_rate: 0.3, least_leaf_weight: 1.0 };
+    const PARAMS: BoostingParams =
+        BoostingParams { n_trees: 20, depth: 5, learning_rate: 0.3, least_leaf_weight: 1.0 };
 
     /// A grid of examples.
     fn examples() -> Vec<[f32; 2]> {

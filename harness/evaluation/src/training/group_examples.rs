@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use detector::classify::grouping_model::N_VEHICLE_VALUES;
+use detector::classify::object_looks::{LookBuffers, ObjectLooks};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::vehicle_features::VehicleDescriber;
 use detector::detector::StageClock;
@@ -21,17 +22,47 @@ use crate::realism::survey::SurveyError;
 /// A group shows an annotated object if their points have this intersection over union.
 pub const LEAST_IOU: f32 = 0.5;
 
+/// The groups of a scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScanGroups {
+    /// The drive it was seen on.
+    pub sequence: String,
+    /// All nodes of its tree, parts before what they are parts of.
+    pub upward: Vec<u32>,
+    /// Of each node, what it is a part of.
+    pub wholes: Vec<Option<u32>>,
+    /// The nodes that the detector looks at, ascending.
+    pub groups: Vec<GroupExample>,
+}
+
 /// A group of a tree, and what the labels say of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupExample {
-    /// The drive it was seen on.
-    pub sequence: String,
+    /// Its number in the tree.
+    pub node_idx: u32,
     /// What tells vehicles; what tells objects is the end of it.
     pub values: [f32; N_VEHICLE_VALUES],
+    /// `None` if the labels say nothing about half of its points.
+    pub labels: Option<GroupLabels>,
+}
+
+/// What the labels say of a group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GroupLabels {
     /// Its greatest intersection over union with an annotated object, by points; 0 to 1.
     pub iou: f32,
     /// Whether it shows a vehicle; `None` if the labels do not say whether what it shows is one.
     pub is_vehicle: Option<bool>,
+}
+
+impl ScanGroups {
+    /// What `looks` says that each of its groups is worth.
+    pub fn worths(&self, looks: &ObjectLooks, buffers: &mut LookBuffers) -> Vec<f32> {
+        let mut worths = Vec::new();
+        let described = self.groups.iter().map(|it| (it.node_idx, it.node_values()));
+        looks.worths((&self.upward, |it| self.wholes[it as usize]), described, buffers, &mut worths);
+        worths
+    }
 }
 
 impl GroupExample {
@@ -48,8 +79,7 @@ struct Looker {
     box_fit: ConvexHullBox,
 }
 
-/// The groups of the scans `scan_indices` of `dataset` that the detector with `params` would look at, in their order. Those of
-/// which the labels say nothing about half of the points are left out.
+/// The groups of the scans `scan_indices` of `dataset` that the detector with `params` would look at, scan by scan.
 ///
 /// `on_scan` is called after every scan, from several threads.
 ///
@@ -62,7 +92,7 @@ pub fn collect_groups(
     (params, library): (&HierarchicalParams, &PrototypeLibrary),
     interrupted: &AtomicBool,
     on_scan: impl Fn() + Sync,
-) -> Result<Vec<GroupExample>, SurveyError> {
+) -> Result<Vec<ScanGroups>, SurveyError> {
     let description = dataset.description();
     let new_looker = || Looker {
         grouping: GroupingStages::new(params.clone(), description.sensor_height_m),
@@ -80,26 +110,23 @@ pub fn collect_groups(
     };
     // Collected before it is looked through for errors, so that the first in order is reported.
     let of_scans: Vec<_> = scan_indices.par_iter().map_init(new_looker, look).collect();
-    let of_scans: Vec<Vec<GroupExample>> = of_scans.into_iter().collect::<Result<_, _>>()?;
-    Ok(of_scans.into_iter().flatten().collect())
+    of_scans.into_iter().collect()
 }
 
-fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> Vec<GroupExample> {
+fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
     let Looker { grouping, describer, box_fit } = looker;
     grouping.run(&scan.cloud, &mut StageClock::start(), &mut Vec::new());
     let annotations_of_point = annotations_of_points(scan);
     let points_of_dense = points_of_dense_cells(grouping);
     let mut n_shared = vec![0_usize; scan.annotations.len()];
-    let mut found = Vec::new();
+    let mut groups = Vec::new();
     for node in grouping.described() {
         let cells = grouping.tree().cells(&grouping.tree().nodes()[node.node_idx as usize]);
         let mut point_indices: Vec<u32> =
             cells.iter().flat_map(|&it| points_of_dense[it as usize].iter().copied()).collect();
         point_indices.sort_unstable();
         let is_labeled = |&&it: &&u32| scan.point_regions[it as usize] == PointRegion::Labeled;
-        if 2 * point_indices.iter().filter(is_labeled).count() <= point_indices.len() {
-            continue;
-        }
+        let n_labeled = point_indices.iter().filter(is_labeled).count();
         n_shared.fill(0);
         for &point_idx in &point_indices {
             for &it in &annotations_of_point[point_idx as usize] {
@@ -122,17 +149,20 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> Vec<GroupExample> {
         let outline_m = positions_m.iter().map(|&[x_m, y_m, _]| [x_m, y_m]);
         let low_m = positions_m.iter().map(|it| it[2]).fold(f32::INFINITY, f32::min);
         let high_m = positions_m.iter().map(|it| it[2]).fold(f32::NEG_INFINITY, f32::max);
-        let Some(bounding_box) = box_fit.fit(outline_m, [low_m, high_m]) else { continue };
+        let bounding_box = box_fit.fit(outline_m, [low_m, high_m]).expect("groups have points");
         let features = describer.describe(&bounding_box, &node.surroundings, positions_m.iter().copied());
-        let Some(features) = features else { continue };
-        found.push(GroupExample {
-            sequence: scan.id.sequence.clone(),
+        let features = features.expect("groups have points");
+        let labels = GroupLabels { iou: best.map_or(0.0, iou), is_vehicle };
+        groups.push(GroupExample {
+            node_idx: node.node_idx,
             values: vehicle_values(&features.values(), &node.values),
-            iou: best.map_or(0.0, iou),
-            is_vehicle,
+            labels: (2 * n_labeled > point_indices.len()).then_some(labels),
         });
     }
-    found
+    let mut upward = Vec::new();
+    grouping.tree().upward(&mut upward);
+    let wholes = grouping.tree().nodes().iter().map(|it| it.parent).collect();
+    ScanGroups { sequence: scan.id.sequence.clone(), upward, wholes, groups }
 }
 
 /// The annotations that each point of a scan lies on, ascending.

@@ -13,6 +13,7 @@ pub mod operating_curves;
 pub mod evaluation;
 pub mod group_examples;
 pub mod boosting;
+pub mod looks;
 pub mod calibration;
 
 /// The last of so many drives is held out.

@@ -119,7 +119,9 @@ To run the model, give -P vehicle_model.directory=DIR; for paper, give
 except the date in the manifest.
 
 Groupings are trained on all groups of every scan: how well each fits an annotated object,
-and whether it shows a vehicle. Writes objects.toml, vehicles.toml, prototypes.toml,
+and whether it shows a vehicle. Three looks tell how well: the second and the third also
+see what the one before said of the groups around. Writes objects.toml,
+objects_second_look.toml, objects_third_look.toml, vehicles.toml, prototypes.toml,
 calibration.csv and manifest.json; run them with
 -P vehicle_model.groupings_directory=DIR.
 

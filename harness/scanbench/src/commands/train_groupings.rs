@@ -4,7 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use detector::classify::forest::Forest;
 use detector::classify::forest_file::write_forest;
-use detector::classify::grouping_model::{OBJECTS_PURPOSE, VEHICLE_VALUES, vehicles_purpose};
+use detector::classify::grouping_model::{
+    MORE_LOOKS_PURPOSES, OBJECTS_PURPOSE, SECOND_LOOK_VALUES, VEHICLE_VALUES, vehicles_purpose,
+};
+use detector::classify::object_looks::{LookBuffers, ObjectLooks};
 use detector::classify::vehicle_model::VehicleModel;
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::trained_file::Provenance;
@@ -12,8 +15,9 @@ use detector::group::node_values::NODE_VALUES;
 use evaluation::run::config::RunConfig;
 use evaluation::training::boosting::{BoostingParams, Target, boost};
 use evaluation::training::calibration::{CalibrationBin, calibration};
-use evaluation::training::group_examples::{GroupExample, LEAST_IOU, collect_groups};
+use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
 use evaluation::training::held_out::HeldOut;
+use evaluation::training::looks::train_looks;
 use evaluation::training::operating_curves::OperatingCurves;
 use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 use jiff::Timestamp;
@@ -37,8 +41,10 @@ use crate::commands::train_files::{TrainingSettings, manifest};
 use crate::commands::training_data::{held_out_arguments, name_with_seed, nothing, parted};
 
 /// Chosen on held-out drives of the training streets.
-const OBJECTS: BoostingParams = BoostingParams { n_trees: 200, learning_rate: 0.1, least_leaf_weight: 50.0 };
-const VEHICLES: BoostingParams = BoostingParams { n_trees: 200, learning_rate: 0.1, least_leaf_weight: 5.0 };
+const OBJECTS: BoostingParams =
+    BoostingParams { n_trees: 80, depth: 6, learning_rate: 0.18, least_leaf_weight: 50.0 };
+const VEHICLES: BoostingParams =
+    BoostingParams { n_trees: 200, depth: 5, learning_rate: 0.1, least_leaf_weight: 5.0 };
 
 /// Trains both forests, judges them by drives they have not seen, and writes and prints the result.
 ///
@@ -62,15 +68,15 @@ pub fn train_groupings(arguments: &TrainArgs) -> Result<(), Failure> {
     let directory = RunDirectory::begin(claim_unnamed(named, &unnamed, LatestPointer::Leave)?)?;
     // The side profiles are those of the vehicle model.
     let library = VehicleModel::shipped().prototypes().clone();
-    let mut examples = Vec::new();
+    let mut scans = Vec::new();
     for opened in [&trained, &held_out] {
-        examples.extend(collect_all(opened, &library, interrupted)?);
+        scans.extend(collect_all(opened, &library, interrupted)?);
     }
     let made = provenance(arguments, &trained, &parted);
     let (judged, taught): (Vec<_>, Vec<_>) =
-        examples.iter().partition(|(dataset, it)| parted.is_held_out(dataset, &it.sequence));
-    let taught: Vec<&GroupExample> = taught.into_iter().map(|(_, it)| it).collect();
-    let judged: Vec<&GroupExample> = judged.into_iter().map(|(_, it)| it).collect();
+        scans.iter().partition(|(dataset, it)| parted.is_held_out(dataset, &it.sequence));
+    let taught: Vec<&ScanGroups> = taught.into_iter().map(|(_, it)| it).collect();
+    let judged: Vec<&ScanGroups> = judged.into_iter().map(|(_, it)| it).collect();
     let forests = Forests::train(&taught)?;
     let judgement = Judgement::of(&forests, &judged);
     let purpose = vehicles_purpose(&library);
@@ -83,17 +89,24 @@ pub fn train_groupings(arguments: &TrainArgs) -> Result<(), Failure> {
         parted: &parted,
         started,
     };
+    let second_look = |look_idx: usize| {
+        let forest = &forests.objects.more[look_idx];
+        write_forest(forest, MORE_LOOKS_PURPOSES[look_idx], SECOND_LOOK_VALUES, &made)
+    };
     for (name, content) in [
         (MANIFEST_JSON, format!("{:#}\n", manifest(&settings))),
         ("prototypes.toml", library.to_toml()),
-        ("objects.toml", write_forest(&forests.objects, OBJECTS_PURPOSE, NODE_VALUES, &made)),
+        ("objects.toml", write_forest(&forests.objects.first, OBJECTS_PURPOSE, NODE_VALUES, &made)),
+        ("objects_second_look.toml", second_look(0)),
+        ("objects_third_look.toml", second_look(1)),
         ("vehicles.toml", write_forest(&forests.vehicles, &purpose, VEHICLE_VALUES, &made)),
     ] {
         directory.write_file(name, content.as_bytes())?;
     }
     directory.write_file("calibration.csv", &to_csv_bytes(&judgement.rows())?)?;
     let finished = directory.finish()?;
-    let printed = print_result(judgement.text(&parted, taught.len()));
+    let n_taught = taught.iter().flat_map(|it| &it.groups).filter(|it| it.labels.is_some()).count();
+    let printed = print_result(judgement.text(&parted, n_taught));
     print_diagnostic(format_args!("Model: {}", finished.display()));
     printed
 }
@@ -139,9 +152,9 @@ fn collect_all<'a>(
     opened: &'a [OpenedDataset],
     library: &PrototypeLibrary,
     interrupted: &AtomicBool,
-) -> Result<Vec<(&'a str, GroupExample)>, Failure> {
+) -> Result<Vec<(&'a str, ScanGroups)>, Failure> {
     let config = RunConfig::without_vehicle_models()?;
-    let mut examples = Vec::new();
+    let mut scans = Vec::new();
     for it in opened {
         let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
@@ -151,11 +164,11 @@ fn collect_all<'a>(
         let described_with = (&of_sensor.hierarchical, library);
         let found =
             collect_groups(&**dataset, scan_indices, described_with, interrupted, || progress.inc(1))?;
-        examples.extend(found.into_iter().map(|it| (description.id.as_str(), it)));
+        scans.extend(found.into_iter().map(|it| (description.id.as_str(), it)));
         progress.finish_and_clear();
         it.warn_of_points_left_out();
     }
-    Ok(examples)
+    Ok(scans)
 }
 
 fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut) -> Provenance {
@@ -179,16 +192,15 @@ fn provenance(arguments: &TrainArgs, opened: &[OpenedDataset], parted: &HeldOut)
 }
 
 struct Forests {
-    objects: Forest<{ NODE_VALUES.len() }>,
+    objects: ObjectLooks,
     vehicles: Forest<{ VEHICLE_VALUES.len() }>,
 }
 
 impl Forests {
-    fn train(taught: &[&GroupExample]) -> Result<Self, Failure> {
-        let ious: Vec<f64> = taught.iter().map(|it| f64::from(it.iou)).collect();
-        let values: Vec<_> = taught.iter().map(|it| it.node_values()).collect();
-        let objects = boost(&values, &ious, Target::Number, &OBJECTS).map_err(|error| nothing(&error))?;
-        let known = taught.iter().filter_map(|it| Some((&it.values, f64::from(u8::from(it.is_vehicle?)))));
+    fn train(taught: &[&ScanGroups]) -> Result<Self, Failure> {
+        let objects = train_looks(taught, &OBJECTS).map_err(|error| nothing(&error))?;
+        let groups = taught.iter().flat_map(|it| &it.groups);
+        let known = groups.filter_map(|it| Some((&it.values, f64::from(u8::from(it.labels?.is_vehicle?)))));
         let (values, are_vehicles): (Vec<_>, Vec<_>) = known.unzip();
         let vehicles =
             boost(&values, &are_vehicles, Target::Yes, &VEHICLES).map_err(|error| nothing(&error))?;
@@ -208,14 +220,19 @@ struct Judgement {
 }
 
 impl Judgement {
-    fn of(forests: &Forests, judged: &[&GroupExample]) -> Self {
-        let worths: Vec<(f32, f32)> =
-            judged.iter().map(|it| (forests.objects.sum(it.node_values()), it.iou)).collect();
-        let known = judged.iter().filter_map(|it| Some((forests.vehicles.sum(&it.values), it.is_vehicle?)));
-        let odds: Vec<(f32, bool)> = known.collect();
+    fn of(forests: &Forests, judged: &[&ScanGroups]) -> Self {
+        let mut buffers = LookBuffers::default();
+        let (mut worths, mut odds): (Vec<(f32, f32)>, Vec<(f32, bool)>) = (Vec::new(), Vec::new());
+        for scan in judged {
+            for (worth, it) in scan.worths(&forests.objects, &mut buffers).into_iter().zip(&scan.groups) {
+                let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
+                worths.push((worth, iou));
+                odds.extend(is_vehicle.map(|is_vehicle| (forests.vehicles.sum(&it.values), is_vehicle)));
+            }
+        }
         let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
         Self {
-            n: judged.len(),
+            n: worths.len(),
             n_objects: worths.iter().filter(|it| it.1 >= LEAST_IOU).count(),
             objects: OperatingCurves::of(worths.iter().map(|it| (it.0, it.1 >= LEAST_IOU))),
             n_vehicles: odds.iter().filter(|it| it.1).count(),

@@ -293,7 +293,8 @@ fn groupings_are_trained_for_several_sensors_and_run() {
     assert_eq!(forest["made"]["command"].as_str(), Some(command));
     assert!(workplace.read("model/calibration.csv").starts_with("what,expected,observed,n_groups\n"));
     workplace.succeed(&[&train[..], &["-o", "again"]].concat());
-    for name in ["objects.toml", "vehicles.toml", "prototypes.toml", "calibration.csv"] {
+    let looks = ["objects.toml", "objects_second_look.toml", "objects_third_look.toml"];
+    for name in [&looks[..], &["vehicles.toml", "prototypes.toml", "calibration.csv"]].concat() {
         assert_eq!(
             workplace.read(&format!("model/{name}")),
             workplace.read(&format!("again/{name}")),

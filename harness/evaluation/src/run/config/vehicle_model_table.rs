@@ -138,6 +138,7 @@ pub(super) fn vehicle_models_from(text: &str) -> Result<Option<VehicleModels>, V
 const PROTOTYPES: &str = "prototypes.toml";
 const MODEL: &str = "model.toml";
 const OBJECTS: &str = "objects.toml";
+const MORE_LOOKS: [&str; 2] = ["objects_second_look.toml", "objects_third_look.toml"];
 const VEHICLES: &str = "vehicles.toml";
 
 fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, ValueProblem> {
@@ -147,15 +148,18 @@ fn pca_from(files: &ModelDirectory<'_>) -> Result<ModelSource<PcaVehicleModel>, 
 }
 
 fn groupings_from(files: &ModelDirectory<'_>) -> Result<ModelSource<Arc<GroupingModel>>, ValueProblem> {
-    let [prototypes, objects, vehicles] =
-        [files.read(PROTOTYPES)?, files.read(OBJECTS)?, files.read(VEHICLES)?];
-    let model =
-        GroupingModel::from_toml([&prototypes, &objects, &vehicles]).map_err(|error| match error {
-            GroupingModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
-            GroupingModelError::Objects(error) => files.problem(OBJECTS, &error),
-            GroupingModelError::Vehicles(error) => files.problem(VEHICLES, &error),
-        })?;
-    Ok(ModelSource::trained(Arc::new(model), &[&prototypes, &objects, &vehicles]))
+    let mut texts = Vec::new();
+    for name in [PROTOTYPES, OBJECTS, MORE_LOOKS[0], MORE_LOOKS[1], VEHICLES] {
+        texts.push(files.read(name)?);
+    }
+    let texts = std::array::from_fn(|it| texts[it].as_str());
+    let model = GroupingModel::from_toml(texts).map_err(|error| match error {
+        GroupingModelError::Prototypes(error) => files.problem(PROTOTYPES, &error),
+        GroupingModelError::Objects(error) => files.problem(OBJECTS, &error),
+        GroupingModelError::MoreLooks { look_idx, source } => files.problem(MORE_LOOKS[look_idx], &source),
+        GroupingModelError::Vehicles(error) => files.problem(VEHICLES, &error),
+    })?;
+    Ok(ModelSource::trained(Arc::new(model), &texts))
 }
 
 /// A directory with what training wrote, and the parameter that names it.

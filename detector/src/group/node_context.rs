@@ -1,0 +1,180 @@
+//! What a look at all groups says of the groups that one holds, and of those that hold it.
+
+use crate::group::node_values::N_NODE_VALUES;
+
+/// The names of the values that a look leaves for the next one, as in files.
+///
+/// A worth is the intersection over union with an object that is expected of a group; 0 of those that are not described. The best
+/// groups are disjoint, and have the greatest sum of worths less [`OBJECT_COST`] each.
+pub const CONTEXT_VALUES: [&str; 10] = [
+    "worth",
+    // The best groups among those that it holds.
+    "gain_of_best_within",
+    "n_best_within",
+    "greatest_worth_within",
+    "mean_worth_of_best_within",
+    // What it is a part of, all the way up.
+    "worth_of_whole",
+    "greatest_worth_around",
+    // What else the whole holds.
+    "gain_of_best_beside",
+    "n_best_beside",
+    "greatest_worth_beside",
+];
+
+/// Number of the values that a second look sees.
+pub const N_SECOND_LOOK_VALUES: usize = N_NODE_VALUES + CONTEXT_VALUES.len();
+
+/// Worth from which on a group is one of the best. What forests have learned rests on it, so that it is no parameter.
+const OBJECT_COST: f32 = 0.42;
+
+/// Contexts of the groups of one tree after another, in reusable buffers.
+#[derive(Debug, Clone, Default)]
+pub struct NodeContexts {
+    nodes: Vec<Context>,
+}
+
+/// What is known of a node.
+#[derive(Debug, Clone, Copy, Default)]
+struct Context {
+    worth: f32,
+    within: Best,
+    // Of it and what it holds.
+    best: Best,
+    // Of its parts: the greatest worths in and below two of them, and which part has the first.
+    greatest_of_parts: [f32; 2],
+    part_with_greatest: u32,
+    worth_of_whole: f32,
+    greatest_around: f32,
+    gain_beside: f32,
+    n_beside: f32,
+    greatest_beside: f32,
+}
+
+/// The best groups of some part of the tree.
+#[derive(Debug, Clone, Copy, Default)]
+struct Best {
+    gain: f32,
+    n: f32,
+    worths: f32,
+    // Of all groups there, be they among the best or not.
+    greatest: f32,
+}
+
+impl NodeContexts {
+    /// Replaces the content by that of a tree. `upward` are all its nodes, parts before what they are parts of, as `whole_of` says;
+    /// `worths` are those of its described nodes.
+    pub fn find(
+        &mut self,
+        upward: &[u32],
+        whole_of: impl Fn(u32) -> Option<u32>,
+        worths: impl Iterator<Item = (u32, f32)>,
+    ) {
+        self.nodes.clear();
+        self.nodes.resize(upward.len(), Context::default());
+        for (node_idx, worth) in worths {
+            self.nodes[node_idx as usize].worth = worth;
+        }
+        for &node_idx in upward {
+            let node = &mut self.nodes[node_idx as usize];
+            node.best = node.within.or_instead(node.worth);
+            let best = node.best;
+            if let Some(whole) = whole_of(node_idx) {
+                self.nodes[whole as usize].take_part(node_idx, best);
+            }
+        }
+        for &node_idx in upward.iter().rev() {
+            let Some(whole) = whole_of(node_idx) else { continue };
+            let whole = self.nodes[whole as usize];
+            self.nodes[node_idx as usize].look_up(node_idx, &whole);
+        }
+    }
+
+    /// What a second look sees of a node: `values`, and its context.
+    pub fn seen(&self, node_idx: u32, values: &[f32; N_NODE_VALUES]) -> [f32; N_SECOND_LOOK_VALUES] {
+        let it = &self.nodes[node_idx as usize];
+        let mean_within = it.within.worths / it.within.n.max(1.0);
+        let context = [
+            [it.worth, it.within.gain, it.within.n, it.within.greatest, mean_within],
+            [it.worth_of_whole, it.greatest_around, it.gain_beside, it.n_beside, it.greatest_beside],
+        ];
+        let mut seen = [0.0; N_SECOND_LOOK_VALUES];
+        seen[..N_NODE_VALUES].copy_from_slice(values);
+        seen[N_NODE_VALUES..].copy_from_slice(context.as_flattened());
+        seen
+    }
+}
+
+impl Context {
+    /// Takes a part in, of which and of whose parts `best` is known.
+    fn take_part(&mut self, part: u32, best: Best) {
+        self.within.gain += best.gain;
+        self.within.n += best.n;
+        self.within.worths += best.worths;
+        self.within.greatest = self.within.greatest.max(best.greatest);
+        let [first, second] = self.greatest_of_parts;
+        if best.greatest > first {
+            self.greatest_of_parts = [best.greatest, first];
+            self.part_with_greatest = part;
+        } else {
+            self.greatest_of_parts[1] = second.max(best.greatest);
+        }
+    }
+
+    /// Learns what it, node `node_idx`, is a part of.
+    fn look_up(&mut self, node_idx: u32, whole: &Self) {
+        self.worth_of_whole = whole.worth;
+        self.greatest_around = whole.greatest_around.max(whole.worth);
+        let is_greatest = whole.part_with_greatest == node_idx;
+        self.gain_beside = whole.best.gain - self.best.gain;
+        self.n_beside = whole.best.n - self.best.n;
+        self.greatest_beside = whole.greatest_of_parts[usize::from(is_greatest)];
+    }
+}
+
+impl Best {
+    /// The best of a node of `worth` that holds these.
+    fn or_instead(self, worth: f32) -> Self {
+        let greatest = self.greatest.max(worth);
+        let gain = worth - OBJECT_COST;
+        if gain > self.gain && gain > 0.0 {
+            Self { gain, n: 1.0, worths: worth, greatest }
+        } else {
+            Self { greatest, ..self }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nodes 0, 1 and 2 are parts of 3, and 3 and 4 are parts of 5.
+    const WHOLES: [Option<u32>; 6] = [Some(3), Some(3), Some(3), Some(5), Some(5), None];
+
+    #[track_caller]
+    fn check(node_idx: u32, expected: [f32; 10]) {
+        let mut contexts = NodeContexts::default();
+        let worths = [(0, 0.72), (1, 0.62), (3, 0.52), (4, 0.3), (5, 0.1)];
+        for _ in 0..2 {
+            contexts.find(&[0, 1, 2, 3, 4, 5], |it| WHOLES[it as usize], worths.into_iter());
+        }
+        let seen = contexts.seen(node_idx, &[7.0; N_NODE_VALUES]);
+        assert_eq!(seen[..N_NODE_VALUES], [7.0; N_NODE_VALUES]);
+        for ((found, expected), name) in seen[N_NODE_VALUES..].iter().zip(expected).zip(CONTEXT_VALUES) {
+            assert!((found - expected).abs() < 1e-6, "{name}: {found} instead of {expected}");
+        }
+    }
+
+    #[test]
+    fn contexts_that_can_be_done_in_the_head() {
+        // Of 3 its first two parts are the best: gains of 0.3 and 0.2.
+        check(3, [0.52, 0.5, 2.0, 0.72, 0.67, 0.1, 0.1, 0.0, 0.0, 0.3]);
+        check(5, [0.1, 0.5, 2.0, 0.72, 0.67, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        check(0, [0.72, 0.0, 0.0, 0.0, 0.0, 0.52, 0.52, 0.2, 1.0, 0.62]);
+        check(1, [0.62, 0.0, 0.0, 0.0, 0.0, 0.52, 0.52, 0.3, 1.0, 0.72]);
+        // Too small to be described.
+        check(2, [0.0, 0.0, 0.0, 0.0, 0.0, 0.52, 0.52, 0.5, 2.0, 0.72]);
+        check(4, [0.3, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1, 0.5, 2.0, 0.72]);
+    }
+}

@@ -1,0 +1,157 @@
+//! Looks at groups, trained one after the other.
+
+use std::collections::BTreeMap;
+
+use detector::classify::forest::Forest;
+use detector::classify::object_looks::{N_MORE_LOOKS, ObjectLooks};
+use detector::group::node_context::{N_SECOND_LOOK_VALUES, NodeContexts};
+use forust_ml::errors::ForustError;
+
+use crate::training::boosting::{BoostingParams, Target, boost};
+use crate::training::group_examples::ScanGroups;
+
+/// Parts of the drives; what a look says of one of them is learned from the others.
+const N_FOLDS: usize = 3;
+
+/// Trains all looks with `scans`.
+///
+/// What a look says of the scans that it learned from is better than what it says of others. So the look after it learns from what forests
+/// say that have not seen these drives: the drives are parted in three, by their names, since one street may be there under several
+/// conditions and sensors. With fewer drives than that, the scans are.
+///
+/// # Errors
+///
+/// If there are fewer scans than parts, or no labels.
+pub fn train_looks(scans: &[&ScanGroups], params: &BoostingParams) -> Result<ObjectLooks, ForustError> {
+    let folds = folds(scans);
+    let seen: Vec<Vec<_>> =
+        scans.iter().map(|it| it.groups.iter().map(|it| *it.node_values()).collect()).collect();
+    let examples = Examples { scans, folds: &folds, params };
+    let first = examples.forest(&seen, None)?;
+    let mut worths = examples.worths_by_others(&seen)?;
+    let mut more: Vec<Forest<N_SECOND_LOOK_VALUES>> = Vec::new();
+    while more.len() < N_MORE_LOOKS {
+        let pairs = scans.iter().zip(&worths);
+        let seen: Vec<Vec<_>> = pairs.map(|(scan, worths)| seen_again(scan, worths)).collect();
+        more.push(examples.forest(&seen, None)?);
+        if more.len() < N_MORE_LOOKS {
+            worths = examples.worths_by_others(&seen)?;
+        }
+    }
+    Ok(ObjectLooks { first, more: more.try_into().expect("as many were trained") })
+}
+
+/// The part that each scan belongs to.
+fn folds(scans: &[&ScanGroups]) -> Vec<usize> {
+    let mut places: BTreeMap<&str, usize> = scans.iter().map(|it| (it.sequence.as_str(), 0)).collect();
+    for (place, drive) in places.values_mut().enumerate() {
+        *drive = place;
+    }
+    let by_drive = places.len() >= N_FOLDS;
+    let place = |(scan_idx, scan): (usize, &&ScanGroups)| {
+        if by_drive { places[scan.sequence.as_str()] } else { scan_idx }
+    };
+    scans.iter().enumerate().map(|it| place(it) % N_FOLDS).collect()
+}
+
+/// What a second look sees of the groups of a scan of these worths.
+fn seen_again(scan: &ScanGroups, worths: &[f32]) -> Vec<[f32; N_SECOND_LOOK_VALUES]> {
+    let mut contexts = NodeContexts::default();
+    let node_idxs = scan.groups.iter().map(|it| it.node_idx);
+    contexts.find(&scan.upward, |it| scan.wholes[it as usize], node_idxs.zip(worths.iter().copied()));
+    scan.groups.iter().map(|it| contexts.seen(it.node_idx, it.node_values())).collect()
+}
+
+/// What all looks learn from.
+struct Examples<'a> {
+    scans: &'a [&'a ScanGroups],
+    folds: &'a [usize],
+    params: &'a BoostingParams,
+}
+
+impl Examples<'_> {
+    /// A forest that learned from all scans, of whose groups it sees `seen`, but those of one part.
+    fn forest<const D: usize>(
+        &self,
+        seen: &[Vec<[f32; D]>],
+        left_out: Option<usize>,
+    ) -> Result<Forest<D>, ForustError> {
+        let (mut examples, mut targets) = (Vec::new(), Vec::new());
+        for ((scan, seen), fold) in self.scans.iter().zip(seen).zip(self.folds) {
+            let taught = scan.groups.iter().zip(seen).filter(|_| Some(*fold) != left_out);
+            for (labels, seen) in taught.filter_map(|(group, seen)| Some((group.labels?, seen))) {
+                examples.push(seen);
+                targets.push(f64::from(labels.iou));
+            }
+        }
+        boost(&examples, &targets, Target::Number, self.params)
+    }
+
+    /// What forests say of the groups of each scan that have not learned from its part.
+    fn worths_by_others<const D: usize>(&self, seen: &[Vec<[f32; D]>]) -> Result<Vec<Vec<f32>>, ForustError> {
+        let mut worths = vec![Vec::new(); seen.len()];
+        for left_out in 0..N_FOLDS {
+            let forest = self.forest(seen, Some(left_out))?;
+            let of_part = worths.iter_mut().zip(seen).zip(self.folds).filter(|it| *it.1 == left_out);
+            for ((worths, seen), _) in of_part {
+                forest.sums(seen.iter(), worths);
+            }
+        }
+        Ok(worths)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::training::group_examples::{GroupExample, GroupLabels};
+    use detector::classify::grouping_model::N_VEHICLE_VALUES;
+    use detector::classify::object_looks::LookBuffers;
+
+    /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself tells which, but that
+    /// the first part is longer if both are objects.
+    fn scan(sequence: &str, are_parts: bool, noise: f32) -> ScanGroups {
+        let group = |node_idx, value: f32, iou| {
+            let mut values = [0.0; N_VEHICLE_VALUES];
+            values[N_VEHICLE_VALUES - 1] = value;
+            values[N_VEHICLE_VALUES - 2] = noise;
+            GroupExample { node_idx, values, labels: Some(GroupLabels { iou, is_vehicle: None }) }
+        };
+        let [of_part, of_whole] = if are_parts { [0.9, 0.5] } else { [0.4, 0.9] };
+        let length = f32::from(u8::from(are_parts));
+        ScanGroups {
+            sequence: sequence.to_owned(),
+            upward: vec![0, 1, 2],
+            wholes: vec![Some(2), Some(2), None],
+            groups: vec![group(0, length, of_part), group(1, 3.0, of_part), group(2, 4.0, of_whole)],
+        }
+    }
+
+    const PARAMS: BoostingParams =
+        BoostingParams { n_trees: 60, depth: 5, learning_rate: 0.2, least_leaf_weight: 1.0 };
+
+    #[test]
+    fn later_looks_tell_by_what_the_first_says_of_others() {
+        let scans: Vec<ScanGroups> =
+            (0..40).map(|it| scan(&format!("{}", it % 5), it % 2 == 0, (it * 7 % 11) as f32)).collect();
+        let looks = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS).unwrap();
+        let mut buffers = LookBuffers::default();
+        for it in &scans {
+            for (worth, group) in it.worths(&looks, &mut buffers).into_iter().zip(&it.groups) {
+                let iou = group.labels.unwrap().iou;
+                assert!((worth - iou).abs() < 0.05, "{worth} instead of {iou}");
+            }
+            // By itself, the second part is between both.
+            let alone = looks.first.sum(it.groups[1].node_values());
+            assert!((alone - 0.65).abs() < 0.1, "{alone}");
+        }
+    }
+
+    #[test]
+    fn a_street_under_other_conditions_is_in_the_same_part() {
+        let scans = ["a", "b", "c", "d", "a", "b"].map(|it| scan(it, true, 0.0));
+        assert_eq!(folds(&scans.iter().collect::<Vec<_>>()), [0, 1, 2, 0, 0, 1]);
+        let scans = ["a", "b", "a", "b"].map(|it| scan(it, true, 0.0));
+        assert_eq!(folds(&scans.iter().collect::<Vec<_>>()), [0, 1, 2, 0]);
+    }
+}
