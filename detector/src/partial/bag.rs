@@ -10,8 +10,8 @@ use super::patterns::{N_KINDS, Pattern};
 pub struct BagParams {
     /// What becomes of the counts.
     pub counts: CountScaling,
-    /// Patterns that fewer training objects have are rare; 1: none is.
-    pub min_objects: usize,
+    /// Patterns that a smaller share of the training objects has are rare; 0: none is.
+    pub min_share: f64,
     /// What becomes of rare patterns: the reduction of dimensions.
     pub rare: RarePatterns,
 }
@@ -56,9 +56,10 @@ impl Vocabulary {
     /// Paper: BG section 3.3.
     pub fn learned(patterns_of_objects: &[Vec<Pattern>], params: &BagParams) -> Self {
         let mut left: Vec<Vec<Pattern>> = patterns_of_objects.iter().map(|it| different(it)).collect();
+        let min_objects = (params.min_share * patterns_of_objects.len() as f64).ceil() as usize;
         let mut kept = Vec::new();
         while left.iter().any(|it| !it.is_empty()) {
-            let frequent = frequent(&left, params.min_objects);
+            let frequent = frequent(&left, min_objects);
             for patterns in &mut left {
                 patterns.retain(|it| frequent.binary_search(it).is_err());
                 let coarser = match params.rare {
@@ -136,8 +137,8 @@ mod tests {
         Pattern(height_bin << 40 | volume_bin << 32 | label)
     }
 
-    fn params(counts: CountScaling, min_objects: usize, rare: RarePatterns) -> BagParams {
-        BagParams { counts, min_objects, rare }
+    fn params(counts: CountScaling, min_share: f64, rare: RarePatterns) -> BagParams {
+        BagParams { counts, min_share, rare }
     }
 
     #[test]
@@ -150,10 +151,10 @@ mod tests {
             (CountScaling::Share, [0.25, 0.5]),
             (CountScaling::RootShare, [0.5, 0.5_f32.sqrt()]),
         ] {
-            vocabulary.fill_bag(&[b, a, c, b], &params(counts, 1, RarePatterns::Dropped), &mut bag);
+            vocabulary.fill_bag(&[b, a, c, b], &params(counts, 0.0, RarePatterns::Dropped), &mut bag);
             assert_eq!(bag, expected);
         }
-        vocabulary.fill_bag(&[], &params(CountScaling::Share, 1, RarePatterns::Dropped), &mut bag);
+        vocabulary.fill_bag(&[], &params(CountScaling::Share, 0.0, RarePatterns::Dropped), &mut bag);
         assert_eq!(bag, [0.0, 0.0]);
     }
 
@@ -163,7 +164,7 @@ mod tests {
         let vocabulary = Vocabulary::new(vec![of_graphs, of_keypoints]).unwrap();
         let mut bag = Vec::new();
         let patterns = [of_graphs, of_keypoints, of_keypoints];
-        vocabulary.fill_bag(&patterns, &params(CountScaling::Share, 1, RarePatterns::Dropped), &mut bag);
+        vocabulary.fill_bag(&patterns, &params(CountScaling::Share, 0.0, RarePatterns::Dropped), &mut bag);
         assert_eq!(bag, [1.0, 1.0]);
     }
 
@@ -174,9 +175,9 @@ mod tests {
             vec![graph(0, 0, 1), graph(1, 1, 1)],
             vec![graph(2, 0, 5)],
         ];
-        let dropped = params(CountScaling::Raw, 2, RarePatterns::Dropped);
+        let dropped = params(CountScaling::Raw, 0.5, RarePatterns::Dropped);
         assert_eq!(Vocabulary::learned(&objects, &dropped).patterns(), [graph(0, 0, 1)]);
-        let merged = params(CountScaling::Raw, 2, RarePatterns::Merged);
+        let merged = params(CountScaling::Raw, 0.5, RarePatterns::Merged);
         let vocabulary = Vocabulary::learned(&objects, &merged);
         assert_eq!(vocabulary.patterns(), [graph(0, 0, 1), graph(1, ANY, 1)]);
         let mut bag = Vec::new();

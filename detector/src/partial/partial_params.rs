@@ -109,14 +109,14 @@ impl PartialParams {
         let Self { labels, patterns, bag, .. } = self;
         check_range("labels.n_labels", labels.n_labels as f64, [1.0, MOST_LABELS as f64], "1 to 250")?;
         check_range("labels.max_descriptors", labels.max_descriptors as f64, [1.0, 1e8], "1 to 10^8")?;
-        check_range("bag.min_objects", bag.min_objects as f64, [1.0, 1e6], "1 to 10^6")?;
+        check_range("bag.min_share", bag.min_share, [0.0, 1.0], "0 to 1")?;
         let n_kinds = patterns.kinds.iter().collect::<std::collections::BTreeSet<_>>().len();
         let is_sound = n_kinds == patterns.kinds.len();
         check_range(
             "patterns.kinds",
             if is_sound { n_kinds as f64 } else { f64::NAN },
-            [1.0, 4.0],
-            "1 to 4 different kinds",
+            [1.0, 5.0],
+            "1 to 5 different kinds",
         )?;
         for (name, edges) in [
             ("patterns.height_edges_m", &patterns.height_edges_m),

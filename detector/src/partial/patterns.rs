@@ -41,6 +41,9 @@ pub enum PatternKind {
     /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
     /// shares say nothing of size.
     Extents,
+    /// How far all that is seen reaches in every direction at once, in wide bins: a pattern for each of several divisions, whose
+    /// bins overlap. Not in the paper.
+    Size,
 }
 
 /// A pattern as a number: its kind, the bin of its height, the bin of its volume, its labels.
@@ -54,6 +57,7 @@ impl Pattern {
             PatternKind::CenteredGraph => 1,
             PatternKind::Keypoint => 2,
             PatternKind::Extents => 3,
+            PatternKind::Size => 4,
         };
         let [a, b, c, d] = labels;
         Self(u64::from_be_bytes([0, kind, height_bin, volume_bin, a, b, c, d]))
@@ -86,7 +90,9 @@ impl Pattern {
 }
 
 /// Number of kinds of patterns.
-pub const N_KINDS: usize = 4;
+pub const N_KINDS: usize = 5;
+/// Divisions of extents into wide bins, and how many edges a wide bin spans.
+const N_DIVISIONS: usize = 3;
 
 /// A keypoint with its label.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,11 +123,16 @@ impl Patterns {
         self.patterns.clear();
         for graph in &self.graphs {
             let vertices = graph.map(|it| keypoints.get(it as usize));
-            let of_keypoints = params.kinds.iter().filter(|&&kind| kind != PatternKind::Extents);
-            self.patterns.extend(of_keypoints.map(|&kind| pattern_of(vertices, kind, params)));
+            self.patterns.extend(params.kinds.iter().filter_map(|&kind| pattern_of(vertices, kind, params)));
         }
-        if !keypoints.is_empty() && params.kinds.contains(&PatternKind::Extents) {
+        if keypoints.is_empty() {
+            return;
+        }
+        if params.kinds.contains(&PatternKind::Extents) {
             self.patterns.extend(patterns_of_extents(extents, &params.extent_edges_m));
+        }
+        if params.kinds.contains(&PatternKind::Size) {
+            self.patterns.extend(patterns_of_size(extents, &params.extent_edges_m));
         }
     }
 
@@ -131,7 +142,7 @@ impl Patterns {
         &self.graphs
     }
 
-    /// One pattern of every kind for each graph, and then those of the extents.
+    /// One pattern of every kind for each graph, and then those of the extents and of the size.
     pub fn patterns(&self) -> &[Pattern] {
         &self.patterns
     }
@@ -155,11 +166,12 @@ fn graph_of(center_idx: usize, keypoints: &[LabeledKeypoint]) -> [u32; N_VERTICE
     [center_idx as u32, nearest[0].1, nearest[1].1, nearest[2].1]
 }
 
+/// `None` for kinds that are of the whole cloud.
 fn pattern_of(
     vertices: [Option<&LabeledKeypoint>; N_VERTICES],
     kind: PatternKind,
     params: &PatternParams,
-) -> Pattern {
+) -> Option<Pattern> {
     let mut labels = vertices.map(|it| it.map_or(MISSING, |keypoint| keypoint.label));
     let there = || vertices.iter().flatten();
     let mean_height_m = there().map(|it| it.position_m[2]).sum::<f64>() / there().count() as f64;
@@ -172,13 +184,14 @@ fn pattern_of(
     match kind {
         PatternKind::Graph => labels.sort_unstable(),
         PatternKind::CenteredGraph => labels[1..].sort_unstable(),
-        PatternKind::Keypoint | PatternKind::Extents => {
+        PatternKind::Keypoint => {
             let height_m = vertices[0].map_or(0.0, |it| it.position_m[2]);
             let bins = [bin_of(height_m, &params.height_edges_m), ANY];
-            return Pattern::new(kind, bins, [labels[0], MISSING, MISSING, MISSING]);
+            return Some(Pattern::new(kind, bins, [labels[0], MISSING, MISSING, MISSING]));
         }
+        PatternKind::Extents | PatternKind::Size => return None,
     }
-    Pattern::new(kind, bins, labels)
+    Some(Pattern::new(kind, bins, labels))
 }
 
 /// The bins of two extents at a time.
@@ -189,6 +202,18 @@ fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
     pairs.map(|(pair, both_m)| {
         let [first, second] = both_m.map(|it| bin_of(it, edges_m));
         Pattern::new(PatternKind::Extents, [ANY, ANY], [pair, first, second, MISSING])
+    })
+}
+
+/// The bins of all extents, as wide as some edges, in every division. What is rare is told apart first without its bottom, then
+/// without its width.
+fn patterns_of_size(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; N_DIVISIONS] {
+    let SeenExtents { bottom_m, top_m, length_m, width_m } = *extents;
+    std::array::from_fn(|division| {
+        let [bottom, top, length, width] = [bottom_m, top_m, length_m, width_m]
+            .map(|it| (edges_m.partition_point(|&edge| edge <= it) + division) / N_DIVISIONS)
+            .map(|it| it as u8);
+        Pattern::new(PatternKind::Size, [width, bottom], [division as u8, top, length, MISSING])
     })
 }
 
@@ -296,6 +321,30 @@ mod tests {
         assert_eq!(labels, [[0, 0, 1], [1, 1, 2], [2, 1, 1], [3, 2, 1]]);
         assert_eq!(patterns.patterns()[0].kind_number(), 3);
         patterns.fill(&[], &extents, &params(PatternKind::Extents));
+        assert!(patterns.patterns().is_empty());
+    }
+
+    #[test]
+    fn a_size_is_all_extents_in_wide_bins_that_overlap() {
+        let edges_m: Vec<f64> = (1..8).map(f64::from).collect();
+        let params = PatternParams { extent_edges_m: edges_m, ..params(PatternKind::Size) };
+        let extents = SeenExtents { bottom_m: 0.5, top_m: 1.5, length_m: 5.5, width_m: 3.5 };
+        let mut patterns = Patterns::default();
+        patterns.fill(&[keypoint(0.0, 0.0, 9), keypoint(1.0, 0.0, 9)], &extents, &params);
+        let bins: Vec<[u8; 5]> = patterns
+            .patterns()
+            .iter()
+            .map(|it| {
+                let [_, _, width, bottom, division, top, length, _] = it.0.to_be_bytes();
+                [division, bottom, top, length, width]
+            })
+            .collect();
+        // 0, 1, 5 and 3 edges are exceeded.
+        assert_eq!(bins, [[0, 0, 0, 1, 1], [1, 0, 0, 2, 1], [2, 0, 1, 2, 1]]);
+        // What is rare is merged with others of its division.
+        let coarsest = patterns.patterns()[2].coarser().and_then(Pattern::coarser);
+        assert_eq!(coarsest, Some(Pattern::new(PatternKind::Size, [ANY, ANY], [2, 1, 2, MISSING])));
+        patterns.fill(&[], &extents, &params);
         assert!(patterns.patterns().is_empty());
     }
 }

@@ -1,5 +1,7 @@
 //! From clouds of known classes to a bag of graphs.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::bag::Vocabulary;
@@ -23,6 +25,8 @@ pub struct TrainingCloud {
     pub object_idx: usize,
     /// Which part of the object has been seen; clouds of the same part of objects of a class have a mean bag of their own.
     pub part: usize,
+    /// In which way the object was looked at: within a class, all ways weigh the same.
+    pub way_idx: usize,
     /// Its keypoints and extents.
     pub described: DescribedCloud,
 }
@@ -36,7 +40,7 @@ impl TrainingCloud {
         params: &PartialParams,
     ) -> Self {
         let described = KeypointDescriber::default().describe(positions_m, params).clone();
-        Self { class_idx, object_idx, part, described }
+        Self { class_idx, object_idx, part, way_idx: 0, described }
     }
 }
 
@@ -214,15 +218,20 @@ impl Learner<'_> {
         order.chunk_by(|&a, &b| key(a) == key(b)).map(mean).collect()
     }
 
-    /// All classes weigh the same.
+    /// All classes weigh the same, and within a class all ways of looking.
     fn training_bags(&self, cloud_indices: &[usize]) -> Vec<TrainingBag> {
-        let mut n_of_class = vec![0.0; self.n_classes];
+        let kind = |it: usize| (self.clouds[it].class_idx, self.clouds[it].way_idx);
+        let mut n_of_kind = BTreeMap::new();
         for &it in cloud_indices {
-            n_of_class[self.clouds[it].class_idx] += 1.0;
+            *n_of_kind.entry(kind(it)).or_insert(0.0) += 1.0;
+        }
+        let mut n_ways = vec![0.0; self.n_classes];
+        for &(class_idx, _) in n_of_kind.keys() {
+            n_ways[class_idx] += 1.0;
         }
         let bag = |&it: &usize| {
             let class_idx = self.clouds[it].class_idx;
-            let weight = 1.0 / (self.n_classes as f64 * n_of_class[class_idx]);
+            let weight = 1.0 / (self.n_classes as f64 * n_ways[class_idx] * n_of_kind[&kind(it)]);
             TrainingBag { class_idx, weight, entries: self.bags[it].clone() }
         };
         cloud_indices.iter().map(bag).collect()
@@ -277,6 +286,7 @@ fn nearest_share(numbers: &mut [f32], share: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::partial::decision::WeightParams;
     use crate::partial::keypoint_description::DescribedKeypoint;
     use crate::partial::patch_descriptor::N_DESCRIPTOR_VALUES;
 
@@ -286,7 +296,7 @@ mod tests {
         descriptor[8] = value;
         let keypoints = vec![DescribedKeypoint { position_m: [0.0; 3], descriptor }];
         let described = DescribedCloud { keypoints, ..DescribedCloud::default() };
-        TrainingCloud { class_idx, object_idx, part: 0, described }
+        TrainingCloud { class_idx, object_idx, part: 0, way_idx: 0, described }
     }
 
     fn made() -> Provenance {
@@ -312,6 +322,27 @@ mod tests {
         let [low, high] = [0, 1].map(|it| &model.decision.centers[it].bag);
         assert_eq!(low.iter().zip(high).map(|(a, b)| (a - b).abs()).sum::<f32>(), 2.0);
         assert_eq!(model, train(&names(), &clouds, &params(), made()).unwrap());
+    }
+
+    #[test]
+    fn ways_of_looking_weigh_the_same_however_many_parts_they_show() {
+        let mut params = params();
+        params.decision.rule = DecisionRule::Weighted;
+        params.decision.weights = WeightParams { penalty: 1e-3, n_steps: 100, step_size: 0.1 };
+        let of_way = |way_idx: usize, it: TrainingCloud| TrainingCloud { way_idx, ..it };
+        // The value 1 is `high` in many clouds of one way, and `low` in few of another.
+        let clouds = |n_of_first: usize| -> Vec<TrainingCloud> {
+            let first = (0..n_of_first).flat_map(|it| [cloud(0, it, 0.0), cloud(1, it, 1.0)]);
+            let second = (0..4).flat_map(|it| [cloud(0, it, 1.0), cloud(1, it, 0.0)]);
+            first.map(|it| of_way(0, it)).chain(second.map(|it| of_way(1, it))).collect()
+        };
+        let weight = |clouds: &[TrainingCloud]| {
+            train(&names(), clouds, &params, made()).unwrap().decision.weights[1].of_columns[1].abs()
+        };
+        assert!(weight(&clouds(40)) < 0.02, "{}", weight(&clouds(40)));
+        let mut of_one_way = clouds(40);
+        of_one_way.iter_mut().for_each(|it| it.way_idx = 0);
+        assert!(weight(&of_one_way) > 0.1, "{}", weight(&of_one_way));
     }
 
     #[test]

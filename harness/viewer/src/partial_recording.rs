@@ -197,7 +197,7 @@ fn decision(of: &Growth, moment: &GrowthMoment) -> Points3D {
         Told::NotJudged => palette::GREY,
         _ => palette::FALSE,
     };
-    Points3D::new([[x, y, top_m + 0.12 * extent_m]])
+    Points3D::new([[x, y, top_m + 0.22 * extent_m]])
         .with_labels([text])
         .with_show_labels(true)
         .with_colors([legend::rgba(color)])

@@ -1,26 +1,22 @@
 //! The command line of a run, for a shell.
 
-use crate::run_folder::manifest::Manifest;
-
-impl Manifest {
-    /// The command that makes the run again and leaves it in `output`.
-    ///
-    /// What says where the first one was left is gone from it.
-    pub fn command_again(&self, output: &str) -> String {
-        let mut words = vec!["scanbench".to_owned()];
-        let mut arguments = self.argv.iter().skip(1);
-        while let Some(argument) = arguments.next() {
-            match output_option(argument) {
-                OutputOption::None => words.push(shell_word(argument)),
-                OutputOption::Whole => {}
-                OutputOption::ValueFollows => {
-                    arguments.next();
-                }
+/// The command that makes a result again, of which `argv` is the command line, and leaves it in `output`.
+///
+/// What says where the first one was left is gone from it.
+pub fn command_again(argv: &[String], output: &str) -> String {
+    let mut words = vec!["scanbench".to_owned()];
+    let mut arguments = argv.iter().skip(1);
+    while let Some(argument) = arguments.next() {
+        match output_option(argument) {
+            OutputOption::None => words.push(shell_word(argument)),
+            OutputOption::Whole => {}
+            OutputOption::ValueFollows => {
+                arguments.next();
             }
         }
-        words.extend(["-o".to_owned(), shell_word(output)]);
-        words.join(" ")
     }
+    words.extend(["-o".to_owned(), shell_word(output)]);
+    words.join(" ")
 }
 
 /// The command line of the whole run that one of its shards belongs to, which leaves it in `output`.
@@ -78,7 +74,6 @@ pub fn shell_word(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::sample;
 
     #[test]
     fn words_of_a_command_line_survive_a_shell() {
@@ -104,11 +99,8 @@ mod tests {
     fn a_run_is_made_again_elsewhere() {
         for output in ["-o runs/x", "-oruns/x", "--output runs/x --overwrite", "--output=runs/x", ""] {
             let command = format!("./scanbench run my/data {output} -d pca -P pca.x=a|b");
-            let manifest = Manifest {
-                argv: command.split_whitespace().map(str::to_owned).collect(),
-                ..sample::manifest()
-            };
-            let again = manifest.command_again("runs/gate");
+            let argv: Vec<String> = command.split_whitespace().map(str::to_owned).collect();
+            let again = command_again(&argv, "runs/gate");
             assert_eq!(again, "scanbench run my/data -d pca -P 'pca.x=a|b' -o runs/gate");
         }
     }

@@ -10,6 +10,7 @@ use crate::files::fixed_decimals::fixed_decimals;
 use crate::files::whole_file::write_whole;
 use crate::numbers::run_report::Subject;
 use crate::rows::match_outcome::MatchOutcome;
+use crate::run_folder::manifest::GitState;
 use crate::run_folder::run_archive::RunArchive;
 use crate::run_folder::run_directory::{MATCHES_CSV, REPORT_JSON, RunDirectory, SCANS_CSV};
 use crate::run_folder::run_target::{ExistingTarget, LatestPointer, MANIFEST_JSON, RunDirectoryError};
@@ -96,27 +97,18 @@ pub fn run_of_baseline(directory: &Path) -> PathBuf {
 /// [`AcceptError`] if the run cannot be made again, or says nothing about the one accepted before although it is meant to,
 /// or something cannot be written; the earlier baseline is there still.
 pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) -> Result<String, AcceptError> {
-    if let Some(git) = run.manifest.git.as_ref().filter(|it| it.dirty) {
-        return Err(AcceptError::Dirty { commit: git.commit.clone() });
-    }
+    refuse_uncommitted(run.manifest.git.as_ref())?;
     let target = directory.join(ACCEPTED_RUN);
     let before = if target.exists() { Some(predecessor(&target, run)) } else { None };
-    let line = match before {
-        None => history_line(None, run, acceptance),
-        Some(Ok(before)) => history_line(Some(&before), run, acceptance),
-        Some(Err(reason)) if acceptance.succession == Succession::Anew => {
-            format!("{} New baseline: {reason}.", history_line(None, run, acceptance))
-        }
-        Some(Err(reason)) => return Err(AcceptError::NoSuccessor { reason }),
-    };
-    let history = history_with(&directory.join(SCORES_MD), &line)?;
+    let line = line_after(before, acceptance.succession, |before| {
+        let git = run.manifest.git.as_ref();
+        history_line((acceptance, git), &scores(before, run))
+    })?;
+    let history = history_with(&directory.join(SCORES_MD), SCORES_HEAD, &line)?;
 
     let written = RunDirectory::create(&target, ExistingTarget::Replace, LatestPointer::Leave)?;
     let mut manifest = run.manifest.clone();
-    if let Some(program) = manifest.argv.first_mut() {
-        // Not where it happened to lie.
-        "scanbench".clone_into(program);
-    }
+    forget_place(&mut manifest.argv);
     written.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
     written.write_file(REPORT_JSON, run.report.to_json().as_bytes())?;
     let csv = |bytes: Result<Vec<u8>, csv::Error>| {
@@ -133,6 +125,45 @@ pub fn accept(run: &RunArchive, directory: &Path, acceptance: Acceptance<'_>) ->
     written.finish()?;
     write_whole(&directory.join(SCORES_MD), history.as_bytes())?;
     Ok(line)
+}
+
+/// Nobody finds a program again that was built from uncommitted changes.
+///
+/// # Errors
+///
+/// [`AcceptError::Dirty`] if there were some.
+pub(super) fn refuse_uncommitted(git: Option<&GitState>) -> Result<(), AcceptError> {
+    match git {
+        Some(git) if git.dirty => Err(AcceptError::Dirty { commit: git.commit.clone() }),
+        _ => Ok(()),
+    }
+}
+
+/// Where the program happened to lie is none of a baseline's business.
+pub(super) fn forget_place(argv: &mut [String]) {
+    if let Some(program) = argv.first_mut() {
+        "scanbench".clone_into(program);
+    }
+}
+
+/// The line that `line` makes of what was accepted before, if anything was: of that, or why it is no predecessor.
+///
+/// # Errors
+///
+/// [`AcceptError::NoSuccessor`] if it is none and should be.
+pub(super) fn line_after<B>(
+    before: Option<Result<B, String>>,
+    succession: Succession,
+    line: impl Fn(Option<&B>) -> String,
+) -> Result<String, AcceptError> {
+    match before {
+        None => Ok(line(None)),
+        Some(Ok(before)) => Ok(line(Some(&before))),
+        Some(Err(reason)) if succession == Succession::Anew => {
+            Ok(format!("{} New baseline: {reason}.", line(None)))
+        }
+        Some(Err(reason)) => Err(AcceptError::NoSuccessor { reason }),
+    }
 }
 
 /// The accepted run in `target`, which `run` is to follow; or why it cannot.
@@ -152,10 +183,15 @@ fn counts(outcome: &MatchOutcome) -> bool {
     !matches!(outcome, MatchOutcome::IgnoredAnnotation { .. } | MatchOutcome::IgnoredDetection { .. })
 }
 
-fn history_with(path: &Path, line: &str) -> Result<String, AcceptError> {
+/// The history in `path` with one line more; `head` begins it.
+///
+/// # Errors
+///
+/// [`AcceptError::History`] if it cannot be read.
+pub(super) fn history_with(path: &Path, head: &str, line: &str) -> Result<String, AcceptError> {
     let mut history = match std::fs::read_to_string(path) {
         Ok(history) => history,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => SCORES_HEAD.to_owned(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => head.to_owned(),
         Err(source) => return Err(AcceptError::History { path: path.to_path_buf(), source }),
     };
     if !history.ends_with('\n') {
@@ -166,12 +202,20 @@ fn history_with(path: &Path, line: &str) -> Result<String, AcceptError> {
     Ok(history)
 }
 
-fn history_line(before: Option<&RunArchive>, run: &RunArchive, acceptance: Acceptance<'_>) -> String {
-    let mut line = format!("- {}", acceptance.date);
-    if let Some(git) = &run.manifest.git {
-        let commit: String = git.commit.chars().take(7).collect();
-        write!(line, ", {commit}").expect("a string takes all that is written");
-    }
+/// A line of a history: when, what commit, which scores, and why.
+pub(super) fn history_line((acceptance, git): (Acceptance<'_>, Option<&GitState>), scores: &str) -> String {
+    let commit = git.map_or_else(String::new, |it| {
+        let short: String = it.commit.chars().take(7).collect();
+        format!(", {short}")
+    });
+    // One line, whatever the reason.
+    let why = acceptance.why.split_whitespace().collect::<Vec<_>>().join(" ");
+    format!("- {}{commit}{scores}. {}.", acceptance.date, why.trim_end_matches('.'))
+}
+
+/// The F-rates of each task, and what they were before.
+fn scores(before: Option<&RunArchive>, run: &RunArchive) -> String {
+    let mut line = String::new();
     let tally = run.tally();
     for &task in tally.tasks() {
         let of_detectors = tally.detectors().iter().filter_map(|detector| {
@@ -187,9 +231,7 @@ fn history_line(before: Option<&RunArchive>, run: &RunArchive, acceptance: Accep
                 .expect("a string takes all that is written");
         }
     }
-    // One line, whatever the reason.
-    let why = acceptance.why.split_whitespace().collect::<Vec<_>>().join(" ");
-    format!("{line}. {}.", why.trim_end_matches('.'))
+    line
 }
 
 /// The F-rate over all data sets.

@@ -22,3 +22,4 @@ pub mod accept;
 pub mod fitness_verdict;
 pub mod partial_difference;
 pub mod partial_verdict;
+pub mod accept_partial;

@@ -28,6 +28,9 @@ pub struct PartialTolerances {
     pub drift: DriftRule,
 }
 
+/// The built-in tolerances as a file.
+pub const BUILT_IN_TOLERANCES: &str = include_str!("partial_tolerances.toml");
+
 /// Why tolerances cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PartialTolerancesError {
@@ -62,7 +65,7 @@ pub enum PartialTolerancesError {
 impl PartialTolerances {
     /// Those that come with the program.
     pub fn built_in() -> Self {
-        toml::from_str(include_str!("partial_tolerances.toml")).expect("the embedded file is tested")
+        toml::from_str(BUILT_IN_TOLERANCES).expect("the embedded file is tested")
     }
 
     /// Those in the file at `path`.
@@ -89,7 +92,8 @@ impl PartialTolerances {
         }
     }
 
-    fn of(&self, metric: PartialMetric) -> f64 {
+    /// How much worse `metric` may become.
+    pub fn of(&self, metric: PartialMetric) -> f64 {
         match metric {
             PartialMetric::MeanRecall => self.mean_recall,
             PartialMetric::StrangersRejected => self.strangers_rejected,
@@ -182,7 +186,7 @@ mod tests {
     fn tolerances_are_read_and_what_makes_no_sense_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("tolerances.toml");
-        let built_in = include_str!("partial_tolerances.toml");
+        let built_in = BUILT_IN_TOLERANCES;
         let read = |content: &str| {
             std::fs::write(&path, content).unwrap();
             PartialTolerances::read(&path)

@@ -62,7 +62,12 @@ pub fn bag(
     if params.patterns.kinds.contains(&PatternKind::Extents) {
         count_extents(points_m, model, &mut bag);
     }
-    for &kind in params.patterns.kinds.iter().filter(|&&it| it != PatternKind::Extents) {
+    if params.patterns.kinds.contains(&PatternKind::Size) {
+        count_size(points_m, model, &mut bag);
+    }
+    for &kind in
+        params.patterns.kinds.iter().filter(|it| !matches!(it, PatternKind::Extents | PatternKind::Size))
+    {
         for graph in graphs {
             let mut pattern = Some(pattern(vertices, graph, kind, model));
             while let Some(it) = pattern.filter(|it| model.vocabulary.patterns().binary_search(it).is_err()) {
@@ -77,7 +82,11 @@ pub fn bag(
         }
     }
     for (pattern, count) in &mut bag {
-        let n = if pattern.kind_number() == 3 { 4.0 } else { graphs.len() as f64 };
+        let n = match pattern.kind_number() {
+            3 => 4.0,
+            4 => 3.0,
+            _ => graphs.len() as f64,
+        };
         *count = match params.bag.counts {
             CountScaling::Raw => *count,
             CountScaling::Share => *count / n,
@@ -87,8 +96,8 @@ pub fn bag(
     bag
 }
 
-/// Each two of bottom, top, length and width that say something together.
-fn count_extents(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
+/// Bottom, top, length and width.
+fn extents_m(points_m: &[[f64; 3]]) -> [f64; 4] {
     let flat: Vec<[f64; 3]> = points_m.iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
     let [along, across, _] = axes(&flat);
     let up = nalgebra::Vector3::z();
@@ -98,6 +107,35 @@ fn count_extents(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap
     };
     let [bottom_m, top_m] = span(up);
     let [length_m, width_m] = [along, across].map(span).map(|[low, high]| high - low);
+    [bottom_m, top_m, length_m, width_m]
+}
+
+/// All four in bins that span three edges, which begin at each of three edges in turn.
+fn count_size(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
+    let edges = &model.params.patterns.extent_edges_m;
+    for division in 0..3 {
+        // The edges at which a bin of this division begins.
+        let begins = edges.iter().enumerate().filter(|(it, _)| (it + 1 + division) % 3 == 0).map(|it| *it.1);
+        let begins: Vec<f64> = begins.collect();
+        let [bottom, top, length, width] =
+            extents_m(points_m).map(|it| begins.iter().filter(|&&begin| begin <= it).count() as u64);
+        let of = |width, bottom| {
+            let numbers = [4, width, bottom, division as u64, top, length, 255];
+            Pattern(numbers.into_iter().fold(0, |whole, it| whole << 8 | it))
+        };
+        // All four; what is rare without the bottom, and without the width, too.
+        let found = [of(width, bottom), of(width, 255), of(255, 255)];
+        let n_tried = if model.params.bag.rare == RarePatterns::Merged { 3 } else { 1 };
+        let is_known = |it: &&Pattern| model.vocabulary.patterns().binary_search(it).is_ok();
+        if let Some(&pattern) = found[..n_tried].iter().find(is_known) {
+            bag.insert(pattern, 1.0);
+        }
+    }
+}
+
+/// Each two of bottom, top, length and width that say something together.
+fn count_extents(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
+    let [bottom_m, top_m, length_m, width_m] = extents_m(points_m);
     let edges = &model.params.patterns.extent_edges_m;
     let bin = |value: f64| edges.iter().filter(|&&edge| edge <= value).count() as u64;
     for (pair, [a, b]) in
@@ -140,7 +178,7 @@ fn pattern(vertices: &[Vertex], graph: &[usize], kind: PatternKind, model: &Part
             labels[1..].sort_unstable();
             1
         }
-        PatternKind::Keypoint | PatternKind::Extents => 2,
+        PatternKind::Keypoint | PatternKind::Extents | PatternKind::Size => 2,
     };
     let numbers =
         [kind, bin(height_m, &params.height_edges_m), volume_bin, labels[0], labels[1], labels[2], labels[3]];

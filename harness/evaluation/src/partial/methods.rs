@@ -63,7 +63,7 @@ impl Method {
 
     /// The bag of graphs whole, and without each of its parts.
     pub fn ablation(whole: &PartialParams) -> Vec<Self> {
-        let variants: [Variant<'_>; 11] = [
+        let variants: [Variant<'_>; 12] = [
             (OURS, &|_| ()),
             ("without graphs", &|it| {
                 it.patterns
@@ -73,7 +73,10 @@ impl Method {
             ("without keypoints by themselves", &|it| {
                 it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint);
             }),
-            ("without extents", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Extents)),
+            ("without size", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Size)),
+            ("without size and extents", &|it| {
+                it.patterns.kinds.retain(|kind| !matches!(kind, PatternKind::Extents | PatternKind::Size));
+            }),
             ("without heights", &|it| it.patterns.height_edges_m.clear()),
             ("without volumes", &|it| it.patterns.volume_edges_m3.clear()),
             ("without weights: the nearest mean of a part", &|it| {

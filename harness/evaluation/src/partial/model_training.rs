@@ -45,10 +45,10 @@ pub enum ModelTrainingError {
     Training(#[from] TrainingError),
 }
 
-/// Learns the classes that `sets` have, from all parts of their objects: what had been seen at ten of the moments, evenly spread,
-/// where an object was seen bit by bit, from one place after the other; else it is uncovered from below and from above. `on_object` is called for each object that was looked at.
+/// Learns the classes that `sets` have, from all parts of their objects: what had been seen at ten moments of the drive of those that
+/// are driven toward; all others are uncovered from below and from above, as they are judged. `on_object` is called for each object that was looked at.
 ///
-/// Objects of simulated sets that have the same name are the same object, seen in another way: they are held out together.
+/// Within a class all sets weigh the same, however many parts of objects they have. Objects of simulated sets that have the same name are the same object, seen in another way: they are held out together.
 /// The same sets give the same model to the bit, with any number of threads.
 ///
 /// # Errors
@@ -64,11 +64,11 @@ pub fn train_on_sets(
     let classes: Vec<PartialClass> = PartialClass::ALL.into_iter().filter(is_there).collect();
     let mut number_of = BTreeMap::new();
     let mut clouds = Vec::new();
-    for set in sets {
+    for (way_idx, set) in sets.iter().enumerate() {
         for (name, of_object) in described_objects(&**set, &classes, params, &on_object)? {
             let n_known = number_of.len();
             let object_idx = *number_of.entry(name).or_insert(n_known);
-            clouds.extend(of_object.into_iter().map(|it| TrainingCloud { object_idx, ..it }));
+            clouds.extend(of_object.into_iter().map(|it| TrainingCloud { object_idx, way_idx, ..it }));
         }
     }
     let names: Vec<String> = classes.iter().map(|it| it.name().to_owned()).collect();
@@ -88,7 +88,7 @@ fn described_objects(
     let description = set.description();
     let describe = |object_idx: usize| -> Result<DescribedObject, DatasetError> {
         let growing = set.read(object_idx)?;
-        let seen = if growing.moments.len() > 1 { PartsSeen::Driven } else { PartsSeen::Uncovered };
+        let seen = if description.id == APPROACHED { PartsSeen::Driven } else { PartsSeen::Uncovered };
         let parts = parts_of(object_idx, &growing, seen);
         let class_idx = classes.iter().position(|it| *it == set.classes()[object_idx]);
         let class_idx = class_idx.expect("the classes are those of the sets");

@@ -8,13 +8,20 @@ use reports::files::archive::ArchiveError;
 use reports::files::new_folders::NewFolders;
 use reports::files::whole_file::WholeFile;
 use reports::run_folder::command_line::shell_word;
-use reports::verdicts::accept::{ACCEPTED_RUN, Acceptance, SCORES_MD, Succession, TOLERANCES_TOML, accept};
+use reports::run_folder::partial_archive::PartialArchive;
+use reports::run_folder::run_archive::RunArchive;
+use reports::verdicts::accept::{
+    ACCEPTED_RUN, AcceptError, Acceptance, SCORES_MD, Succession, TOLERANCES_TOML, accept,
+};
+use reports::verdicts::accept_partial::accept_partial;
+use reports::verdicts::partial_verdict::BUILT_IN_TOLERANCES;
 use reports::verdicts::tolerances::Tolerances;
 
 use crate::cli::{AcceptArgs, BaselineInitArgs};
 use crate::commands::failure::{Failure, Usage};
-use crate::commands::gate_workflow::{GATE_WORKFLOW, gate_workflow};
+use crate::commands::gate_workflow::{GATE_WORKFLOW, gate_workflow, partial_gate_workflow};
 use crate::commands::open_run::open_run;
+use crate::commands::partial_verdicts::open_partial;
 use crate::commands::provenance::utc_day;
 use crate::commands::standard_streams::{print_bytes, print_diagnostic, print_result};
 
@@ -28,21 +35,59 @@ pub fn baseline_init(arguments: &BaselineInitArgs) -> Result<(), Failure> {
     for name in [ACCEPTED_RUN, SCORES_MD, TOLERANCES_TOML, GATE_WORKFLOW] {
         refuse_existing(&folder.join(name))?;
     }
-    let run = open_run(&arguments.run)?;
+    let accepted = Accepted::open(&arguments.run)?;
     // Whatever fails from here on leaves nothing behind.
     let _folders =
         NewFolders::create(folder).map_err(|source| ArchiveError::Write { path: folder.clone(), source })?;
-    let tolerances = begun(&folder.join(TOLERANCES_TOML), &Tolerances::built_in(&run).annotated())?;
-    let workflow = begun(&folder.join(GATE_WORKFLOW), &gate_workflow(&run.manifest, folder))?;
+    let tolerances = begun(&folder.join(TOLERANCES_TOML), &accepted.tolerances())?;
+    let workflow = begun(&folder.join(GATE_WORKFLOW), &accepted.workflow(folder))?;
     let acceptance = Acceptance {
         date: &utc_day(Timestamp::now()),
         why: "the first accepted run",
         succession: Succession::Comparable,
     };
-    accept(&run, folder, acceptance)?;
+    accepted.accept(folder, acceptance)?;
     tolerances.finish()?;
     workflow.finish()?;
     print_result(next_steps(folder))
+}
+
+/// What others are held to.
+enum Accepted {
+    /// A run of detectors.
+    Run(Box<RunArchive>),
+    /// A result of `scanbench partial`.
+    Partial(PartialArchive),
+}
+
+impl Accepted {
+    fn open(directory: &Path) -> Result<Self, Failure> {
+        if PartialArchive::is_partial(directory) {
+            return Ok(Self::Partial(open_partial(directory)?));
+        }
+        Ok(Self::Run(Box::new(open_run(directory)?)))
+    }
+
+    fn tolerances(&self) -> String {
+        match self {
+            Self::Run(run) => Tolerances::built_in(run).annotated(),
+            Self::Partial(_) => BUILT_IN_TOLERANCES.to_owned(),
+        }
+    }
+
+    fn workflow(&self, folder: &Path) -> String {
+        match self {
+            Self::Run(run) => gate_workflow(&run.manifest, folder),
+            Self::Partial(result) => partial_gate_workflow(&result.manifest, folder),
+        }
+    }
+
+    fn accept(&self, folder: &Path, acceptance: Acceptance<'_>) -> Result<String, AcceptError> {
+        match self {
+            Self::Run(run) => accept(run, folder, acceptance),
+            Self::Partial(result) => accept_partial(result, folder, acceptance),
+        }
+    }
 }
 
 fn refuse_existing(path: &Path) -> Result<(), Failure> {
@@ -87,14 +132,14 @@ pub fn baseline_accept(arguments: &AcceptArgs) -> Result<(), Failure> {
     if arguments.why.trim().is_empty() {
         return Err(Usage("--why is empty; say why the scores changed".to_owned()).into());
     }
-    let run = open_run(&arguments.run)?;
+    let accepted = Accepted::open(&arguments.run)?;
     let directory = &arguments.baseline.baseline;
     let acceptance = Acceptance {
         date: &utc_day(Timestamp::now()),
         why: &arguments.why,
         succession: if arguments.new_baseline { Succession::Anew } else { Succession::Comparable },
     };
-    let line = accept(&run, directory, acceptance)?;
+    let line = accepted.accept(directory, acceptance)?;
     print_bytes(format!("{line}\n").as_bytes())?;
     print_diagnostic(format_args!("Baseline: {}", directory.display()));
     Ok(())

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use reports::run_folder::command_line::shell_word;
+use reports::run_folder::command_line::{command_again, shell_word};
 use reports::run_folder::manifest::Manifest;
+use reports::run_folder::partial_manifest::PartialManifest;
 
 /// Its name beside the baseline.
 pub const GATE_WORKFLOW: &str = "scanbench.yml";
@@ -12,10 +13,31 @@ const TEMPLATE: &str = include_str!("gate_workflow.yml");
 
 /// A workflow for GitHub that makes the run of `manifest` again and holds it to the baseline in `folder`.
 pub fn gate_workflow(manifest: &Manifest, folder: &Path) -> String {
+    workflow(&manifest.argv, &data(manifest), folder)
+}
+
+/// The same for a result of `scanbench partial`.
+pub fn partial_gate_workflow(manifest: &PartialManifest, folder: &Path) -> String {
+    workflow(&manifest.argv, &recorded_objects(manifest), folder)
+}
+
+fn workflow(argv: &[String], data: &str, folder: &Path) -> String {
     let folder = folder.display().to_string();
     let baseline = shell_word(folder.trim_end_matches('/'));
-    let run = manifest.command_again("runs/gate");
-    TEMPLATE.replace("BASELINE", &baseline).replace("      # DATA\n", &data(manifest)).replace("RUN", &run)
+    let run = command_again(argv, "runs/gate");
+    TEMPLATE.replace("BASELINE", &baseline).replace("      # DATA\n", data).replace("RUN", &run)
+}
+
+/// What has to be fetched before objects are judged; nothing if all of them are simulated on the way.
+fn recorded_objects(manifest: &PartialManifest) -> String {
+    let sets = manifest.sets.iter().flat_map(|it| [Some(&it.judged), it.learned_from.as_ref()]).flatten();
+    let mut recorded: Vec<&str> = sets.filter(|it| !it.simulated).map(|it| it.id.as_str()).collect();
+    recorded.dedup();
+    let line = |id: &&str| {
+        let id = id.replace(char::is_control, " ");
+        format!("      # {id}: the command below names its folder; fetch it to there in a step of its own.\n")
+    };
+    recorded.iter().map(line).collect()
 }
 
 /// What has to be fetched before the run; nothing if all of it is simulated on the way.

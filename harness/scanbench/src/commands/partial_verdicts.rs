@@ -8,6 +8,7 @@ use reports::run_folder::partial_archive::PartialArchive;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::tables::formats::format::Format;
+use reports::tables::formats::junit::JUnit;
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::verdict::partial_comparison::{
     PartialComparison, PartialDifferenceRow, PartialSummary, SummaryExtent, partial_verdict_json,
@@ -80,7 +81,10 @@ fn of_methods(result: &PartialArchive, first: &str, second: &str) -> Result<Part
 pub fn gate_partial(arguments: &GateArgs) -> Result<(), Failure> {
     let directory = &arguments.baseline.baseline;
     if !directory.is_dir() {
-        let problem = format!("there is no baseline {}; name a result with --baseline", directory.display());
+        let problem = format!(
+            "there is no baseline {}; name a result with --baseline, or make one: scanbench baseline init RESULT -o ci",
+            directory.display()
+        );
         return Err(Usage(problem).into());
     }
     let baseline = open_partial(&run_of_baseline(directory))?;
@@ -113,11 +117,17 @@ fn write_verdict(directory: &Path, verdict: &PartialVerdict, in_markdown: &str) 
         Failure::usage(format!("cannot make the directory {}", directory.display()), error)
     })?;
     write_whole(&directory.join("gate.json"), partial_verdict_json(verdict).as_bytes())?;
+    let junit: &dyn Format<PartialVerdict> = &JUnit;
+    write_whole(&directory.join(junit.file_name("gate")), junit.text(verdict).as_bytes())?;
     Ok(write_whole(&directory.join("gate.md"), in_markdown.as_bytes())?)
 }
 
 /// The result in `directory`.
-fn open_partial(directory: &Path) -> Result<PartialArchive, Failure> {
+///
+/// # Errors
+///
+/// If there is none, or a file of it is missing or damaged.
+pub fn open_partial(directory: &Path) -> Result<PartialArchive, Failure> {
     if !directory.is_dir() {
         return Err(Usage(format!("there is no directory {}", directory.display())).into());
     }

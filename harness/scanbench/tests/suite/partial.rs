@@ -201,6 +201,8 @@ fn results_are_compared_and_gated_object_by_object() {
         workplace.read("verdict/gate.json").contains("regression")
             && workplace.path("verdict/gate.md").exists()
     );
+    let xml = workplace.read("verdict/junit.xml");
+    assert!(xml.contains("type=\"regression\"") && xml.contains("type=\"drift\""), "{xml}");
     changed(&|it| it.contains("tree-0003,below,9"), "other");
     let other = workplace.run(&["gate", "other", "--baseline", "before"]);
     assert!(other.exit_code == Some(101) && other.stdout.contains("tree-0003 at step 9"), "{other:#?}");
@@ -216,6 +218,42 @@ fn results_are_compared_and_gated_object_by_object() {
     workplace.write("strict.toml", "mean_recall = 2");
     let refused = workplace.run(&["gate", "before", "--baseline", "before", "-t", "strict.toml"]);
     assert!(refused.exit_code == Some(2) && refused.stderr.contains("strict.toml"), "{refused:#?}");
+}
+
+#[test]
+fn a_first_baseline_holds_later_results_to_it() {
+    let workplace = Workplace::new();
+    let judge = ["partial", "objects-vlp-16", "--per-class", "3", "--no-rrd", "-o"];
+    workplace.succeed(&[&judge[..], &["first"]].concat());
+    // As a program without uncommitted changes makes it.
+    let manifest = workplace.read("first/manifest.json").replace("\"dirty\": true", "\"dirty\": false");
+    workplace.write("first/manifest.json", &manifest);
+    workplace.succeed(&["baseline", "init", "first", "-o", "ci"]);
+    let workflow = workplace.read("ci/scanbench.yml");
+    let again = "\n          scanbench partial objects-vlp-16 --per-class 3 --no-rrd -o runs/gate\n";
+    assert!(workflow.contains(again) && !workflow.contains("DATA"), "{workflow}");
+    let same = workplace.succeed(&["gate", "first", "--baseline", "ci"]);
+    assert!(same.stdout.starts_with("PASSED"), "{same:#?}");
+    let twice = workplace.run(&["baseline", "init", "first", "-o", "ci"]);
+    assert!(twice.exit_code == Some(2) && twice.stderr.contains("exists; name another folder"), "{twice:#?}");
+    // The file beside the baseline counts.
+    let lenient = workplace.read("ci/tolerances.toml").replace("drift = \"fail\"", "drift = \"warn\"");
+    workplace.write("ci/tolerances.toml", &lenient);
+    let rows = workplace.read("first/partial.csv").replacen(",tree,tree,", ",tree,pole,", 1);
+    workplace.write("first/partial.csv", &rows);
+    let allowed = workplace.succeed(&["gate", "first", "--baseline", "ci"]);
+    assert!(allowed.stdout.starts_with("PASSED, results changed"), "{allowed:#?}");
+    let accept = ["baseline", "accept", "first", "-b", "ci", "--why", "a tree less"];
+    let line = workplace.succeed(&accept).stdout;
+    assert!(
+        line.contains("objects-vlp-16 from below") && workplace.read("ci/SCORES.md").ends_with(&line),
+        "{line}"
+    );
+    workplace.succeed(&["partial", "objects-air", "--per-class", "3", "--no-rrd", "-o", "other"]);
+    let manifest = workplace.read("other/manifest.json").replace("\"dirty\": true", "\"dirty\": false");
+    workplace.write("other/manifest.json", &manifest);
+    let refused = workplace.run(&["baseline", "accept", "other", "-b", "ci", "--why", "another"]);
+    assert!(refused.exit_code == Some(5) && refused.stderr.contains("--new-baseline"), "{refused:#?}");
 }
 
 #[test]

@@ -98,7 +98,8 @@ fn of_speed(speed: &GatedSpeed, n_few_blocks: Option<u64>) -> TestCase {
     case(&class, &name, status(speed.finding, &message, n_few_blocks))
 }
 
-fn status(finding: Finding, message: &str, n_few_blocks: Option<u64>) -> TestCaseStatus {
+/// `n_few_blocks` are those that are too few for a verdict.
+pub(super) fn status(finding: Finding, message: &str, n_few_blocks: Option<u64>) -> TestCaseStatus {
     match finding {
         Finding::Pass => TestCaseStatus::success(),
         Finding::Inconclusive => skipped(&match n_few_blocks {
@@ -115,19 +116,19 @@ fn status(finding: Finding, message: &str, n_few_blocks: Option<u64>) -> TestCas
 }
 
 /// `JUnit` knows no warning: a skipped test is what servers show without failing.
-fn skipped(message: &str) -> TestCaseStatus {
+pub(super) fn skipped(message: &str) -> TestCaseStatus {
     let mut status = TestCaseStatus::skipped();
     status.set_message(message);
     status
 }
 
-fn failed(kind: &str, message: &str, details: &str) -> TestCaseStatus {
+pub(super) fn failed(kind: &str, message: &str, details: &str) -> TestCaseStatus {
     let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
     status.set_type(kind).set_message(message).set_description(details);
     status
 }
 
-fn case(class: &str, name: &str, status: TestCaseStatus) -> TestCase {
+pub(super) fn case(class: &str, name: &str, status: TestCaseStatus) -> TestCase {
     let mut case = TestCase::new(name, status);
     case.set_classname(class);
     case

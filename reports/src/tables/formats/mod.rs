@@ -7,6 +7,7 @@ pub mod markdown;
 pub mod latex;
 pub mod json;
 pub mod junit;
+pub mod partial_junit;
 pub mod custom_smaller_is_better;
 pub mod bencher;
 pub mod lists;
