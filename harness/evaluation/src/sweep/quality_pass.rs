@@ -1,9 +1,11 @@
 //! All scans at all points, several scans at once: what is counted does not depend on what runs beside it.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use reports::numbers::blocks::DriveSecond;
 use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetError};
 
@@ -15,12 +17,14 @@ use crate::sweep::scan_at_point::{ScanAtPoint, look_at_points};
 use crate::sweep::sweep_plan::SweepPlan;
 
 /// A data set and the scans that are taken from it.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct SweptDataset<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
+    /// Which of these are run, as places among them: all, or those of a shard.
+    pub part: Range<usize>,
 }
 
 /// What is run, and what is told of it.
@@ -36,6 +40,8 @@ pub struct SweepPass<'a> {
     pub interrupted: &'a AtomicBool,
     /// Called whenever a scan has been looked at, at one point.
     pub on_done: &'a (dyn Fn() + Sync),
+    /// The processor's own name, for times.
+    pub processor: &'a str,
 }
 
 /// Why a sweep ended early. What is in the journal stays.
@@ -104,13 +110,15 @@ impl SweepPass<'_> {
 
     /// Pairs of a scan and a point.
     pub fn n_results(&self) -> usize {
-        self.datasets.iter().map(|it| it.scan_indices.len()).sum::<usize>() * self.plan.points.len()
+        self.datasets.iter().map(|it| it.part.len()).sum::<usize>() * self.plan.points.len()
     }
 
     fn missing(&self, done: &BTreeSet<[usize; 3]>) -> Vec<MissingScan> {
-        let scans = self.datasets.iter().enumerate().flat_map(|(dataset_idx, it)| {
-            (0..it.scan_indices.len()).map(move |scan_idx| (dataset_idx, scan_idx))
-        });
+        let scans = self
+            .datasets
+            .iter()
+            .enumerate()
+            .flat_map(|(dataset_idx, it)| it.part.clone().map(move |scan_idx| (dataset_idx, scan_idx)));
         let missing = scans.map(|(dataset_idx, scan_idx)| {
             let is_missing = |point_idx: &usize| !done.contains(&[dataset_idx, scan_idx, *point_idx]);
             let point_idxs = (0..self.plan.points.len()).filter(is_missing).collect();
@@ -127,9 +135,10 @@ impl SweepPass<'_> {
         n_left: &AtomicUsize,
     ) -> Result<Vec<ScanAtPoint>, SweepError> {
         let &MissingScan { dataset_idx, scan_idx, ref point_idxs } = missing;
-        let SweptDataset { dataset, scan_indices } = self.datasets[dataset_idx];
+        let SweptDataset { dataset, scan_indices, .. } = self.datasets[dataset_idx];
         self.check_interrupted(n_left)?;
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
+        let second = DriveSecond::of(&dataset.scan_ids()[scan_indices[scan_idx]].sequence, time_s);
         let mut results = Vec::new();
         let scan = (&scan, time_s);
         look_at_points(
@@ -138,7 +147,8 @@ impl SweepPass<'_> {
             scan,
             point_idxs,
             |point_idx, detectors| {
-                let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors };
+                let result =
+                    ScanAtPoint { dataset_idx, scan_idx, second: second.clone(), point_idx, detectors };
                 self.journal.add(&JournalEntry::Quality(result.clone()))?;
                 results.push(result);
                 n_left.fetch_sub(1, Ordering::Relaxed);
@@ -159,8 +169,8 @@ impl SweepPass<'_> {
 }
 
 impl ScanAtPoint {
-    /// The order of results.
-    fn key(&self) -> [usize; 3] {
+    /// The order of results: data set, scan, point.
+    pub fn key(&self) -> [usize; 3] {
         [self.dataset_idx, self.scan_idx, self.point_idx]
     }
 }
