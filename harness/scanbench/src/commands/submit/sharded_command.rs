@@ -109,7 +109,7 @@ mod tests {
             ("run data --shard 1/2 -o out", "leave -o out away"),
             ("run data --detector pca", "unexpected argument '--detector'"),
             ("compare a b", "compare has no shards"),
-            ("ablation --oracle", "'--oracle' cannot be used with"),
+            ("ablation --oracle", "cannot be used with '--oracle'"),
             ("-q run data", "write the verb first"),
             ("fly", "unrecognized subcommand 'fly'"),
         ] {
