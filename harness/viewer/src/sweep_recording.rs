@@ -7,7 +7,8 @@ use evaluation::run::detector_list::ChosenDetector;
 use evaluation::run::entrant::Entrant;
 use evaluation::run::running_detector::RunningDetector;
 use evaluation::run::side_by_side::{DetectionTimes, DetectorScan};
-use evaluation::sweep::summary::SweepResults;
+use evaluation::sweep::quality_pass::SweptDataset;
+use evaluation::sweep::sweep_plan::SweepPlan;
 use evaluation::sweep::swept_values::SweptValues;
 use reports::numbers::sweep_score::{SweepScore, SweepScores};
 use reports::run_folder::run_directory::RunDirectory;
@@ -28,18 +29,16 @@ use super::viewer::ViewerChoice;
 /// The file in the directory.
 const SWEEP_RRD: &str = "sweep.rrd";
 
-/// Looks at the scan in the middle of the first data set once more at every point, and records it.
+/// Looks at the scan in the middle of `swept`, the first data set of `plan`, once more at every point, and records it.
 ///
 /// # Errors
 ///
 /// If the scan cannot be read or the file not be written.
 pub fn record_sweep(
     directory: &RunDirectory,
-    results: &SweepResults<'_>,
+    (plan, swept): (&SweepPlan, &SweptDataset<'_>),
     scores: &SweepScores,
 ) -> Result<(), RecordingError> {
-    let plan = results.plan;
-    let swept = &results.datasets[0];
     let description = swept.dataset.description();
     let scan = swept.dataset.read_scan(swept.scan_indices[swept.scan_indices.len() / 2])?;
     let steps = Steps::of(&plan.swept);

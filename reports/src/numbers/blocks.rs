@@ -5,13 +5,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::{Deserialize, Serialize};
+
 /// Drives that a data set needs for whole drives to be drawn.
 pub const FEWEST_DRIVES: usize = 10;
 /// Blocks of one data set that it takes before anything may rest on an interval.
 pub const FEWEST_BLOCKS: u64 = 10;
 
 /// Scans of one drive that were taken within one second.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DriveSecond {
     drive: String,
     second: i64,

@@ -7,6 +7,10 @@ use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
 
+/// The columns of times, behind those that say of what.
+const TIME_COLUMNS: [&str; 7] =
+    ["n_scans", "n_detections", "p50_of_shortest_ms", "min_ms", "p50_ms", "p90_ms", "max_ms"];
+
 /// All numbers of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepScores {
@@ -174,22 +178,24 @@ impl SweepScores {
     /// None while memory lasts.
     pub fn times_to_csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut columns = self.subject_columns();
-        columns.extend(texts([
-            "n_scans",
-            "n_detections",
-            "p50_of_shortest_ms",
-            "min_ms",
-            "p50_ms",
-            "p90_ms",
-            "max_ms",
-        ]));
-        let rows = self.times.iter().map(|it| {
-            let mut row = it.subject.cells_of_row();
-            row.extend([it.n_scans, it.n_detections].map(|it| it.to_string()));
-            row.extend(
-                [it.typical_ms, it.min_ms, it.p50_ms, it.p90_ms, it.max_ms].map(|it| fixed_decimals(it, 4)),
-            );
-            row
+        columns.extend(texts(TIME_COLUMNS));
+        write_csv(&columns, self.times.iter().map(SweepTime::cells_of_row))
+    }
+
+    /// The content of `times_of_processors.csv`: times on each of `unlike` processors.
+    ///
+    /// # Errors
+    ///
+    /// None while memory lasts.
+    pub fn times_of_processors_to_csv(
+        &self,
+        unlike: &[(String, Vec<SweepTime>)],
+    ) -> Result<Vec<u8>, csv::Error> {
+        let mut columns = vec!["processor".to_owned()];
+        columns.extend(self.subject_columns());
+        columns.extend(texts(TIME_COLUMNS));
+        let rows = unlike.iter().flat_map(|(processor, times)| {
+            times.iter().map(|it| [vec![processor.clone()], it.cells_of_row()].concat())
         });
         write_csv(&columns, rows)
     }
@@ -199,6 +205,16 @@ impl SweepScores {
         columns.extend(self.parameters.iter().cloned());
         columns.extend(texts(["dataset", "origin", "sensor", "detector"]));
         columns
+    }
+}
+
+impl SweepTime {
+    fn cells_of_row(&self) -> Vec<String> {
+        let mut row = self.subject.cells_of_row();
+        row.extend([self.n_scans, self.n_detections].map(|it| it.to_string()));
+        let times_ms = [self.typical_ms, self.min_ms, self.p50_ms, self.p90_ms, self.max_ms];
+        row.extend(times_ms.map(|it| fixed_decimals(it, 4)));
+        row
     }
 }
 

@@ -188,6 +188,11 @@ impl PartialRow {
         &self.method
     }
 
+    /// Whether both are of one data set and told by one method that knows one thing.
+    pub fn is_of_same_answers(&self, other: &Self) -> bool {
+        (&self.data, &self.method, &self.trained_on) == (&other.data, &other.method, &other.trained_on)
+    }
+
     /// How many points had been seen.
     pub fn n_points(&self) -> usize {
         self.n_points

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::files::archive::{ArchiveError, read_json};
 use crate::numbers::tally::{Processors, Tally};
 use crate::run_folder::shard_record::{ShardRecord, processors_of};
+use crate::run_folder::sweep_entry::SweepEntry;
 use crate::vocabulary::class::AnnotationClass;
 use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::origin::Origin;
@@ -58,6 +59,9 @@ pub struct Manifest {
     /// What an experiment put up, as it describes it; `None` for a run over data sets that were named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub experiment: Option<serde_json::Value>,
+    /// What was swept; `None` for all but sweeps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<SweepEntry>,
     /// Which part of a run it is; `None` of a whole one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<ShardRecord>,
@@ -358,6 +362,7 @@ mod tests {
             rerun_version: None,
             machine: Machine { cpu_model: "some processor".to_owned(), n_cores: 2, os: "linux".to_owned() },
             experiment: None,
+            sweep: None,
             shard: None,
             shards: Vec::new(),
             protocols: Vec::new(),

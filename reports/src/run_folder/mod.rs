@@ -1,8 +1,8 @@
 //! The folder of a run: how the run came about, how the folder is written, and all of it read back.
 
 pub mod shard_record;
+pub mod sweep_entry;
 pub mod manifest;
-pub mod shard_check;
 pub mod command_line;
 pub mod comparison_manifest;
 pub mod run_target;
@@ -10,4 +10,6 @@ mod folder_in_place;
 pub mod run_directory;
 pub mod run_archive;
 pub mod partial_manifest;
+pub mod made_in_shards;
+pub mod shard_check;
 pub mod partial_archive;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, read_json};
 use crate::run_folder::manifest::GitState;
+use crate::run_folder::shard_record::ShardRecord;
 
 /// How objects were told of which a part has been seen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,29 @@ pub struct PartialManifest {
     pub git: Option<GitState>,
     /// The compiler.
     pub rustc_version: String,
+    /// What else was asked for; `None` of results of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settings: Option<PartialSettings>,
+    /// Which part of a result it is; `None` of a whole one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<ShardRecord>,
+    /// The parts that it was put together of; none of a result in one piece.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shards: Vec<ShardRecord>,
+}
+
+/// What was asked for beside objects and models.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartialSettings {
+    /// Whether objects that are none of the four are judged, too.
+    pub others: bool,
+    /// Whether objects are shown as a drive does, and not step by step.
+    pub drives: bool,
+    /// Whether the method is compared with itself without each part, instead of with rivals.
+    pub ablation: bool,
+    /// What methods learned from, in turn.
+    pub trained_on: Vec<String>,
 }
 
 /// Objects that were judged, and where methods have what they know from.
@@ -137,6 +161,9 @@ pub(crate) mod tests {
             peers: BTreeMap::new(),
             git: None,
             rustc_version: "rustc".to_owned(),
+            settings: None,
+            shard: None,
+            shards: Vec::new(),
         }
     }
 

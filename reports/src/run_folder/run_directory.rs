@@ -30,6 +30,8 @@ pub const WORST_POINTS_JSON: &str = "worst_points.json";
 pub const AGREEMENT_CSV: &str = "agreement.csv";
 /// Where the scans of the worst mistakes are recorded, of a run that was made in parts.
 pub const RECORDINGS_JSON: &str = "recordings.json";
+/// Times of what was made in parts on unlike processors, each of these by itself.
+pub const TIMES_OF_PROCESSORS_CSV: &str = "times_of_processors.csv";
 /// The run as a page.
 pub const REPORT_HTML: &str = "report.html";
 /// The numbers under protocols of others.
@@ -61,6 +63,10 @@ pub const SWEEP_TIMES_CSV: &str = "times.csv";
 pub const SWEEP_PROTOCOLS_CSV: &str = "sweep_protocols.csv";
 /// The same, with all that is needed to read them.
 pub const SWEEP_PROTOCOLS_JSON: &str = "sweep_protocols.json";
+/// What a shard of a sweep has counted: a line for every scan and point.
+pub const SWEPT_SCANS_JSONL: &str = "swept_scans.jsonl";
+/// The scans that a shard of a sweep has timed, a line each.
+pub const TIMED_SCANS_JSONL: &str = "timed_scans.jsonl";
 
 /// What objects were told to be of which a part has been seen: one row for every object, step and method.
 pub const PARTIAL_CSV: &str = "partial.csv";

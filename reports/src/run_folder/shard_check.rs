@@ -2,17 +2,18 @@
 
 use std::collections::BTreeSet;
 
-use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, Manifest};
+use crate::run_folder::made_in_shards::MadeInShards;
 use crate::run_folder::shard_record::ShardRecord;
 use crate::vocabulary::shard::{Shard, ShardError};
+use crate::vocabulary::study::Study;
 
 /// A directory that should be a shard, and its manifest.
 #[derive(Debug, Clone)]
-pub struct NamedShard {
+pub struct NamedShard<M> {
     /// The directory, as it was named.
     pub name: String,
     /// Its manifest.
-    pub manifest: Manifest,
+    pub manifest: M,
 }
 
 /// Why shards do not make a run.
@@ -31,6 +32,18 @@ pub enum ShardMismatch {
         name: String,
         /// What is wrong with it.
         problem: ShardError,
+    },
+    /// They are parts of different studies.
+    #[error("{first} is a shard of `{}`, {other} one of `{}`", study.name(), other_study.name())]
+    Study {
+        /// A directory.
+        first: String,
+        /// The verb that it is of.
+        study: Study,
+        /// Another directory.
+        other: String,
+        /// The verb that this is of.
+        other_study: Study,
     },
     /// They were judged by different rules.
     #[error("{first} has scoring version {version}, {other} has {other_version}")]
@@ -153,11 +166,11 @@ fn in_words(numbers: &[u32]) -> String {
 /// # Errors
 ///
 /// [`ShardMismatch`] with the first that differs.
-pub fn check_shards(shards: &[NamedShard]) -> Result<Vec<usize>, ShardMismatch> {
+pub fn check_shards<M: MadeInShards>(shards: &[NamedShard<M>]) -> Result<Vec<usize>, ShardMismatch> {
     let mut records: Vec<(usize, Shard, &ShardRecord)> = Vec::new();
     for (idx, NamedShard { name, manifest }) in shards.iter().enumerate() {
         let no_shard = || ShardMismatch::NoShard { name: name.clone() };
-        let record = manifest.shard.as_ref().ok_or_else(no_shard)?;
+        let record = manifest.shard().ok_or_else(no_shard)?;
         let bad_number = |problem| ShardMismatch::Number { name: name.clone(), problem };
         records.push((idx, record.shard().map_err(bad_number)?, record));
     }
@@ -172,118 +185,55 @@ pub fn check_shards(shards: &[NamedShard]) -> Result<Vec<usize>, ShardMismatch> 
     Ok(records.into_iter().map(|(idx, ..)| idx).collect())
 }
 
-fn check_same_run(first: &NamedShard, other: &NamedShard) -> Result<(), ShardMismatch> {
+fn check_same_run<M: MadeInShards>(
+    first: &NamedShard<M>,
+    other: &NamedShard<M>,
+) -> Result<(), ShardMismatch> {
     let names = || (first.name.clone(), other.name.clone());
     let (ours, theirs) = (&first.manifest, &other.manifest);
-    if ours.scoring_version != theirs.scoring_version {
+    let study = |it: &M| it.shard().map_or(Study::Run, |it| it.study);
+    if study(ours) != study(theirs) {
         let (first, other) = names();
-        let [version, other_version] = [ours, theirs].map(|it| it.scoring_version);
+        let [study, other_study] = [ours, theirs].map(study);
+        return Err(ShardMismatch::Study { first, study, other, other_study });
+    }
+    let versions = (ours.scoring_version(), theirs.scoring_version());
+    if let (Some(version), Some(other_version)) = versions
+        && version != other_version
+    {
+        let (first, other) = names();
         return Err(ShardMismatch::ScoringVersion { first, version, other, other_version });
     }
-    let program = |it: &Manifest| it.shard.as_ref().map(|it| it.program.clone());
+    let program = |it: &M| it.shard().map(|it| it.program.clone());
     if program(ours) != program(theirs) {
         let (first, other) = names();
         let versions = [ours, theirs].map(program_in_words).join(" and ");
         return Err(ShardMismatch::Program { first, other, versions });
     }
-    if let Some(what) = different_data(ours, theirs) {
+    if let Some(what) = ours.different_data(theirs) {
         let (first, other) = names();
         return Err(ShardMismatch::Data { first, other, what });
     }
-    if let Some(what) = different_parameters(ours, theirs) {
+    if let Some(what) = ours.different_parameters(theirs) {
         let (first, other) = names();
         return Err(ShardMismatch::Parameters { first, other, what });
     }
     Ok(())
 }
 
-fn program_in_words(manifest: &Manifest) -> String {
-    let commit = manifest.git.as_ref().map_or_else(String::new, |it| {
+fn program_in_words<M: MadeInShards>(manifest: &M) -> String {
+    let (version, git) = manifest.program();
+    let commit = git.map_or_else(String::new, |it| {
         let changed = if it.dirty { " with changes" } else { "" };
         format!(", commit {}{changed}", it.commit)
     });
-    let checksum =
-        manifest.shard.as_ref().map_or_else(String::new, |it| it.program.chars().take(12).collect());
-    format!("version {}{commit}, SHA-256 {checksum}…", manifest.scanbench_version)
-}
-
-fn different_data(ours: &Manifest, theirs: &Manifest) -> Option<String> {
-    let ids = |it: &Manifest| it.datasets.iter().map(|it| it.id.clone()).collect::<Vec<_>>();
-    if ids(ours) != ids(theirs) {
-        return Some(format!("{} and {}", ids(ours).join(", "), ids(theirs).join(", ")));
-    }
-    if ours.seeds != theirs.seeds {
-        return Some("their seeds differ".to_owned());
-    }
-    let selected = |it: &Manifest| {
-        let parts = it.shard.iter().flat_map(|it| &it.parts);
-        parts.map(|it| it.selected.clone()).collect::<Vec<_>>()
-    };
-    let entries = ours.datasets.iter().zip(&theirs.datasets);
-    let of_entries = entries.zip(selected(ours).into_iter().zip(selected(theirs)));
-    of_entries.into_iter().find_map(|((ours, theirs), (our_scans, their_scans))| {
-        let id = &ours.id;
-        if ours.checksum != theirs.checksum {
-            return Some(format!("the checksums of {id:?} differ"));
-        }
-        if our_scans != their_scans {
-            return Some(format!("other scans of {id:?} were selected"));
-        }
-        (common(ours) != common(theirs)).then(|| format!("{id:?} was opened in another way"))
-    })
-}
-
-/// What all shards say of a data set, wherever it lies.
-fn common(entry: &DatasetEntry) -> DatasetEntry {
-    DatasetEntry { root: None, skipped_scans: Vec::new(), n_points_left_out: 0, ..entry.clone() }
-}
-
-fn different_parameters(ours: &Manifest, theirs: &Manifest) -> Option<String> {
-    let names = |it: &Manifest| it.detectors.iter().map(|it| it.name.clone()).collect::<Vec<_>>().join(", ");
-    let about = |it: &Manifest| {
-        [
-            ("detectors", names(it)),
-            ("the matching criterion", it.matching_criterion.clone()),
-            ("the ignored annotations", format!("{:?}", it.ignored)),
-            ("--protocol", it.protocols.iter().map(|it| it.name()).collect::<Vec<_>>().join(",")),
-            ("--warmup", it.n_warmup_detections.to_string()),
-            ("--repeats", it.n_repeats.to_string()),
-        ]
-    };
-    let differing = about(ours).into_iter().zip(about(theirs)).find(|(ours, theirs)| ours != theirs);
-    if let Some(((what, ours), (_, theirs))) = differing {
-        return Some(format!("{what}: {ours} and {theirs}"));
-    }
-    let of_detectors = ours.detectors.iter().zip(&theirs.detectors);
-    let detector = { of_detectors }.find(|(ours, theirs)| !is_same_detector(ours, theirs));
-    if let Some((detector, _)) = detector {
-        return Some(format!("those of {}", detector.name));
-    }
-    (ours.config != theirs.config).then(|| "those of the configuration".to_owned())
-}
-
-/// A program of others introduces itself only where it had a scan to look at.
-fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
-    let (Some(our_program), Some(their_program)) = (&ours.foreign, &theirs.foreign) else {
-        return ours == theirs;
-    };
-    let is_same =
-        |one: &Option<String>, other: &Option<String>| one.is_none() || other.is_none() || one == other;
-    let silent = |it: &DetectorEntry| {
-        let mut it = it.clone();
-        if let Some(foreign) = &mut it.foreign {
-            (foreign.reported_name, foreign.version) = (None, None);
-        }
-        it
-    };
-    is_same(&our_program.reported_name, &their_program.reported_name)
-        && is_same(&our_program.version, &their_program.version)
-        && silent(ours) == silent(theirs)
+    let checksum = manifest.shard().map_or_else(String::new, |it| it.program.chars().take(12).collect());
+    format!("version {version}{commit}, SHA-256 {checksum}…")
 }
 
 /// Sorts `records` by their numbers, each of which has to be there once.
-fn check_numbers(
-    shards: &[NamedShard],
+fn check_numbers<M>(
+    shards: &[NamedShard<M>],
     records: &mut [(usize, Shard, &ShardRecord)],
 ) -> Result<(), ShardMismatch> {
     let name = |idx: usize| shards[idx].name.clone();
@@ -304,10 +254,13 @@ fn check_numbers(
 }
 
 /// Every scan that was selected has to be in one of `records`.
-fn check_scans(shards: &[NamedShard], records: &[(usize, Shard, &ShardRecord)]) -> Result<(), ShardMismatch> {
-    let datasets = shards.first().map_or(&[][..], |it| &it.manifest.datasets);
-    for (dataset_idx, entry) in datasets.iter().enumerate() {
-        let dataset = || entry.id.clone();
+fn check_scans<M: MadeInShards>(
+    shards: &[NamedShard<M>],
+    records: &[(usize, Shard, &ShardRecord)],
+) -> Result<(), ShardMismatch> {
+    let datasets = shards.first().map_or_else(Vec::new, |it| it.manifest.selected());
+    for (dataset_idx, (id, n_selected)) in datasets.into_iter().enumerate() {
+        let dataset = || id.to_owned();
         let (mut place, mut last) = (0, None);
         for (idx, _, record) in records {
             let Some(part) = record.parts.get(dataset_idx).filter(|it| it.first < it.end) else { continue };
@@ -322,8 +275,8 @@ fn check_scans(shards: &[NamedShard], records: &[(usize, Shard, &ShardRecord)]) 
             }
             (place, last) = (part.end, Some(*idx));
         }
-        if place < entry.n_scans {
-            let n_scans = entry.n_scans - place;
+        if place < n_selected {
+            let n_scans = n_selected - place;
             return Err(ShardMismatch::Gap { dataset: dataset(), place, n_scans });
         }
     }
@@ -333,12 +286,13 @@ fn check_scans(shards: &[NamedShard], records: &[(usize, Shard, &ShardRecord)]) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run_folder::manifest::Manifest;
     use crate::run_folder::shard_record::{ShardPart, WorkMeasure};
     use crate::tables::sample;
     use proptest::prelude::*;
 
     /// Shard `index` of `count` of three data sets of twenty scans each, with these places of all sixty.
-    fn shard(index: u32, count: u32, scans: std::ops::Range<u64>) -> NamedShard {
+    fn shard(index: u32, count: u32, scans: std::ops::Range<u64>) -> NamedShard<Manifest> {
         let part = |dataset_idx: u64| {
             let within = |place: u64| place.clamp(20 * dataset_idx, 20 * dataset_idx + 20) - 20 * dataset_idx;
             ShardPart {
@@ -352,6 +306,7 @@ mod tests {
             index,
             count,
             created: String::new(),
+            study: Study::Run,
             program: "f00d".to_owned(),
             cut_by: WorkMeasure::Scans,
             parts: (0..3).map(part).collect(),
@@ -365,7 +320,7 @@ mod tests {
     }
 
     #[track_caller]
-    fn check_refused(shards: &[NamedShard], words: &str) {
+    fn check_refused(shards: &[NamedShard<Manifest>], words: &str) {
         let error = check_shards(shards).unwrap_err().to_string();
         assert_eq!(error, words);
     }
@@ -406,6 +361,13 @@ mod tests {
     }
 
     #[test]
+    fn shards_of_another_study_are_none_of_the_run() {
+        let mut shards = [shard(1, 2, 0..30), shard(2, 2, 30..60)];
+        shards[1].manifest.shard.as_mut().unwrap().study = Study::Ablation;
+        check_refused(&shards, "1-of-2 is a shard of `run`, 2-of-2 one of `ablation`");
+    }
+
+    #[test]
     fn folders_may_differ_and_data_may_not() {
         let mut shards = [shard(1, 2, 0..30), shard(2, 2, 30..60)];
         shards[1].manifest.datasets[0].root = Some("/elsewhere".to_owned());
@@ -427,7 +389,7 @@ mod tests {
             cuts.extend([0, 60]);
             cuts.sort_unstable();
             let count = cuts.len() as u32 - 1;
-            let mut shards: Vec<NamedShard> =
+            let mut shards: Vec<NamedShard<Manifest>> =
                 (1..).zip(cuts.windows(2)).map(|(index, ends)| shard(index, count, ends[0]..ends[1])).collect();
             prop_assert!(check_shards(&shards).is_ok());
             shards.remove(left_out % shards.len());

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::vocabulary::shard::{Shard, ShardError};
+use crate::vocabulary::study::Study;
 use crate::worst::recorded::RecordedPlace;
 
-/// A part of a run that was made by itself.
+/// A part of a run or of a study that was made by itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShardRecord {
@@ -15,11 +16,13 @@ pub struct ShardRecord {
     pub count: u32,
     /// When it was begun, in UTC as RFC 3339 writes it.
     pub created: String,
+    /// The verb that it is a part of.
+    pub study: Study,
     /// SHA-256 of the program.
     pub program: String,
     /// By what the work was shared out.
     pub cut_by: WorkMeasure,
-    /// Its scans, in the order of the data sets of the run.
+    /// Its scans, in the order of the data sets of the run; of `partial` its objects.
     pub parts: Vec<ShardPart>,
     /// Where it ran: the processors in the order of its rows, more than one if it was continued elsewhere.
     pub processors: Vec<ProcessorRows>,
@@ -41,9 +44,11 @@ pub enum WorkMeasure {
     FileSizes,
     /// Each scan is as much as any other.
     Scans,
+    /// Each object is as much as any other.
+    Objects,
 }
 
-/// What a shard has of a data set.
+/// What a shard has of a data set, or of a set of objects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShardPart {
@@ -51,13 +56,13 @@ pub struct ShardPart {
     pub first: u64,
     /// The place behind its last one.
     pub end: u64,
-    /// SHA-256 of the names and times of all scans that were selected.
+    /// SHA-256 of the names and times of all scans that were selected; of objects, of their names and classes.
     pub selected: String,
     /// Annotations of any kind in its scans.
     pub n_labels: u64,
 }
 
-/// How many rows of `scans.csv` were made on a processor.
+/// How many rows of `scans.csv` were made on a processor; of a sweep, how many scans were timed on it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProcessorRows {
@@ -103,7 +108,7 @@ impl ShardRecord {
         Shard::new(self.index, self.count)
     }
 
-    /// Number of its scans.
+    /// Number of its scans, or of its objects.
     pub fn n_scans(&self) -> u64 {
         self.parts.iter().map(|it| it.end.saturating_sub(it.first)).sum()
     }

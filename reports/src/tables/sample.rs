@@ -44,6 +44,7 @@ pub(crate) fn manifest() -> Manifest {
         rerun_version: None,
         machine: Machine { cpu_model: "Example CPU @ 2 GHz".to_owned(), n_cores: 2, os: "linux".to_owned() },
         experiment: None,
+        sweep: None,
         shard: None,
         shards: Vec::new(),
         protocols: Vec::new(),

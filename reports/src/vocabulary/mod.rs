@@ -1,6 +1,7 @@
 //! What numbers are about: the words that rows, numbers, verdicts and tables share.
 
 pub mod task;
+pub mod study;
 pub mod shard;
 pub mod class;
 pub mod partial_class;

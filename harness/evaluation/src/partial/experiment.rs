@@ -125,11 +125,16 @@ impl PartialExperiment<'_> {
             PartsSeen::Uncovered => UncoverFrom::ALL.len() * UNCOVER_STEPS.count(),
             PartsSeen::Driven => UNCOVER_STEPS.count(),
         };
+        n_parts * self.n_answered_objects()
+    }
+
+    /// How many pairs of a method and an object these are about.
+    pub fn n_answered_objects(&self) -> usize {
         let n_answering = match self.knowledge {
             Knowledge::Model { .. } => 1,
             Knowledge::Learned { trained_on, methods, .. } => trained_on.len() * methods.len(),
         };
-        n_parts * n_answering * self.indices_of(self.judged).len()
+        n_answering * self.indices_of(self.judged).len()
     }
 
     fn indices_of(&self, objects: ObjectsOf<'_>) -> Vec<usize> {
@@ -156,40 +161,123 @@ pub fn run(
     on_answer: impl Fn() + Sync,
 ) -> Result<PartialResults, PartialExperimentError> {
     let shown = experiment.parts_of(experiment.judged, experiment.judged_parts)?;
-    let may_be_none = experiment.classes.contains(&PartialClass::Other);
-    let choice = if may_be_none { Choice::OrNoneOfThese } else { Choice::OfClasses };
-    let data = &experiment.judged.set.description().id;
     let mut results = PartialResults { rows: Vec::new(), model: None };
-    let mut judge = |method: &str, trained_on: &str, trained: &TrainedMethod| {
-        for (part, answer) in shown.iter().zip(trained.answers(&shown, choice, &on_answer)) {
-            results.rows.push(PartialRow::new(&seen_part(data, part), (method, trained_on), &answer));
+    experiment.each_method(
+        |_| true,
+        |_, judge| {
+            results.rows.extend(judge.rows(experiment, &shown, &on_answer));
+            if judge.method == OURS {
+                results.model = judge.trained.model().cloned();
+            }
+            Ok::<(), PartialExperimentError>(())
+        },
+    )?;
+    Ok(results)
+}
+
+/// What one method says of all parts of an object.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnsweredObject {
+    /// The number of the method, counted through all that it may have learned from.
+    pub method_idx: usize,
+    /// Which object of its set.
+    pub object_idx: usize,
+    /// A row for each part.
+    pub rows: Vec<PartialRow>,
+}
+
+/// The same, one object after the other, which are handed to `on_object` until it returns an error. Left out are pairs of a method and
+/// an object of which `is_done` says that they are done; a method that is not needed does not learn.
+///
+/// Sorted by methods and then by objects, the rows are those of [`run`].
+///
+/// # Errors
+///
+/// As [`run`], and what `on_object` returns.
+pub fn run_by_object<E: From<PartialExperimentError>>(
+    experiment: &PartialExperiment<'_>,
+    is_done: impl Fn(usize, usize) -> bool,
+    mut on_object: impl FnMut(AnsweredObject) -> Result<(), E>,
+) -> Result<(), E> {
+    let object_indices = experiment.indices_of(experiment.judged);
+    let is_needed = |method_idx| object_indices.iter().any(|it| !is_done(method_idx, *it));
+    experiment.each_method(is_needed, |method_idx, judge| {
+        for &object_idx in object_indices.iter().filter(|it| !is_done(method_idx, **it)) {
+            let object = ObjectsOf { object_indices: &[object_idx], ..experiment.judged };
+            let shown = experiment.parts_of(object, experiment.judged_parts);
+            let shown = shown.map_err(PartialExperimentError::from)?;
+            let rows = judge.rows(experiment, &shown, &|| ());
+            on_object(AnsweredObject { method_idx, object_idx, rows })?;
         }
-        if method == OURS {
-            results.model = trained.model().cloned();
-        }
-    };
-    match experiment.knowledge {
-        Knowledge::Model { model, trained_on } => {
-            judge(OURS, trained_on, &TrainedMethod::of_model(Arc::clone(model))?);
-        }
-        Knowledge::Learned { training, trained_on, methods } => {
-            let learned_from = &training.set.description().id;
-            for &trained_on in trained_on {
-                let learned = experiment.parts_of(training, trained_on.parts_seen())?;
-                for method in methods {
-                    let made = provenance(learned_from, trained_on);
-                    let trained =
-                        method.learn(&learned, made).map_err(|source| PartialExperimentError::Method {
-                            method: method.name.clone(),
-                            dataset: learned_from.clone(),
-                            source,
-                        })?;
-                    judge(&method.name, trained_on.name(), &trained);
+        Ok(())
+    })
+}
+
+/// A method that knows what it will ever know.
+struct Judge<'a> {
+    method: &'a str,
+    trained_on: &'a str,
+    trained: TrainedMethod,
+}
+
+impl Judge<'_> {
+    /// What it says of the parts in `shown`.
+    fn rows(
+        &self,
+        experiment: &PartialExperiment<'_>,
+        shown: &[ObjectPart],
+        on_answer: &(impl Fn() + Sync),
+    ) -> Vec<PartialRow> {
+        let may_be_none = experiment.classes.contains(&PartialClass::Other);
+        let choice = if may_be_none { Choice::OrNoneOfThese } else { Choice::OfClasses };
+        let data = &experiment.judged.set.description().id;
+        let answers = self.trained.answers(shown, choice, on_answer);
+        let by = (self.method, self.trained_on);
+        shown.iter().zip(answers).map(|(part, it)| PartialRow::new(&seen_part(data, part), by, &it)).collect()
+    }
+}
+
+impl PartialExperiment<'_> {
+    /// Hands every method that `is_needed`, by its number, to `on_method`, after it has learned.
+    fn each_method<E: From<PartialExperimentError>>(
+        &self,
+        is_needed: impl Fn(usize) -> bool,
+        mut on_method: impl FnMut(usize, &Judge<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let (training, trained_on, methods) = match self.knowledge {
+            Knowledge::Model { model, trained_on } => {
+                if !is_needed(0) {
+                    return Ok(());
                 }
+                let trained =
+                    TrainedMethod::of_model(Arc::clone(model)).map_err(PartialExperimentError::from)?;
+                return on_method(0, &Judge { method: OURS, trained_on, trained });
+            }
+            Knowledge::Learned { training, trained_on, methods } => (training, trained_on, methods),
+        };
+        let learned_from = &training.set.description().id;
+        for (turn, &trained_on) in trained_on.iter().enumerate() {
+            let numbers = (turn * methods.len()..).zip(methods);
+            let needed: Vec<(usize, &Method)> = numbers.filter(|(idx, _)| is_needed(*idx)).collect();
+            if needed.is_empty() {
+                continue;
+            }
+            let learned =
+                self.parts_of(training, trained_on.parts_seen()).map_err(PartialExperimentError::from)?;
+            for (method_idx, method) in needed {
+                let made = provenance(learned_from, trained_on);
+                let trained =
+                    method.learn(&learned, made).map_err(|source| PartialExperimentError::Method {
+                        method: method.name.clone(),
+                        dataset: learned_from.clone(),
+                        source,
+                    })?;
+                let judge = Judge { method: &method.name, trained_on: trained_on.name(), trained };
+                on_method(method_idx, &judge)?;
             }
         }
+        Ok(())
     }
-    Ok(results)
 }
 
 fn seen_part<'a>(data: &'a str, part: &'a ObjectPart) -> SeenPart<'a> {
@@ -255,6 +343,21 @@ mod tests {
         let rows = rows_of(2);
         assert_eq!(rows.len(), 4 * 6 * 20 * methods.len());
         assert_eq!(rows, rows_of(1));
+        // Object by object, and gone on with in the middle.
+        let by_object = |is_done: &dyn Fn(usize, usize) -> bool| {
+            let mut found = Vec::new();
+            let keep = |it| {
+                found.push(it);
+                Ok::<(), PartialExperimentError>(())
+            };
+            run_by_object(&experiment, is_done, keep).unwrap();
+            found
+        };
+        let half = |method_idx: usize, object_idx: usize| method_idx == 1 || object_idx % 3 == 0;
+        let mut found = by_object(&half);
+        found.extend(by_object(&|method_idx, object_idx| !half(method_idx, object_idx)));
+        found.sort_by_key(|it: &AnsweredObject| (it.method_idx, it.object_idx));
+        assert_eq!(rows, found.into_iter().flat_map(|it| it.rows).collect::<Vec<_>>());
         for curve in PartialCurve::all(&rows) {
             let recall = curve.steps.last().and_then(|it| it.mean_recall).unwrap();
             assert!(recall > if curve.method == OURS { 0.7 } else { 0.4 }, "{} {recall}", curve.method);

@@ -2,25 +2,20 @@
 
 use reports::numbers::blocks::{BlockCount, Blocks, DriveSecond};
 use reports::uncertainty::bootstrap::{Distribution, N_RESAMPLES, Resamples};
-use scans::annotation::ScanId;
 
 /// The blocks that the scans of a data set are in, and how often each block is drawn.
 #[derive(Debug, Clone)]
 pub struct BlockResamples {
-    block_of_scan: Vec<usize>,
+    blocks: Blocks,
     resamples: Resamples,
 }
 
 impl BlockResamples {
-    /// Draws blocks of `scans` of `dataset`, which come with the times that they were taken at, in seconds since the first of their
-    /// drive.
-    pub fn draw<'a>(dataset: &str, scans: impl Iterator<Item = (&'a ScanId, f64)>) -> Self {
-        let seconds: Vec<DriveSecond> =
-            scans.map(|(id, time_s)| DriveSecond::of(&id.sequence, time_s)).collect();
-        let blocks = Blocks::of(seconds.iter().cloned());
-        let place_of = |it: &DriveSecond| blocks.place_of(it).expect("the blocks are of these seconds");
-        let block_of_scan = seconds.iter().map(place_of).collect();
-        Self { block_of_scan, resamples: Resamples::draw(dataset, blocks.count()) }
+    /// Draws blocks of the scans of `dataset`, which were taken in these seconds.
+    pub fn draw(dataset: &str, seconds: impl IntoIterator<Item = DriveSecond>) -> Self {
+        let blocks = Blocks::of(seconds);
+        let resamples = Resamples::draw(dataset, blocks.count());
+        Self { blocks, resamples }
     }
 
     /// The blocks.
@@ -28,21 +23,26 @@ impl BlockResamples {
         self.resamples.blocks()
     }
 
-    fn add_to(&self, resampled: &mut [[f64; 2]], of_scans: &[[f64; 2]]) {
-        let mut of_blocks = vec![[0.0; 2]; self.blocks().n_blocks as usize];
-        for (&block_idx, terms) in self.block_of_scan.iter().zip(of_scans) {
+    /// Numerators and denominators of a ratio, summed by blocks, which are given for seconds.
+    pub fn of_blocks<'a>(
+        &self,
+        of_seconds: impl Iterator<Item = (&'a DriveSecond, [f64; 2])>,
+    ) -> Vec<[f64; 2]> {
+        let mut of_blocks = vec![[0.0; 2]; self.blocks.len()];
+        for (second, terms) in of_seconds {
+            let block_idx = self.blocks.place_of(second).expect("the blocks are of these seconds");
             of_blocks[block_idx] = [0, 1].map(|it| of_blocks[block_idx][it] + terms[it]);
         }
-        self.resamples.add_terms(&of_blocks, resampled);
+        of_blocks
     }
 }
 
 /// The 95 % interval of a ratio of sums over the scans of several data sets, whose numerators and denominators are given
-/// scan by scan; `None` if a data set has a single block, or if more than one in twenty resamples has no ratio.
+/// block by block; `None` if a data set has a single block, or if more than one in twenty resamples has no ratio.
 pub fn ratio_interval(datasets: &[(&BlockResamples, Vec<[f64; 2]>)]) -> Option<[f64; 2]> {
     let mut resampled = vec![[0.0; 2]; N_RESAMPLES];
-    for (resamples, of_scans) in datasets {
-        resamples.add_to(&mut resampled, of_scans);
+    for (blocks, of_blocks) in datasets {
+        blocks.resamples.add_terms(of_blocks, &mut resampled);
     }
     let ratios = resampled
         .iter()
@@ -55,15 +55,14 @@ pub fn ratio_interval(datasets: &[(&BlockResamples, Vec<[f64; 2]>)]) -> Option<[
 mod tests {
     use super::*;
 
-    fn scans(indices: impl Iterator<Item = u32>) -> Vec<ScanId> {
-        indices.map(|index| ScanId { sequence: "0000".to_owned(), index }).collect()
-    }
-
+    /// Of scans of one drive, a tenth of a second apart.
     fn interval(indices: impl Iterator<Item = u32>, terms: impl Fn(usize) -> [f64; 2]) -> Option<[f64; 2]> {
-        let scans = scans(indices);
-        let times_s = scans.iter().map(|it| f64::from(it.index) / 10.0);
-        let resamples = BlockResamples::draw("street", scans.iter().zip(times_s));
-        ratio_interval(&[(&resamples, (0..scans.len()).map(terms).collect())])
+        let seconds: Vec<DriveSecond> =
+            indices.map(|index| DriveSecond::of("0000", f64::from(index) / 10.0)).collect();
+        let resamples = BlockResamples::draw("street", seconds.iter().cloned());
+        let of_scans = seconds.iter().enumerate().map(|(place, second)| (second, terms(place)));
+        let of_blocks = resamples.of_blocks(of_scans);
+        ratio_interval(&[(&resamples, of_blocks)])
     }
 
     #[test]

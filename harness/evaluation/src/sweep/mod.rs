@@ -9,6 +9,7 @@ pub mod timed_scan;
 pub mod journal_entry;
 pub mod quality_pass;
 pub mod timing_pass;
+pub mod sweep_tally;
 pub mod block_resamples;
 pub mod summary;
 pub mod protocol_numbers;

@@ -12,18 +12,24 @@ use scans::dataset::scan_times::scan_times_s;
 
 use crate::run::detector_list::ChosenDetector;
 use crate::sweep::quality_pass::SweptDataset;
-use crate::sweep::summary::SweepResults;
+use crate::sweep::sweep_plan::SweepPlan;
 use crate::sweep::swept_protocols::SweptProtocols;
 
-impl SweepResults<'_> {
-    /// The numbers under `protocols` of each data set and, if there are several, of all together; `scores` is the summary of the same
-    /// sweep. `on_point` is called after each point.
-    pub fn protocol_numbers(
-        &self,
-        protocols: &SweptProtocols,
-        scores: &SweepScores,
-        on_point: impl Fn(),
-    ) -> SweptNumbers {
+/// A sweep that was evaluated under protocols of others.
+#[derive(Clone, Copy)]
+pub struct SweptOfficially<'a> {
+    /// Points and detectors.
+    pub plan: &'a SweepPlan,
+    /// The scans.
+    pub datasets: &'a [SweptDataset<'a>],
+    /// What came of them.
+    pub protocols: &'a SweptProtocols,
+}
+
+impl SweptOfficially<'_> {
+    /// The numbers of each data set and, if there are several, of all together; `scores` is the summary of the same sweep. `on_point` is
+    /// called after each point.
+    pub fn numbers(&self, scores: &SweepScores, on_point: impl Fn()) -> SweptNumbers {
         let key = |it: &SweepSubject| (it.point_idx, it.extent.name().to_owned(), it.detector.clone());
         let subjects: BTreeMap<_, &SweepSubject> =
             scores.scores.iter().map(|it| (key(&it.subject), &it.subject)).collect();
@@ -32,7 +38,7 @@ impl SweepResults<'_> {
             scores.extents().into_iter().map(|it| (it.name(), self.drawn_scans(it))).collect();
         let mut numbers = Vec::new();
         for point_idx in 0..self.plan.points.len() {
-            for number in protocols.tally(point_idx).numbers_on(&drawn, &detectors) {
+            for number in self.protocols.tally(point_idx).numbers_on(&drawn, &detectors) {
                 let subject = &subjects[&(point_idx, number.dataset.clone(), number.detector.clone())];
                 numbers.push(SweptNumber { subject: (*subject).clone(), number });
             }

@@ -1,9 +1,11 @@
 //! All scans at all points, several scans at once: what is counted does not depend on what runs beside it.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use reports::numbers::blocks::DriveSecond;
 use scans::dataset::scan_times::scan_times_s;
 use scans::dataset::{Dataset, DatasetError};
 
@@ -17,12 +19,14 @@ use crate::sweep::sweep_plan::SweepPlan;
 use crate::sweep::swept_protocols::SweptProtocols;
 
 /// A data set and the scans that are taken from it.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct SweptDataset<'a> {
     /// The data set.
     pub dataset: &'a dyn Dataset,
     /// Which of its scans, as indices into [`Dataset::scan_ids`].
     pub scan_indices: &'a [usize],
+    /// Which of these are run, as places among them: all, or those of a shard.
+    pub part: Range<usize>,
 }
 
 /// What is run, and what is told of it.
@@ -40,6 +44,8 @@ pub struct SweepPass<'a> {
     pub interrupted: &'a AtomicBool,
     /// Called whenever a scan has been looked at, at one point.
     pub on_done: &'a (dyn Fn() + Sync),
+    /// The processor's own name, for times.
+    pub processor: &'a str,
 }
 
 /// Why a sweep ended early. What is in the journal stays.
@@ -111,13 +117,15 @@ impl SweepPass<'_> {
 
     /// Pairs of a scan and a point.
     pub fn n_results(&self) -> usize {
-        self.datasets.iter().map(|it| it.scan_indices.len()).sum::<usize>() * self.plan.points.len()
+        self.datasets.iter().map(|it| it.part.len()).sum::<usize>() * self.plan.points.len()
     }
 
     fn missing(&self, done: &BTreeSet<[usize; 3]>) -> Vec<MissingScan> {
-        let scans = self.datasets.iter().enumerate().flat_map(|(dataset_idx, it)| {
-            (0..it.scan_indices.len()).map(move |scan_idx| (dataset_idx, scan_idx))
-        });
+        let scans = self
+            .datasets
+            .iter()
+            .enumerate()
+            .flat_map(|(dataset_idx, it)| it.part.clone().map(move |scan_idx| (dataset_idx, scan_idx)));
         let missing = scans.map(|(dataset_idx, scan_idx)| {
             let is_missing = |point_idx: &usize| !done.contains(&[dataset_idx, scan_idx, *point_idx]);
             let point_idxs = (0..self.plan.points.len()).filter(is_missing).collect();
@@ -134,7 +142,7 @@ impl SweepPass<'_> {
         n_left: &AtomicUsize,
     ) -> Result<Vec<ScanAtPoint>, SweepError> {
         let &MissingScan { dataset_idx, scan_idx, ref point_idxs } = missing;
-        let SweptDataset { dataset, scan_indices } = self.datasets[dataset_idx];
+        let SweptDataset { dataset, scan_indices, .. } = self.datasets[dataset_idx];
         self.check_interrupted(n_left)?;
         let scan = dataset.read_scan(scan_indices[scan_idx])?;
         let official = match self.protocols {
@@ -142,6 +150,7 @@ impl SweepPass<'_> {
             None => None,
         };
         let looked_at = LookedAt { scan: &scan, time_s, official: official.as_ref() };
+        let second = DriveSecond::of(&dataset.scan_ids()[scan_indices[scan_idx]].sequence, time_s);
         let mut results = Vec::new();
         look_at_points(
             (self.plan, programs),
@@ -149,7 +158,8 @@ impl SweepPass<'_> {
             looked_at,
             point_idxs,
             |point_idx, detectors, official| {
-                let result = ScanAtPoint { dataset_idx, scan_idx, point_idx, detectors, official };
+                let second = second.clone();
+                let result = ScanAtPoint { dataset_idx, scan_idx, second, point_idx, detectors, official };
                 self.journal.add(&JournalEntry::Quality(result.clone()))?;
                 results.push(self.without_rows(result));
                 n_left.fetch_sub(1, Ordering::Relaxed);
@@ -179,8 +189,8 @@ impl SweepPass<'_> {
 }
 
 impl ScanAtPoint {
-    /// The order of results.
-    fn key(&self) -> [usize; 3] {
+    /// The order of results: data set, scan, point.
+    pub fn key(&self) -> [usize; 3] {
         [self.dataset_idx, self.scan_idx, self.point_idx]
     }
 }

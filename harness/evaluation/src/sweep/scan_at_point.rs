@@ -3,6 +3,7 @@
 use detector::DetectorOutput;
 use detector::grid::cell_fitness::CellTally;
 use detector::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use reports::numbers::blocks::DriveSecond;
 use reports::rows::official_rows::OfficialRows;
 use reports::vocabulary::task::Task;
 use scans::annotation::LabeledScan;
@@ -27,6 +28,8 @@ pub struct ScanAtPoint {
     pub dataset_idx: usize,
     /// Place of the scan among those taken from the data set.
     pub scan_idx: usize,
+    /// The second of its drive that it was taken in.
+    pub second: DriveSecond,
     /// Place of the point in the plan.
     pub point_idx: usize,
     /// What each detector made of it, in the order of the plan.

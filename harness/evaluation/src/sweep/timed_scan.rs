@@ -10,6 +10,8 @@ pub struct TimedScan {
     pub dataset_idx: usize,
     /// Place of the scan among those taken from the data set.
     pub scan_idx: usize,
+    /// The processor's own name.
+    pub processor: String,
     /// For each point and then for each detector, in nanoseconds.
     pub times_ns: Vec<Vec<Vec<u64>>>,
 }

@@ -16,7 +16,7 @@ use crate::sweep::timed_scan::TimedScan;
 pub const DETECTIONS_PER_SCAN: usize = 3;
 
 impl SweepPass<'_> {
-    /// Times `n_scans` scans of each data set, spread over it, that are missing in `results`, and returns all.
+    /// Times `n_scans` scans of each data set, spread over it, that are in its part and missing in `results`, and returns all.
     ///
     /// Of every other scan the points come in the opposite order, so that a disturbance of the machine meets all of them.
     ///
@@ -28,7 +28,7 @@ impl SweepPass<'_> {
         let done: BTreeSet<_> = results.iter().map(|it| (it.dataset_idx, it.scan_idx)).collect();
         let mut all = results;
         let programs = Programs::default();
-        for (place, &(dataset_idx, scan_idx)) in scans.iter().enumerate() {
+        for &(place, (dataset_idx, scan_idx)) in &scans {
             if !done.contains(&(dataset_idx, scan_idx)) {
                 let timed = self.time_scan((dataset_idx, scan_idx), place, &programs)?;
                 self.journal.add(&JournalEntry::Times(timed.clone()))?;
@@ -39,14 +39,18 @@ impl SweepPass<'_> {
         Ok(all)
     }
 
-    /// The scans that are timed: data set and scan.
-    pub fn timed_scans(&self, n_scans: usize) -> Vec<(usize, usize)> {
+    /// The scans that are timed, data set and scan, each with its place among those of the whole sweep.
+    pub fn timed_scans(&self, n_scans: usize) -> Vec<(usize, (usize, usize))> {
         let of_dataset = |(dataset_idx, n_all): (usize, usize)| {
             let n_timed = n_scans.min(n_all);
             // The middles of as many stretches.
             (0..n_timed).map(move |it| (dataset_idx, (2 * it + 1) * n_all / (2 * n_timed)))
         };
-        self.datasets.iter().map(|it| it.scan_indices.len()).enumerate().flat_map(of_dataset).collect()
+        let all = self.datasets.iter().map(|it| it.scan_indices.len()).enumerate().flat_map(of_dataset);
+        let is_ours = |(_, (dataset_idx, scan_idx)): &(usize, (usize, usize))| {
+            self.datasets[*dataset_idx].part.contains(scan_idx)
+        };
+        all.enumerate().filter(is_ours).collect()
     }
 
     fn time_scan(
@@ -85,7 +89,7 @@ impl SweepPass<'_> {
                 (self.on_done)();
             }
         }
-        Ok(TimedScan { dataset_idx, scan_idx, times_ns })
+        Ok(TimedScan { dataset_idx, scan_idx, processor: self.processor.to_owned(), times_ns })
     }
 }
 

@@ -5,6 +5,7 @@ use clap::Args;
 use super::output::OutputArgs;
 use super::parameters::{ConfigArgs, MatchingArgs};
 use super::scans::DatasetArgs;
+use super::shard::ShardArgs;
 use super::timing::TimingArgs;
 
 /// Arguments of `scanbench ablation`.
@@ -14,6 +15,9 @@ pub struct AblationArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
     /// Parameters of the whole method.
     #[command(flatten)]
     pub config: ConfigArgs,
@@ -21,7 +25,7 @@ pub struct AblationArgs {
     #[command(flatten)]
     pub matching: MatchingArgs,
     /// Count the annotated objects that survive each step of the method, instead of leaving its parts out
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shard")]
     pub oracle: bool,
     /// Where the table is written.
     #[command(flatten)]
@@ -37,6 +41,7 @@ Examples:
   scanbench ablation streets ~/data/kitti_tracking -o runs/ablation
   scanbench ablation street-narrow --seed 7 -P hierarchical.grid.xi=2
   scanbench ablation streets --oracle
+  scanbench ablation streets --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards/*
 
 Runs the whole method and one variant without each part. Writes ablation.csv,
 ablation.md and the files of a run whose detectors are the variants:

@@ -9,6 +9,7 @@ use super::data_objects::ObjectArgs;
 use super::help_text::{JUDGING, TRAINING, VIEWER, with_details};
 use super::output::OutputArgs;
 use super::scans::SourceArgs;
+use super::shard::ShardArgs;
 
 /// Arguments of `scanbench partial`.
 #[derive(Debug, Args)]
@@ -21,6 +22,9 @@ pub struct PartialArgs {
     /// Which objects.
     #[command(flatten)]
     pub choice: ObjectArgs,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
     /// How data sets are opened.
     #[command(flatten)]
     pub source: SourceArgs,
@@ -94,7 +98,8 @@ Examples:
   scanbench partial objects-approach --drives --per-class 60 --part judging
   scanbench partial ~/data/object_clouds --others
   scanbench partial objects-around --train objects-around --per-class 60
-  scanbench partial ~/data/object_clouds --train ~/data/object_clouds";
+  scanbench partial ~/data/object_clouds --train ~/data/object_clouds
+  scanbench partial --per-class 60 --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards/*";
 
 const PARTIAL_DETAILS: &str = "\
 Every object is uncovered in ten steps, from below and from above, each a tenth of
@@ -102,7 +107,10 @@ its largest extent more.
 
 Writes partial.csv with a row for every object, step and method, the tables as
 Markdown and LaTeX, figures as SVG and PDF, report.html, and a recording of one
-object of each class. `scanbench compare` and `scanbench gate` take the directory.";
+object of each class. `scanbench compare` and `scanbench gate` take the directory.
+
+With --shard it judges some of the objects; every shard learns from all. Shards have no
+recording.";
 
 #[cfg(test)]
 mod tests {

@@ -129,7 +129,7 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
         command: Vec<String>,
     },
-    /// Hand a run to Slurm or Kubernetes, as shards and a merge
+    /// Hand a run or a study to Slurm or Kubernetes, as shards and a merge
     #[command(
         subcommand,
         after_help = "Example:\n  scanbench submit slurm --shards 40 -o runs/fleet -- run data/fleet"

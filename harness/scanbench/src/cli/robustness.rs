@@ -5,6 +5,7 @@ use clap::Args;
 use super::experiment::ExperimentArgs;
 use super::help_text::DATA;
 use super::output::OutputArgs;
+use super::shard::ShardArgs;
 
 /// Arguments of `scanbench robustness`.
 #[derive(Debug, Args)]
@@ -13,6 +14,9 @@ pub struct RobustnessArgs {
     /// Scans of each of the three kinds of street, under each condition
     #[arg(long, help_heading = DATA, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub scans: u32,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
     /// The detectors, in the order of the table.
     #[command(flatten)]
     pub detectors: ExperimentArgs,
@@ -26,6 +30,7 @@ Examples:
   scanbench robustness
   scanbench robustness --scans 20 --seed 7 -o runs/robustness
   scanbench robustness -d hierarchical -P walls.enabled=false
+  scanbench robustness --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards/*
 
 Simulates the same streets under one condition after another: slopes and hills,
 kerbs, a truck ahead, mounting heights, sensors, rain, rolling shutter. Writes

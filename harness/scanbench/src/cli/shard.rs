@@ -12,7 +12,7 @@ use super::help_text::DATA;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = DATA)]
 pub struct ShardArgs {
-    /// Run only part I of N of the scans, counted from 1; `merge` puts all parts together
+    /// Make only part I of N, counted from 1, some of the scans or objects; `merge` puts all parts together
     ///
     /// -o names the folder of the shards, the same for all of them: each gets a directory in it, such as `shard-3-of-8`. Scans that
     /// intervals are drawn from together stay together. To continue an interrupted shard, give the same command again.

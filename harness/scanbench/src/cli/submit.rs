@@ -25,8 +25,8 @@ pub struct SubmittedArgs {
     /// Number of shards
     #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SHARDS)), help_heading = ENGINE)]
     pub shards: u32,
-    /// The run, as after `scanbench`, without -o and --shard
-    #[arg(last = true, required = true, value_name = "run …")]
+    /// A run, a sweep or another study, as after `scanbench`, without -o and --shard
+    #[arg(last = true, required = true, value_name = "COMMAND …")]
     pub command: Vec<String>,
 }
 
@@ -82,7 +82,8 @@ fn plain_word(text: &str) -> Result<String, String> {
 const SLURM_EXAMPLES: &str = "\
 Examples:
   scanbench submit slurm --shards 40 --time 2:00:00 -o runs/fleet -- run data/fleet -d hierarchical
-  scanbench submit slurm --now -o runs/streets -- run streets --simulated-scans 500";
+  scanbench submit slurm --now -o runs/streets -- run streets --simulated-scans 500
+  scanbench submit slurm --shards 40 -o runs/cells -- sweep data/fleet -P cell_size_m=0.2:2.0:0.1";
 
 const SLURM_DETAILS: &str = "\
 FOLDER has to be on a disk that all nodes share. It gets shards.sh, an array of one task

@@ -11,6 +11,7 @@ use super::output::OutputArgs;
 use super::parameters::MatchingArgs;
 use super::protocols::ProtocolArgs;
 use super::scans::{DamageArgs, DatasetArgs};
+use super::shard::ShardArgs;
 
 /// Arguments of `scanbench sweep`.
 #[derive(Debug, Args)]
@@ -19,6 +20,9 @@ pub struct SweepArgs {
     /// The scans.
     #[command(flatten)]
     pub data: DatasetArgs,
+    /// Which part of them.
+    #[command(flatten)]
+    pub shard: ShardArgs,
     /// What becomes of damaged ones; all scans are read once more to find them.
     #[command(flatten)]
     pub damage: DamageArgs,
@@ -78,7 +82,8 @@ Examples:
   scanbench sweep streets -P cell_size_m=0.4:1.0:0.2 -L xi=2,3 -o runs/cells
   scanbench sweep street-narrow -d kd-tree -P tolerance_m=0.3:0.8:0.1 -L foreground=short,refined
   scanbench sweep streets -P cell_size_m=0.2:2.0:0.1 -P min_length_cells=7.2/cell_size_m
-  scanbench sweep streets -L grouping.ranked_probability=0.05,0.2,0.5 --protocol nuscenes";
+  scanbench sweep streets -L grouping.ranked_probability=0.05,0.2,0.5 --protocol nuscenes
+  scanbench sweep streets -L xi=2,3 --shard 1/2 -o shards    # and 2/2, and then: scanbench merge shards/*";
 
 const SWEEP_DETAILS: &str = "\
 Runs every combination of values on each scan. The first swept parameter is the axis
@@ -91,4 +96,6 @@ program was built without Rerun.
 
 To continue an interrupted sweep, give the same command again: its results so far are
 in DIR.unfinished. The same sweep writes the same bytes, interrupted or not, except
-times (times.csv, pareto_*.svg, sweep.rrd) and the date in manifest.json.";
+times (times.csv, pareto_*.svg, sweep.rrd) and the date in manifest.json.
+
+With --shard it looks at some of the scans, at all points; shards have no recording.";

@@ -1,38 +1,46 @@
 //! `scanbench ablation`.
 
 use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
 
 use evaluation::run::ablation::{TASK, variants};
+use evaluation::run::config::RunConfig;
+use evaluation::run::entrant::Entrant;
 use evaluation::run::side_by_side::OnDetectorFailure;
 use jiff::Timestamp;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::tally::Tally;
+use reports::plots::study_plots::ablation_plot;
+use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::run_folder::run_target::LatestPointer;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::ablation_score::AblationRow;
 use reports::tables::studies::ablation_table::AblationTable;
+use reports::vocabulary::study::Study;
 use scans::dataset::source::DamagePolicy;
 
 use crate::cli::AblationArgs;
+use crate::commands::chosen_shard::chosen_shard;
 use crate::commands::config::{built_in_detectors, choose_criterion};
 use crate::commands::failure::Failure;
 use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
-use crate::commands::open_datasets::{ids_of, open_datasets};
+use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
 use crate::commands::provenance::compact_utc;
 use crate::commands::run_directory::begin_run_directory;
 use crate::commands::run_manifest::{RunSettings, detector_entry, run_manifest};
-use crate::commands::run_numbers::write_numbers;
+use crate::commands::run_numbers::{RunNumbers, write_numbers};
+use crate::commands::shards::unfinished_shard::ShardPlan;
+use crate::commands::shards::watched_shard::{ShardedRun, make_watched_shard};
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::survival_study::survival_study;
 use crate::commands::watched_run::{WatchedRun, WithoutLabels};
-use reports::plots::study_plots::ablation_plot;
 
 /// The method whose parts are left out.
 const METHOD: &str = "hierarchical";
@@ -40,7 +48,7 @@ const METHOD: &str = "hierarchical";
 const ABLATION_CSV: &str = "ablation.csv";
 
 /// Runs the hierarchical detector whole and without each of its parts on the same scans, writes the run directory and prints the
-/// table.
+/// table; or makes a shard of that.
 ///
 /// # Errors
 ///
@@ -49,41 +57,91 @@ pub fn ablation(arguments: &AblationArgs) -> Result<(), Failure> {
     if arguments.oracle {
         return survival_study(arguments);
     }
-    let (interrupted, started) = (interruption_flag(), Timestamp::now());
-    let (listed, mut config) = built_in_detectors(&arguments.config, &[METHOD.to_owned()])?;
-    choose_criterion(&mut config, &arguments.matching);
-    let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
-    let variants = variants(listed[0], &config)?;
-    let unnamed = format!("{}-ablation-{}", compact_utc(started), ids_of(&datasets));
+    if let Some(shard) = chosen_shard(&arguments.shard)? {
+        let plan = ShardPlan::claim(Study::Ablation, shard, &arguments.output)?;
+        return make_watched_shard(plan, &mut Ablation::open(arguments)?);
+    }
+    let ablation = Ablation::open(arguments)?;
+    let unnamed = format!("{}-ablation-{}", compact_utc(ablation.started), ids_of(&ablation.datasets));
     let directory = begin_run_directory(&arguments.output, &unnamed, LatestPointer::Leave)?;
     let progress = RunProgress::new();
     let mut tally = Tally::default();
     let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
-    let watched = WatchedRun {
-        entrants: &variants,
-        results: &OpenedResults::default(),
-        datasets: &datasets,
-        damage: DamagePolicy::Refuse,
-        n_warmup: arguments.timing.warmup,
-        n_repeats: NonZeroUsize::MIN,
-        n_jobs: arguments.timing.n_jobs(),
-        on_failure: OnDetectorFailure::Stop,
-        interrupted,
-        progress: &progress,
-        without_labels: WithoutLabels::Refuse,
-    };
-    watched.run(sinks)?;
-    let manifest = run_manifest(RunSettings {
-        selection: arguments.data.scans.as_deref(),
-        n_warmup: arguments.timing.warmup,
-        n_repeats: NonZeroUsize::MIN,
-        config: &config,
-        detectors: variants.iter().map(detector_entry).collect(),
-        datasets: &datasets,
-        protocols: &[],
-        started,
-    });
-    let numbers = write_numbers(&directory, &manifest, &tally)?;
+    ablation.watched(WithoutLabels::Refuse, (interruption_flag(), &progress)).run(sinks)?;
+    let numbers = write_numbers(&directory, &ablation.manifest(), &tally)?;
+    end_ablation(directory, &numbers)
+}
+
+/// Who takes part, and on which scans.
+struct Ablation<'a> {
+    arguments: &'a AblationArgs,
+    config: RunConfig,
+    datasets: Vec<OpenedDataset>,
+    variants: Vec<Entrant>,
+    results: OpenedResults,
+    started: Timestamp,
+}
+
+impl<'a> Ablation<'a> {
+    fn open(arguments: &'a AblationArgs) -> Result<Self, Failure> {
+        let started = Timestamp::now();
+        let (listed, mut config) = built_in_detectors(&arguments.config, &[METHOD.to_owned()])?;
+        choose_criterion(&mut config, &arguments.matching);
+        let datasets = look_first_at_all(open_datasets(&arguments.data, &config.classes)?, &mut config);
+        let variants = variants(listed[0], &config)?;
+        Ok(Self { arguments, config, datasets, variants, results: OpenedResults::default(), started })
+    }
+}
+
+impl ShardedRun for Ablation<'_> {
+    fn datasets(&self) -> &[OpenedDataset] {
+        &self.datasets
+    }
+
+    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
+        &mut self.datasets
+    }
+
+    fn manifest(&self) -> Manifest {
+        run_manifest(RunSettings {
+            selection: self.arguments.data.scans.as_deref(),
+            n_warmup: self.arguments.timing.warmup,
+            n_repeats: NonZeroUsize::MIN,
+            config: &self.config,
+            detectors: self.variants.iter().map(detector_entry).collect(),
+            datasets: &self.datasets,
+            protocols: &[],
+            started: self.started,
+        })
+    }
+
+    fn watched<'b>(
+        &'b self,
+        without_labels: WithoutLabels,
+        (interrupted, progress): (&'b AtomicBool, &'b RunProgress),
+    ) -> WatchedRun<'b> {
+        WatchedRun {
+            entrants: &self.variants,
+            results: &self.results,
+            datasets: &self.datasets,
+            damage: DamagePolicy::Refuse,
+            n_warmup: self.arguments.timing.warmup,
+            n_repeats: NonZeroUsize::MIN,
+            n_jobs: self.arguments.timing.n_jobs(),
+            on_failure: OnDetectorFailure::Stop,
+            interrupted,
+            progress,
+            without_labels,
+        }
+    }
+}
+
+/// Writes the files that only an ablation has into `directory`, the run with these `numbers`, and prints the table.
+///
+/// # Errors
+///
+/// If a file cannot be written, or nobody takes the table.
+pub fn end_ablation(directory: RunDirectory, numbers: &RunNumbers) -> Result<(), Failure> {
     let of_task = numbers.tables.iter().filter(|it| it.task == TASK);
     let tables: Vec<_> = of_task.map(|it| AblationTable::new(METHOD, it, &numbers.report)).collect();
     tables.iter().try_for_each(|it| write_files(&directory, it))?;

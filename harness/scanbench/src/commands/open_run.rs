@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_archive::RunArchive;
-use reports::run_folder::run_target::MANIFEST_JSON;
 use reports::run_folder::shard_record::ShardRecord;
 
 use crate::commands::failure::{Failure, Usage};
+use crate::commands::shards::finished_shard::finished_shard;
 
 /// The run in `directory`.
 ///
@@ -28,14 +27,10 @@ pub fn open_run(directory: &Path) -> Result<RunArchive, Failure> {
 ///
 /// [`Failure::NotComparable`] if there is one in `directory`.
 pub fn refuse_shard(directory: &Path) -> Result<(), Failure> {
-    match Manifest::read(&directory.join(MANIFEST_JSON)) {
-        Ok(Manifest { shard: Some(shard), .. }) => {
-            let (name, ShardRecord { index, count, .. }) = (directory.display(), shard);
-            let words =
-                format!("{name} is shard {index} of {count}: `scanbench merge` makes a run of all of them");
-            Err(Failure::NotComparable(words.into()))
-        }
-        // Whoever reads the run says what is wrong with it.
-        _ => Ok(()),
-    }
+    // Whoever reads the rest says what is wrong with it.
+    let Some(ShardRecord { index, count, study, .. }) = finished_shard(directory) else { return Ok(()) };
+    let (name, whole) = (directory.display(), study.name());
+    let words =
+        format!("{name} is shard {index} of {count}: `scanbench merge` puts all of `{whole}` together");
+    Err(Failure::NotComparable(words.into()))
 }

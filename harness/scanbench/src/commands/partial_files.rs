@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use evaluation::partial::methods::OURS;
 use jiff::Timestamp;
 use reports::files::archive::SCHEMA;
-use reports::files::csv_rows::to_csv_bytes;
+use reports::files::csv_rows::{read_rows, to_csv_bytes};
+use reports::pages::partial_page::PartialPage;
 use reports::partial_study::partial_curves::PartialCurve;
 use reports::plots::partial_plot::{partial_accuracy_plot, partial_calibration_plot, partial_error_plot};
 use reports::rows::partial_row::PartialRow;
 use reports::run_folder::partial_manifest::{
-    ModelEntry, ObjectSetEntry, PartialManifest, PartialSet, SHIPPED,
+    ModelEntry, ObjectSetEntry, PartialManifest, PartialSet, PartialSettings, SHIPPED,
 };
 use reports::run_folder::run_directory::{PARTIAL_CSV, RunDirectory};
 use reports::run_folder::run_target::MANIFEST_JSON;
@@ -23,9 +24,9 @@ use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use crate::cli::PartialArgs;
 use crate::commands::failure::Failure;
 use crate::commands::paper_files::{write_figure, write_table};
-use crate::commands::partial_sets::{Compared, Known};
+use crate::commands::partial_sets::{Compared, Known, trained_on};
 use crate::commands::provenance::{command_line, git_state, rfc3339_utc, rustc_version};
-use crate::commands::standard_streams::terminal;
+use crate::commands::standard_streams::{print_diagnostic, print_result, terminal};
 
 /// How the result came about.
 ///
@@ -68,6 +69,14 @@ pub fn manifest(
         peers,
         git: git_state(),
         rustc_version: rustc_version(),
+        settings: Some(PartialSettings {
+            others: arguments.others,
+            drives: arguments.drives,
+            ablation: arguments.ablation,
+            trained_on: trained_on(arguments).iter().map(|it| it.name().to_owned()).collect(),
+        }),
+        shard: None,
+        shards: Vec::new(),
     })
 }
 
@@ -82,18 +91,34 @@ fn entry(set: &dyn ObjectCloudSet) -> ObjectSetEntry {
     }
 }
 
-/// Writes everything but the recording, and returns the table as it is printed.
+/// Writes all files that are made of `rows` into `directory`, and prints the table.
 ///
 /// # Errors
 ///
-/// If the disk does not take it.
-pub fn write_files(
+/// If the disk does not take them, or nobody takes the table.
+pub fn end_partial(
+    directory: RunDirectory,
+    manifest: &PartialManifest,
+    rows: &[PartialRow],
+) -> Result<(), Failure> {
+    directory.write_file(PARTIAL_CSV, &to_csv_bytes(rows)?)?;
+    // As they are written, with as many decimals: whoever has the file comes to the same numbers.
+    let rows: Vec<PartialRow> = read_rows(&directory.path_of(PARTIAL_CSV))?;
+    let table = write_files(&directory, manifest, &rows)?;
+    PartialPage::of(directory.folder(), OURS)?.write(directory.folder())?;
+    let finished = directory.finish()?;
+    let printed = print_result(table);
+    print_diagnostic(format_args!("Partial: {}", finished.display()));
+    printed
+}
+
+/// Writes tables and figures, and returns the table as it is printed.
+fn write_files(
     directory: &RunDirectory,
     manifest: &PartialManifest,
     rows: &[PartialRow],
 ) -> Result<String, Failure> {
     directory.write_file(MANIFEST_JSON, manifest.to_json().as_bytes())?;
-    directory.write_file(PARTIAL_CSV, &to_csv_bytes(rows)?)?;
     let title = &manifest.title();
     let curves = PartialCurve::all(rows);
     let table = PartialTable { title, curves: &curves, method: OURS };

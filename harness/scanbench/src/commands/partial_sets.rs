@@ -4,12 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use detector::partial::partial_model::PartialModel;
+use evaluation::partial::experiment::TrainedOn;
 use evaluation::partial::model_training::APPROACHED;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use simulator::object_clouds::open_objects::ObjectOptions;
 use simulator::object_clouds::simulated_objects::ObjectPart;
 
-use crate::cli::PartialArgs;
+use crate::cli::{LearnedFrom, PartialArgs};
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::object_sets::{ObjectOpening, refuse_idle_options};
 
@@ -76,6 +77,19 @@ fn read_model(path: &Path) -> Result<PartialModel, Failure> {
     let cannot = || format!("cannot use the model {}", path.display());
     let text = std::fs::read_to_string(path).map_err(|error| Failure::usage(cannot(), error))?;
     PartialModel::from_toml(&text).map_err(|error| Failure::usage(cannot(), error))
+}
+
+/// What methods learn from, in turn.
+pub fn trained_on(arguments: &PartialArgs) -> Vec<TrainedOn> {
+    let parts = if arguments.drives { TrainedOn::Drives } else { TrainedOn::Parts };
+    if arguments.trained_on.is_empty() {
+        return vec![TrainedOn::Whole, parts];
+    }
+    let trained_on = arguments.trained_on.iter().map(|it| match it {
+        LearnedFrom::Whole => TrainedOn::Whole,
+        LearnedFrom::Parts => parts,
+    });
+    trained_on.collect()
 }
 
 impl Compared {

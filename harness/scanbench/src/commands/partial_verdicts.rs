@@ -22,6 +22,7 @@ use reports::verdicts::tolerances::DriftRule;
 use crate::cli::{CompareArgs, GateArgs, OutputArgs};
 use crate::commands::comparison_facts::comparison_facts;
 use crate::commands::failure::{Failure, GateClosed, NotOfOneKind, Usage};
+use crate::commands::open_run::refuse_shard;
 use crate::commands::paper_files::write_table;
 use crate::commands::run_directory::claim_named;
 use crate::commands::standard_streams::{print_bytes, print_diagnostic, terminal};
@@ -134,6 +135,7 @@ pub fn open_partial(directory: &Path) -> Result<PartialArchive, Failure> {
     if !PartialArchive::is_partial(directory) {
         return Err(NotOfOneKind { directory: directory.display().to_string() }.into());
     }
+    refuse_shard(directory)?;
     PartialArchive::read(directory).map_err(|error| Failure::damaged_run(directory, error))
 }
 

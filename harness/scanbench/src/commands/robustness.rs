@@ -1,20 +1,26 @@
 //! `scanbench robustness`.
 
 use std::num::NonZeroUsize;
+use std::sync::atomic::AtomicBool;
 
+use evaluation::run::entrant::Entrant;
 use evaluation::run::robustness::{CONDITIONS, Condition};
 use evaluation::run::side_by_side::OnDetectorFailure;
 use reports::files::csv_rows::to_csv_bytes;
 use reports::numbers::condition_scores::ConditionScores;
 use reports::numbers::tally::Tally;
+use reports::plots::study_plots::robustness_plot;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::RunDirectory;
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::condition_row::ConditionRow;
 use reports::tables::studies::robustness_table::{NamedCondition, RobustnessTable, condition_scores};
+use reports::vocabulary::study::Study;
 use scans::dataset::source::DamagePolicy;
+use simulator::StreetKind;
 
 use crate::cli::RobustnessArgs;
+use crate::commands::chosen_shard::chosen_shard;
 use crate::commands::experiment::Experiment;
 use crate::commands::failure::Failure;
 use crate::commands::interruption::interruption_flag;
@@ -22,51 +28,114 @@ use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::opened_results::OpenedResults;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::RunProgress;
-use crate::commands::run_numbers::write_numbers;
+use crate::commands::run_numbers::{RunNumbers, write_numbers};
+use crate::commands::shards::unfinished_shard::ShardPlan;
+use crate::commands::shards::watched_shard::{ShardedRun, make_watched_shard};
 use crate::commands::sinks::of_every_run::sinks_of_every_run;
 use crate::commands::standard_streams::terminal;
 use crate::commands::standard_streams::{print_diagnostic, print_result};
 use crate::commands::watched_run::{WatchedRun, WithoutLabels};
-use reports::plots::study_plots::robustness_plot;
 
 /// All there are, the method first.
 const DETECTORS: [&str; 4] = ["hierarchical", "kd-tree", "pca", "simple-grid"];
 
+/// What the seed of the experiment draws.
+const DRAWN: &str = "streets";
+
 /// Runs detectors on simulated streets under one condition after another, each a data set of its own, writes the run directory
-/// and prints the table.
+/// and prints the table; or makes a shard of that.
 ///
 /// # Errors
 ///
 /// If anything asked for is not there, or the output cannot be written; nothing is left behind then.
 pub fn robustness(arguments: &RobustnessArgs) -> Result<(), Failure> {
-    let interrupted = interruption_flag();
     let asked = Experiment::begin(&arguments.detectors, &DETECTORS)?;
+    if let Some(shard) = chosen_shard(&arguments.shard)? {
+        let plan = ShardPlan::claim(Study::Robustness, shard, &arguments.output)?;
+        return make_watched_shard(plan, &mut Robustness::open(arguments, asked)?);
+    }
     let directory = asked.begin_directory(&arguments.output, "robustness")?;
-    let datasets =
-        CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(asked.seed, arguments.scans)?)));
-    let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
-    let entrants = asked.entrants();
+    let robustness = Robustness::open(arguments, asked)?;
     let progress = RunProgress::new();
     let mut tally = Tally::default();
     let sinks = sinks_of_every_run(&directory, &mut tally, &progress)?;
-    let watched = WatchedRun {
-        entrants: &entrants,
-        results: &OpenedResults::default(),
-        datasets: &datasets,
-        damage: DamagePolicy::Refuse,
-        n_warmup: Experiment::N_WARMUP,
-        n_repeats: NonZeroUsize::MIN,
-        n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
-        on_failure: OnDetectorFailure::Stop,
-        interrupted,
-        progress: &progress,
-        without_labels: WithoutLabels::Refuse,
-    };
-    watched.run(sinks)?;
-    let numbers = write_numbers(&directory, &manifest(arguments, &asked, &datasets), &tally)?;
+    robustness.watched(WithoutLabels::Refuse, (interruption_flag(), &progress)).run(sinks)?;
+    let manifest = robustness.manifest();
+    let numbers = write_numbers(&directory, &manifest, &tally)?;
+    end_robustness(directory, &manifest, &numbers)
+}
+
+/// Who takes part, and under which conditions.
+struct Robustness<'a> {
+    arguments: &'a RobustnessArgs,
+    asked: Experiment,
+    datasets: Vec<OpenedDataset>,
+    entrants: Vec<Entrant>,
+    results: OpenedResults,
+}
+
+impl<'a> Robustness<'a> {
+    fn open(arguments: &'a RobustnessArgs, asked: Experiment) -> Result<Self, Failure> {
+        let datasets =
+            CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(asked.seed, arguments.scans)?)));
+        let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
+        let entrants = asked.entrants();
+        Ok(Self { arguments, asked, datasets, entrants, results: OpenedResults::default() })
+    }
+}
+
+impl ShardedRun for Robustness<'_> {
+    fn datasets(&self) -> &[OpenedDataset] {
+        &self.datasets
+    }
+
+    fn datasets_mut(&mut self) -> &mut [OpenedDataset] {
+        &mut self.datasets
+    }
+
+    /// That of a run, with the drives of each condition.
+    fn manifest(&self) -> Manifest {
+        let conditions = CONDITIONS.iter().map(|it| {
+            let drives = it.drives(self.asked.seed, self.arguments.scans);
+            serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
+        });
+        self.asked.manifest(DRAWN, conditions.collect::<Vec<_>>().into(), &self.datasets)
+    }
+
+    fn watched<'b>(
+        &'b self,
+        without_labels: WithoutLabels,
+        (interrupted, progress): (&'b AtomicBool, &'b RunProgress),
+    ) -> WatchedRun<'b> {
+        WatchedRun {
+            entrants: &self.entrants,
+            results: &self.results,
+            datasets: &self.datasets,
+            damage: DamagePolicy::Refuse,
+            n_warmup: Experiment::N_WARMUP,
+            n_repeats: NonZeroUsize::MIN,
+            n_jobs: std::thread::available_parallelism().map_or(1, NonZeroUsize::get),
+            on_failure: OnDetectorFailure::Stop,
+            interrupted,
+            progress,
+            without_labels,
+        }
+    }
+}
+
+/// Writes the files that only this study has into `directory`, the run of `manifest` with these `numbers`, and prints the table.
+///
+/// # Errors
+///
+/// If a file cannot be written, or nobody takes the table.
+pub fn end_robustness(
+    directory: RunDirectory,
+    manifest: &Manifest,
+    numbers: &RunNumbers,
+) -> Result<(), Failure> {
     let conditions: Vec<NamedCondition> = CONDITIONS.iter().map(named).collect();
     let scores = condition_scores(&conditions, &numbers.tables);
-    let notes = notes(arguments, &asked);
+    let notes = notes(manifest);
     write_tables(&directory, &scores, &notes)?;
     let finished = directory.finish()?;
     let printed = print_result(terminal().text(&RobustnessTable { conditions: &scores, notes: &notes }));
@@ -80,24 +149,16 @@ fn named(condition: &Condition) -> NamedCondition {
     NamedCondition { group, condition: condition_name, dataset: condition.id() }
 }
 
-/// That of a run, with the drives of each condition.
-fn manifest(arguments: &RobustnessArgs, asked: &Experiment, datasets: &[OpenedDataset]) -> Manifest {
-    let conditions = CONDITIONS.iter().map(|it| {
-        let drives = it.drives(asked.seed, arguments.scans);
-        serde_json::json!({ "group": it.group, "condition": it.name, "dataset": it.id(), "drives": drives })
-    });
-    asked.manifest("streets", conditions.collect::<Vec<_>>().into(), datasets)
-}
-
-fn notes(arguments: &RobustnessArgs, asked: &Experiment) -> Vec<String> {
-    let n_streets = CONDITIONS.first().map_or(0, |it| it.drives(asked.seed, arguments.scans).len());
+fn notes(manifest: &Manifest) -> Vec<String> {
+    let n_scans = manifest.datasets.first().map_or(0, |it| it.n_scans);
+    // One drive through each.
+    let n_streets = StreetKind::ALL.len() as u64;
+    let seed = manifest.seeds.get(DRAWN).copied().unwrap_or_default();
     vec![
         format!(
-            "NO: annotations that count. obj, veh: tasks objects and vehicles. {} scans per condition, {} of each kind of \
-             street, the same streets under all conditions (seeds from {}).",
-            n_streets * arguments.scans as usize,
-            arguments.scans,
-            asked.seed
+            "NO: annotations that count. obj, veh: tasks objects and vehicles. {n_scans} scans per condition, {} of each kind of \
+             street, the same streets under all conditions (seeds from {seed}).",
+            n_scans / n_streets,
         ),
         "Each condition changes one thing of the standard. Road gradients are random, except under road. Detectors know the sensor and \
          its height; nothing else is adapted."

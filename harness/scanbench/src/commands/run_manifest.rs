@@ -69,6 +69,7 @@ pub fn run_manifest(settings: RunSettings<'_>) -> Manifest {
         rerun_version: rerun_version(),
         machine: machine(),
         experiment: None,
+        sweep: None,
         shard: None,
         shards: Vec::new(),
         protocols: settings.protocols.to_vec(),

@@ -1,14 +1,15 @@
 //! What `scanbench sweep` leaves behind.
 
+use crate::commands::failure::NothingEvaluated;
 use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::standard_streams::terminal;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::CsvRowWriter;
-use reports::numbers::sweep_score::SweepScores;
+use reports::numbers::sweep_score::{SweepScores, SweepTime};
 use reports::plots::fitness_plot::fitness_plot;
 use reports::plots::pareto_plot::pareto_plot;
 use reports::plots::rate_plot::rate_plot;
-use reports::run_folder::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV};
+use reports::run_folder::run_directory::{RunDirectory, SWEEP_CSV, SWEEP_TIMES_CSV, TIMES_OF_PROCESSORS_CSV};
 use reports::tables::formats::format::Format as _;
 use reports::tables::studies::fitness_table::FitnessTable;
 use reports::tables::studies::sweep_table::{SweepTable, best_of};
@@ -55,4 +56,35 @@ pub fn write_sweep(directory: &RunDirectory, sweep: &SweepScores) -> Result<Stri
     // The answer last.
     printed.push_str(&terminal().sentences(best_of(sweep)));
     Ok(printed)
+}
+
+/// Writes the times of `unlike` processors, each by itself; nothing if there are none.
+///
+/// # Errors
+///
+/// [`ArchiveError`] if the file cannot be written.
+pub fn write_times_of_unlike(
+    directory: &RunDirectory,
+    sweep: &SweepScores,
+    unlike: &[(String, Vec<SweepTime>)],
+) -> Result<(), ArchiveError> {
+    if unlike.is_empty() {
+        return Ok(());
+    }
+    let path = directory.path_of(TIMES_OF_PROCESSORS_CSV);
+    let rows = sweep.times_of_processors_to_csv(unlike);
+    let rows = rows.map_err(|source| ArchiveError::Csv { path, source })?;
+    directory.write_file(TIMES_OF_PROCESSORS_CSV, &rows)
+}
+
+/// A sweep over scans in which there is nothing to find.
+///
+/// # Errors
+///
+/// [`NothingEvaluated`].
+pub fn refuse_nothing(scores: &SweepScores) -> Result<(), NothingEvaluated> {
+    if scores.scores.iter().any(|it| it.counts.no() > 0) {
+        return Ok(());
+    }
+    Err(NothingEvaluated { reason: "no scan has an annotation that counts".to_owned() })
 }

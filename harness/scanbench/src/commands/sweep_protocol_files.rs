@@ -1,8 +1,7 @@
 //! What `scanbench sweep --protocol` leaves behind.
 
 use evaluation::run::detector_list::ChosenDetector;
-use evaluation::sweep::summary::SweepResults;
-use evaluation::sweep::swept_protocols::SweptProtocols;
+use evaluation::sweep::protocol_numbers::SweptOfficially;
 use reports::files::archive::ArchiveError;
 use reports::numbers::sweep_score::SweepScores;
 use reports::plots::swept_protocol_plot::swept_protocol_plot;
@@ -17,21 +16,21 @@ use crate::commands::paper_files::{write_figure, write_table};
 use crate::commands::progress::progress_over_results;
 use crate::commands::standard_streams::{print_diagnostic, terminal};
 
-/// Makes the numbers of a sweep under `protocols` and writes them into `directory` in all their forms. Returns the table that is printed.
+/// Makes the numbers of a sweep under its protocols and writes them into `directory` in all their forms. Returns the table that is printed.
 ///
 /// # Errors
 ///
 /// [`ArchiveError`] if a file cannot be written.
 pub fn write_swept_protocols(
     directory: &RunDirectory,
-    protocols: &SweptProtocols,
-    (results, scores): (&SweepResults<'_>, &SweepScores),
+    sweep: &SweptOfficially<'_>,
+    scores: &SweepScores,
 ) -> Result<String, ArchiveError> {
-    let bar = progress_over_results(results.plan.points.len(), 0, "protocols");
-    let swept = results.protocol_numbers(protocols, scores, || bar.inc(1));
+    let bar = progress_over_results(sweep.plan.points.len(), 0, "protocols");
+    let swept = sweep.numbers(scores, || bar.inc(1));
     bar.finish_and_clear();
-    if protocols.chosen.ask_for_ground() {
-        warn_of_no_ground(results, &swept);
+    if sweep.protocols.chosen.ask_for_ground() {
+        warn_of_no_ground(sweep, &swept);
     }
     let not_written = |source| ArchiveError::Csv { path: directory.path_of(SWEEP_PROTOCOLS_CSV), source };
     directory.write_file(SWEEP_PROTOCOLS_CSV, &swept.to_csv().map_err(not_written)?)?;
@@ -46,8 +45,8 @@ pub fn write_swept_protocols(
     Ok(format!("\n{}", terminal().text(&table)))
 }
 
-fn warn_of_no_ground(results: &SweepResults<'_>, swept: &SweptNumbers) {
-    for detector in results.plan.detectors.iter().map(ChosenDetector::name) {
+fn warn_of_no_ground(sweep: &SweptOfficially<'_>, swept: &SweptNumbers) {
+    for detector in sweep.plan.detectors.iter().map(ChosenDetector::name) {
         let mut of_ground = swept.numbers.iter().filter(|it| it.number.protocol == Protocol::Ground);
         if of_ground.all(|it| it.number.detector != detector) {
             print_diagnostic(warning_of_no_ground(detector));

@@ -6,7 +6,7 @@ use reports::numbers::processor_time_row::ProcessorTimeRow;
 use reports::numbers::run_report::RunReport;
 use reports::numbers::tally::Tally;
 use reports::run_folder::manifest::Manifest;
-use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::run_directory::{RunDirectory, TIMES_OF_PROCESSORS_CSV};
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::markdown::Markdown;
 use reports::tables::times_table::TimesTable;
@@ -35,6 +35,6 @@ pub fn write_times_of_processors(
         on_processor.machine.cpu_model.clone_from(processor);
         tables.push(Markdown.text(&TimesTable::new(&report, &on_processor)));
     }
-    directory.write_file("times_of_processors.csv", &to_csv_bytes(&rows)?)?;
+    directory.write_file(TIMES_OF_PROCESSORS_CSV, &to_csv_bytes(&rows)?)?;
     Ok(directory.write_file("table_times.md", tables.join("\n").as_bytes())?)
 }

@@ -4,6 +4,7 @@
 mod drawn_dataset;
 mod partial;
 mod program;
+mod shard_folders;
 
 mod bad_input;
 mod command_line;
@@ -19,6 +20,7 @@ mod signals;
 mod foreign_detectors;
 mod results_of_others;
 mod shards;
+mod study_shards;
 mod start_up;
 mod realism;
 mod readers;

@@ -1,8 +1,6 @@
 //! Shards of a run, and what `merge` makes of them: the run in one piece to the last byte, but for its times, or a refusal.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::collections::BTreeSet;
-use std::path::PathBuf;
 use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
@@ -10,6 +8,7 @@ use serde_json::Value;
 use test_data::{needs_test_data, test_data};
 
 use crate::program::{Ended, Workplace};
+use crate::shard_folders::{check_same_but_times, check_same_bytes, make_shards, merge, merge_whole};
 
 /// Two streets of a few seconds: forty scans.
 const STREETS: [&str; 8] =
@@ -19,117 +18,7 @@ const QUICK: [&str; 2] = ["-d", "simple-grid,pca"];
 
 /// Runs what `run` asks for in `count` shards below `folder`.
 fn run_shards(workplace: &Workplace, run: &[&str], count: u32, folder: &str) {
-    for index in 1..=count {
-        let shard = format!("{index}/{count}");
-        workplace.succeed(&[&["run"][..], run, &["--shard", &shard, "-o", folder]].concat());
-    }
-}
-
-/// Puts together all shards below `folder`.
-fn merge(workplace: &Workplace, folder: &str, output: &str) -> Ended {
-    let shards = std::fs::read_dir(workplace.path(folder)).unwrap().map(|it| it.unwrap().path());
-    // The order on the command line does not matter.
-    let mut shards: Vec<PathBuf> = shards.collect();
-    shards.sort();
-    shards.reverse();
-    let names: Vec<&str> = shards.iter().map(|it| it.to_str().unwrap()).collect();
-    workplace.run(&[&["merge"], &names[..], &["-o", output]].concat())
-}
-
-fn merge_whole(workplace: &Workplace, folder: &str, output: &str) {
-    let merged = merge(workplace, folder, output);
-    assert_eq!(merged.exit_code, Some(0), "{merged:#?}");
-}
-
-/// All files of a run but its manifest.
-fn files_of(workplace: &Workplace, run: &str) -> BTreeSet<PathBuf> {
-    let names = workplace.names().into_iter();
-    let of_run = names.filter_map(|it| Some(it.strip_prefix(run).ok()?.to_owned()));
-    // PDF files of the same figure differ from one time to the next.
-    let is_compared =
-        |it: &PathBuf| !it.ends_with("manifest.json") && it.extension().is_none_or(|it| it != "pdf");
-    of_run.filter(|it| workplace.path(run).join(it).is_file() && is_compared(it)).collect()
-}
-
-/// Every file of both runs has the same bytes; only the page names its own folder.
-#[track_caller]
-fn check_same_bytes(workplace: &Workplace, whole: &str, merged: &str) {
-    assert_eq!(files_of(workplace, whole), files_of(workplace, merged));
-    for name in files_of(workplace, whole) {
-        let [one, other] = [whole, merged].map(|it| std::fs::read(workplace.path(it).join(&name)).unwrap());
-        if name.ends_with("report.html") {
-            let [one, other] =
-                [(whole, one), (merged, other)].map(|(run, page)| undated(workplace, run, page));
-            assert!(one == other, "{} of {merged} has other words", name.display());
-        } else if name.ends_with("scans.csv") {
-            // The reference is timed in any case.
-            assert_eq!(untimed_scans(workplace, whole), untimed_scans(workplace, merged));
-        } else {
-            assert!(one == other, "{} of {merged} has other bytes", name.display());
-        }
-    }
-}
-
-/// The page of `run` without what it is called, when it began, and in how many shards it was made.
-fn undated(workplace: &Workplace, run: &str, page: Vec<u8>) -> String {
-    let manifest: Value = serde_json::from_str(&workplace.read(&format!("{run}/manifest.json"))).unwrap();
-    let created = manifest["created"].as_str().unwrap();
-    let n_shards = manifest["shards"].as_array().map_or(0, Vec::len);
-    let mut page = String::from_utf8(page).unwrap();
-    let made_in = format!("<div><dt>made in</dt><dd>{n_shards} shards</dd></div>");
-    assert_eq!(page.contains(&made_in), n_shards > 0);
-    let in_words = created.replace('T', " ").replace('Z', " UTC");
-    for (word, other) in [
-        (format!("-o {run}"), "-o RUN"),
-        // As the manifest on the page has it.
-        (format!("&quot;{run}&quot;"), "&quot;RUN&quot;"),
-        (created.to_owned(), "CREATED"),
-        (in_words, "CREATED"),
-        (made_in, ""),
-    ] {
-        page = page.replace(&word, other);
-    }
-    page
-}
-
-/// The lines of `scans.csv` without times.
-fn untimed_scans(workplace: &Workplace, run: &str) -> Vec<String> {
-    let text = workplace.read(&format!("{run}/scans.csv"));
-    let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
-    let untimed = |line: &str| {
-        let cells = line.split(',').zip(&head).filter(|(_, name)| !name.ends_with("_ms"));
-        cells.map(|it| it.0).collect::<Vec<_>>().join(",")
-    };
-    text.lines().map(untimed).collect()
-}
-
-/// The numbers of `report.json` that are no times, as text.
-fn untimed_numbers(workplace: &Workplace, run: &str) -> String {
-    let report: Value = serde_json::from_str(&workplace.read(&format!("{run}/report.json"))).unwrap();
-    let is_time = |row: &&Value| {
-        let metric = row["metric"].as_str().unwrap();
-        ["fps_", "latency_", "stage_", "cpu_", "door_", "reference_ms", "time_over_reference"]
-            .iter()
-            .any(|it| metric.starts_with(it))
-    };
-    let rows = ["rows", "overall"].into_iter().flat_map(|it| report[it].as_array().unwrap());
-    let lines: Vec<String> = rows.filter(|it| !is_time(it)).map(Value::to_string).collect();
-    assert!(lines.len() > 20);
-    lines.join("\n")
-}
-
-/// Everything but times is the same.
-#[track_caller]
-fn check_same_but_times(workplace: &Workplace, whole: &str, merged: &str) {
-    assert_eq!(files_of(workplace, whole), files_of(workplace, merged));
-    for name in ["matches.csv", "precision_recall.csv", "worst_points.json"] {
-        let [one, other] = [whole, merged].map(|it| workplace.read(&format!("{it}/{name}")));
-        assert!(one == other && one.lines().count() > 2, "{name} of {merged}");
-    }
-    assert_eq!(untimed_scans(workplace, whole), untimed_scans(workplace, merged));
-    assert_eq!(untimed_numbers(workplace, whole), untimed_numbers(workplace, merged));
-    let n_stages = |run| workplace.read(&format!("{run}/stages.csv")).lines().count();
-    assert_eq!(n_stages(whole), n_stages(merged));
+    make_shards(workplace, &[&["run"], run].concat(), count, folder);
 }
 
 #[test]

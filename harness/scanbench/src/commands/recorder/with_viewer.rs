@@ -4,7 +4,8 @@ use std::path::Path;
 
 use evaluation::partial::growth::Growth;
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
-use evaluation::sweep::summary::SweepResults;
+use evaluation::sweep::quality_pass::SweptDataset;
+use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
 use viewer::partial_recording;
@@ -96,17 +97,17 @@ impl ScanRecorder for Recorder {
     }
 }
 
-/// Records one scan of a sweep at all its points.
+/// Records one scan of a sweep, from its first data set, at all points of the plan.
 ///
 /// # Errors
 ///
 /// If the scan cannot be read or the file not be written.
 pub fn record_sweep(
     directory: &RunDirectory,
-    results: &SweepResults<'_>,
+    swept: (&SweepPlan, &SweptDataset<'_>),
     scores: &SweepScores,
 ) -> Result<(), Failure> {
-    Ok(sweep_recording::record_sweep(directory, results, scores)?)
+    Ok(sweep_recording::record_sweep(directory, swept, scores)?)
 }
 
 /// Whether objects that grow are recorded.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use evaluation::partial::growth::Growth;
 use evaluation::run::scan_recorder::{RecordedScan, RecordingEnding, ScanRecorder};
-use evaluation::sweep::summary::SweepResults;
+use evaluation::sweep::quality_pass::SweptDataset;
+use evaluation::sweep::sweep_plan::SweepPlan;
 use reports::numbers::sweep_score::SweepScores;
 use reports::run_folder::run_directory::RunDirectory;
 
@@ -62,7 +63,11 @@ impl ScanRecorder for Recorder {
 ///
 /// None here.
 #[allow(clippy::unnecessary_wraps, reason = "with the viewer there are errors")]
-pub fn record_sweep(_: &RunDirectory, _: &SweepResults<'_>, _: &SweepScores) -> Result<(), Failure> {
+pub fn record_sweep(
+    _: &RunDirectory,
+    _: (&SweepPlan, &SweptDataset<'_>),
+    _: &SweepScores,
+) -> Result<(), Failure> {
     Ok(())
 }
 

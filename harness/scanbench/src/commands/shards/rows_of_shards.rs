@@ -1,7 +1,6 @@
 //! The rows of shards, one after the other: copied as they are, and read for the numbers that are made of them.
 
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::io::{self, Read, Write as _};
 use std::path::PathBuf;
 
@@ -19,57 +18,15 @@ use reports::rows::stage_row::StageRow;
 use reports::run_folder::manifest::Manifest;
 use reports::run_folder::run_directory::{
     KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_FILES, RunDirectory, SCANS_CSV, STAGES_CSV,
-    WORST_POINTS_JSON, protocol_file,
+    protocol_file,
 };
-use reports::run_folder::shard_check::{NamedShard, ShardMismatch};
-use reports::run_folder::shard_record::{ShardRecord, processors_of};
-use reports::worst::places::{ObjectName, WorstPlaces};
-use reports::worst::points::WorstPoints;
-use scans::dataset::checksum::ContentChecksum;
+use reports::run_folder::shard_check::ShardMismatch;
+use reports::run_folder::shard_record::processors_of;
+use reports::worst::places::WorstPlaces;
 
+use super::shard_directory::{FileOfShard, ShardDirectory};
 use crate::commands::failure::Failure;
 use crate::commands::progress::progress_over_results;
-
-/// A shard on the disk.
-pub struct ShardDirectory<'a> {
-    /// Where it is.
-    pub folder: PathBuf,
-    /// Its manifest.
-    pub manifest: &'a Manifest,
-}
-
-impl<'a> ShardDirectory<'a> {
-    /// The shard at the path that is its name.
-    pub fn new(named: &'a NamedShard) -> Self {
-        Self { folder: PathBuf::from(&named.name), manifest: &named.manifest }
-    }
-
-    /// What its manifest says of it.
-    pub fn record(&self) -> Option<&'a ShardRecord> {
-        self.manifest.shard.as_ref()
-    }
-
-    /// What was seen around its worst mistakes.
-    ///
-    /// # Errors
-    ///
-    /// [`Failure::Data`] if the file is missing or damaged.
-    pub fn worst_points(&self) -> Result<WorstPoints, Failure> {
-        let read = WorstPoints::read(&self.folder.join(WORST_POINTS_JSON));
-        let read = read.map_err(|error| Failure::damaged_run(&self.folder, error))?;
-        read.ok_or_else(|| self.damaged(format!("it has no {WORST_POINTS_JSON}")))
-    }
-
-    /// It does not say what was seen around one of its worst mistakes.
-    pub fn lacks(&self, object: &ObjectName) -> Failure {
-        let ObjectName { dataset, sequence, scan, id, .. } = object;
-        self.damaged(format!("{WORST_POINTS_JSON} lacks object {id} of scan {dataset} {sequence} {scan}"))
-    }
-
-    fn damaged(&self, problem: String) -> Failure {
-        Failure::damaged_run(&self.folder, problem)
-    }
-}
 
 /// What rows of shards come to.
 pub struct MergedRows {
@@ -160,7 +117,7 @@ impl MergedRows {
     }
 
     fn add_scans(&mut self, shard: &ShardDirectory<'_>, output: &mut Output) -> Result<(), Failure> {
-        let stretches = shard.record().map_or(&[][..], |it| &it.processors);
+        let stretches = &shard.record.processors[..];
         let (mut stretch_idx, mut n_left) = (0, stretches.first().map_or(0, |it| it.n_scan_rows));
         let (mut last, mut twice, mut n_surplus) = (None, None, 0_u64);
         copy_rows(shard, output, |row: ScanRow| {
@@ -226,43 +183,22 @@ fn copy_rows<Row: CsvRow>(
     output: &mut Output,
     on_row: impl FnMut(Row),
 ) -> Result<(), Failure> {
-    let name = output.name;
-    let path = shard.folder.join(name);
-    let written = shard.record().and_then(|it| it.files.iter().find(|it| it.name == name));
-    let written = written.ok_or_else(|| shard.damaged(format!("its manifest says nothing of {name}")))?;
-    let source = File::open(&path).map_err(|source| ArchiveError::Read { path: path.clone(), source });
-    let source = source.map_err(|error| Failure::damaged_run(&shard.folder, error))?;
-    let mut reader = CopyingReader {
-        source,
-        n_head_left: csv_head::<Row>().len(),
-        checksum: ContentChecksum::default(),
-        n_bytes: 0,
-        copy: &mut output.file,
-        refused: None,
-    };
+    let file = shard.open(output.name)?;
+    let path = file.path.clone();
+    let n_head_left = csv_head::<Row>().len();
+    let mut reader = CopyingReader { file, n_head_left, copy: &mut output.file, refused: None };
     let read = each_row_of(&mut reader, &path, on_row);
     if let Some(source) = reader.refused {
         return Err(ArchiveError::Write { path: output.path.clone(), source }.into());
     }
-    let (n_bytes, checksum) = (reader.n_bytes, reader.checksum);
     read.map_err(|error| Failure::damaged_run(&shard.folder, error))?;
-    let sha256 = checksum.finish();
-    if (n_bytes, &sha256) != (written.n_bytes, &written.sha256) {
-        let problem = format!(
-            "{name} is not what the shard wrote: {n_bytes} bytes with SHA-256 {sha256}, where {} bytes with SHA-256 {} are expected",
-            written.n_bytes, written.sha256
-        );
-        return Err(shard.damaged(problem));
-    }
-    Ok(())
+    reader.file.check(shard)
 }
 
 /// Copies what is read, but for the names of the columns.
 struct CopyingReader<'a> {
-    source: File,
+    file: FileOfShard<'a>,
     n_head_left: usize,
-    checksum: ContentChecksum,
-    n_bytes: u64,
     copy: &'a mut WholeFile,
     // Why the copy cannot be written.
     refused: Option<io::Error>,
@@ -270,10 +206,8 @@ struct CopyingReader<'a> {
 
 impl Read for CopyingReader<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let n_read = self.source.read(buffer)?;
+        let n_read = self.file.read(buffer)?;
         let bytes = &buffer[..n_read];
-        self.checksum.add(bytes);
-        self.n_bytes += n_read as u64;
         let n_head = self.n_head_left.min(n_read);
         self.n_head_left -= n_head;
         if let Err(error) = self.copy.write_all(&bytes[n_head..]) {

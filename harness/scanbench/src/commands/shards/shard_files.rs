@@ -1,13 +1,10 @@
 //! From the journal of a shard to its files.
 
 use std::collections::BTreeSet;
-use std::io::Write as _;
-use std::path::PathBuf;
 
 use evaluation::journal::Journal;
 use reports::files::archive::ArchiveError;
 use reports::files::csv_rows::{CsvRow, csv_head, each_row_of, to_csv_bytes};
-use reports::files::whole_file::WholeFile;
 use reports::rows::agreement_row::{AgreementRow, add_agreement};
 use reports::rows::kitti_object_row::KittiObjectRow;
 use reports::rows::label_score_row::LabelScoreRow;
@@ -21,13 +18,13 @@ use reports::run_folder::run_directory::{
     AGREEMENT_CSV, KITTI_OBJECT_CSV, MATCHES_CSV, PROTOCOL_BOXES_CSV, PROTOCOL_LABELS_CSV, RunDirectory,
     SCANS_CSV, STAGES_CSV, WORST_POINTS_JSON, protocol_file,
 };
-use reports::run_folder::shard_record::{ProcessorRows, ShardFile, ShardRecord, ShardRecording};
+use reports::run_folder::shard_record::{ProcessorRows, ShardRecord, ShardRecording};
 use reports::vocabulary::protocol::Protocol;
 use reports::worst::places::{ObjectName, WorstPlace, WorstPlaces};
 use reports::worst::points::{Patch, PlanCells, WorstPoints};
 use reports::worst::recorded::RecordedPlace;
-use scans::dataset::checksum::{ContentChecksum, sha256};
 
+use super::checksummed_file::{ChecksummedFile, write_checksummed};
 use super::shard_entry::{ShardEntry, ShardScan};
 use crate::commands::failure::Failure;
 
@@ -85,17 +82,17 @@ impl ShardFiles {
     fn begin(directory: &RunDirectory, n_datasets: usize, protocols: &[Protocol]) -> Result<Self, Failure> {
         let is_asked = |name: &str| protocols.iter().any(|it| protocol_file(*it) == name);
         Ok(Self {
-            scans: ChecksummedFile::begin::<ScanRow>(directory, SCANS_CSV)?,
-            matches: ChecksummedFile::begin::<MatchRow>(directory, MATCHES_CSV)?,
-            stages: ChecksummedFile::begin::<StageRow>(directory, STAGES_CSV)?,
+            scans: begin_rows::<ScanRow>(directory, SCANS_CSV)?,
+            matches: begin_rows::<MatchRow>(directory, MATCHES_CSV)?,
+            stages: begin_rows::<StageRow>(directory, STAGES_CSV)?,
             boxes: is_asked(PROTOCOL_BOXES_CSV)
-                .then(|| ChecksummedFile::begin::<RankedBoxRow>(directory, PROTOCOL_BOXES_CSV))
+                .then(|| begin_rows::<RankedBoxRow>(directory, PROTOCOL_BOXES_CSV))
                 .transpose()?,
             kitti: is_asked(KITTI_OBJECT_CSV)
-                .then(|| ChecksummedFile::begin::<KittiObjectRow>(directory, KITTI_OBJECT_CSV))
+                .then(|| begin_rows::<KittiObjectRow>(directory, KITTI_OBJECT_CSV))
                 .transpose()?,
             labels: is_asked(PROTOCOL_LABELS_CSV)
-                .then(|| ChecksummedFile::begin::<LabelScoreRow>(directory, PROTOCOL_LABELS_CSV))
+                .then(|| begin_rows::<LabelScoreRow>(directory, PROTOCOL_LABELS_CSV))
                 .transpose()?,
             datasets: (0..n_datasets).map(|_| DatasetSoFar::default()).collect(),
             worst: WorstPlaces::default(),
@@ -186,6 +183,16 @@ impl ShardFiles {
     }
 }
 
+/// Begins a file of rows with the names of the columns.
+fn begin_rows<Row: CsvRow>(
+    directory: &RunDirectory,
+    name: &'static str,
+) -> Result<ChecksummedFile, ArchiveError> {
+    let mut begun = ChecksummedFile::begin(directory, name)?;
+    begun.write(&csv_head::<Row>())?;
+    Ok(begun)
+}
+
 /// Those of `places`, objects with the numbers of their scans, that are in one of `recordings`; each once.
 fn recorded_places<'a>(
     places: impl Iterator<Item = (&'a ObjectName, u64)>,
@@ -201,39 +208,4 @@ fn recorded_places<'a>(
         }
     }
     recorded
-}
-
-fn write_checksummed(directory: &RunDirectory, name: &str, content: &[u8]) -> Result<ShardFile, Failure> {
-    directory.write_file(name, content)?;
-    Ok(ShardFile { name: name.to_owned(), n_bytes: content.len() as u64, sha256: sha256(content) })
-}
-
-/// A file that grows, and its checksum with it.
-struct ChecksummedFile {
-    name: &'static str,
-    path: PathBuf,
-    file: WholeFile,
-    checksum: ContentChecksum,
-    n_bytes: u64,
-}
-
-impl ChecksummedFile {
-    fn begin<Row: CsvRow>(directory: &RunDirectory, name: &'static str) -> Result<Self, ArchiveError> {
-        let (file, path) = (directory.begin_file(name)?, directory.path_of(name));
-        let mut begun = Self { name, path, file, checksum: ContentChecksum::default(), n_bytes: 0 };
-        begun.write(&csv_head::<Row>())?;
-        Ok(begun)
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> Result<(), ArchiveError> {
-        self.checksum.add(bytes);
-        self.n_bytes += bytes.len() as u64;
-        let path = || self.path.clone();
-        self.file.write_all(bytes).map_err(|source| ArchiveError::Write { path: path(), source })
-    }
-
-    fn finish(self) -> Result<ShardFile, ArchiveError> {
-        self.file.finish()?;
-        Ok(ShardFile { name: self.name.to_owned(), n_bytes: self.n_bytes, sha256: self.checksum.finish() })
-    }
 }

@@ -26,7 +26,9 @@ impl ShardedCommand {
                 })?;
         let (verb, arguments) = words.split_first().expect("clap wants a verb");
         let Some((output, shard)) = outputs_of(&parsed.command) else {
-            return Err(Usage(format!("{verb} has no shards; write -- run …")));
+            return Err(Usage(format!(
+                "{verb} has no shards; write -- run …, sweep …, ablation …, robustness … or partial …"
+            )));
         };
         if verb.starts_with('-') {
             return Err(Usage(format!("write the verb first, and {verb} after it")));
@@ -43,7 +45,13 @@ impl ShardedCommand {
         if shard.shard.is_some() {
             return Err(Usage("leave --shard away: the engine says which shard a task is".to_owned()));
         }
-        Ok(Self { verb: verb.clone(), arguments: arguments.to_vec() })
+        let command = Self { verb: verb.clone(), arguments: arguments.to_vec() };
+        // Some options do not go with shards.
+        let words = std::iter::once("scanbench".to_owned()).chain(command.of_one_shard(1, "shards"));
+        Cli::try_parse_from(words).map_err(|error| {
+            Usage(format!("the command after -- has no shards\n{}", error.to_string().trim_end()))
+        })?;
+        Ok(command)
     }
 
     /// The words after `scanbench` by which one task of `n_shards` makes its shard in `folder`.
@@ -59,6 +67,10 @@ impl ShardedCommand {
 fn outputs_of(command: &Command) -> Option<(&OutputArgs, &ShardArgs)> {
     match command {
         Command::Run(it) => Some((&it.output, &it.shard)),
+        Command::Sweep(it) => Some((&it.output, &it.shard)),
+        Command::Ablation(it) => Some((&it.output, &it.shard)),
+        Command::Robustness(it) => Some((&it.output, &it.shard)),
+        Command::Partial(it) => Some((&it.output, &it.shard)),
         _ => None,
     }
 }
@@ -81,6 +93,15 @@ mod tests {
     }
 
     #[test]
+    fn every_study_that_has_shards_is_taken() {
+        for text in ["sweep data -L xi=2,3", "ablation data", "robustness --scans 2", "partial --per-class 9"]
+        {
+            let words = read(text).unwrap().of_one_shard(8, "out/shards");
+            assert!(Cli::try_parse_from(["scanbench".to_owned()].into_iter().chain(words)).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
     fn what_cannot_be_sharded_is_refused_before_anything_is_written() {
         for (text, why) in [
             ("run data -o out", "leave -o out away"),
@@ -88,6 +109,7 @@ mod tests {
             ("run data --shard 1/2 -o out", "leave -o out away"),
             ("run data --detector pca", "unexpected argument '--detector'"),
             ("compare a b", "compare has no shards"),
+            ("ablation --oracle", "cannot be used with '--oracle'"),
             ("-q run data", "write the verb first"),
             ("fly", "unrecognized subcommand 'fly'"),
         ] {

@@ -1,0 +1,88 @@
+//! Files of shards, written with their checksums.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use reports::files::archive::ArchiveError;
+use reports::files::whole_file::WholeFile;
+use reports::run_folder::run_directory::RunDirectory;
+use reports::run_folder::shard_record::ShardFile;
+use scans::dataset::checksum::{ContentChecksum, sha256};
+use serde::Serialize;
+
+/// Writes `content` to the file `name`.
+///
+/// # Errors
+///
+/// [`ArchiveError`] if the disk does not take it.
+pub fn write_checksummed(
+    directory: &RunDirectory,
+    name: &str,
+    content: &[u8],
+) -> Result<ShardFile, ArchiveError> {
+    directory.write_file(name, content)?;
+    Ok(ShardFile { name: name.to_owned(), n_bytes: content.len() as u64, sha256: sha256(content) })
+}
+
+/// Writes `values` to the file `name`, each as a line of JSON.
+///
+/// # Errors
+///
+/// [`ArchiveError`] if the disk does not take it.
+pub fn write_lines<Value: Serialize>(
+    directory: &RunDirectory,
+    name: &'static str,
+    values: &[Value],
+) -> Result<ShardFile, ArchiveError> {
+    let mut file = ChecksummedFile::begin(directory, name)?;
+    for value in values {
+        let mut line = serde_json::to_vec(value).expect("it holds numbers and text alone");
+        line.push(b'\n');
+        file.write(&line)?;
+    }
+    file.finish()
+}
+
+/// A file that grows, and its checksum with it.
+pub struct ChecksummedFile {
+    /// Where it will be.
+    pub path: PathBuf,
+    name: &'static str,
+    file: WholeFile,
+    checksum: ContentChecksum,
+    n_bytes: u64,
+}
+
+impl ChecksummedFile {
+    /// An empty one called `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if it cannot be written.
+    pub fn begin(directory: &RunDirectory, name: &'static str) -> Result<Self, ArchiveError> {
+        let (file, path) = (directory.begin_file(name)?, directory.path_of(name));
+        Ok(Self { path, name, file, checksum: ContentChecksum::default(), n_bytes: 0 })
+    }
+
+    /// Adds `bytes`.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if the disk does not take them.
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), ArchiveError> {
+        self.checksum.add(bytes);
+        self.n_bytes += bytes.len() as u64;
+        let path = || self.path.clone();
+        self.file.write_all(bytes).map_err(|source| ArchiveError::Write { path: path(), source })
+    }
+
+    /// Completes it, and says what it is.
+    ///
+    /// # Errors
+    ///
+    /// [`ArchiveError`] if the disk does not take it.
+    pub fn finish(self) -> Result<ShardFile, ArchiveError> {
+        self.file.finish()?;
+        Ok(ShardFile { name: self.name.to_owned(), n_bytes: self.n_bytes, sha256: self.checksum.finish() })
+    }
+}

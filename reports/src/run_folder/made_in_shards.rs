@@ -1,0 +1,178 @@
+//! What shards say of themselves, as far as all of one run, or of one study, have to say the same.
+
+use crate::run_folder::manifest::{DatasetEntry, DetectorEntry, GitState, Manifest};
+use crate::run_folder::partial_manifest::PartialManifest;
+use crate::run_folder::shard_record::ShardRecord;
+
+/// A manifest of what may be made in parts.
+pub trait MadeInShards {
+    /// Which part it is; `None` of a whole.
+    fn shard(&self) -> Option<&ShardRecord>;
+
+    /// Version of the rules of judging; `None` where there are none.
+    fn scoring_version(&self) -> Option<u32>;
+
+    /// Version and source of the program.
+    fn program(&self) -> (&str, Option<&GitState>);
+
+    /// Ids of the data sets, and how many scans or objects of each are shared out.
+    fn selected(&self) -> Vec<(&str, u64)>;
+
+    /// How the data differ from those of `other`, in words; `None` if they do not.
+    fn different_data(&self, other: &Self) -> Option<String>;
+
+    /// How parameters, detectors and methods differ from those of `other`, in words; `None` if they do not.
+    fn different_parameters(&self, other: &Self) -> Option<String>;
+}
+
+impl MadeInShards for Manifest {
+    fn shard(&self) -> Option<&ShardRecord> {
+        self.shard.as_ref()
+    }
+
+    fn scoring_version(&self) -> Option<u32> {
+        Some(self.scoring_version)
+    }
+
+    fn program(&self) -> (&str, Option<&GitState>) {
+        (&self.scanbench_version, self.git.as_ref())
+    }
+
+    fn selected(&self) -> Vec<(&str, u64)> {
+        self.datasets.iter().map(|it| (it.id.as_str(), it.n_scans)).collect()
+    }
+
+    fn different_data(&self, other: &Self) -> Option<String> {
+        if let Some(what) = different_names(self, other) {
+            return Some(what);
+        }
+        if self.seeds != other.seeds {
+            return Some("their seeds differ".to_owned());
+        }
+        let entries = self.datasets.iter().zip(&other.datasets);
+        let of_entries = entries.zip(checksums_of_selected(self).zip(checksums_of_selected(other)));
+        of_entries.into_iter().find_map(|((ours, theirs), (our_scans, their_scans))| {
+            let id = &ours.id;
+            if ours.checksum != theirs.checksum {
+                return Some(format!("the checksums of {id:?} differ"));
+            }
+            if our_scans != their_scans {
+                return Some(format!("other scans of {id:?} were selected"));
+            }
+            (common(ours) != common(theirs)).then(|| format!("{id:?} was opened in another way"))
+        })
+    }
+
+    fn different_parameters(&self, other: &Self) -> Option<String> {
+        let differing = parameters(self).into_iter().zip(parameters(other));
+        if let Some(((what, ours), (_, theirs))) = { differing }.find(|(ours, theirs)| ours != theirs) {
+            return Some(format!("{what}: {ours} and {theirs}"));
+        }
+        let of_detectors = self.detectors.iter().zip(&other.detectors);
+        let detector = { of_detectors }.find(|(ours, theirs)| !is_same_detector(ours, theirs));
+        if let Some((detector, _)) = detector {
+            return Some(format!("those of {}", detector.name));
+        }
+        if self.sweep != other.sweep {
+            return Some("those that are swept".to_owned());
+        }
+        if self.experiment != other.experiment {
+            return Some("those of the experiment".to_owned());
+        }
+        (self.config != other.config).then(|| "those of the configuration".to_owned())
+    }
+}
+
+impl MadeInShards for PartialManifest {
+    fn shard(&self) -> Option<&ShardRecord> {
+        self.shard.as_ref()
+    }
+
+    fn scoring_version(&self) -> Option<u32> {
+        None
+    }
+
+    fn program(&self) -> (&str, Option<&GitState>) {
+        (&self.scanbench_version, self.git.as_ref())
+    }
+
+    fn selected(&self) -> Vec<(&str, u64)> {
+        let n_objects = |it: &std::collections::BTreeMap<String, usize>| it.values().sum::<usize>() as u64;
+        self.sets.iter().map(|it| (it.judged.id.as_str(), n_objects(&it.judged.objects))).collect()
+    }
+
+    fn different_data(&self, other: &Self) -> Option<String> {
+        if let Some(what) = different_names(self, other) {
+            return Some(what);
+        }
+        let sets = self.sets.iter().zip(&other.sets);
+        let of_sets = sets.zip(checksums_of_selected(self).zip(checksums_of_selected(other)));
+        of_sets.into_iter().find_map(|((ours, theirs), (our_objects, their_objects))| {
+            let id = &ours.judged.id;
+            if ours.judged != theirs.judged || our_objects != their_objects {
+                return Some(format!("other objects of {id:?} were selected"));
+            }
+            let is_same = ours.learned_from == theirs.learned_from && ours.halves == theirs.halves;
+            (!is_same).then(|| format!("{id:?} is judged by what was learned from other objects"))
+        })
+    }
+
+    fn different_parameters(&self, other: &Self) -> Option<String> {
+        let models = |it: &Self| it.sets.iter().map(|it| it.model.clone()).collect::<Vec<_>>();
+        if models(self) != models(other) {
+            return Some("the model".to_owned());
+        }
+        if self.peers != other.peers {
+            return Some("--peer-results".to_owned());
+        }
+        (self.settings != other.settings).then(|| "--others, --drives, --ablation or --trained-on".to_owned())
+    }
+}
+
+fn different_names<M: MadeInShards>(ours: &M, theirs: &M) -> Option<String> {
+    let ids = |it: &M| it.selected().iter().map(|(id, _)| (*id).to_owned()).collect::<Vec<_>>().join(", ");
+    (ids(ours) != ids(theirs)).then(|| format!("{} and {}", ids(ours), ids(theirs)))
+}
+
+/// Of each data set, that of what was selected.
+fn checksums_of_selected<M: MadeInShards>(manifest: &M) -> impl Iterator<Item = &str> {
+    manifest.shard().into_iter().flat_map(|it| &it.parts).map(|it| it.selected.as_str())
+}
+
+/// What all shards say of a data set, wherever it lies.
+fn common(entry: &DatasetEntry) -> DatasetEntry {
+    DatasetEntry { root: None, skipped_scans: Vec::new(), n_points_left_out: 0, ..entry.clone() }
+}
+
+/// What a run was asked for, by the words that ask for it.
+fn parameters(manifest: &Manifest) -> [(&'static str, String); 6] {
+    let names = manifest.detectors.iter().map(|it| it.name.clone()).collect::<Vec<_>>().join(", ");
+    let protocols = manifest.protocols.iter().map(|it| it.name()).collect::<Vec<_>>().join(",");
+    [
+        ("detectors", names),
+        ("the matching criterion", manifest.matching_criterion.clone()),
+        ("the ignored annotations", format!("{:?}", manifest.ignored)),
+        ("--protocol", protocols),
+        ("--warmup", manifest.n_warmup_detections.to_string()),
+        ("--repeats", manifest.n_repeats.to_string()),
+    ]
+}
+
+/// A program of others introduces itself only where it had a scan to look at.
+fn is_same_detector(ours: &DetectorEntry, theirs: &DetectorEntry) -> bool {
+    let (Some(our_program), Some(their_program)) = (&ours.foreign, &theirs.foreign) else {
+        return ours == theirs;
+    };
+    let is_same =
+        |one: &Option<String>, other: &Option<String>| one.is_none() || other.is_none() || one == other;
+    let silent = |it: &DetectorEntry| {
+        let mut it = it.clone();
+        if let Some(foreign) = &mut it.foreign {
+            (foreign.reported_name, foreign.version) = (None, None);
+        }
+        it
+    };
+    is_same(&our_program.reported_name, &their_program.reported_name)
+        && is_same(&our_program.version, &their_program.version)
+        && silent(ours) == silent(theirs)
+}
