@@ -353,7 +353,7 @@ mod tests {
             run_by_object(&experiment, is_done, keep).unwrap();
             found
         };
-        let half = |method_idx: usize, object_idx: usize| method_idx == 1 || object_idx % 3 == 0;
+        let half = |method_idx: usize, object_idx: usize| method_idx == 1 || object_idx.is_multiple_of(3);
         let mut found = by_object(&half);
         found.extend(by_object(&|method_idx, object_idx| !half(method_idx, object_idx)));
         found.sort_by_key(|it: &AnsweredObject| (it.method_idx, it.object_idx));
