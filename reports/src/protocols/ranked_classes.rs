@@ -97,7 +97,7 @@ impl RankedClass {
         rows: &BTreeMap<ScanName, RankedScan>,
     ) -> Vec<Self> {
         let mut classes = vec![Self::default(); protocol.classes().len()];
-        let mut detections: Vec<Vec<(u32, &FoundBox)>> = vec![Vec::new(); classes.len()];
+        let mut detections: Vec<Vec<(f64, u32, &FoundBox)>> = vec![Vec::new(); classes.len()];
         for (name, scan) in rows {
             let Ok(place) = scans.binary_search(name) else { continue };
             for (class, annotations) in &scan.annotations {
@@ -109,7 +109,7 @@ impl RankedClass {
             let mut by_id: Vec<&FoundBox> = scan.detections.iter().collect();
             by_id.sort_by_key(|it| it.id);
             for it in by_id {
-                detections[usize::from(it.class)].push((place as u32, it));
+                detections[usize::from(it.class)].push((it.score, place as u32, it));
             }
         }
         for (class, detections) in classes.iter_mut().zip(detections) {
@@ -119,14 +119,18 @@ impl RankedClass {
     }
 
     /// Ranks detections, which come by scan, and in a scan by their numbers.
-    fn rank(&mut self, mut detections: Vec<(u32, &FoundBox)>) {
+    fn rank(&mut self, mut detections: Vec<(f64, u32, &FoundBox)>) {
         // Stable: boxes of like scores stay in this order.
-        detections.sort_by(|(_, a), (_, b)| b.score.total_cmp(&a.score));
-        self.scans = detections.iter().map(|(scan, _)| *scan).collect();
-        self.scores = detections.iter().map(|(_, it)| it.score).collect();
-        let finders = (0..).zip(detections).filter(|(_, (_, it))| it.pairs != 0);
+        detections.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
+        self.scans = detections.iter().map(|(_, scan, _)| *scan).collect();
+        self.scores = detections.iter().map(|(score, ..)| *score).collect();
+        let finders = (0..).zip(detections).filter(|(_, (_, _, it))| it.pairs != 0);
         self.finders = finders
-            .map(|(place, (_, it))| Finder { place, pairs: it.pairs, errors: it.errors.as_deref().copied() })
+            .map(|(place, (_, _, it))| Finder {
+                place,
+                pairs: it.pairs,
+                errors: it.errors.as_deref().copied(),
+            })
             .collect();
     }
 
