@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn later_looks_tell_by_what_the_first_says_of_others() {
         let scans: Vec<ScanGroups> =
-            (0..40).map(|it| scan(&format!("{}", it % 5), it % 2 == 0, (it * 7 % 11) as f32)).collect();
+            (0..60).map(|it| scan(&format!("{}", it % 5), it % 2 == 0, (it / 2 % 3) as f32)).collect();
         let looks = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS).unwrap();
         let mut buffers = LookBuffers::default();
         for it in &scans {
