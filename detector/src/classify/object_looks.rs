@@ -33,7 +33,7 @@ impl ObjectLooks {
     pub fn worths<'a>(
         &self,
         (upward, whole_of): (&[u32], impl Fn(u32) -> Option<u32>),
-        described: impl ExactSizeIterator<Item = (u32, &'a [f32; N_NODE_VALUES])> + Clone,
+        described: &(impl ExactSizeIterator<Item = (u32, &'a [f32; N_NODE_VALUES])> + Clone),
         buffers: &mut LookBuffers,
         worths: &mut Vec<f32>,
     ) {

@@ -65,7 +65,13 @@ impl<const N: usize> BestPrecisions<N> {
     #[inline(always)]
     fn find(&mut self, n_times: &Times<N>, n_before: &[f64; N]) {
         add(&mut self.n_found, n_times);
-        if self.n_found.iter().zip(&self.n_needed).fold(false, |any, (found, needed)| any | (found >= needed))
+        if self
+            .n_found
+            .iter()
+            .zip(&self.n_needed)
+            .map(|(found, needed)| u32::from(found >= needed))
+            .sum::<u32>()
+            > 0
         {
             self.pass(n_times, n_before);
         }

@@ -45,7 +45,7 @@ pub(super) fn recall_curves<const N: usize>(
 
 /// The curves of one distance, while the ranking is gone through.
 struct Curves<const N: usize> {
-    curves: Vec<RecallCurve>,
+    of_draws: Vec<RecallCurve>,
     n_annotations: [f64; N],
     n_found: [f64; N],
     // The first recall that is not passed yet, and how many have to be found for it.
@@ -56,7 +56,7 @@ struct Curves<const N: usize> {
 impl<const N: usize> Curves<N> {
     fn new(n_annotations: &[f64; N]) -> Self {
         Self {
-            curves: vec![RecallCurve { precisions: [0.0; N_RECALLS], scores: [0.0; N_RECALLS] }; N],
+            of_draws: vec![RecallCurve { precisions: [0.0; N_RECALLS], scores: [0.0; N_RECALLS] }; N],
             n_annotations: *n_annotations,
             n_found: [0.0; N],
             next: [0; N],
@@ -67,7 +67,8 @@ impl<const N: usize> Curves<N> {
     /// Whether enough was found for the next recall of any draw.
     #[inline(always)]
     fn passes(&self) -> bool {
-        self.n_found.iter().zip(&self.n_needed).fold(false, |any, (found, needed)| any | (found >= needed))
+        self.n_found.iter().zip(&self.n_needed).map(|(found, needed)| u32::from(found >= needed)).sum::<u32>()
+            > 0
     }
 
     /// Takes the values at recalls between what was found before `finder` and with it.
@@ -84,7 +85,7 @@ impl<const N: usize> Curves<N> {
             let to = self.point(draw, n_found[draw], n_all, class.score(finder.place));
             let next = &mut self.next[draw];
             while *next < N_RECALLS && recall_at(*next) < to[0] {
-                self.curves[draw].take(*next, from.unwrap_or(to), to);
+                self.of_draws[draw].take(*next, from.unwrap_or(to), to);
                 *next += 1;
             }
             self.n_needed[draw] = n_to_pass(*next, self.n_annotations[draw]);
@@ -103,16 +104,20 @@ impl<const N: usize> Curves<N> {
         times: &[Times<N>],
         n_all: &[f64; N],
     ) -> Vec<Option<RecallCurve>> {
-        for draw in 0..N {
+        for (draw, n_all) in n_all.iter().enumerate() {
             let next = self.next[draw];
-            let last = self.point(draw, self.n_found[draw], n_all[draw], 0.0);
+            let last = self.point(draw, self.n_found[draw], *n_all, 0.0);
             if self.n_found[draw] > 0.0 && next < N_RECALLS && recall_at(next) == last[0] {
                 let score = class.last_score(class.n_detections(), times, draw);
                 let last = [last[0], last[1], score];
-                self.curves[draw].take(next, last, last);
+                self.of_draws[draw].take(next, last, last);
             }
         }
-        self.curves.into_iter().zip(self.n_found).map(|(it, n_found)| (n_found > 0.0).then_some(it)).collect()
+        self.of_draws
+            .into_iter()
+            .zip(self.n_found)
+            .map(|(it, n_found)| (n_found > 0.0).then_some(it))
+            .collect()
     }
 }
 
@@ -157,7 +162,8 @@ pub(super) fn mean_errors<const N: usize>(
     let mut running = RunningErrors { sums: [[0.0; N]; N_ERRORS], counts: [[0.0; N]; N_ERRORS] };
     for (place_of_found, (place, errors)) in found.iter().enumerate() {
         let (score, n_times) = (class.score(*place), class.times_of(*place, times));
-        if !next.iter().zip(n_times).fold(false, |any, (next, n)| any | (score <= *next) & (*n > 0.0)) {
+        let is_asked = |(next, n): (&f64, &f64)| u32::from(score <= *next) * u32::from(*n > 0.0);
+        if next.iter().zip(n_times).map(is_asked).sum::<u32>() == 0 {
             running.add(errors, n_times);
             continue;
         }

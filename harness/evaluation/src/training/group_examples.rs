@@ -60,7 +60,7 @@ impl ScanGroups {
     pub fn worths(&self, looks: &ObjectLooks, buffers: &mut LookBuffers) -> Vec<f32> {
         let mut worths = Vec::new();
         let described = self.groups.iter().map(|it| (it.node_idx, it.node_values()));
-        looks.worths((&self.upward, |it| self.wholes[it as usize]), described, buffers, &mut worths);
+        looks.worths((&self.upward, |it| self.wholes[it as usize]), &described, buffers, &mut worths);
         worths
     }
 }

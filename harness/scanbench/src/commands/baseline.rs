@@ -57,13 +57,13 @@ enum Accepted {
     /// A run of detectors.
     Run(Box<RunArchive>),
     /// A result of `scanbench partial`.
-    Partial(PartialArchive),
+    Partial(Box<PartialArchive>),
 }
 
 impl Accepted {
     fn open(directory: &Path) -> Result<Self, Failure> {
         if PartialArchive::is_partial(directory) {
-            return Ok(Self::Partial(open_partial(directory)?));
+            return Ok(Self::Partial(Box::new(open_partial(directory)?)));
         }
         Ok(Self::Run(Box::new(open_run(directory)?)))
     }

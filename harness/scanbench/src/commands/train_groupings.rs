@@ -222,7 +222,7 @@ struct Judgement {
 impl Judgement {
     fn of(forests: &Forests, judged: &[&ScanGroups]) -> Self {
         let mut buffers = LookBuffers::default();
-        let (mut worths, mut odds): (Vec<(f32, f32)>, Vec<(f32, bool)>) = (Vec::new(), Vec::new());
+        let (mut worths, mut odds) = (Vec::new(), Vec::new());
         for scan in judged {
             for (worth, it) in scan.worths(&forests.objects, &mut buffers).into_iter().zip(&scan.groups) {
                 let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };

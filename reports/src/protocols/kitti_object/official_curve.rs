@@ -15,7 +15,7 @@ pub fn official_curves<const N: usize>(matches: &ScoredMatches, times: &[Times<N
     let mut n_needed = lookups.each_ref().map(Lookup::n_needed);
     matches.go_through(times, |counted| {
         let pairs = counted.n_hits.iter().zip(&n_needed);
-        if pairs.fold(false, |any, (n_hits, needed)| any | (n_hits >= needed)) {
+        if pairs.map(|(n_hits, needed)| u32::from(n_hits >= needed)).sum::<u32>() > 0 {
             for (draw, lookup) in lookups.iter_mut().enumerate() {
                 lookup.take(counted, draw);
                 n_needed[draw] = lookup.n_needed();

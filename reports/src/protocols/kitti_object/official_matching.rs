@@ -45,7 +45,7 @@ impl OfficialMatching {
             flags.clear();
             flags.resize(scan.scan.detections().len(), false);
         }
-        let can_be_false = |detection: usize| can_be_false(scan, question, detection);
+        let can_be_false = |detection: usize| can_be_false(scan, *question, detection);
         self.candidates.clear();
         self.candidates.extend(scan.candidates(question));
         for component in self.components.split(&mut self.candidates) {
@@ -64,7 +64,7 @@ impl OfficialMatching {
 }
 
 /// Whether a detection is false where it finds nothing.
-fn can_be_false(scan: &ClassScan<'_>, question: &Question, detection: usize) -> bool {
+fn can_be_false(scan: &ClassScan<'_>, question: Question, detection: usize) -> bool {
     // Regions without labels have no place in the world, so that they excuse in the image only.
     let is_excused =
         || question.plane == Plane::Image && scan.scan.dont_care_share(detection) > question.min_overlap();

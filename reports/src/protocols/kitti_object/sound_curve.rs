@@ -50,7 +50,8 @@ impl<const N: usize> BestValues<N> {
 
     #[inline(always)]
     fn take(&mut self, counted: &Counted<N>) {
-        if counted.tp.iter().zip(&self.n_needed).fold(false, |any, (tp, needed)| any | (tp >= needed)) {
+        if counted.tp.iter().zip(&self.n_needed).map(|(tp, needed)| u32::from(tp >= needed)).sum::<u32>() > 0
+        {
             self.reach(&counted.tp);
         }
         for draw in 0..N {

@@ -39,7 +39,7 @@ impl SoundMatching {
         if n_annotations > 0 {
             events.annotations.push((place, n_annotations));
         }
-        self.match_all(scan, question);
+        self.match_all(scan, *question);
         let min_share = question.class.min_overlap(Plane::Image, Demand::Strict);
         for (detection, KittiDetection { score, .. }) in scan.of_class() {
             match self.taken_by[detection] {
@@ -56,11 +56,11 @@ impl SoundMatching {
         }
     }
 
-    fn match_all(&mut self, scan: &ClassScan<'_>, question: &Question) {
+    fn match_all(&mut self, scan: &ClassScan<'_>, question: Question) {
         let class = question.class.annotation_class();
         let is_of_class = |it: &Candidate| scan.scan.detections()[it.detection].object.class == class;
         self.candidates.clear();
-        self.candidates.extend(scan.candidates(question).filter(is_of_class));
+        self.candidates.extend(scan.candidates(&question).filter(is_of_class));
         self.taken_by.clear();
         self.taken_by.resize(scan.scan.detections().len(), None);
         self.is_taken.clear();
