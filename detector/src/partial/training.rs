@@ -341,7 +341,9 @@ mod tests {
         };
         assert!(weight(&clouds(40)) < 0.02, "{}", weight(&clouds(40)));
         let mut of_one_way = clouds(40);
-        of_one_way.iter_mut().for_each(|it| it.way_idx = 0);
+        for it in &mut of_one_way {
+            it.way_idx = 0;
+        }
         assert!(weight(&of_one_way) > 0.1, "{}", weight(&of_one_way));
     }
 
