@@ -5,7 +5,7 @@ use crate::group::node_values::N_NODE_VALUES;
 /// The names of the values that a look leaves for the next one, as in files.
 ///
 /// A worth is the intersection over union with an object that is expected of a group; 0 of those that are not described. The best
-/// groups are disjoint, and have the greatest sum of worths less [`OBJECT_COST`] each.
+/// groups are disjoint, and have the greatest sum of worths less 0.42 each.
 pub const CONTEXT_VALUES: [&str; 10] = [
     "worth",
     // The best groups among those that it holds.
