@@ -36,7 +36,7 @@ struct Plans {
 /// Draws an intersection that the drive reaches after a few seconds.
 pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     let speed_m_per_s = rng.random_range(4.0_f32..8.0);
-    let plans = plans(speed_m_per_s, rng);
+    let plans = plans(speed_m_per_s, conditions, rng);
     let ego = Course {
         road_idx: MAIN,
         start: RoadPosition { along_m: 0.0, left_m: -plans.main.lanes_m / 2.0 },
@@ -45,7 +45,8 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
         right_turn: None,
         stance: Stance::OnSlope,
     };
-    let mut world = World::new(ground(&plans, conditions, rng), ego, DRIVE_DURATION_S);
+    let mut world =
+        World::new(ground(&plans, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
         let [main, crossing] = [&plans.main, &plans.crossing].map(|plan| plan.roadside(side));
         let along_main = [plans.crossed_at_m, crossing.kerb_m, crossing.building_line_m];
@@ -58,10 +59,10 @@ pub fn intersection(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Worl
     world
 }
 
-fn plans(ego_speed_m_per_s: f32, rng: &mut ChaCha8Rng) -> Plans {
+fn plans(ego_speed_m_per_s: f32, conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Plans {
     let mut plan = |road_idx, reach_m| {
         // The same on both sides, so that the corners are alike.
-        let parking = Parking::any(0.4, 0.0, rng);
+        let parking = conditions.parking(Parking::any(0.4, 0.0, rng));
         RoadPlan {
             road_idx,
             lanes_m: rng.random_range(3.2..4.2),

@@ -24,6 +24,7 @@ pub mod furniture_shape;
 pub mod vegetation_shape;
 pub mod world;
 pub mod roadside;
+pub mod overhead;
 pub mod street_conditions;
 pub mod road_plan;
 pub mod parked_row;

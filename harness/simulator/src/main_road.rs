@@ -25,7 +25,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     let plan = RoadPlan {
         road_idx: 0,
         lanes_m: n_lanes_each_way as f32 * lane_width_m,
-        parking: [parking(rng), parking(rng)],
+        parking: [parking(rng), parking(rng)].map(|it| conditions.parking(it)),
         pavement_width_m: rng.random_range(2.8..5.5),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
@@ -38,7 +38,8 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
         right_turn: None,
         stance: Stance::OnSlope,
     };
-    let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S);
+    let mut world =
+        World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
         let roadside = plan.roadside(side);
         let parked = ParkedRowParams {

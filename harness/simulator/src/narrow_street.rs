@@ -23,7 +23,7 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
     let plan = RoadPlan {
         road_idx: 0,
         lanes_m: rng.random_range(1.8..2.3),
-        parking: parking(rng),
+        parking: parking(rng).map(|it| conditions.parking(it)),
         pavement_width_m: rng.random_range(1.2..2.6),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };
@@ -35,7 +35,8 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
         right_turn: None,
         stance: Stance::OnSlope,
     };
-    let mut world = World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S);
+    let mut world =
+        World::new(ground(&plan, conditions, rng), ego, DRIVE_DURATION_S, conditions.vehicle_mix());
     for side in [Side::Left, Side::Right] {
         furnish(&mut world, &plan, (side, conditions.avenue), rng);
     }

@@ -67,7 +67,7 @@ fn row_along_kerb(world: &mut World, roadside: &Roadside, params: &ParkedRowPara
             along_m += rng.random_range(4.0..9.0);
             continue;
         }
-        let shape = vehicle_shape::parked_vehicle(rng);
+        let shape = world.vehicle_mix.parked(rng);
         let size = shape.bounds().extents();
         let middle_m = along_m + size.x / 2.0;
         along_m += size.x + rng.random_range(0.3..1.0);
@@ -193,6 +193,7 @@ mod tests {
     use super::super::roadside::Side;
     use super::super::world::{Body, Course, Motion};
     use super::*;
+    use crate::vehicle_shape::VehicleMix;
     use rand::SeedableRng;
     use reports::vocabulary::class::AnnotationClass;
 
@@ -222,7 +223,7 @@ mod tests {
             right_turn: None,
             stance: Stance::OnSlope,
         };
-        let mut world = World::new(ground, ego, 1.0);
+        let mut world = World::new(ground, ego, 1.0, VehicleMix::Town);
         let roadside = Roadside {
             road_idx: 0,
             side: Side::Right,

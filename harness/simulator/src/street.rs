@@ -15,6 +15,7 @@ use super::leading_truck::leading_truck;
 use super::main_road::main_road;
 use super::narrow_street::narrow_street;
 use super::object_shape::ObjectShape;
+use super::overhead::{bridges, garages, wires};
 use super::pulse_path::Surroundings;
 use super::rain::Rain;
 use super::scan::{Turn, beam_errors, turn};
@@ -88,6 +89,9 @@ enum Dice {
     BeamErrors = 1,
     Pulses = 2,
     LeadingTruck = 3,
+    Bridges = 4,
+    Wires = 5,
+    Garages = 6,
 }
 
 impl Street {
@@ -106,6 +110,15 @@ impl Street {
         };
         if let Some(height_m) = conditions.truck_ahead_height_m {
             leading_truck(&mut world, height_m, &mut dice(kind, seed, Dice::LeadingTruck));
+        }
+        for (is_built, build, purpose) in [
+            (conditions.bridges, bridges as fn(&mut World, &mut ChaCha8Rng), Dice::Bridges),
+            (conditions.wires, wires, Dice::Wires),
+            (conditions.garages, garages, Dice::Garages),
+        ] {
+            if is_built {
+                build(&mut world, &mut dice(kind, seed, purpose));
+            }
         }
         let mut leaves = world.walls.clone();
         for (object, object_idx) in world.objects.iter().zip(0..) {
@@ -530,9 +543,12 @@ mod tests {
     #[test]
     fn no_two_vehicles_stand_or_drive_in_one_another() {
         use reports::vocabulary::class::AnnotationClass::{Bus, Car, Truck, Van};
-        for kind in StreetKind::ALL {
+        let streets =
+            StreetKind::ALL.into_iter().flat_map(|kind| [false, true].map(|haulage| (kind, haulage)));
+        for (kind, haulage) in streets {
+            let conditions = StreetConditions { haulage, ..StreetConditions::default() };
             for seed in 0..10 {
-                let scan = Street::new(kind, seed).scan(&coarse_sensor(), 45);
+                let scan = Street::under(kind, seed, &conditions).scan(&coarse_sensor(), 45);
                 let vehicles =
                     scan.annotations.iter().filter(|it| matches!(it.class, Car | Van | Truck | Bus));
                 let boxes: Vec<_> = vehicles.filter_map(|it| it.bounding_box).collect();

@@ -4,11 +4,14 @@ use std::ops::RangeInclusive;
 
 use super::ground::CrossSection;
 use super::road_axis::{RoadAxisShape, Wave};
+use super::road_plan::Parking;
+use super::vehicle_shape::VehicleMix;
 
 /// What is set about a street; what is left out is drawn as in any street. The same seed puts the same things at the
 /// same places along the road under all conditions.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own in a table of the catalogue")]
 pub struct StreetConditions {
     /// Metres that all roads climb per metre, evenly; there are no hills then.
     pub gradient: Option<f32>,
@@ -19,6 +22,19 @@ pub struct StreetConditions {
     /// Whether broad trees stand along the pavements of all roads, whose crowns hang over what is parked there.
     #[serde(default)]
     pub avenue: bool,
+    /// Whether half of what drives and waits, and a third of what is parked along kerbs, are trucks and buses, as where goods are
+    /// handled. Lanes for parking are wider there.
+    #[serde(default)]
+    pub haulage: bool,
+    /// Whether bridges cross the road, so low that trucks just pass.
+    #[serde(default)]
+    pub bridges: bool,
+    /// Whether wires hang over the road, with lamps.
+    #[serde(default)]
+    pub wires: bool,
+    /// Whether garages stand at the pavement, some of them with doors that stand out over it.
+    #[serde(default)]
+    pub garages: bool,
     /// A truck of this height in metres drives ahead of the sensor.
     pub truck_ahead_height_m: Option<f32>,
 }
@@ -29,6 +45,9 @@ pub const GRADIENTS: RangeInclusive<f32> = -0.2..=0.2;
 pub const KERB_HEIGHTS_M: RangeInclusive<f32> = 0.0..=0.4;
 /// How high trucks may be, in metres.
 pub const TRUCK_HEIGHTS_M: RangeInclusive<f32> = 2.0..=4.5;
+
+/// How much wider lanes for parking are that trucks stand in, in metres.
+const ROOM_FOR_TRUCKS_M: f32 = 0.7;
 
 /// From one hill to the next, in metres.
 const HILL_LENGTH_M: f32 = 120.0;
@@ -69,6 +88,23 @@ impl StreetConditions {
             (Some(gradient), _) => RoadAxisShape { gradient, hills: Wave::FLAT, ..drawn },
             (None, Some(greatest)) => RoadAxisShape { gradient: 0.0, hills: hills(greatest), ..drawn },
             (None, None) => drawn,
+        }
+    }
+
+    /// What vehicles are seen how often.
+    pub(super) fn vehicle_mix(&self) -> VehicleMix {
+        if self.haulage { VehicleMix::Haulage } else { VehicleMix::Town }
+    }
+
+    /// Parking like this under the conditions.
+    pub(super) fn parking(&self, drawn: Parking) -> Parking {
+        let more_m = if self.haulage { ROOM_FOR_TRUCKS_M } else { 0.0 };
+        match drawn {
+            Parking::Nowhere | Parking::Askew { .. } => drawn,
+            Parking::AlongKerb { width_m } => Parking::AlongKerb { width_m: width_m + more_m },
+            Parking::InTwoRows { width_m, blocked_share } => {
+                Parking::InTwoRows { width_m: width_m + more_m, blocked_share }
+            }
         }
     }
 

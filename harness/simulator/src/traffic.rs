@@ -5,7 +5,6 @@ use rand_chacha::ChaCha8Rng;
 
 use super::person_shape;
 use super::road_axis::RoadPosition;
-use super::vehicle_shape;
 use super::world::{Body, Course, RightTurn, Stance, World};
 
 /// One lane and how it is used.
@@ -48,7 +47,7 @@ pub fn lane_traffic(
 ) {
     let mut free_from_m = f32::NEG_INFINITY;
     for_each_start(lane, duration_s, rng, |start_m, rng| {
-        let shape = vehicle_shape::any_vehicle(rng);
+        let shape = world.vehicle_mix.driven(rng);
         let half_m = shape.length_m() / 2.0;
         let rear_m = (start_m - half_m).max(free_from_m);
         free_from_m = rear_m + 2.0 * half_m + 2.5;

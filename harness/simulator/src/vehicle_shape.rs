@@ -8,19 +8,41 @@ use super::material::Material;
 use super::object_shape::ObjectShape;
 use super::solid::{Prism, Solid};
 
-/// A car, van, truck or bus, as often as they are seen in a town.
-pub fn any_vehicle(rng: &mut ChaCha8Rng) -> ObjectShape {
-    match rng.random_range(0..100_u32) {
-        0..78 => car(rng),
-        78..91 => van(rng),
-        91..96 => truck(rng),
-        _ => bus(rng),
+/// How often cars, vans, trucks and buses are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VehicleMix {
+    /// As in a town.
+    Town,
+    /// As where goods are handled: trucks and buses are half of what drives and a third of what is parked.
+    Haulage,
+}
+
+impl VehicleMix {
+    /// What drives or waits.
+    pub fn driven(self, rng: &mut ChaCha8Rng) -> ObjectShape {
+        match self {
+            Self::Town => one_of([78, 13, 5], rng),
+            Self::Haulage => one_of([35, 15, 30], rng),
+        }
+    }
+
+    /// What is parked along streets.
+    pub fn parked(self, rng: &mut ChaCha8Rng) -> ObjectShape {
+        match self {
+            Self::Town => one_of([88, 12, 0], rng),
+            Self::Haulage => one_of([54, 13, 23], rng),
+        }
     }
 }
 
-/// A car or van: what is parked along streets.
-pub fn parked_vehicle(rng: &mut ChaCha8Rng) -> ObjectShape {
-    if rng.random_range(0..100_u32) < 88 { car(rng) } else { van(rng) }
+/// A car, van or truck in so many of a hundred cases each, else a bus.
+fn one_of([cars, vans, trucks]: [u32; 3], rng: &mut ChaCha8Rng) -> ObjectShape {
+    match rng.random_range(0..100_u32) {
+        it if it < cars => car(rng),
+        it if it < cars + vans => van(rng),
+        it if it < cars + vans + trucks => truck(rng),
+        _ => bus(rng),
+    }
 }
 
 /// Where the cabin of a car begins and ends, as shares of the length from the front.
@@ -394,6 +416,31 @@ mod tests {
             assert!((1.55..2.6).contains(&size.y), "width {}", size.y);
             assert!((heights_m[0]..heights_m[1]).contains(&size.z), "height {}", size.z);
             assert!(bounds.mins.z.abs() < 1e-3, "wheels stand on the road");
+        }
+    }
+
+    #[test]
+    fn vehicles_are_as_often_seen_as_said() {
+        let shares = |draw: &dyn Fn(&mut ChaCha8Rng) -> ObjectShape| {
+            let mut rng = ChaCha8Rng::from_seed([3; 32]);
+            let classes: Vec<_> = (0..2000).map(|_| draw(&mut rng).class).collect();
+            [AnnotationClass::Car, AnnotationClass::Van, AnnotationClass::Truck, AnnotationClass::Bus]
+                .map(|class| classes.iter().filter(|&&it| it == class).count() as f32 / 20.0)
+        };
+        for (mix, driven, parked) in [
+            (VehicleMix::Town, [78.0, 13.0, 5.0, 4.0], [88.0, 12.0, 0.0, 0.0]),
+            (VehicleMix::Haulage, [35.0, 15.0, 30.0, 20.0], [54.0, 13.0, 23.0, 10.0]),
+        ] {
+            for (found, said) in
+                [(shares(&|it| mix.driven(it)), driven), (shares(&|it| mix.parked(it)), parked)]
+            {
+                for (found, said) in found.into_iter().zip(said) {
+                    assert!(
+                        (found - said).abs() < 3.5 && (found > 0.0) == (said > 0.0),
+                        "{mix:?}: {found} of {said}"
+                    );
+                }
+            }
         }
     }
 

@@ -4,7 +4,6 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::roadside::{Roadside, Side};
-use super::vehicle_shape;
 use super::world::{Stance, World};
 
 /// A queue at the crossing at 0 m along a road.
@@ -32,7 +31,7 @@ pub fn waiting_queue(
     };
     let mut front_m = params.stop_line_m;
     for _ in 0..params.n_vehicles {
-        let shape = vehicle_shape::any_vehicle(rng);
+        let shape = world.vehicle_mix.driven(rng);
         let length_m = shape.length_m();
         let along_m = backward * (front_m + length_m / 2.0);
         front_m += length_m + rng.random_range(0.8..2.5);

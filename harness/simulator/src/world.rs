@@ -10,6 +10,7 @@ use super::person_shape::{self, Build};
 use super::portable_math;
 use super::road_axis::RoadPosition;
 use super::scene::Leaf;
+use super::vehicle_shape::VehicleMix;
 
 /// A street with all that is in it.
 #[derive(Debug, Clone)]
@@ -24,6 +25,8 @@ pub struct World {
     pub ego: Course,
     /// When the drive ends, in seconds from its start.
     pub drive_duration_s: f32,
+    /// What vehicles are put into it how often.
+    pub vehicle_mix: VehicleMix,
 }
 
 /// A free-standing object.
@@ -104,9 +107,9 @@ pub struct Placement {
 }
 
 impl World {
-    /// An empty street.
-    pub fn new(ground: Ground, ego: Course, drive_duration_s: f32) -> Self {
-        Self { ground, walls: Vec::new(), objects: Vec::new(), ego, drive_duration_s }
+    /// An empty street, to be filled with vehicles of `vehicle_mix`.
+    pub fn new(ground: Ground, ego: Course, drive_duration_s: f32, vehicle_mix: VehicleMix) -> Self {
+        Self { ground, walls: Vec::new(), objects: Vec::new(), ego, drive_duration_s, vehicle_mix }
     }
 
     /// Puts a standing object into the street.

@@ -11,13 +11,13 @@ use crate::furniture_shape::{advertising_column, bench, bin, fence, mail_box};
 use crate::object_shape::ObjectShape;
 use crate::person_shape::parked_bicycle;
 use crate::vegetation_shape::{bush, hedge, shrub};
-use crate::vehicle_shape::parked_vehicle;
+use crate::vehicle_shape::VehicleMix;
 
 /// Draws an object of `class`.
 pub fn any_object(class: PartialClass, rng: &mut ChaCha8Rng) -> ObjectShape {
     match class {
         PartialClass::Tree => any_tree(rng),
-        PartialClass::Car => parked_vehicle(rng),
+        PartialClass::Car => VehicleMix::Town.parked(rng),
         PartialClass::Pole => any_pole(rng),
         PartialClass::Pedestrian => any_person(rng),
         PartialClass::Other => any_other(rng),

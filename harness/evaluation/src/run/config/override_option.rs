@@ -19,7 +19,7 @@ pub struct OverrideOption {
 impl FromStr for OverrideOption {
     type Err = String;
 
-    /// Reads `NAME=VALUE`, where VALUE is TOML, except that a word needs no quotes.
+    /// Reads `NAME=VALUE`, where VALUE is TOML, except that a word or a path needs no quotes.
     fn from_str(written: &str) -> Result<Self, String> {
         let (name, value) = written.split_once('=').ok_or("expected NAME=VALUE")?;
         let (name, value) = (name.trim(), value.trim());
@@ -28,7 +28,7 @@ impl FromStr for OverrideOption {
         }
         let value = match value.parse::<Value>() {
             Ok(value) => value,
-            Err(_) if is_word(value) => Value::String(value.to_owned()),
+            Err(_) if is_word(value) || is_path(value) => Value::String(value.to_owned()),
             Err(error) => return Err(format!("{value} is not a valid value: {}", error.message())),
         };
         Ok(Self { written: written.to_owned(), name: name.to_owned(), value })
@@ -38,6 +38,13 @@ impl FromStr for OverrideOption {
 fn is_word(text: &str) -> bool {
     let is_of_word = |it: char| it.is_alphanumeric() || it == '-' || it == '_';
     text.starts_with(char::is_alphabetic) && text.chars().all(is_of_word)
+}
+
+/// With a separator, so that a number that is misspelt stays one.
+fn is_path(text: &str) -> bool {
+    let is_of_path = |it: char| it.is_alphanumeric() || "-_./~ ".contains(it);
+    let begins = text.starts_with(['/', '.', '~']) || text.starts_with(char::is_alphabetic);
+    begins && text.contains('/') && text.chars().all(is_of_path)
 }
 
 /// Options with the full names of their parameters, no two of the same.
@@ -282,7 +289,10 @@ mod tests {
         assert_eq!(value("a = true"), Ok(Value::Boolean(true)));
         assert_eq!(value("a=kd-tree"), Ok(Value::String("kd-tree".to_owned())));
         assert_eq!(value("a=\"x=y\""), Ok(Value::String("x=y".to_owned())));
-        for damaged in ["a", "=1", "a=", "a=1.2.3", "a=[1", "a=1\nb=2"] {
+        for path in ["/tmp/x", "./model", "~/a model/b-2.0", "runs/3"] {
+            assert_eq!(value(&format!("a={path}")), Ok(Value::String(path.to_owned())));
+        }
+        for damaged in ["a=1/2", "a=/x\"y", "a", "=1", "a=", "a=1.2.3", "a=[1", "a=1\nb=2"] {
             assert!(value(damaged).is_err(), "{damaged:?}");
         }
     }
