@@ -13,20 +13,29 @@ use crate::training::group_examples::ScanGroups;
 /// Parts of the drives; what a look says of one of them is learned from the others.
 const N_FOLDS: usize = 3;
 
+/// Forests that [`train_looks`] trains: each look, and what all looks but the last say of each part by the others.
+pub const N_FORESTS: usize = 1 + N_MORE_LOOKS + N_FOLDS * N_MORE_LOOKS;
+
 /// Trains all looks with `scans`.
 ///
 /// What a look says of the scans that it learned from is better than what it says of others. So the look after it learns from what forests
 /// say that have not seen these drives: the drives are parted in three, by their names, since one street may be there under several
 /// conditions and sensors. With fewer drives than that, the scans are.
 ///
+/// `on_forest` is called after each of [`N_FORESTS`].
+///
 /// # Errors
 ///
 /// If there are fewer scans than parts, or no labels.
-pub fn train_looks(scans: &[&ScanGroups], params: &BoostingParams) -> Result<ObjectLooks, ForustError> {
+pub fn train_looks(
+    scans: &[&ScanGroups],
+    params: &BoostingParams,
+    on_forest: &dyn Fn(),
+) -> Result<ObjectLooks, ForustError> {
     let folds = folds(scans);
     let seen: Vec<Vec<_>> =
         scans.iter().map(|it| it.groups.iter().map(|it| *it.node_values()).collect()).collect();
-    let examples = Examples { scans, folds: &folds, params };
+    let examples = Examples { scans, folds: &folds, params, on_forest };
     let first = examples.forest(&seen, None)?;
     let mut worths = examples.worths_by_others(&seen)?;
     let mut more: Vec<Forest<N_SECOND_LOOK_VALUES>> = Vec::new();
@@ -67,6 +76,7 @@ struct Examples<'a> {
     scans: &'a [&'a ScanGroups],
     folds: &'a [usize],
     params: &'a BoostingParams,
+    on_forest: &'a dyn Fn(),
 }
 
 impl Examples<'_> {
@@ -84,7 +94,9 @@ impl Examples<'_> {
                 targets.push(f64::from(labels.iou));
             }
         }
-        boost(&examples, &targets, Target::Number, self.params)
+        let forest = boost(&examples, &targets, Target::Number, self.params)?;
+        (self.on_forest)();
+        Ok(forest)
     }
 
     /// What forests say of the groups of each scan that have not learned from its part.
@@ -134,7 +146,10 @@ mod tests {
     fn later_looks_tell_by_what_the_first_says_of_others() {
         let scans: Vec<ScanGroups> =
             (0..60).map(|it| scan(&format!("{}", it % 5), it % 2 == 0, (it / 2 % 3) as f32)).collect();
-        let looks = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS).unwrap();
+        let n_forests = std::cell::Cell::new(0);
+        let on_forest = || n_forests.set(n_forests.get() + 1);
+        let looks = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS, &on_forest).unwrap();
+        assert_eq!(n_forests.get(), N_FORESTS);
         let mut buffers = LookBuffers::default();
         for it in &scans {
             for (worth, group) in it.worths(&looks, &mut buffers).into_iter().zip(&it.groups) {

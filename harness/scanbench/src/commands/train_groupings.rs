@@ -17,7 +17,7 @@ use evaluation::training::boosting::{BoostingParams, Target, boost};
 use evaluation::training::calibration::{CalibrationBin, calibration};
 use evaluation::training::group_examples::{GroupLabels, LEAST_IOU, ScanGroups, collect_groups};
 use evaluation::training::held_out::HeldOut;
-use evaluation::training::looks::train_looks;
+use evaluation::training::looks::{N_FORESTS, train_looks};
 use evaluation::training::operating_curves::OperatingCurves;
 use evaluation::training::{CHOICE_SEED, HOLD_OUT_EVERY, OTHERS_PER_VEHICLE, PROTOTYPES};
 use jiff::Timestamp;
@@ -32,7 +32,7 @@ use crate::commands::config::warn_of_unknown_sensor;
 use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, ids_of, open_datasets};
-use crate::commands::progress::progress_over_scans;
+use crate::commands::progress::{progress_over_results, progress_over_scans};
 use crate::commands::provenance::compact_utc;
 use crate::commands::reproducible_command::reproducible_command;
 use crate::commands::run_directory::{claim_named, claim_unnamed};
@@ -198,12 +198,15 @@ struct Forests {
 
 impl Forests {
     fn train(taught: &[&ScanGroups]) -> Result<Self, Failure> {
-        let objects = train_looks(taught, &OBJECTS).map_err(|error| nothing(&error))?;
+        let progress = progress_over_results(N_FORESTS + 1, 0, "forests");
+        let on_forest = || progress.inc(1);
+        let objects = train_looks(taught, &OBJECTS, &on_forest).map_err(|error| nothing(&error))?;
         let groups = taught.iter().flat_map(|it| &it.groups);
         let known = groups.filter_map(|it| Some((&it.values, f64::from(u8::from(it.labels?.is_vehicle?)))));
         let (values, are_vehicles): (Vec<_>, Vec<_>) = known.unzip();
         let vehicles =
             boost(&values, &are_vehicles, Target::Yes, &VEHICLES).map_err(|error| nothing(&error))?;
+        progress.finish_and_clear();
         Ok(Self { objects, vehicles })
     }
 }
