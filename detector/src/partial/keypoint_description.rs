@@ -6,6 +6,7 @@ use super::neighborhoods::Neighborhoods;
 use super::partial_params::PartialParams;
 use super::patch_descriptor::{Descriptor, PatchDescriber};
 use super::seen_extents::SeenExtents;
+use super::seen_form::SeenForm;
 use super::thinned_points::ThinnedPoints;
 
 /// A keypoint with what is around it.
@@ -31,8 +32,10 @@ pub struct KeypointDescriber {
 /// What later stages need to know of a cloud.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DescribedCloud {
-    /// How far it reaches.
+    /// How far its thinned points reach.
     pub extents: SeenExtents,
+    /// What form all its points have.
+    pub form: SeenForm,
     /// Its keypoints.
     pub keypoints: Vec<DescribedKeypoint>,
 }
@@ -53,7 +56,8 @@ impl KeypointDescriber {
         around.fill(thinned.points_m(), surface.radius_m);
         surfaces.fill(around, surface);
         keypoints.fill(around, surfaces.surfaces(), surface.radius_m, keypoint_params);
-        described.extents = SeenExtents::of(thinned.points_m());
+        described.extents = SeenExtents::of(thinned.points_m().iter().copied());
+        described.form = SeenForm::of(thinned.all_points_m());
         described.keypoints.clear();
         described.keypoints.extend(keypoints.point_indices().iter().map(|&point_idx| {
             let of_stages = (surface, keypoint_params, descriptor);

@@ -6,7 +6,9 @@
 pub mod thinned_points;
 pub mod neighborhoods;
 pub mod principal_frame;
+pub mod level_spread;
 pub mod seen_extents;
+pub mod seen_form;
 
 // Keypoints: where the surface turns most, and what it is like there.
 pub mod local_surface;

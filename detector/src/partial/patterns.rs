@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::hull_volume::tetrahedron_m3;
 use super::neighborhoods::squared_distance;
 use super::seen_extents::SeenExtents;
+use super::seen_form::SeenForm;
 
 /// Number of keypoints of a graph: one, and the three nearest to it.
 pub const N_VERTICES: usize = 4;
@@ -25,6 +26,8 @@ pub struct PatternParams {
     pub volume_edges_m3: Vec<f64>,
     /// Where bins of the extents of the whole end, in metres, ascending.
     pub extent_edges_m: Vec<f64>,
+    /// Where bins of the form of the whole end, in metres, ascending.
+    pub form_edges_m: Vec<f64>,
 }
 
 /// What is counted of every keypoint.
@@ -41,9 +44,9 @@ pub enum PatternKind {
     /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
     /// shares say nothing of size.
     Extents,
-    /// How far all that is seen reaches in every direction at once, in wide bins: a pattern for each of several divisions, whose
-    /// bins overlap. Not in the paper.
-    Size,
+    /// What form all has that is seen: how high it is, how its points spread, at its foot, middle and head too, and how much it
+    /// leans, three or four of these at once, in wide bins that overlap. Not in the paper.
+    Form,
 }
 
 /// A pattern as a number: its kind, the bin of its height, the bin of its volume, its labels.
@@ -57,7 +60,7 @@ impl Pattern {
             PatternKind::CenteredGraph => 1,
             PatternKind::Keypoint => 2,
             PatternKind::Extents => 3,
-            PatternKind::Size => 4,
+            PatternKind::Form => 4,
         };
         let [a, b, c, d] = labels;
         Self(u64::from_be_bytes([0, kind, height_bin, volume_bin, a, b, c, d]))
@@ -91,8 +94,10 @@ impl Pattern {
 
 /// Number of kinds of patterns.
 pub const N_KINDS: usize = 5;
-/// Divisions of extents into wide bins, and how many edges a wide bin spans.
+/// Divisions of forms into wide bins, and how many edges a wide bin spans.
 const N_DIVISIONS: usize = 3;
+/// Groups of values of the form.
+const N_GROUPS: usize = 8;
 
 /// A keypoint with its label.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,7 +122,12 @@ impl Patterns {
     /// and its volume is 0.
     ///
     /// Paper: BG section 3.2.
-    pub fn fill(&mut self, keypoints: &[LabeledKeypoint], extents: &SeenExtents, params: &PatternParams) {
+    pub fn fill(
+        &mut self,
+        keypoints: &[LabeledKeypoint],
+        (extents, form): (&SeenExtents, &SeenForm),
+        params: &PatternParams,
+    ) {
         self.graphs.clear();
         self.graphs.extend((0..keypoints.len()).map(|it| graph_of(it, keypoints)));
         self.patterns.clear();
@@ -131,8 +141,8 @@ impl Patterns {
         if params.kinds.contains(&PatternKind::Extents) {
             self.patterns.extend(patterns_of_extents(extents, &params.extent_edges_m));
         }
-        if params.kinds.contains(&PatternKind::Size) {
-            self.patterns.extend(patterns_of_size(extents, &params.extent_edges_m));
+        if params.kinds.contains(&PatternKind::Form) {
+            self.patterns.extend(patterns_of_form(form, &params.form_edges_m));
         }
     }
 
@@ -142,7 +152,7 @@ impl Patterns {
         &self.graphs
     }
 
-    /// One pattern of every kind for each graph, and then those of the extents and of the size.
+    /// One pattern of every kind for each graph, and then those of the extents and of the form.
     pub fn patterns(&self) -> &[Pattern] {
         &self.patterns
     }
@@ -189,7 +199,7 @@ fn pattern_of(
             let bins = [bin_of(height_m, &params.height_edges_m), ANY];
             return Some(Pattern::new(kind, bins, [labels[0], MISSING, MISSING, MISSING]));
         }
-        PatternKind::Extents | PatternKind::Size => return None,
+        PatternKind::Extents | PatternKind::Form => return None,
     }
     Some(Pattern::new(kind, bins, labels))
 }
@@ -205,16 +215,37 @@ fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
     })
 }
 
-/// The bins of all extents, as wide as some edges, in every division. What is rare is told apart first without its bottom, then
-/// without its width.
-fn patterns_of_size(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; N_DIVISIONS] {
-    let SeenExtents { bottom_m, top_m, length_m, width_m } = *extents;
-    std::array::from_fn(|division| {
-        let [bottom, top, length, width] = [bottom_m, top_m, length_m, width_m]
-            .map(|it| (edges_m.partition_point(|&edge| edge <= it) + division) / N_DIVISIONS)
-            .map(|it| it as u8);
-        Pattern::new(PatternKind::Size, [width, bottom], [division as u8, top, length, MISSING])
+/// Values of the form that are looked at together: what is rare is told apart first without the fourth, then without the third.
+fn groups_of_form(form: &SeenForm) -> [([f64; 3], Option<f64>); N_GROUPS] {
+    let SeenForm { extents, spread, foot, middle, head, lean } = *form;
+    let (height_m, along_m) = (form.height_m(), spread.deviation_along_m);
+    [
+        ([along_m, extents.top_m, spread.deviation_across_m], Some(extents.bottom_m)),
+        ([height_m, along_m, spread.deviation_across_m], Some(extents.length_m)),
+        ([height_m, along_m, lean], None),
+        ([extents.top_m, extents.length_m, extents.width_m], None),
+        ([extents.top_m, foot.length_m, head.length_m], None),
+        ([foot.deviation_along_m, extents.top_m, foot.length_m], None),
+        ([extents.top_m, foot.deviation_along_m, middle.deviation_along_m], None),
+        ([foot.deviation_along_m, middle.deviation_along_m, head.deviation_along_m], None),
+    ]
+}
+
+/// The bins of the values of each group, as wide as some edges, in every division.
+fn patterns_of_form(form: &SeenForm, edges_m: &[f64]) -> impl Iterator<Item = Pattern> {
+    (0..).zip(groups_of_form(form)).flat_map(move |(group, (three, fourth))| {
+        (0..N_DIVISIONS).map(move |division| {
+            let [first, second, third] = three.map(|it| wide_bin_of(it, edges_m, division));
+            let fourth = fourth.map_or(ANY, |it| wide_bin_of(it, edges_m, division));
+            let place = group * N_DIVISIONS as u8 + division as u8;
+            Pattern::new(PatternKind::Form, [third, fourth], [place, first, second, MISSING])
+        })
     })
+}
+
+/// The bin of a division, as wide as some of `edges`.
+fn wide_bin_of(value: f64, edges: &[f64], division: usize) -> u8 {
+    ((edges.partition_point(|&edge| edge <= value) + division) / N_DIVISIONS) as u8
 }
 
 /// How many of `edges` are at most `value`; [`ANY`] without edges.
@@ -236,13 +267,14 @@ mod tests {
             height_edges_m: vec![1.0, 2.0],
             volume_edges_m3: vec![0.1],
             extent_edges_m: vec![1.0, 2.0],
+            form_edges_m: vec![],
         }
     }
 
     #[track_caller]
     fn check(keypoints: &[LabeledKeypoint], kind: PatternKind, expected: &[[u8; 6]]) {
         let mut patterns = Patterns::default();
-        patterns.fill(keypoints, &SeenExtents::default(), &params(kind));
+        patterns.fill(keypoints, (&SeenExtents::default(), &SeenForm::default()), &params(kind));
         let found: Vec<[u8; 6]> = patterns
             .patterns()
             .iter()
@@ -265,7 +297,7 @@ mod tests {
             keypoint(9.0, 8.0, 0),
         ];
         let mut patterns = Patterns::default();
-        patterns.fill(&row, &SeenExtents::default(), &params(PatternKind::Graph));
+        patterns.fill(&row, (&SeenExtents::default(), &SeenForm::default()), &params(PatternKind::Graph));
         assert_eq!(patterns.graphs()[0], [0, 1, 2, 3]);
         assert_eq!(patterns.graphs()[2], [2, 1, 3, 0]);
         check(&row[..4], PatternKind::Graph, &[[0, 0, 1, 3, 5, 7]; 4]);
@@ -289,10 +321,11 @@ mod tests {
             height_edges_m: vec![],
             volume_edges_m3: vec![],
             extent_edges_m: vec![],
+            form_edges_m: vec![],
         };
-        patterns.fill(&[keypoint(0.0, 5.0, 2)], &SeenExtents::default(), &nothing);
+        patterns.fill(&[keypoint(0.0, 5.0, 2)], (&SeenExtents::default(), &SeenForm::default()), &nothing);
         assert_eq!(patterns.patterns(), [Pattern::new(PatternKind::Graph, [ANY, ANY], [2, 255, 255, 255])]);
-        patterns.fill(&[], &SeenExtents::default(), &nothing);
+        patterns.fill(&[], (&SeenExtents::default(), &SeenForm::default()), &nothing);
         assert_eq!(patterns.patterns(), []);
     }
 
@@ -309,7 +342,11 @@ mod tests {
     fn extents_are_binned_two_at_a_time() {
         let extents = SeenExtents { bottom_m: 0.5, top_m: 1.5, length_m: 2.5, width_m: 1.0 };
         let mut patterns = Patterns::default();
-        patterns.fill(&[keypoint(0.0, 0.0, 9)], &extents, &params(PatternKind::Extents));
+        patterns.fill(
+            &[keypoint(0.0, 0.0, 9)],
+            (&extents, &SeenForm::default()),
+            &params(PatternKind::Extents),
+        );
         let labels: Vec<[u8; 3]> = patterns
             .patterns()
             .iter()
@@ -320,31 +357,29 @@ mod tests {
             .collect();
         assert_eq!(labels, [[0, 0, 1], [1, 1, 2], [2, 1, 1], [3, 2, 1]]);
         assert_eq!(patterns.patterns()[0].kind_number(), 3);
-        patterns.fill(&[], &extents, &params(PatternKind::Extents));
+        patterns.fill(&[], (&extents, &SeenForm::default()), &params(PatternKind::Extents));
         assert!(patterns.patterns().is_empty());
     }
 
     #[test]
-    fn a_size_is_all_extents_in_wide_bins_that_overlap() {
+    fn a_form_is_some_of_its_values_in_wide_bins_that_overlap() {
         let edges_m: Vec<f64> = (1..8).map(f64::from).collect();
-        let params = PatternParams { extent_edges_m: edges_m, ..params(PatternKind::Size) };
-        let extents = SeenExtents { bottom_m: 0.5, top_m: 1.5, length_m: 5.5, width_m: 3.5 };
+        let params = PatternParams { form_edges_m: edges_m, ..params(PatternKind::Form) };
+        let extents = SeenExtents { bottom_m: 0.5, top_m: 6.5, length_m: 5.5, width_m: 3.5 };
+        let form = SeenForm { extents, lean: 4.5, ..SeenForm::default() };
         let mut patterns = Patterns::default();
-        patterns.fill(&[keypoint(0.0, 0.0, 9), keypoint(1.0, 0.0, 9)], &extents, &params);
-        let bins: Vec<[u8; 5]> = patterns
-            .patterns()
-            .iter()
-            .map(|it| {
-                let [_, _, width, bottom, division, top, length, _] = it.0.to_be_bytes();
-                [division, bottom, top, length, width]
-            })
-            .collect();
-        // 0, 1, 5 and 3 edges are exceeded.
-        assert_eq!(bins, [[0, 0, 0, 1, 1], [1, 0, 0, 2, 1], [2, 0, 1, 2, 1]]);
-        // What is rare is merged with others of its division.
-        let coarsest = patterns.patterns()[2].coarser().and_then(Pattern::coarser);
-        assert_eq!(coarsest, Some(Pattern::new(PatternKind::Size, [ANY, ANY], [2, 1, 2, MISSING])));
-        patterns.fill(&[], &extents, &params);
+        patterns.fill(&[keypoint(0.0, 0.0, 9)], (&extents, &form), &params);
+        assert_eq!(patterns.patterns().len(), 8 * 3);
+        let numbers = |it: usize| patterns.patterns()[it].0.to_be_bytes();
+        // The top, the length and the width exceed 6, 5 and 3 edges.
+        assert_eq!(numbers(9), [0, 4, 1, 255, 9, 2, 1, 255]);
+        assert_eq!(numbers(10), [0, 4, 1, 255, 10, 2, 2, 255]);
+        assert_eq!(numbers(11), [0, 4, 1, 255, 11, 2, 2, 255]);
+        // The bottom is the fourth of the first group; it exceeds none.
+        assert_eq!(numbers(1), [0, 4, 0, 0, 1, 0, 2, 255]);
+        // The lean is the third of the third group.
+        assert_eq!(numbers(6), [0, 4, 1, 255, 6, 2, 0, 255]);
+        patterns.fill(&[], (&extents, &form), &params);
         assert!(patterns.patterns().is_empty());
     }
 }

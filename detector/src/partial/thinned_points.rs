@@ -20,7 +20,8 @@ const LEAST_CUBE_M: f64 = 0.02;
 /// Buffers for thinning one cloud after another.
 #[derive(Debug, Clone, Default)]
 pub struct ThinnedPoints {
-    sorted: Vec<(u64, [f64; 3])>,
+    all: Vec<(u64, [f64; 3])>,
+    thinned_again: Vec<(u64, [f64; 3])>,
     points_m: Vec<[f64; 3]>,
 }
 
@@ -33,15 +34,16 @@ impl ThinnedPoints {
         let is_usable = |it: &[f32; 3]| it.iter().all(|value| value.abs() <= FARTHEST_M);
         // No negative nought: it is another one to `total_cmp`.
         let usable = positions_m.filter(is_usable).map(|it| (0, it.map(|value| f64::from(value) + 0.0)));
-        self.sorted.clear();
-        self.sorted.extend(usable);
+        let Self { all, thinned_again, points_m } = self;
+        all.clear();
+        all.extend(usable);
         let mut cube_m = params.cube_m;
-        self.keep_means(cube_m);
-        while self.points_m.len() > params.max_points {
+        keep_means(all, cube_m, points_m);
+        while points_m.len() > params.max_points {
             cube_m = (cube_m * 1.25).max(LEAST_CUBE_M);
-            self.sorted.clear();
-            self.sorted.extend(self.points_m.iter().map(|&it| (0, it)));
-            self.keep_means(cube_m);
+            thinned_again.clear();
+            thinned_again.extend(points_m.iter().map(|&it| (0, it)));
+            keep_means(thinned_again, cube_m, points_m);
         }
     }
 
@@ -50,18 +52,23 @@ impl ThinnedPoints {
         &self.points_m
     }
 
-    fn keep_means(&mut self, cube_m: f64) {
-        for (cube, position_m) in &mut self.sorted {
-            *cube = if cube_m > 0.0 { cell_of(*position_m, cube_m) } else { 0 };
-        }
-        self.sorted.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_coordinates(a.1, b.1)));
-        self.points_m.clear();
-        if cube_m > 0.0 {
-            let cubes = self.sorted.chunk_by(|a, b| a.0 == b.0);
-            self.points_m.extend(cubes.map(mean_m));
-        } else {
-            self.points_m.extend(self.sorted.iter().map(|it| it.1));
-        }
+    /// All points that are not absent, in metres, in a fixed order.
+    pub fn all_points_m(&self) -> impl Iterator<Item = [f64; 3]> + Clone {
+        self.all.iter().map(|it| it.1)
+    }
+}
+
+/// Sorts `sorted` by cubes, and writes the mean of each to `points_m`.
+fn keep_means(sorted: &mut [(u64, [f64; 3])], cube_m: f64, points_m: &mut Vec<[f64; 3]>) {
+    for (cube, position_m) in &mut *sorted {
+        *cube = if cube_m > 0.0 { cell_of(*position_m, cube_m) } else { 0 };
+    }
+    sorted.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_coordinates(a.1, b.1)));
+    points_m.clear();
+    if cube_m > 0.0 {
+        points_m.extend(sorted.chunk_by(|a, b| a.0 == b.0).map(mean_m));
+    } else {
+        points_m.extend(sorted.iter().map(|it| it.1));
     }
 }
 

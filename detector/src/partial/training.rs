@@ -139,7 +139,8 @@ fn patterns_of(clouds: &[&TrainingCloud], labeler: &Labeler, params: &PartialPar
             .keypoints
             .iter()
             .map(|it| LabeledKeypoint { position_m: it.position_m, label: labeler.label_of(&it.descriptor) });
-        patterns.fill(&labeled.collect::<Vec<_>>(), &cloud.described.extents, &params.patterns);
+        let DescribedCloud { extents, form, .. } = &cloud.described;
+        patterns.fill(&labeled.collect::<Vec<_>>(), (extents, form), &params.patterns);
         patterns.patterns().to_vec()
     };
     clouds.par_iter().map_init(Patterns::default, of_cloud).collect()

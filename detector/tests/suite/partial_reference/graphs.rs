@@ -54,7 +54,7 @@ pub fn strips_m(vertices: &[Vertex], graphs: &[Vec<usize>]) -> Vec<Vec<[f32; 3]>
 pub fn bag(
     vertices: &[Vertex],
     graphs: &[Vec<usize>],
-    points_m: &[[f64; 3]],
+    (points_m, all_points_m): (&[[f64; 3]], &[[f64; 3]]),
     model: &PartialModel,
 ) -> BTreeMap<Pattern, f64> {
     let params = &model.params;
@@ -62,12 +62,11 @@ pub fn bag(
     if params.patterns.kinds.contains(&PatternKind::Extents) {
         count_extents(points_m, model, &mut bag);
     }
-    if params.patterns.kinds.contains(&PatternKind::Size) {
-        count_size(points_m, model, &mut bag);
+    if params.patterns.kinds.contains(&PatternKind::Form) {
+        count_form(all_points_m, model, &mut bag);
     }
-    for &kind in
-        params.patterns.kinds.iter().filter(|it| !matches!(it, PatternKind::Extents | PatternKind::Size))
-    {
+    let of_graphs = |it: &&PatternKind| !matches!(it, PatternKind::Extents | PatternKind::Form);
+    for &kind in params.patterns.kinds.iter().filter(of_graphs) {
         for graph in graphs {
             let mut pattern = Some(pattern(vertices, graph, kind, model));
             while let Some(it) = pattern.filter(|it| model.vocabulary.patterns().binary_search(it).is_err()) {
@@ -84,7 +83,7 @@ pub fn bag(
     for (pattern, count) in &mut bag {
         let n = match pattern.kind_number() {
             3 => 4.0,
-            4 => 3.0,
+            4 => 24.0,
             _ => graphs.len() as f64,
         };
         *count = match params.bag.counts {
@@ -110,21 +109,61 @@ fn extents_m(points_m: &[[f64; 3]]) -> [f64; 4] {
     [bottom_m, top_m, length_m, width_m]
 }
 
-/// All four in bins that span three edges, which begin at each of three edges in turn.
-fn count_size(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
-    let edges = &model.params.patterns.extent_edges_m;
-    for division in 0..3 {
-        // The edges at which a bin of this division begins.
-        let begins = edges.iter().enumerate().filter(|(it, _)| (it + 1 + division) % 3 == 0).map(|it| *it.1);
-        let begins: Vec<f64> = begins.collect();
-        let [bottom, top, length, width] =
-            extents_m(points_m).map(|it| begins.iter().filter(|&&begin| begin <= it).count() as u64);
-        let of = |width, bottom| {
-            let numbers = [4, width, bottom, division as u64, top, length, 255];
+/// Standard deviations of all points along their main axis on the ground plan and across it.
+fn deviations_m(points_m: &[[f64; 3]]) -> [f64; 2] {
+    let flat: Vec<[f64; 3]> = points_m.iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
+    let n = flat.len() as f64;
+    let mean = flat.iter().map(|&it| vector(it)).sum::<nalgebra::Vector3<f64>>() / n;
+    let [along, across, _] = axes(&flat);
+    [along, across]
+        .map(|axis| (flat.iter().map(|&it| (vector(it) - mean).dot(&axis).powi(2)).sum::<f64>() / n).sqrt())
+}
+
+/// What goes aside for each metre upward, by least squares.
+fn lean(points_m: &[[f64; 3]]) -> f64 {
+    let mean = points_m.iter().map(|&it| vector(it)).sum::<nalgebra::Vector3<f64>>() / points_m.len() as f64;
+    let products = points_m.iter().map(|&it| (vector(it) - mean) * (it[2] - mean.z));
+    let sum: nalgebra::Vector3<f64> = products.sum();
+    sum.xy().norm() / (sum.z + 1e-6)
+}
+
+/// Groups of values of the form, in bins that span three edges, which begin at each of three edges in turn.
+fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
+    let edges = &model.params.patterns.form_edges_m;
+    let [bottom_m, top_m, length_m, width_m] = extents_m(points_m);
+    let height_m = top_m - bottom_m;
+    let sliced = |number: f64| -> Vec<[f64; 3]> {
+        let [low_m, high_m] = [number, number + 1.0].map(|it| bottom_m + height_m.max(1e-3) * it / 6.0);
+        points_m.iter().filter(|it| it[2] >= low_m && it[2] <= high_m).copied().collect()
+    };
+    let of_slice = |slice: &[[f64; 3]]| match slice.len() {
+        0..3 => [0.0; 2],
+        _ => [extents_m(slice)[2], deviations_m(slice)[0]],
+    };
+    let [foot, middle, head] = [0.0, 3.0, 5.0].map(|it| of_slice(&sliced(it)));
+    let [along_m, across_m] = deviations_m(points_m);
+    let groups = [
+        vec![along_m, top_m, across_m, bottom_m],
+        vec![height_m, along_m, across_m, length_m],
+        vec![height_m, along_m, lean(points_m)],
+        vec![top_m, length_m, width_m],
+        vec![top_m, foot[0], head[0]],
+        vec![foot[1], top_m, foot[0]],
+        vec![top_m, foot[1], middle[1]],
+        vec![foot[1], middle[1], head[1]],
+    ];
+    for (place, division) in (0..24_u64).map(|it| (it, it as usize % 3)) {
+        let bins = groups[place as usize / 3].iter().map(|&value| {
+            let n_below = edges.iter().filter(|&&edge| edge <= value).count();
+            ((n_below + division) / 3) as u64
+        });
+        let mut bins: Vec<u64> = bins.collect();
+        bins.resize(4, 255);
+        let of = |third, fourth| {
+            let numbers = [4, third, fourth, place, bins[0], bins[1], 255];
             Pattern(numbers.into_iter().fold(0, |whole, it| whole << 8 | it))
         };
-        // All four; what is rare without the bottom, and without the width, too.
-        let found = [of(width, bottom), of(width, 255), of(255, 255)];
+        let found = [of(bins[2], bins[3]), of(bins[2], 255), of(255, 255)];
         let n_tried = if model.params.bag.rare == RarePatterns::Merged { 3 } else { 1 };
         let is_known = |it: &&Pattern| model.vocabulary.patterns().binary_search(it).is_ok();
         if let Some(&pattern) = found[..n_tried].iter().find(is_known) {
@@ -178,7 +217,7 @@ fn pattern(vertices: &[Vertex], graph: &[usize], kind: PatternKind, model: &Part
             labels[1..].sort_unstable();
             1
         }
-        PatternKind::Keypoint | PatternKind::Extents | PatternKind::Size => 2,
+        PatternKind::Keypoint | PatternKind::Extents | PatternKind::Form => 2,
     };
     let numbers =
         [kind, bin(height_m, &params.height_edges_m), volume_bin, labels[0], labels[1], labels[2], labels[3]];

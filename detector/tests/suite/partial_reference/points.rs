@@ -5,17 +5,22 @@ use std::collections::BTreeMap;
 use detector::partial::thinned_points::ThinningParams;
 use nalgebra::Vector3;
 
+/// All points that are finite, by coordinates.
+pub fn all(positions_m: &[[f32; 3]]) -> Vec<[f64; 3]> {
+    let finite = positions_m.iter().filter(|it| it.iter().all(|value| value.is_finite()));
+    let mut sorted: Vec<[f64; 3]> = finite.map(|it| it.map(f64::from)).collect();
+    sorted.sort_by(|a, b| a.partial_cmp(b).expect("they are finite"));
+    sorted
+}
+
 /// The mean of the points of every cube. The cloud has to fit into the bound as it is.
 pub fn thinned(positions_m: &[[f32; 3]], params: &ThinningParams) -> Vec<[f64; 3]> {
-    let mut sorted: Vec<[f32; 3]> =
-        positions_m.iter().copied().filter(|it| it.iter().all(|value| value.is_finite())).collect();
-    sorted.sort_by(|a, b| a.partial_cmp(b).expect("they are finite"));
+    let sorted = all(positions_m);
     if params.cube_m == 0.0 {
-        return sorted.into_iter().map(|it| it.map(f64::from)).collect();
+        return sorted;
     }
     let mut cubes: BTreeMap<[i64; 3], Vec<[f64; 3]>> = BTreeMap::new();
     for position_m in sorted {
-        let position_m = position_m.map(f64::from);
         cubes.entry(position_m.map(|it| (it / params.cube_m).floor() as i64)).or_default().push(position_m);
     }
     let mean = |points: Vec<[f64; 3]>| {

@@ -73,9 +73,9 @@ impl Method {
             ("without keypoints by themselves", &|it| {
                 it.patterns.kinds.retain(|kind| *kind != PatternKind::Keypoint);
             }),
-            ("without size", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Size)),
-            ("without size and extents", &|it| {
-                it.patterns.kinds.retain(|kind| !matches!(kind, PatternKind::Extents | PatternKind::Size));
+            ("without form", &|it| it.patterns.kinds.retain(|kind| *kind != PatternKind::Form)),
+            ("without form and extents", &|it| {
+                it.patterns.kinds.retain(|kind| !matches!(kind, PatternKind::Extents | PatternKind::Form));
             }),
             ("without heights", &|it| it.patterns.height_edges_m.clear()),
             ("without volumes", &|it| it.patterns.volume_edges_m3.clear()),

@@ -19,7 +19,7 @@ pub const N_VEHICLE_VALUES: usize = 28;
 pub fn extent_values(cloud: &PointCloud) -> Option<[f32; N_EXTENTS]> {
     let points_m = finite(cloud);
     let points_m: Vec<[f64; 3]> = points_m.into_iter().map(|it| it.map(f64::from)).collect();
-    let SeenExtents { bottom_m, top_m, length_m, width_m } = SeenExtents::of(&points_m);
+    let SeenExtents { bottom_m, top_m, length_m, width_m } = SeenExtents::of(points_m.iter().copied());
     (!points_m.is_empty()).then_some([length_m, width_m, bottom_m, top_m].map(|it| it as f32))
 }
 
