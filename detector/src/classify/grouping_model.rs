@@ -5,18 +5,32 @@ use std::sync::{Arc, LazyLock};
 use crate::classify::forest::Forest;
 use crate::classify::forest_file::{ForestFileError, read_forest};
 use crate::classify::object_looks::{N_MORE_LOOKS, ObjectLooks};
+use crate::classify::vehicle_model::N_FEATURES;
 use crate::describe::prototype_file::PrototypeFileError;
 use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES};
-use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES};
+use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES, VALUES_OF_WHOLE};
 
 /// Number of the values that tell vehicles.
-pub const N_VEHICLE_VALUES: usize = VehicleFeatures::NAMES.len() + N_NODE_VALUES;
+pub const N_VEHICLE_VALUES: usize = N_FEATURES + N_NODE_VALUES - N_OF_WHOLE;
 
-/// The names of the values that tell vehicles: those of the vehicle model, and those of the group.
-pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = both(VehicleFeatures::NAMES, NODE_VALUES);
+/// Number of the values of a group that are of what it would be a part of.
+const N_OF_WHOLE: usize = VALUES_OF_WHOLE.end - VALUES_OF_WHOLE.start;
+
+/// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone.
+pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
+    let all: [&str; N_FEATURES + N_NODE_VALUES] = both(VehicleFeatures::NAMES, NODE_VALUES);
+    let mut names = [""; N_VEHICLE_VALUES];
+    let mut place = 0;
+    while place < N_VEHICLE_VALUES {
+        let is_before = place < N_FEATURES + VALUES_OF_WHOLE.start;
+        names[place] = all[if is_before { place } else { place + N_OF_WHOLE }];
+        place += 1;
+    }
+    names
+};
 
 /// The names of the values that a second look at a group sees: those of the group, and its context.
 pub const SECOND_LOOK_VALUES: [&str; N_SECOND_LOOK_VALUES] = both(NODE_VALUES, CONTEXT_VALUES);
@@ -111,6 +125,16 @@ impl GroupingModel {
     }
 }
 
+/// The values that tell vehicles: those of the thing, and those of the group alone. What it is grouped with makes it no other thing.
+pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
+    let mut values = [0.0; N_VEHICLE_VALUES];
+    let (before, after) = (&node[..VALUES_OF_WHOLE.start], &node[VALUES_OF_WHOLE.end..]);
+    for (value, it) in values.iter_mut().zip(features.iter().chain(before).chain(after)) {
+        *value = *it;
+    }
+    values
+}
+
 /// Some names, and others behind them.
 const fn both<const A: usize, const B: usize, const N: usize>(
     first: [&'static str; A],
@@ -128,6 +152,23 @@ const fn both<const A: usize, const B: usize, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn vehicles_are_told_by_all_values_but_those_of_wholes() {
+        let features = std::array::from_fn(|place| place as f32);
+        let node = std::array::from_fn(|place| 100.0 + place as f32);
+        let values = vehicle_values(&features, &node);
+        for (value, name) in values.into_iter().zip(VEHICLE_VALUES) {
+            let found = if value < 100.0 {
+                VehicleFeatures::NAMES[value as usize]
+            } else {
+                NODE_VALUES[value as usize - 100]
+            };
+            assert_eq!(found, name);
+        }
+        let left_out: Vec<&str> = NODE_VALUES.into_iter().filter(|it| !VEHICLE_VALUES.contains(it)).collect();
+        assert!(left_out.iter().all(|it| it.contains("whole")) && left_out.len() == 5, "{left_out:?}");
+    }
 
     #[test]
     fn the_shipped_files_are_a_model() {

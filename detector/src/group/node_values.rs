@@ -63,6 +63,9 @@ pub const NODE_VALUES: [&str; 37] = [
     "log_n_cells",
 ];
 
+/// Which of [`NODE_VALUES`] are of what a group would be a part of, and not its own.
+pub const VALUES_OF_WHOLE: Range<usize> = 24..29;
+
 /// Which groups may be objects by their size.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::classify::grouping_model::{GroupingModel, N_VEHICLE_VALUES};
+use crate::classify::grouping_model::{GroupingModel, vehicle_values};
 use crate::classify::object_looks::LookBuffers;
 use crate::classify::size_gate::size_gate;
-use crate::classify::vehicle_model::N_FEATURES;
 use crate::complete::completed_object::{box_with_points, merge_points};
 use crate::complete::completion::Completion;
 use crate::describe::vehicle_features::VehicleDescriber;
@@ -21,7 +20,6 @@ use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::FittedObjects;
 use crate::group::best_cut::BestCut;
 use crate::group::node_points::NodePoints;
-use crate::group::node_values::N_NODE_VALUES;
 use crate::params::HierarchicalParams;
 use crate::pipeline::grouping_stages::GroupingStages;
 use crate::point_cloud::PointCloud;
@@ -195,14 +193,6 @@ impl TreeDetector {
             output.push_ranked(detection, self.ranked_log_odds);
         }
     }
-}
-
-/// The values that tell vehicles: those of the thing, and those of the group.
-pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
-    let mut values = [0.0; N_VEHICLE_VALUES];
-    values[..features.len()].copy_from_slice(features);
-    values[features.len()..].copy_from_slice(node);
-    values
 }
 
 impl Detector for TreeDetector {

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use detector::classify::grouping_model::N_VEHICLE_VALUES;
+use detector::classify::grouping_model::{N_VEHICLE_VALUES, vehicle_values};
 use detector::classify::object_looks::{LookBuffers, ObjectLooks};
 use detector::describe::prototype_library::PrototypeLibrary;
 use detector::describe::vehicle_features::VehicleDescriber;
@@ -11,7 +11,6 @@ use detector::fit::convex_hull_box::ConvexHullBox;
 use detector::group::node_values::N_NODE_VALUES;
 use detector::params::HierarchicalParams;
 use detector::pipeline::grouping_stages::GroupingStages;
-use detector::pipeline::tree_detector::vehicle_values;
 use rayon::prelude::*;
 use scans::annotation::{LabeledScan, PointRegion};
 use scans::dataset::Dataset;
@@ -40,8 +39,10 @@ pub struct ScanGroups {
 pub struct GroupExample {
     /// Its number in the tree.
     pub node_idx: u32,
-    /// What tells vehicles; what tells objects is the end of it.
-    pub values: [f32; N_VEHICLE_VALUES],
+    /// What tells objects.
+    pub node_values: [f32; N_NODE_VALUES],
+    /// What tells vehicles.
+    pub vehicle_values: [f32; N_VEHICLE_VALUES],
     /// `None` if the labels say nothing about half of its points.
     pub labels: Option<GroupLabels>,
 }
@@ -59,16 +60,9 @@ impl ScanGroups {
     /// What `looks` says that each of its groups is worth.
     pub fn worths(&self, looks: &ObjectLooks, buffers: &mut LookBuffers) -> Vec<f32> {
         let mut worths = Vec::new();
-        let described = self.groups.iter().map(|it| (it.node_idx, it.node_values()));
+        let described = self.groups.iter().map(|it| (it.node_idx, &it.node_values));
         looks.worths((&self.upward, |it| self.wholes[it as usize]), &described, buffers, &mut worths);
         worths
-    }
-}
-
-impl GroupExample {
-    /// What tells objects.
-    pub fn node_values(&self) -> &[f32; N_NODE_VALUES] {
-        self.values.last_chunk().expect("it is longer")
     }
 }
 
@@ -155,7 +149,8 @@ fn groups_of(scan: &LabeledScan, looker: &mut Looker) -> ScanGroups {
         let labels = GroupLabels { iou: best.map_or(0.0, iou), is_vehicle };
         groups.push(GroupExample {
             node_idx: node.node_idx,
-            values: vehicle_values(&features.values(), &node.values),
+            node_values: node.values,
+            vehicle_values: vehicle_values(&features.values(), &node.values),
             labels: (2 * n_labeled > point_indices.len()).then_some(labels),
         });
     }

@@ -34,7 +34,7 @@ pub fn train_looks(
 ) -> Result<ObjectLooks, ForustError> {
     let folds = folds(scans);
     let seen: Vec<Vec<_>> =
-        scans.iter().map(|it| it.groups.iter().map(|it| *it.node_values()).collect()).collect();
+        scans.iter().map(|it| it.groups.iter().map(|it| it.node_values).collect()).collect();
     let examples = Examples { scans, folds: &folds, params, on_forest };
     let first = examples.forest(&seen, None)?;
     let mut worths = examples.worths_by_others(&seen)?;
@@ -68,7 +68,7 @@ fn seen_again(scan: &ScanGroups, worths: &[f32]) -> Vec<[f32; N_SECOND_LOOK_VALU
     let mut contexts = NodeContexts::default();
     let node_idxs = scan.groups.iter().map(|it| it.node_idx);
     contexts.find(&scan.upward, |it| scan.wholes[it as usize], node_idxs.zip(worths.iter().copied()));
-    scan.groups.iter().map(|it| contexts.seen(it.node_idx, it.node_values())).collect()
+    scan.groups.iter().map(|it| contexts.seen(it.node_idx, &it.node_values)).collect()
 }
 
 /// What all looks learn from.
@@ -119,15 +119,22 @@ mod tests {
     use crate::training::group_examples::{GroupExample, GroupLabels};
     use detector::classify::grouping_model::N_VEHICLE_VALUES;
     use detector::classify::object_looks::LookBuffers;
+    use detector::group::node_values::N_NODE_VALUES;
 
     /// A whole of two parts, which is the object or of which each part is one: nothing that a group has by itself tells which, but that
     /// the first part is longer if both are objects.
     fn scan(sequence: &str, are_parts: bool, noise: f32) -> ScanGroups {
         let group = |node_idx, value: f32, iou| {
-            let mut values = [0.0; N_VEHICLE_VALUES];
-            values[N_VEHICLE_VALUES - 1] = value;
-            values[N_VEHICLE_VALUES - 2] = noise;
-            GroupExample { node_idx, values, labels: Some(GroupLabels { iou, is_vehicle: None }) }
+            let mut node_values = [0.0; N_NODE_VALUES];
+            node_values[0] = value;
+            node_values[1] = noise;
+            let vehicle_values = [0.0; N_VEHICLE_VALUES];
+            GroupExample {
+                node_idx,
+                node_values,
+                vehicle_values,
+                labels: Some(GroupLabels { iou, is_vehicle: None }),
+            }
         };
         let [of_part, of_whole] = if are_parts { [0.9, 0.5] } else { [0.4, 0.9] };
         let length = f32::from(u8::from(are_parts));
@@ -157,7 +164,7 @@ mod tests {
                 assert!((worth - iou).abs() < 0.05, "{worth} instead of {iou}");
             }
             // By itself, the second part is between both.
-            let alone = looks.first.sum(it.groups[1].node_values());
+            let alone = looks.first.sum(&it.groups[1].node_values);
             assert!((alone - 0.65).abs() < 0.1, "{alone}");
         }
     }

@@ -46,6 +46,9 @@ const OBJECTS: BoostingParams =
 const VEHICLES: BoostingParams =
     BoostingParams { n_trees: 300, depth: 6, learning_rate: 0.1, least_leaf_weight: 5.0 };
 
+/// The forest of vehicles learns from groups that the looks say are worth so much: what is worth less is not taken for an object.
+const LEAST_WORTH_TOLD: f32 = 0.25;
+
 /// Trains both forests, judges them by drives they have not seen, and writes and prints the result.
 ///
 /// # Errors
@@ -201,9 +204,17 @@ impl Forests {
         let progress = progress_over_results(N_FORESTS + 1, 0, "forests");
         let on_forest = || progress.inc(1);
         let objects = train_looks(taught, &OBJECTS, &on_forest).map_err(|error| nothing(&error))?;
-        let groups = taught.iter().flat_map(|it| &it.groups);
-        let known = groups.filter_map(|it| Some((&it.values, f64::from(u8::from(it.labels?.is_vehicle?)))));
-        let (values, are_vehicles): (Vec<_>, Vec<_>) = known.unzip();
+        let mut buffers = LookBuffers::default();
+        let (mut values, mut are_vehicles) = (Vec::new(), Vec::new());
+        for scan in taught {
+            for (worth, it) in scan.worths(&objects, &mut buffers).into_iter().zip(&scan.groups) {
+                let told = it.labels.and_then(|it| it.is_vehicle).filter(|_| worth >= LEAST_WORTH_TOLD);
+                if let Some(is_vehicle) = told {
+                    values.push(&it.vehicle_values);
+                    are_vehicles.push(f64::from(u8::from(is_vehicle)));
+                }
+            }
+        }
         let vehicles =
             boost(&values, &are_vehicles, Target::Yes, &VEHICLES).map_err(|error| nothing(&error))?;
         progress.finish_and_clear();
@@ -230,7 +241,9 @@ impl Judgement {
             for (worth, it) in scan.worths(&forests.objects, &mut buffers).into_iter().zip(&scan.groups) {
                 let Some(GroupLabels { iou, is_vehicle }) = it.labels else { continue };
                 worths.push((worth, iou));
-                odds.extend(is_vehicle.map(|is_vehicle| (forests.vehicles.sum(&it.values), is_vehicle)));
+                if let Some(is_vehicle) = is_vehicle.filter(|_| worth >= LEAST_WORTH_TOLD) {
+                    odds.push((forests.vehicles.sum(&it.vehicle_values), is_vehicle));
+                }
             }
         }
         let probability = |log_odds: f32| 1.0 / (1.0 + f64::from(-log_odds).exp());
@@ -261,7 +274,8 @@ impl Judgement {
             format!("Trained on {n_taught} groups"),
             String::new(),
             format!(
-                "On {n} held-out groups, of which {n_objects} show an object and {n_vehicles} a vehicle:"
+                "On {n} held-out groups, of which {n_objects} show an object; of those worth {LEAST_WORTH_TOLD} and more, {n_vehicles} show a \
+                 vehicle:"
             ),
             format!("{:<12}{:>10}{:>24}", "", "ROC area", "precision-recall area"),
         ];
