@@ -25,7 +25,7 @@ pub fn main_road(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> World {
     let plan = RoadPlan {
         road_idx: 0,
         lanes_m: n_lanes_each_way as f32 * lane_width_m,
-        parking: [parking(rng), parking(rng)].map(|it| conditions.parking(it)),
+        parking: [parking(rng), parking(rng)].map(|it| it.widened(conditions.parking_room_m())),
         pavement_width_m: rng.random_range(2.8..5.5),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };

@@ -23,7 +23,7 @@ pub fn narrow_street(conditions: &StreetConditions, rng: &mut ChaCha8Rng) -> Wor
     let plan = RoadPlan {
         road_idx: 0,
         lanes_m: rng.random_range(1.8..2.3),
-        parking: parking(rng).map(|it| conditions.parking(it)),
+        parking: parking(rng).map(|it| it.widened(conditions.parking_room_m())),
         pavement_width_m: rng.random_range(1.2..2.6),
         reach_m: [-MARGIN_M, speed_m_per_s * DRIVE_DURATION_S + MARGIN_M],
     };

@@ -113,6 +113,18 @@ impl Parking {
         }
     }
 
+    /// The same in a lane along the kerb that is wider by `more_m`.
+    #[must_use = "parking itself stays as it is"]
+    pub fn widened(self, more_m: f32) -> Self {
+        match self {
+            Self::Nowhere | Self::Askew { .. } => self,
+            Self::AlongKerb { width_m } => Self::AlongKerb { width_m: width_m + more_m },
+            Self::InTwoRows { width_m, blocked_share } => {
+                Self::InTwoRows { width_m: width_m + more_m, blocked_share }
+            }
+        }
+    }
+
     /// Width of the lane that is needed, in metres.
     pub fn width_m(self) -> f32 {
         match self {

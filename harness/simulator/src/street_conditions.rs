@@ -4,7 +4,6 @@ use std::ops::RangeInclusive;
 
 use super::ground::CrossSection;
 use super::road_axis::{RoadAxisShape, Wave};
-use super::road_plan::Parking;
 use super::vehicle_shape::VehicleMix;
 
 /// What is set about a street; what is left out is drawn as in any street. The same seed puts the same things at the
@@ -96,16 +95,9 @@ impl StreetConditions {
         if self.haulage { VehicleMix::Haulage } else { VehicleMix::Town }
     }
 
-    /// Parking like this under the conditions.
-    pub(super) fn parking(&self, drawn: Parking) -> Parking {
-        let more_m = if self.haulage { ROOM_FOR_TRUCKS_M } else { 0.0 };
-        match drawn {
-            Parking::Nowhere | Parking::Askew { .. } => drawn,
-            Parking::AlongKerb { width_m } => Parking::AlongKerb { width_m: width_m + more_m },
-            Parking::InTwoRows { width_m, blocked_share } => {
-                Parking::InTwoRows { width_m: width_m + more_m, blocked_share }
-            }
-        }
+    /// How much wider lanes for parking along kerbs are than drawn, in metres.
+    pub(super) fn parking_room_m(&self) -> f32 {
+        if self.haulage { ROOM_FOR_TRUCKS_M } else { 0.0 }
     }
 
     /// A cross-section like this under the conditions.
