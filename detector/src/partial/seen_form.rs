@@ -3,8 +3,8 @@
 use super::level_spread::LevelSpread;
 use super::seen_extents::SeenExtents;
 
-/// Lengths of what is seen of an object, in metres, and how much it leans. Thinning takes the edge off thin things, so that it
-/// counts all points.
+/// Lengths of what is seen of an object, in metres, and how much it leans. All points count, because thinning would
+/// take the edge off thin things.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SeenForm {
     /// Its extents.
