@@ -18,12 +18,17 @@ pub struct SeenExtents {
 impl SeenExtents {
     /// Those of some points; nothing without any. Not in the papers.
     pub fn of(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Self {
+        Self::with_spread(LevelSpread::of(points_m.clone()), points_m)
+    }
+
+    /// The same of points whose spread is known.
+    pub(super) fn with_spread(spread: LevelSpread, points_m: impl Iterator<Item = [f64; 3]>) -> Self {
         let widen = |[low, high]: [f64; 2], [_, _, z]: [f64; 3]| [low.min(z), high.max(z)];
-        let [bottom_m, top_m] = points_m.clone().fold([f64::INFINITY, f64::NEG_INFINITY], widen);
+        let [bottom_m, top_m] = points_m.fold([f64::INFINITY, f64::NEG_INFINITY], widen);
         if bottom_m > top_m {
             return Self::default();
         }
-        let LevelSpread { length_m, width_m, .. } = LevelSpread::of(points_m);
+        let LevelSpread { length_m, width_m, .. } = spread;
         Self { bottom_m, top_m, length_m, width_m }
     }
 }

@@ -33,7 +33,8 @@ const LEVEL_M2: f64 = 1e-6;
 impl SeenForm {
     /// That of some points; nothing without any. Not in the papers.
     pub fn of(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Self {
-        let extents = SeenExtents::of(points_m.clone());
+        let spread = LevelSpread::of(points_m.clone());
+        let extents = SeenExtents::with_spread(spread, points_m.clone());
         let height_m = (extents.top_m - extents.bottom_m).max(LEAST_HEIGHT_M);
         let slice = |number: f64| {
             let [low_m, high_m] =
@@ -46,7 +47,7 @@ impl SeenForm {
         };
         Self {
             extents,
-            spread: LevelSpread::of(points_m.clone()),
+            spread,
             foot: slice(0.0),
             middle: slice(3.0),
             head: slice(N_SLICES - 1.0),
