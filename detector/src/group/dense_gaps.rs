@@ -38,9 +38,10 @@ pub struct DenseGaps {
     // Dense cells along a side of the grid.
     n_along: usize,
     expected: ExpectedDensity,
-    // For every dense cell of the grid: the nearest occupied one, and how far it is.
-    label: Vec<u32>,
+    // For every dense cell of the grid: what reaches it first, and how far that is; and whether it lies at the border.
+    reached: Vec<Reached>,
     steps: Vec<u8>,
+    is_border: Vec<bool>,
     touched: Vec<u32>,
     front: Vec<u32>,
     next_front: Vec<u32>,
@@ -54,6 +55,17 @@ pub struct DenseGaps {
     is_on_wall: Vec<bool>,
     // By level, the groups on both sides.
     between: [Vec<[u32; 2]>; N_LEVELS],
+}
+
+/// The occupied dense cell that is nearest to a place, and its group.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Reached {
+    label: u32,
+    group: u32,
+}
+
+impl Reached {
+    const NOTHING: Self = Self { label: NO_LABEL, group: NO_LABEL };
 }
 
 impl DenseGaps {
@@ -71,8 +83,9 @@ impl DenseGaps {
             expected: ExpectedDensity::new(separation, grid, weighting),
             params,
             max_height_difference_m: merge.max_height_difference_m,
-            label: Vec::new(),
+            reached: Vec::new(),
             steps: Vec::new(),
+            is_border: Vec::new(),
             touched: Vec::new(),
             front: Vec::new(),
             next_front: Vec::new(),
@@ -92,11 +105,14 @@ impl DenseGaps {
         let n_along = (grid.n_columns() * self.xi) as usize;
         if self.n_along != n_along {
             self.n_along = n_along;
-            self.label = vec![NO_LABEL; n_along * n_along];
+            self.reached = vec![Reached::NOTHING; n_along * n_along];
             self.steps = vec![0; n_along * n_along];
+            let is_outermost = |step: usize| step == 0 || step == n_along - 1;
+            let is_border = |place: usize| is_outermost(place % n_along) || is_outermost(place / n_along);
+            self.is_border = (0..n_along * n_along).map(is_border).collect();
         }
         for place in self.touched.drain(..) {
-            self.label[place as usize] = NO_LABEL;
+            self.reached[place as usize] = Reached::NOTHING;
         }
         self.place_cells(grid, dense, candidates);
         self.join_touching(dense, candidates);
@@ -104,9 +120,9 @@ impl DenseGaps {
         // What is near-empty belongs to what is nearest.
         for (dense_idx, heap) in dense.heaps().iter().enumerate() {
             if heap.n_points > 0 && !self.is_conducting[dense_idx] {
-                let label = self.label[self.at[dense_idx] as usize];
+                let reached = self.reached[self.at[dense_idx] as usize];
                 self.home[dense_idx] =
-                    if label == NO_LABEL { dense_idx as u32 } else { self.home[label as usize] };
+                    if reached == Reached::NOTHING { dense_idx as u32 } else { reached.group };
             }
         }
     }
@@ -141,7 +157,7 @@ impl DenseGaps {
         for dense_idx in 0..n_dense {
             if self.is_conducting[dense_idx] {
                 let place = self.at[dense_idx];
-                self.label[place as usize] = dense_idx as u32;
+                self.reached[place as usize].label = dense_idx as u32;
                 self.steps[place as usize] = 0;
                 self.touched.push(place);
                 self.front.push(place);
@@ -159,7 +175,7 @@ impl DenseGaps {
             }
             let place = self.at[dense_idx as usize] as usize;
             for neighbor in [place + 1, place + n - 1, place + n, place + n + 1] {
-                let other = self.label[neighbor];
+                let other = self.reached[neighbor].label;
                 if other == NO_LABEL {
                     continue;
                 }
@@ -173,7 +189,9 @@ impl DenseGaps {
         }
         for dense_idx in 0..self.at.len() {
             if self.is_conducting[dense_idx] {
-                self.home[dense_idx] = self.groups.representative(dense_idx as u32);
+                let group = self.groups.representative(dense_idx as u32);
+                self.home[dense_idx] = group;
+                self.reached[self.at[dense_idx] as usize].group = group;
             }
         }
         for between in self.between.iter_mut().flatten() {
@@ -205,37 +223,29 @@ impl DenseGaps {
             self.next_front.clear();
             for &place in &self.front {
                 let place = place as usize;
-                let label = self.label[place];
-                let group = self.home[label as usize];
-                for neighbor in [
-                    place - n - 1,
-                    place - n,
-                    place - n + 1,
-                    place - 1,
-                    place + 1,
-                    place + n - 1,
-                    place + n,
-                    place + n + 1,
-                ] {
-                    let other = self.label[neighbor];
-                    if other == NO_LABEL {
-                        self.label[neighbor] = label;
+                let own = self.reached[place];
+                let (above, below) = (place - n, place + n);
+                for neighbor in
+                    [above - 1, above, above + 1, place - 1, place + 1, below - 1, below, below + 1]
+                {
+                    let other = self.reached[neighbor];
+                    if other.group == own.group {
+                        continue;
+                    }
+                    if other == Reached::NOTHING {
+                        self.reached[neighbor] = own;
                         self.steps[neighbor] = round + 1;
                         self.touched.push(neighbor as u32);
-                        let is_inner = neighbor % n > 0
-                            && neighbor % n < n - 1
-                            && neighbor / n > 0
-                            && neighbor / n < n - 1;
-                        if is_inner {
+                        if !self.is_border[neighbor] {
                             self.next_front.push(neighbor as u32);
                         }
-                    } else if self.home[other as usize] != group {
-                        let other_steps = self.steps[neighbor];
-                        if other_steps > round || (other_steps == round && round > 0 && neighbor > place) {
-                            let steps = u32::from(round) + u32::from(other_steps) + 1;
-                            let level = self.level(dense, candidates, [label, other], steps);
-                            self.between[level].push([group, self.home[other as usize]]);
-                        }
+                        continue;
+                    }
+                    let other_steps = self.steps[neighbor];
+                    if other_steps > round || (other_steps == round && round > 0 && neighbor > place) {
+                        let steps = u32::from(round) + u32::from(other_steps) + 1;
+                        let level = self.level(dense, candidates, [own.label, other.label], steps);
+                        self.between[level].push([own.group, other.group]);
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::classify::grouping_model::{GroupingModel, vehicle_values};
+use crate::classify::grouping_model::{GroupingModel, N_VEHICLE_VALUES, vehicle_values};
 use crate::classify::object_looks::LookBuffers;
 use crate::classify::size_gate::size_gate;
 use crate::complete::completed_object::{box_with_points, merge_points};
@@ -54,6 +54,9 @@ pub struct TreeDetector {
     box_fit: ConvexHullBox,
     describer: VehicleDescriber,
     fitted: FittedObjects,
+    // What the model sees of objects, and what it says.
+    asked_values: Vec<[f32; N_VEHICLE_VALUES]>,
+    decisions: Vec<f32>,
     completion: Completion,
     point_indices: Vec<u32>,
 }
@@ -79,6 +82,8 @@ impl TreeDetector {
             points: NodePoints::default(),
             box_fit: ConvexHullBox::default(),
             fitted: FittedObjects::default(),
+            asked_values: Vec::new(),
+            decisions: Vec::new(),
             point_indices: Vec::new(),
         }
     }
@@ -137,13 +142,20 @@ impl TreeDetector {
     }
 
     fn tell_vehicles(&mut self) {
-        let Self { grouping, fitted, describer, model, .. } = self;
+        let Self { grouping, fitted, describer, model, asked_values, decisions, .. } = self;
+        asked_values.clear();
         for (object, &place) in fitted.objects.iter_mut().zip(&self.places) {
             let node = &grouping.described()[place as usize];
             let positions_m = fitted.members.positions_m(&object.members).iter().copied();
             let features = describer.describe(&object.bounding_box, &node.surroundings, positions_m);
-            let values = features.map(|it| vehicle_values(&it.values(), &node.values));
-            object.decision = values.map(|it| model.vehicles.sum(&it));
+            // Until the model has decided, it only says that there is something to decide on.
+            object.decision = features.as_ref().map(|_| 0.0);
+            asked_values.extend(features.map(|it| vehicle_values(&it.values(), &node.values)));
+        }
+        model.vehicles.sums(asked_values.iter(), decisions);
+        let asked = fitted.objects.iter_mut().filter_map(|it| it.decision.as_mut());
+        for (decision, sum) in asked.zip(decisions) {
+            *decision = *sum;
         }
     }
 

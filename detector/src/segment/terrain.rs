@@ -32,7 +32,8 @@ pub struct TerrainParams {
 /// the ground however many points it has. The ground that is known so far goes on as a plane, up to
 /// [`TerrainParams::max_slope`]. What lies flat is ground if it is near that plane: it may fall away from it as steeply as a
 /// road, for the nearer side of it may have been no ground, and rise above it by little, or the ground would climb over bonnets and
-/// hedges. Where nothing flat is seen the plane goes on, but not above the lowest things.
+/// hedges. Where nothing flat is seen the plane goes on, but not above the lowest things there or beside. What is flat and has
+/// something lower in the same block is a roof: beyond the top of a hill roofs are all that is level.
 ///
 /// Paper: VM section 3, "globally estimated digital terrain map".
 #[derive(Debug, Clone)]
@@ -52,6 +53,8 @@ pub struct Terrain {
     // Mean elevations of the flat cells, and the lowest ones of all cells.
     flat_m: BlockElevations,
     lowest_m: BlockElevations,
+    // The elevation of the lowest things of each block, infinite where there are none.
+    lowest_things_m: Vec<f32>,
 }
 
 /// What is known so far of a block.
@@ -90,10 +93,14 @@ const LEVELLING_M2: f32 = 2.0;
 const N_SURE: u32 = 6;
 /// Without them the ground may rise above it by so much more.
 const UNSURE_BEND: f32 = 1.75;
-/// Share of the cells of a block that lie below what bounds its ground from above, and the fewest points of such a cell: drops of
-/// rain and mirror images are single points.
-const LOWEST_QUANTILE: f32 = 0.25;
+/// Share of the cells of a block that lie below its lowest things, and the fewest points of such a cell: drops of rain and mirror
+/// images are single points.
+const LOWEST_QUANTILE: f32 = 0.1;
 const LOWEST_MIN_POINTS: u32 = 3;
+/// What is flat is a roof if the lowest things of its block are so much lower, in metres.
+const LEAST_BELOW_ROOF_M: f32 = 0.25;
+/// Rise over run from the lowest things of a block to the ground of the next one.
+const SLOPE_TO_NEXT: f32 = 0.1;
 
 /// Some elevations of each block.
 #[derive(Debug, Clone)]
@@ -175,6 +182,7 @@ impl Terrain {
             places: (0..grid.n_columns()).map(|step| Place::of(step, params.block_cells, n_inner)).collect(),
             flat_m: BlockElevations::new(n_blocks, room),
             lowest_m: BlockElevations::new(n_blocks, room),
+            lowest_things_m: vec![f32::INFINITY; n_blocks],
             params,
         }
     }
@@ -208,11 +216,14 @@ impl Terrain {
         if seen_m.is_none() && self.below_sensor[block_idx] {
             return (-self.sensor_height_m, Knowledge::SEEN);
         }
-        if let Some(seen_m) = seen_m.filter(|it| (it - level_m).abs() <= LEVEL_M) {
+        let lowest_m = self.lowest_things_m[block_idx];
+        let is_roof = seen_m.is_some_and(|it| it - lowest_m > LEAST_BELOW_ROOF_M);
+        if let Some(seen_m) = seen_m.filter(|it| !is_roof && (it - level_m).abs() <= LEVEL_M) {
             return (seen_m, Knowledge::SEEN);
         }
-        let lowest_m = self.lowest_m.quantile_m(block_idx, LOWEST_QUANTILE);
-        if seen_m.is_none() && lowest_m.is_none() {
+        let is_empty = lowest_m.is_infinite();
+        let bound_m = if is_empty { self.bound_by_next_m(block_idx, block_size_m) } else { lowest_m };
+        if seen_m.is_none() && bound_m.is_infinite() {
             return (level_m, Knowledge::unseen(n_unseen + 1, 0.0));
         }
         let (expected_m, is_sure) =
@@ -221,14 +232,33 @@ impl Terrain {
         let bend = self.params.max_bend * if is_sure { 1.0 } else { UNSURE_BEND };
         let highest_m = expected_m + self.params.max_step_m + bend * away_m;
         let deepest_m = expected_m - self.params.max_step_m - self.params.max_slope * away_m;
-        if let Some(seen_m) = seen_m.filter(|it| (deepest_m..=highest_m).contains(it)) {
+        // Mirror images lie deeper than any ground, and make no roof of it.
+        let is_roof = is_roof && lowest_m >= deepest_m;
+        if let Some(seen_m) = seen_m.filter(|it| !is_roof && (deepest_m..=highest_m).contains(it)) {
             return (seen_m, Knowledge::SEEN);
         }
-        if let Some(lowest_m) = lowest_m.filter(|it| (deepest_m..expected_m).contains(it)) {
-            return (lowest_m, Knowledge::unseen(n_unseen + 1, LOWERED_WEIGHT));
+        if (deepest_m..expected_m).contains(&bound_m) {
+            let plane_weight = if is_empty { 0.0 } else { LOWERED_WEIGHT };
+            return (bound_m, Knowledge::unseen(n_unseen + 1, plane_weight));
+        }
+        if seen_m.is_none() && is_empty {
+            return (level_m, Knowledge::unseen(n_unseen + 1, 0.0));
         }
         let plane_weight = GUESSED_WEIGHT / f32::from(n_unseen + 2);
         (expected_m, Knowledge::unseen(n_unseen + 1, plane_weight))
+    }
+
+    /// How high the ground of a block may lie by the lowest things of the eight next to it, infinite if there are none.
+    fn bound_by_next_m(&self, block_idx: usize, block_size_m: f32) -> f32 {
+        let n = self.n_block_columns;
+        let lowest_of = |places: [usize; 4]| {
+            places.into_iter().map(|it| self.lowest_things_m[it]).fold(f32::INFINITY, f32::min)
+        };
+        let beside_m = lowest_of([block_idx - n, block_idx - 1, block_idx + 1, block_idx + n]);
+        let across_m =
+            lowest_of([block_idx - n - 1, block_idx - n + 1, block_idx + n - 1, block_idx + n + 1]);
+        let rise_m = SLOPE_TO_NEXT * block_size_m;
+        (beside_m + rise_m).min(across_m + std::f32::consts::SQRT_2 * rise_m)
     }
 
     /// Elevation of the ground at the centre of a coarse cell, in metres, between the block centres linearly.
@@ -307,6 +337,10 @@ impl Terrain {
             if cell.n_points >= LOWEST_MIN_POINTS {
                 self.lowest_m.push(block_idx, cell.z_min_m);
             }
+        }
+        for &block_idx in &self.outward {
+            let lowest_m = self.lowest_m.quantile_m(block_idx as usize, LOWEST_QUANTILE);
+            self.lowest_things_m[block_idx as usize] = lowest_m.unwrap_or(f32::INFINITY);
         }
     }
 }
@@ -452,5 +486,39 @@ mod tests {
     fn a_pavement_is_a_step_up_from_the_road() {
         let street = |_: f32, y: f32| if y.abs() > 6.0 { -1.58 } else { -1.73 };
         check(street, street, 0.16);
+    }
+
+    /// How high the terrain is at a place above what a road that ends in a hilltop 18 m ahead does behind it, where it falls by an eighth
+    /// and only `car_m` is seen of it, or of what stands on it: places along the road and heights above it.
+    fn above_hidden_road_m(car_m: &[(f32, f32)], x_m: f32) -> f32 {
+        let road_m = |x: f32| -SENSOR_HEIGHT_M - 0.125 * (x - 18.0).max(0.0);
+        let steps = || (-260..260).map(|step| step as f32 * 0.15);
+        let seen = steps().flat_map(|x| steps().map(move |y| (x, y)));
+        let seen = seen.filter(|(x, y)| x.hypot(*y) > 3.0 && *x < 18.0).map(|(x, y)| [x, y, road_m(x)]);
+        let across = || (0..12).map(|step| 0.15 * step as f32 - 0.9);
+        let car = car_m.iter().flat_map(|&(x, height_m)| across().map(move |y| [x, y, road_m(x) + height_m]));
+        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi: 3, extent_m: 40.0 });
+        grid.fill(&seen.chain(car).collect());
+        let mut terrain = Terrain::new(terrain_params(), &grid, SENSOR_HEIGHT_M);
+        terrain.estimate(&grid);
+        terrain.elevation_m(grid.nearest_column_and_row([x_m, 0.0])) - road_m(x_m)
+    }
+
+    #[test]
+    fn a_roof_beyond_a_hilltop_is_not_ground() {
+        // The roof is as high as the road was before it fell.
+        let roof = (0..20).map(|step| (29.4 + 0.15 * step as f32, 1.5));
+        let rear = [0.4, 0.7, 1.0, 1.3].map(|height_m| (29.1, height_m));
+        let roof_m = above_hidden_road_m(&roof.clone().collect::<Vec<_>>(), 30.5);
+        let car_m = above_hidden_road_m(&rear.into_iter().chain(roof).collect::<Vec<_>>(), 30.5);
+        assert!(roof_m > 1.3 && car_m < 0.8, "{roof_m} and {car_m}");
+    }
+
+    #[test]
+    fn what_is_low_bounds_the_ground_beside_it_where_nothing_is_seen() {
+        let nothing_m = above_hidden_road_m(&[], 26.0);
+        let foot: Vec<(f32, f32)> = (0..6).map(|step| (29.0, 0.1 + 0.1 * step as f32)).collect();
+        let beside_m = above_hidden_road_m(&foot, 26.0);
+        assert!(nothing_m > 0.8 && beside_m < 0.5, "{nothing_m} and {beside_m}");
     }
 }

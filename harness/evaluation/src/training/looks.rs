@@ -6,6 +6,7 @@ use detector::classify::forest::Forest;
 use detector::classify::object_looks::{N_MORE_LOOKS, ObjectLooks};
 use detector::group::node_context::{N_SECOND_LOOK_VALUES, NodeContexts};
 use forust_ml::errors::ForustError;
+use rayon::prelude::*;
 
 use crate::training::boosting::{BoostingParams, Target, boost};
 use crate::training::group_examples::ScanGroups;
@@ -30,7 +31,7 @@ pub const N_FORESTS: usize = 1 + N_MORE_LOOKS + N_FOLDS * N_MORE_LOOKS;
 pub fn train_looks(
     scans: &[&ScanGroups],
     params: &BoostingParams,
-    on_forest: &dyn Fn(),
+    on_forest: &(dyn Fn() + Sync),
 ) -> Result<ObjectLooks, ForustError> {
     let folds = folds(scans);
     let seen: Vec<Vec<_>> =
@@ -76,7 +77,7 @@ struct Examples<'a> {
     scans: &'a [&'a ScanGroups],
     folds: &'a [usize],
     params: &'a BoostingParams,
-    on_forest: &'a dyn Fn(),
+    on_forest: &'a (dyn Fn() + Sync),
 }
 
 impl Examples<'_> {
@@ -102,8 +103,11 @@ impl Examples<'_> {
     /// What forests say of the groups of each scan that have not learned from its part.
     fn worths_by_others<const D: usize>(&self, seen: &[Vec<[f32; D]>]) -> Result<Vec<Vec<f32>>, ForustError> {
         let mut worths = vec![Vec::new(); seen.len()];
-        for left_out in 0..N_FOLDS {
-            let forest = self.forest(seen, Some(left_out))?;
+        // A forest grows on one thread for most of its time.
+        let forests: Vec<_> =
+            (0..N_FOLDS).into_par_iter().map(|left_out| self.forest(seen, Some(left_out))).collect();
+        for (left_out, forest) in forests.into_iter().enumerate() {
+            let forest = forest?;
             let of_part = worths.iter_mut().zip(seen).zip(self.folds).filter(|it| *it.1 == left_out);
             for ((worths, seen), _) in of_part {
                 forest.sums(seen.iter(), worths);

@@ -38,8 +38,8 @@ const SPLITS: [&str; 7] = [".", "train", "val", "test", "sensor/train", "sensor/
 /// Height of the point between the lidars above the road: that above the rear axle, and the axle's.
 pub const ARGOVERSE2_SENSOR_HEIGHT_M: f32 = 1.95;
 
-/// Two of these, one upside down.
-pub const ARGOVERSE2_SENSOR: &str = "vlp-32c-twice";
+/// Two VLP-32C, one upside down on the other.
+pub const ARGOVERSE2_SENSOR: &str = "argoverse2";
 
 /// What is labelled, where the car may drive and five metres beside it.
 pub const ARGOVERSE2_CLASSES: [AnnotationClass; 12] = [
