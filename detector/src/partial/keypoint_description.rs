@@ -5,8 +5,9 @@ use super::local_surface::LocalSurfaces;
 use super::neighborhoods::Neighborhoods;
 use super::partial_params::PartialParams;
 use super::patch_descriptor::{Descriptor, PatchDescriber};
+use super::patterns::PatternKind;
 use super::seen_extents::SeenExtents;
-use super::seen_form::SeenForm;
+use super::seen_form::{FormMeter, SeenForm};
 use super::thinned_points::ThinnedPoints;
 
 /// A keypoint with what is around it.
@@ -26,15 +27,16 @@ pub struct KeypointDescriber {
     surfaces: LocalSurfaces,
     keypoints: Keypoints,
     patches: PatchDescriber,
+    form_meter: FormMeter,
     described: DescribedCloud,
 }
 
 /// What later stages need to know of a cloud.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DescribedCloud {
-    /// How far its thinned points reach.
+    /// How far its thinned points reach; nothing unless extents are counted.
     pub extents: SeenExtents,
-    /// What form all its points have.
+    /// What form all its points have; nothing unless forms are counted.
     pub form: SeenForm,
     /// Its keypoints.
     pub keypoints: Vec<DescribedKeypoint>,
@@ -50,14 +52,23 @@ impl KeypointDescriber {
         positions_m: impl Iterator<Item = [f32; 3]>,
         params: &PartialParams,
     ) -> &DescribedCloud {
-        let Self { thinned, around, surfaces, keypoints, patches, described } = self;
-        let PartialParams { thinning, surface, keypoints: keypoint_params, descriptor, .. } = params;
+        let Self { thinned, around, surfaces, keypoints, patches, form_meter, described } = self;
+        let PartialParams { thinning, surface, keypoints: keypoint_params, descriptor, patterns, .. } =
+            params;
         thinned.fill(positions_m, thinning);
         around.fill(thinned.points_m(), surface.radius_m);
         surfaces.fill(around, surface);
         keypoints.fill(around, surfaces.surfaces(), surface.radius_m, keypoint_params);
-        described.extents = SeenExtents::of(thinned.points_m().iter().copied());
-        described.form = SeenForm::of(thinned.all_points_m());
+        described.extents = if patterns.kinds.contains(&PatternKind::Extents) {
+            SeenExtents::of(thinned.points_m().iter().copied())
+        } else {
+            SeenExtents::default()
+        };
+        described.form = if patterns.kinds.contains(&PatternKind::Form) {
+            form_meter.measure(thinned.all_points_m())
+        } else {
+            SeenForm::default()
+        };
         described.keypoints.clear();
         described.keypoints.extend(keypoints.point_indices().iter().map(|&point_idx| {
             let of_stages = (surface, keypoint_params, descriptor);

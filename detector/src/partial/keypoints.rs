@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::local_surface::LocalSurface;
-use super::neighborhoods::Neighborhoods;
+use super::neighborhoods::{Nearby, Neighborhoods};
 
 /// Tuning of [`Keypoints`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub fn characteristic_radius(eigenvalue: f64, [least, largest]: [f64; 2]) -> f64
 pub struct Keypoints {
     strongest_first: Vec<(f64, u32)>,
     is_taken: Vec<bool>,
-    in_sphere: Vec<u32>,
+    in_sphere: Nearby,
     point_indices: Vec<u32>,
 }
 
@@ -58,7 +58,7 @@ impl Keypoints {
             point_indices.push(point_idx);
             let sphere_m = radius_m * characteristic_radius(lambda, [params.min_sphere, params.max_sphere]);
             around.within(around.points_m()[point_idx as usize], sphere_m, in_sphere);
-            for &it in &*in_sphere {
+            for &it in &in_sphere.found {
                 is_taken[it as usize] = true;
             }
         }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::neighborhoods::{Neighborhoods, keep_evenly};
+use super::neighborhoods::{Nearby, Neighborhoods, keep_evenly};
 use super::principal_frame::{PrincipalFrame, difference, dot};
 
 /// Tuning of [`local_surface`].
@@ -118,7 +118,8 @@ impl QuadricSums {
     fn add(&mut self, [x, y, z]: [f64; 3]) {
         let terms = [0.5 * x * x, x * y, 0.5 * y * y, x, y, 1.0];
         for row in 0..N_TERMS {
-            for column in 0..=row {
+            // Two at a time; what is above the diagonal is not read.
+            for column in 0..(row | 1) + 1 {
                 self.matrix[row][column] += terms[row] * terms[column];
             }
             self.right[row] += terms[row] * z;
@@ -171,20 +172,20 @@ impl QuadricSums {
 #[derive(Debug, Clone, Default)]
 pub struct LocalSurfaces {
     surfaces: Vec<LocalSurface>,
-    neighbors: Vec<u32>,
+    nearby: Nearby,
 }
 
 impl LocalSurfaces {
     /// Fits one at every point of `around`.
     pub fn fill(&mut self, around: &Neighborhoods, params: &SurfaceParams) {
         let points_m = around.points_m();
-        let Self { surfaces, neighbors } = self;
+        let Self { surfaces, nearby } = self;
         let middle_m = mean_of(points_m);
         surfaces.clear();
         surfaces.extend(points_m.iter().map(|&point_m| {
-            around.within(point_m, params.radius_m, neighbors);
-            keep_evenly(neighbors, params.max_neighbors);
-            let surface = local_surface(points_m, point_m, neighbors, params);
+            around.within(point_m, params.radius_m, nearby);
+            keep_evenly(&mut nearby.found, params.max_neighbors);
+            let surface = local_surface(points_m, point_m, &nearby.found, params);
             let normal = signed_normal(surface.normal, difference(point_m, middle_m), params.normals);
             LocalSurface { normal, ..surface }
         }));

@@ -8,6 +8,20 @@ pub struct Neighborhoods {
     cube_m: f64,
     sorted: Vec<(u64, [f64; 3])>,
     points_m: Vec<[f64; 3]>,
+    /// Every cube that holds points, ascending, and the place of its first point.
+    cubes: Vec<(u64, u32)>,
+    n_fills: u64,
+}
+
+/// Points around one place after another. Places in the same cube are asked for in turn, and share the search for cubes.
+#[derive(Debug, Clone, Default)]
+pub struct Nearby {
+    /// Which cloud was searched, and the corners of its cubes that were.
+    searched: Option<(u64, [[u64; 3]; 2])>,
+    /// Where the points in these cubes begin and end, ascending.
+    runs: Vec<[u32; 2]>,
+    /// Indices of the points that were found, ascending.
+    pub found: Vec<u32>,
 }
 
 impl Neighborhoods {
@@ -23,6 +37,13 @@ impl Neighborhoods {
         });
         self.points_m.clear();
         self.points_m.extend(self.sorted.iter().map(|it| it.1));
+        self.cubes.clear();
+        for (&(cube, _), place) in self.sorted.iter().zip(0..) {
+            if self.cubes.last().is_none_or(|it| it.0 != cube) {
+                self.cubes.push((cube, place));
+            }
+        }
+        self.n_fills += 1;
     }
 
     /// All points in their order, in metres.
@@ -30,20 +51,39 @@ impl Neighborhoods {
         &self.points_m
     }
 
-    /// Writes the points within `radius_m` of `center_m` to `found`, ascending; a point at that distance is within.
-    pub fn within(&self, center_m: [f64; 3], radius_m: f64, found: &mut Vec<u32>) {
+    /// Finds the points within `radius_m` of `center_m`; a point at that distance is within. All places that are asked for with
+    /// one `nearby` are in this cloud.
+    pub fn within(&self, center_m: [f64; 3], radius_m: f64, nearby: &mut Nearby) {
+        let corners = [-radius_m, radius_m].map(|off_m| center_m.map(|it| self.cell_coordinate(it + off_m)));
+        let Nearby { searched, runs, found } = nearby;
+        if *searched != Some((self.n_fills, corners)) {
+            self.fill_runs(corners, runs);
+            *searched = Some((self.n_fills, corners));
+        }
         found.clear();
-        let [low, high] =
-            [-radius_m, radius_m].map(|off_m| center_m.map(|it| self.cell_coordinate(it + off_m)));
+        found.resize(runs.iter().map(|[start, end]| (end - start) as usize).sum(), 0);
+        let mut n_found = 0;
+        for &[start, end] in &*runs {
+            for (point_idx, point_m) in (start..end).zip(&self.points_m[start as usize..end as usize]) {
+                // Without a branch, which nobody could predict.
+                found[n_found] = point_idx;
+                n_found += usize::from(squared_distance(*point_m, center_m) <= radius_m * radius_m);
+            }
+        }
+        found.truncate(n_found);
+    }
+
+    /// The points in the cubes from one corner to the other.
+    fn fill_runs(&self, [low, high]: [[u64; 3]; 2], runs: &mut Vec<[u32; 2]>) {
+        runs.clear();
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 let column = x << 42 | y << 21;
-                let first = self.sorted.partition_point(|it| it.0 < (column | low[2]));
-                let cells = self.sorted[first..].iter().take_while(|it| it.0 <= (column | high[2]));
-                for (point_idx, (_, point_m)) in (first as u32..).zip(cells) {
-                    if squared_distance(*point_m, center_m) <= radius_m * radius_m {
-                        found.push(point_idx);
-                    }
+                let [first, last] = [column | low[2], (column | high[2]) + 1]
+                    .map(|cube| self.cubes.partition_point(|it| it.0 < cube))
+                    .map(|place| self.cubes.get(place).map_or(self.points_m.len() as u32, |it| it.1));
+                if first < last {
+                    runs.push([first, last]);
                 }
             }
         }
@@ -87,11 +127,29 @@ mod tests {
         ) {
             let mut around = Neighborhoods::default();
             around.fill(&points_m, 0.8);
-            let mut found = Vec::new();
-            around.within(center_m, radius_m, &mut found);
+            let mut nearby = Nearby::default();
+            around.within(center_m, radius_m, &mut nearby);
             let is_near = |idx: &u32| squared_distance(around.points_m()[*idx as usize], center_m) <= radius_m * radius_m;
             let expected: Vec<u32> = (0..points_m.len() as u32).filter(is_near).collect();
-            prop_assert_eq!(found, expected);
+            prop_assert_eq!(nearby.found, expected);
+        }
+
+        #[test]
+        fn what_was_searched_before_changes_nothing(
+            points_m in prop::collection::vec(prop::array::uniform3(-2.0_f64..2.0), 1..60),
+            radii_m in prop::array::uniform3(0.0_f64..1.5),
+        ) {
+            let mut around = Neighborhoods::default();
+            let mut nearby = Nearby::default();
+            for points_m in [&points_m[..], &points_m[1..]] {
+                around.fill(points_m, 0.8);
+                for (&center_m, radius_m) in around.points_m().iter().zip(radii_m.into_iter().cycle()) {
+                    let mut anew = Nearby::default();
+                    around.within(center_m, radius_m, &mut nearby);
+                    around.within(center_m, radius_m, &mut anew);
+                    prop_assert_eq!(&nearby.found, &anew.found);
+                }
+            }
         }
     }
 

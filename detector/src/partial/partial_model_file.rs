@@ -20,7 +20,7 @@ use crate::params::ParamsError;
 /// What the file calls itself.
 const FORMAT: &str = "scanbench bag-of-graphs";
 /// Of the format; other versions are refused.
-const VERSION: i64 = 2;
+const VERSION: i64 = 3;
 
 /// Why there is no model.
 #[derive(Debug, thiserror::Error)]
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn other_and_damaged_files_are_refused_with_their_line() {
         check_refused("bag-of-graphs", "nu-svm", "line 1: the format is");
-        check_refused("version = 2", "version = 9", "line 2: the format has version 9");
+        check_refused("version = 3", "version = 9", "line 2: the format has version 9");
         check_refused("units = \"3fe", "units = \"bfe", "line 5: units: not twelve positive numbers");
         check_refused("  \"3fd5", "  \"3fd", "line 7: labels: not twelve numbers");
         check_refused("[0, 1, 1]", "[0, 1, 2]", "center_classes: not a number of every class");

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::hull_volume::HullVolume;
 use super::keypoints::{KeypointParams, characteristic_radius};
 use super::local_surface::{LocalSurface, SurfaceParams};
-use super::neighborhoods::{Neighborhoods, keep_evenly};
+use super::neighborhoods::{Nearby, Neighborhoods, keep_evenly};
 use super::point_pair_angles::{AngleParams, N_ANGLE_BINS, point_feature_histogram};
 use super::principal_frame::{PrincipalFrame, dot};
 use crate::portable_math::atan2;
@@ -49,7 +49,7 @@ pub enum VolumeScale {
 #[derive(Debug, Clone, Default)]
 pub struct PatchDescriber {
     hull: HullVolume,
-    neighbors: Vec<u32>,
+    nearby: Nearby,
     positions_m: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
 }
@@ -71,13 +71,14 @@ impl PatchDescriber {
             center_m,
             [params.small_scale, params.large_scale].map(|it| it * surface.radius_m),
         );
-        around.within(center_m, surface.radius_m, &mut self.neighbors);
-        keep_evenly(&mut self.neighbors, params.max_points);
+        around.within(center_m, surface.radius_m, &mut self.nearby);
+        let neighbors = &mut self.nearby.found;
+        keep_evenly(neighbors, params.max_points);
         self.positions_m.clear();
-        self.positions_m.extend(self.neighbors.iter().map(|&it| around.points_m()[it as usize]));
+        self.positions_m.extend(neighbors.iter().map(|&it| around.points_m()[it as usize]));
         self.normals.clear();
-        self.normals.extend(self.neighbors.iter().map(|&it| surfaces[it as usize].normal));
-        let keypoint_place = self.neighbors.partition_point(|&it| it < point_idx);
+        self.normals.extend(neighbors.iter().map(|&it| surfaces[it as usize].normal));
+        let keypoint_place = neighbors.partition_point(|&it| it < point_idx);
         let angles =
             point_feature_histogram(keypoint_place, &self.positions_m, &self.normals, &params.angles);
         let LocalSurface { harris, curvatures, .. } = surfaces[point_idx as usize];
@@ -103,11 +104,11 @@ impl PatchDescriber {
     fn normal_cosine(&mut self, around: &Neighborhoods, center_m: [f64; 3], radii_m: [f64; 2]) -> f64 {
         let mut normals = [[0.0; 3]; 2];
         for (normal, radius_m) in normals.iter_mut().zip(radii_m) {
-            around.within(center_m, radius_m, &mut self.neighbors);
-            if self.neighbors.len() < 3 {
+            around.within(center_m, radius_m, &mut self.nearby);
+            if self.nearby.found.len() < 3 {
                 return 1.0;
             }
-            let points_m = self.neighbors.iter().map(|&it| around.points_m()[it as usize]);
+            let points_m = self.nearby.found.iter().map(|&it| around.points_m()[it as usize]);
             *normal = PrincipalFrame::around(points_m).map_or([0.0; 3], |it| it.normal());
         }
         dot(normals[0], normals[1]).abs().min(1.0)

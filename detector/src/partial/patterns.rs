@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::hull_volume::tetrahedron_m3;
 use super::neighborhoods::squared_distance;
 use super::seen_extents::SeenExtents;
-use super::seen_form::SeenForm;
+use super::seen_form::{N_SLICES, SeenForm};
 
 /// Number of keypoints of a graph: one, and the three nearest to it.
 pub const N_VERTICES: usize = 4;
@@ -44,8 +44,9 @@ pub enum PatternKind {
     /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
     /// shares say nothing of size.
     Extents,
-    /// What form all has that is seen: how high it is, how its points spread, at its foot, middle and head too, and how much it
-    /// leans, three or four of these at once, in wide bins that overlap. Not in the paper.
+    /// What form all has that is seen: how high it is, how its points spread, in each of six level slices too, how they share
+    /// themselves out among these, and how much it leans, three or four of these at once, in wide bins that overlap. Not in the
+    /// paper.
     Form,
 }
 
@@ -97,7 +98,9 @@ pub const N_KINDS: usize = 5;
 /// Divisions of forms into wide bins, and how many edges a wide bin spans.
 const N_DIVISIONS: usize = 3;
 /// Groups of values of the form.
-const N_GROUPS: usize = 8;
+const N_GROUPS: usize = 18;
+/// Shares of a height are of at least so much, in metres.
+const LEAST_HEIGHT_M: f64 = 0.01;
 
 /// A keypoint with its label.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -217,18 +220,39 @@ fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
 
 /// Values of the form that are looked at together: what is rare is told apart first without the fourth, then without the third.
 fn groups_of_form(form: &SeenForm) -> [([f64; 3], Option<f64>); N_GROUPS] {
-    let SeenForm { extents, spread, foot, middle, head, lean } = *form;
-    let (height_m, along_m) = (form.height_m(), spread.deviation_along_m);
+    let SeenForm { extents, spread, mean_height_m, deviation_up_m, lean, slices } = *form;
+    let (top_m, height_m, along_m) = (extents.top_m, form.height_m(), spread.deviation_along_m);
+    let shares = slices.map(|it| it.share);
+    let lengths_m = slices.map(|it| it.spread.length_m);
+    let deviations_m = slices.map(|it| it.spread.deviation_along_m);
+    let [sorted_lengths_m, sorted_deviations_m] = [lengths_m, deviations_m].map(ascending);
+    let of_height = |value_m: f64| value_m / height_m.max(LEAST_HEIGHT_M);
+    let three = |values| (values, None);
     [
-        ([along_m, extents.top_m, spread.deviation_across_m], Some(extents.bottom_m)),
+        ([along_m, top_m, spread.deviation_across_m], Some(extents.bottom_m)),
         ([height_m, along_m, spread.deviation_across_m], Some(extents.length_m)),
-        ([height_m, along_m, lean], None),
-        ([extents.top_m, extents.length_m, extents.width_m], None),
-        ([extents.top_m, foot.length_m, head.length_m], None),
-        ([foot.deviation_along_m, extents.top_m, foot.length_m], None),
-        ([extents.top_m, foot.deviation_along_m, middle.deviation_along_m], None),
-        ([foot.deviation_along_m, middle.deviation_along_m, head.deviation_along_m], None),
+        three([height_m, along_m, lean]),
+        three([top_m, extents.length_m, extents.width_m]),
+        three([top_m, lengths_m[0], lengths_m[5]]),
+        three([deviations_m[0], top_m, lengths_m[0]]),
+        three([top_m, deviations_m[0], deviations_m[3]]),
+        three([deviations_m[0], deviations_m[3], deviations_m[5]]),
+        three([top_m, lengths_m[1], lengths_m[2]]),
+        three([top_m, lengths_m[4], lengths_m[5]]),
+        three([deviations_m[0], deviations_m[2], deviations_m[4]]),
+        three([top_m, deviation_up_m, along_m]),
+        three([of_height(deviation_up_m), of_height(mean_height_m), along_m]),
+        three([sorted_lengths_m[0], sorted_lengths_m[2], sorted_lengths_m[5]]),
+        three([top_m, sorted_lengths_m[0], sorted_lengths_m[5]]),
+        three([top_m, sorted_deviations_m[1], sorted_deviations_m[4]]),
+        three([shares[0], shares[5], top_m]),
+        three([shares[2], shares[4], shares[5]]),
     ]
+}
+
+fn ascending(mut values: [f64; N_SLICES]) -> [f64; N_SLICES] {
+    values.sort_unstable_by(f64::total_cmp);
+    values
 }
 
 /// The bins of the values of each group, as wide as some edges, in every division.
@@ -369,7 +393,7 @@ mod tests {
         let form = SeenForm { extents, lean: 4.5, ..SeenForm::default() };
         let mut patterns = Patterns::default();
         patterns.fill(&[keypoint(0.0, 0.0, 9)], (&extents, &form), &params);
-        assert_eq!(patterns.patterns().len(), 8 * 3);
+        assert_eq!(patterns.patterns().len(), 18 * 3);
         let numbers = |it: usize| patterns.patterns()[it].0.to_be_bytes();
         // The top, the length and the width exceed 6, 5 and 3 edges.
         assert_eq!(numbers(9), [0, 4, 1, 255, 9, 2, 1, 255]);

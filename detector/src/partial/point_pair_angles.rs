@@ -79,6 +79,39 @@ pub fn point_feature_histogram(
 const LEAST_SINE: f64 = 1e-6;
 
 fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> Option<usize> {
+    match signs {
+        AngleSigns::Count => clear_signs(ends_m, normals).or_else(|| exact_bin_of(ends_m, normals, signs)),
+        AngleSigns::Folded => exact_bin_of(ends_m, normals, signs),
+    }
+}
+
+/// What is larger than this share of the length of the line is so whatever rounding does.
+const CLEAR: f64 = 1e-4;
+
+/// The bin of the signs where none of them is a matter of rounding: no length need be taken, because scale changes no sign.
+#[inline(always)]
+fn clear_signs(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2]) -> Option<usize> {
+    let line = difference(ends_m[1], ends_m[0]);
+    // Not less than the length of the line.
+    let clear = CLEAR * (line[0].abs() + line[1].abs() + line[2].abs());
+    let [first, second] = normals.map(|it| dot(it, line));
+    let turned_by = second.abs() - first.abs();
+    let (source, target, d, phi) = if turned_by > 0.0 {
+        (normals[1], normals[0], line.map(|it| -it), -second)
+    } else {
+        (normals[0], normals[1], line, first)
+    };
+    let v = cross(source, d);
+    let w = cross(source, v);
+    let (alpha, theta_y) = (dot(v, target), dot(w, target));
+    let is_clear = |value: f64| value.abs() > clear;
+    // If α is clear, so is the plane through line and normal.
+    let are_clear = is_clear(turned_by) && is_clear(phi) && is_clear(alpha) && is_clear(theta_y);
+    let bits = [alpha, phi, theta_y].map(|it| usize::from(it > 0.0));
+    are_clear.then_some(bits[0] << 2 | bits[1] << 1 | bits[2])
+}
+
+fn exact_bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> Option<usize> {
     let line = difference(ends_m[1], ends_m[0]);
     let length_m = dot(line, line).sqrt();
     if length_m == 0.0 {
@@ -111,6 +144,7 @@ fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[track_caller]
     fn check(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns, expected: Option<usize>) {
@@ -134,6 +168,27 @@ mod tests {
         // −y, w = u × −y = (0.6, 0, −0.8); φ = −0.8, α = 0, θ = atan(−0.8, 0.6).
         check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Folded, Some(0b011));
         check(ends, [[0.0, 0.0, 1.0], [0.8, 0.0, 0.6]], AngleSigns::Count, Some(0b100));
+    }
+
+    proptest! {
+        #[test]
+        fn clear_signs_are_the_signs(
+            ends_m in prop::array::uniform2(prop::array::uniform3(-2.0_f64..2.0)),
+            normals in prop::array::uniform2(prop::array::uniform3(-1.0_f64..1.0)),
+            flattened in prop::array::uniform3(0..3),
+        ) {
+            // Often level or upright, so that some angles are nought.
+            let flat = |it: [f64; 3]| [0, 1, 2].map(|axis| if flattened[axis] == 0 { 0.0 } else { it[axis] });
+            let unit = |it: [f64; 3]| it.map(|value| value / dot(it, it).sqrt().max(1e-9));
+            for (ends_m, normals) in [(ends_m, normals), (ends_m.map(flat), normals), (ends_m, normals.map(flat))] {
+                let normals = normals.map(unit);
+                let exact = exact_bin_of(ends_m, normals, AngleSigns::Count);
+                if let Some(clear) = clear_signs(ends_m, normals) {
+                    prop_assert_eq!(Some(clear), exact);
+                }
+                prop_assert_eq!(bin_of(ends_m, normals, AngleSigns::Count), exact);
+            }
+        }
     }
 
     #[test]

@@ -3,26 +3,35 @@
 use super::level_spread::LevelSpread;
 use super::seen_extents::SeenExtents;
 
-/// Lengths of what is seen of an object, in metres, and how much it leans. All points count, because thinning would
-/// take the edge off thin things.
+/// What form all has that is seen of an object: lengths in metres, shares, and how much it leans. All points count, because
+/// thinning would take the edge off thin things.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SeenForm {
     /// Its extents.
     pub extents: SeenExtents,
     /// How its points spread on the ground plan.
     pub spread: LevelSpread,
-    /// The same of the lowest sixth of its height.
-    pub foot: LevelSpread,
-    /// The same of the fourth sixth from below.
-    pub middle: LevelSpread,
-    /// The same of the highest sixth.
-    pub head: LevelSpread,
+    /// Height of the mean of its points above its bottom, in metres.
+    pub mean_height_m: f64,
+    /// Standard deviation of their heights, in metres.
+    pub deviation_up_m: f64,
     /// How far it goes aside for each metre upward, by the line that fits its points best.
     pub lean: f64,
+    /// Level slices that its height is cut into, from the lowest to the highest.
+    pub slices: [FormSlice; N_SLICES],
 }
 
-/// Level slices that its height is cut into.
-const N_SLICES: f64 = 6.0;
+/// What lies within a sixth of the height.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FormSlice {
+    /// Its share of all points.
+    pub share: f64,
+    /// How its points spread on the ground plan; nothing of fewer than three.
+    pub spread: LevelSpread,
+}
+
+/// Number of level slices.
+pub const N_SLICES: usize = 6;
 /// Slices with fewer points have no spread.
 const LEAST_POINTS: usize = 3;
 /// What is not higher counts as so high, in metres.
@@ -31,52 +40,100 @@ const LEAST_HEIGHT_M: f64 = 1e-3;
 const LEVEL_M2: f64 = 1e-6;
 
 impl SeenForm {
-    /// That of some points; nothing without any. Not in the papers.
-    pub fn of(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Self {
-        let spread = LevelSpread::of(points_m.clone());
-        let extents = SeenExtents::with_spread(spread, points_m.clone());
-        let height_m = (extents.top_m - extents.bottom_m).max(LEAST_HEIGHT_M);
-        let slice = |number: f64| {
-            let [low_m, high_m] =
-                [number, number + 1.0].map(|it| extents.bottom_m + height_m * it / N_SLICES);
-            let inside = points_m.clone().filter(move |[_, _, z]| (low_m..=high_m).contains(z));
-            if inside.clone().nth(LEAST_POINTS - 1).is_none() {
-                return LevelSpread::default();
-            }
-            LevelSpread::of(inside)
-        };
-        Self {
-            extents,
-            spread,
-            foot: slice(0.0),
-            middle: slice(3.0),
-            head: slice(N_SLICES - 1.0),
-            lean: lean(points_m),
-        }
-    }
-
     /// Height of what is seen, from its bottom to its top, in metres.
     pub fn height_m(&self) -> f64 {
         self.extents.top_m - self.extents.bottom_m
     }
 }
 
-fn lean(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> f64 {
-    let (mut n, mut sum_z) = (0.0_f64, 0.0);
-    for [_, _, z] in points_m.clone() {
-        n += 1.0;
-        sum_z += z;
+/// A buffer for one form after another.
+#[derive(Debug, Clone, Default)]
+pub struct FormMeter {
+    by_slice: Vec<[f64; 3]>,
+}
+
+impl FormMeter {
+    /// The form of some points; nothing without any. A point where two slices meet belongs to the upper one. Not in the papers.
+    pub fn measure(&mut self, points_m: impl Iterator<Item = [f64; 3]> + Clone) -> SeenForm {
+        let spread = LevelSpread::of(points_m.clone());
+        let extents = SeenExtents::with_spread(spread, points_m.clone());
+        let UpwardSums { n_points, mean_z_m, deviation_up_m, lean } = UpwardSums::of(points_m.clone());
+        SeenForm {
+            extents,
+            spread,
+            mean_height_m: mean_z_m - extents.bottom_m,
+            deviation_up_m,
+            lean,
+            slices: self.slices(points_m, &extents, n_points),
+        }
     }
-    let mean_z = sum_z / n.max(1.0);
-    let (mut with_x, mut with_y, mut squares) = (0.0, 0.0, LEVEL_M2);
-    let Some([first_x, first_y, _]) = points_m.clone().next() else { return 0.0 };
-    for [x, y, z] in points_m {
-        let z = z - mean_z;
-        with_x += z * (x - first_x);
-        with_y += z * (y - first_y);
-        squares += z * z;
+
+    fn slices(
+        &mut self,
+        points_m: impl Iterator<Item = [f64; 3]> + Clone,
+        extents: &SeenExtents,
+        n_points: usize,
+    ) -> [FormSlice; N_SLICES] {
+        let slices_a_metre = N_SLICES as f64 / (extents.top_m - extents.bottom_m).max(LEAST_HEIGHT_M);
+        let slice_of = |z: f64| (((z - extents.bottom_m) * slices_a_metre) as usize).min(N_SLICES - 1);
+        let mut ends = [0; N_SLICES];
+        for [_, _, z] in points_m.clone() {
+            ends[slice_of(z)] += 1;
+        }
+        let mut next = [0; N_SLICES];
+        for slice in 1..N_SLICES {
+            next[slice] = ends[slice - 1];
+            ends[slice] += ends[slice - 1];
+        }
+        let starts = next;
+        self.by_slice.clear();
+        self.by_slice.resize(n_points, [0.0; 3]);
+        for point_m in points_m {
+            let place = &mut next[slice_of(point_m[2])];
+            self.by_slice[*place] = point_m;
+            *place += 1;
+        }
+        std::array::from_fn(|slice| {
+            let inside = &self.by_slice[starts[slice]..ends[slice]];
+            let share = inside.len() as f64 / n_points.max(1) as f64;
+            let spread = if inside.len() < LEAST_POINTS {
+                LevelSpread::default()
+            } else {
+                LevelSpread::of(inside.iter().copied())
+            };
+            FormSlice { share, spread }
+        })
     }
-    (with_x * with_x + with_y * with_y).sqrt() / squares
+}
+
+/// What heights have in common, and how points go aside with them.
+struct UpwardSums {
+    n_points: usize,
+    mean_z_m: f64,
+    deviation_up_m: f64,
+    lean: f64,
+}
+
+impl UpwardSums {
+    fn of(points_m: impl Iterator<Item = [f64; 3]> + Clone) -> Self {
+        let (mut n_points, mut sum_z) = (0, 0.0);
+        for [_, _, z] in points_m.clone() {
+            n_points += 1;
+            sum_z += z;
+        }
+        let [first_x, first_y, _] = points_m.clone().next().unwrap_or_default();
+        let n = n_points.max(1) as f64;
+        let mean_z_m = sum_z / n;
+        let (mut with_x, mut with_y, mut squares) = (0.0, 0.0, 0.0);
+        for [x, y, z] in points_m {
+            let z = z - mean_z_m;
+            with_x += z * (x - first_x);
+            with_y += z * (y - first_y);
+            squares += z * z;
+        }
+        let lean = (with_x * with_x + with_y * with_y).sqrt() / (squares + LEVEL_M2);
+        Self { n_points, mean_z_m, deviation_up_m: (squares / n).sqrt(), lean }
+    }
 }
 
 #[cfg(test)]
@@ -89,30 +146,42 @@ mod tests {
             let half_m = if z >= 50 { 1.5 } else { 0.5 };
             [-1.0, 0.0, 1.0].map(|side| [7.0 + half_m * side, lean * f64::from(z) * 0.1, f64::from(z) * 0.1])
         };
-        (0..=60).flat_map(row).collect()
+        (0..60).flat_map(row).chain([[7.0, lean * 6.0, 6.0]]).collect()
+    }
+
+    fn form(points_m: &[[f64; 3]]) -> SeenForm {
+        FormMeter::default().measure(points_m.iter().copied())
     }
 
     #[test]
-    fn foot_and_head_are_measured_by_themselves() {
-        let form = SeenForm::of(board(0.0).into_iter());
-        let lengths_m = [form.foot, form.middle, form.head, form.spread].map(|it| it.length_m);
-        assert_eq!(lengths_m, [1.0, 1.0, 3.0, 3.0]);
+    fn slices_are_measured_by_themselves() {
+        let form = form(&board(0.0));
+        let lengths_m = form.slices.map(|it| it.spread.length_m);
+        assert_eq!(lengths_m, [1.0, 1.0, 1.0, 1.0, 1.0, 3.0]);
         assert!((form.height_m() - 6.0).abs() < 1e-12 && form.spread.width_m == 0.0);
-        assert!((form.foot.deviation_along_m - (0.25_f64 / 1.5).sqrt()).abs() < 1e-12);
+        assert!((form.slices[0].spread.deviation_along_m - (0.25_f64 / 1.5).sqrt()).abs() < 1e-12);
+        assert!((form.slices.iter().map(|it| it.share).sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(form.slices[..5].iter().all(|it| (it.share - 30.0 / 181.0).abs() < 1e-9), "{form:?}");
+    }
+
+    #[test]
+    fn heights_have_a_mean_above_the_bottom_and_a_deviation() {
+        let form = form(&[[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 1.0, 4.0], [5.0, 0.0, 4.0]]);
+        assert_eq!((form.mean_height_m, form.deviation_up_m), (1.0, 1.0));
     }
 
     #[test]
     fn what_goes_aside_leans() {
         for lean in [0.0, 0.1, 0.5] {
-            let found = SeenForm::of(board(lean).into_iter()).lean;
+            let found = form(&board(lean)).lean;
             assert!((found - lean).abs() < 1e-6, "{found} {lean}");
         }
     }
 
     #[test]
     fn slices_of_few_points_have_no_spread_and_nothing_has_no_form() {
-        let form = SeenForm::of([[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 5.0]].into_iter());
-        assert_eq!([form.foot, form.middle, form.head], [LevelSpread::default(); 3]);
-        assert_eq!(SeenForm::of(std::iter::empty()), SeenForm::default());
+        let slices = form(&[[0.0; 3], [1.0, 0.0, 0.0], [0.5, 0.0, 5.0]]).slices;
+        assert!(slices.iter().all(|it| it.spread == LevelSpread::default()), "{slices:?}");
+        assert_eq!(form(&[]), SeenForm::default());
     }
 }

@@ -83,7 +83,7 @@ pub fn bag(
     for (pattern, count) in &mut bag {
         let n = match pattern.kind_number() {
             3 => 4.0,
-            4 => 24.0,
+            4 => 54.0,
             _ => graphs.len() as f64,
         };
         *count = match params.bag.counts {
@@ -132,27 +132,48 @@ fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pa
     let edges = &model.params.patterns.form_edges_m;
     let [bottom_m, top_m, length_m, width_m] = extents_m(points_m);
     let height_m = top_m - bottom_m;
-    let sliced = |number: f64| -> Vec<[f64; 3]> {
-        let [low_m, high_m] = [number, number + 1.0].map(|it| bottom_m + height_m.max(1e-3) * it / 6.0);
-        points_m.iter().filter(|it| it[2] >= low_m && it[2] <= high_m).copied().collect()
-    };
-    let of_slice = |slice: &[[f64; 3]]| match slice.len() {
+    let n = points_m.len() as f64;
+    let slice_of = |z: f64| ((z - bottom_m) * (6.0 / height_m.max(1e-3))).floor().min(5.0);
+    let slices = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].map(|number| -> Vec<[f64; 3]> {
+        points_m.iter().filter(|it| slice_of(it[2]) == number).copied().collect()
+    });
+    let shares = slices.each_ref().map(|it| it.len() as f64 / n);
+    let of_slices = slices.map(|slice| match slice.len() {
         0..3 => [0.0; 2],
-        _ => [extents_m(slice)[2], deviations_m(slice)[0]],
+        _ => [extents_m(&slice)[2], deviations_m(&slice)[0]],
+    });
+    let [lengths, alongs] = [0, 1].map(|value| of_slices.map(|it| it[value]));
+    let sorted = |values: [f64; 6]| {
+        let mut values = values.to_vec();
+        values.sort_by(f64::total_cmp);
+        values
     };
-    let [foot, middle, head] = [0.0, 3.0, 5.0].map(|it| of_slice(&sliced(it)));
+    let (sorted_lengths, sorted_alongs) = (sorted(lengths), sorted(alongs));
+    let mean_z = points_m.iter().map(|it| it[2]).sum::<f64>() / n;
+    let up_m = (points_m.iter().map(|it| (it[2] - mean_z).powi(2)).sum::<f64>() / n).sqrt();
+    let whole_m = height_m.max(0.01);
     let [along_m, across_m] = deviations_m(points_m);
     let groups = [
         vec![along_m, top_m, across_m, bottom_m],
         vec![height_m, along_m, across_m, length_m],
         vec![height_m, along_m, lean(points_m)],
         vec![top_m, length_m, width_m],
-        vec![top_m, foot[0], head[0]],
-        vec![foot[1], top_m, foot[0]],
-        vec![top_m, foot[1], middle[1]],
-        vec![foot[1], middle[1], head[1]],
+        vec![top_m, lengths[0], lengths[5]],
+        vec![alongs[0], top_m, lengths[0]],
+        vec![top_m, alongs[0], alongs[3]],
+        vec![alongs[0], alongs[3], alongs[5]],
+        vec![top_m, lengths[1], lengths[2]],
+        vec![top_m, lengths[4], lengths[5]],
+        vec![alongs[0], alongs[2], alongs[4]],
+        vec![top_m, up_m, along_m],
+        vec![up_m / whole_m, (mean_z - bottom_m) / whole_m, along_m],
+        vec![sorted_lengths[0], sorted_lengths[2], sorted_lengths[5]],
+        vec![top_m, sorted_lengths[0], sorted_lengths[5]],
+        vec![top_m, sorted_alongs[1], sorted_alongs[4]],
+        vec![shares[0], shares[5], top_m],
+        vec![shares[2], shares[4], shares[5]],
     ];
-    for (place, division) in (0..24_u64).map(|it| (it, it as usize % 3)) {
+    for (place, division) in (0..54_u64).map(|it| (it, it as usize % 3)) {
         let bins = groups[place as usize / 3].iter().map(|&value| {
             let n_below = edges.iter().filter(|&&edge| edge <= value).count();
             ((n_below + division) / 3) as u64
