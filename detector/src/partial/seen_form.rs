@@ -76,16 +76,15 @@ impl FormMeter {
     ) -> [FormSlice; N_SLICES] {
         let slices_a_metre = N_SLICES as f64 / (extents.top_m - extents.bottom_m).max(LEAST_HEIGHT_M);
         let slice_of = |z: f64| (((z - extents.bottom_m) * slices_a_metre) as usize).min(N_SLICES - 1);
-        let mut ends = [0; N_SLICES];
+        let mut counts = [0; N_SLICES];
         for [_, _, z] in points_m.clone() {
-            ends[slice_of(z)] += 1;
+            counts[slice_of(z)] += 1;
         }
-        let mut next = [0; N_SLICES];
+        let mut starts = [0; N_SLICES];
         for slice in 1..N_SLICES {
-            next[slice] = ends[slice - 1];
-            ends[slice] += ends[slice - 1];
+            starts[slice] = starts[slice - 1] + counts[slice - 1];
         }
-        let starts = next;
+        let mut next = starts;
         self.by_slice.clear();
         self.by_slice.resize(n_points, [0.0; 3]);
         for point_m in points_m {
@@ -94,7 +93,7 @@ impl FormMeter {
             *place += 1;
         }
         std::array::from_fn(|slice| {
-            let inside = &self.by_slice[starts[slice]..ends[slice]];
+            let inside = &self.by_slice[starts[slice]..starts[slice] + counts[slice]];
             let share = inside.len() as f64 / n_points.max(1) as f64;
             let spread = if inside.len() < LEAST_POINTS {
                 LevelSpread::default()
