@@ -127,9 +127,8 @@ fn lean(points_m: &[[f64; 3]]) -> f64 {
     sum.xy().norm() / (sum.z + 1e-6)
 }
 
-/// Groups of values of the form, in bins that span three edges, which begin at each of three edges in turn.
-fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
-    let edges = &model.params.patterns.form_edges_m;
+/// Values of the form that are looked at together.
+fn groups_of_form(points_m: &[[f64; 3]]) -> [Vec<f64>; 18] {
     let [bottom_m, top_m, length_m, width_m] = extents_m(points_m);
     let height_m = top_m - bottom_m;
     let n = points_m.len() as f64;
@@ -153,7 +152,7 @@ fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pa
     let up_m = (points_m.iter().map(|it| (it[2] - mean_z).powi(2)).sum::<f64>() / n).sqrt();
     let whole_m = height_m.max(0.01);
     let [along_m, across_m] = deviations_m(points_m);
-    let groups = [
+    [
         vec![along_m, top_m, across_m, bottom_m],
         vec![height_m, along_m, across_m, length_m],
         vec![height_m, along_m, lean(points_m)],
@@ -172,7 +171,13 @@ fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pa
         vec![top_m, sorted_alongs[1], sorted_alongs[4]],
         vec![shares[0], shares[5], top_m],
         vec![shares[2], shares[4], shares[5]],
-    ];
+    ]
+}
+
+/// Groups of values of the form, in bins that span three edges, which begin at each of three edges in turn.
+fn count_form(points_m: &[[f64; 3]], model: &PartialModel, bag: &mut BTreeMap<Pattern, f64>) {
+    let edges = &model.params.patterns.form_edges_m;
+    let groups = groups_of_form(points_m);
     for (place, division) in (0..54_u64).map(|it| (it, it as usize % 3)) {
         let bins = groups[place as usize / 3].iter().map(|&value| {
             let n_below = edges.iter().filter(|&&edge| edge <= value).count();
