@@ -119,7 +119,8 @@ impl QuadricSums {
         let terms = [0.5 * x * x, x * y, 0.5 * y * y, x, y, 1.0];
         for row in 0..N_TERMS {
             // Two at a time; what is above the diagonal is not read.
-            for column in 0..=(row | 1) {
+            let n_columns = (row | 1) + 1;
+            for column in 0..n_columns {
                 self.matrix[row][column] += terms[row] * terms[column];
             }
             self.right[row] += terms[row] * z;
