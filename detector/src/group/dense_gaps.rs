@@ -38,7 +38,7 @@ pub struct DenseGaps {
     // Dense cells along a side of the grid.
     n_along: usize,
     expected: ExpectedDensity,
-    // For every dense cell of the grid: what reaches it first, and how far that is; and whether it lies at the border.
+    // For every dense cell of the grid: what reached it first, in how many steps, and whether it lies at the border.
     reached: Vec<Reached>,
     steps: Vec<u8>,
     is_border: Vec<bool>,
@@ -57,7 +57,7 @@ pub struct DenseGaps {
     between: [Vec<[u32; 2]>; N_LEVELS],
 }
 
-/// The occupied dense cell that is nearest to a place, and its group.
+/// The dense cell that reached a place first, and its group.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Reached {
     label: u32,

@@ -118,7 +118,7 @@ impl QuadricSums {
     fn add(&mut self, [x, y, z]: [f64; 3]) {
         let terms = [0.5 * x * x, x * y, 0.5 * y * y, x, y, 1.0];
         for row in 0..N_TERMS {
-            // Two at a time; what is above the diagonal is not read.
+            // An even number of columns, to add two at a time; nothing above the diagonal is read.
             let n_columns = (row | 1) + 1;
             for column in 0..n_columns {
                 self.matrix[row][column] += terms[row] * terms[column];

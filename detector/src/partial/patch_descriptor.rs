@@ -8,7 +8,7 @@ use super::hull_volume::HullVolume;
 use super::keypoints::{KeypointParams, characteristic_radius};
 use super::local_surface::{LocalSurface, SurfaceParams};
 use super::neighborhoods::{Nearby, Neighborhoods, keep_evenly};
-use super::point_pair_angles::{AngleParams, N_ANGLE_BINS, point_feature_histogram};
+use super::point_pair_angles::{AngleParams, N_ANGLE_BINS, Pairs, point_feature_histogram};
 use super::principal_frame::{PrincipalFrame, dot};
 use crate::portable_math::atan2;
 
@@ -74,11 +74,16 @@ impl PatchDescriber {
         around.within(center_m, surface.radius_m, &mut self.nearby);
         let neighbors = &mut self.nearby.found;
         keep_evenly(neighbors, params.max_points);
+        let mut keypoint_place = neighbors.partition_point(|&it| it < point_idx);
+        if params.angles.pairs == Pairs::OfKeypoint && neighbors.get(keypoint_place) != Some(&point_idx) {
+            // It was not kept. It takes the place of one beside it, because all pairs are with it.
+            keypoint_place = keypoint_place.min(neighbors.len() - 1);
+            neighbors[keypoint_place] = point_idx;
+        }
         self.positions_m.clear();
         self.positions_m.extend(neighbors.iter().map(|&it| around.points_m()[it as usize]));
         self.normals.clear();
         self.normals.extend(neighbors.iter().map(|&it| surfaces[it as usize].normal));
-        let keypoint_place = neighbors.partition_point(|&it| it < point_idx);
         let angles =
             point_feature_histogram(keypoint_place, &self.positions_m, &self.normals, &params.angles);
         let LocalSurface { harris, curvatures, .. } = surfaces[point_idx as usize];
@@ -126,7 +131,7 @@ pub fn modified_shape_index([first, second]: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
     use crate::partial::local_surface::{LocalSurfaces, NormalSigns};
-    use crate::partial::point_pair_angles::{AngleSigns, Pairs};
+    use crate::partial::point_pair_angles::AngleSigns;
 
     #[test]
     fn the_shape_index_tells_saddles_troughs_and_bowls() {
@@ -136,14 +141,14 @@ mod tests {
         assert_eq!((modified_shape_index([1.0, 1.0]), modified_shape_index([0.0, 0.0])), (0.5, 0.5));
     }
 
-    /// The descriptor in the middle of these points.
-    fn described(points_m: &[[f64; 3]]) -> Descriptor {
+    /// The descriptors of these points, in the order of their neighbourhoods, and how far each is from the middle.
+    fn all_described(points_m: &[[f64; 3]], pairs: Pairs, max_points: usize) -> Vec<(f64, Descriptor)> {
         let surface =
             SurfaceParams { radius_m: 0.75, max_neighbors: 99, damping: 0.0, normals: NormalSigns::Up };
         let keypoint = KeypointParams { min_sphere: 0.0, max_sphere: 4.0 };
         let params = DescriptorParams {
-            angles: AngleParams { pairs: Pairs::All, signs: AngleSigns::Count },
-            max_points: 99,
+            angles: AngleParams { pairs, signs: AngleSigns::Count },
+            max_points,
             small_scale: 0.5,
             large_scale: 1.0,
             volume: VolumeScale::Cubic,
@@ -152,16 +157,25 @@ mod tests {
         around.fill(points_m, surface.radius_m);
         let mut surfaces = LocalSurfaces::default();
         surfaces.fill(&around, &surface);
-        let middle = (0..points_m.len()).min_by(|&a, &b| {
-            let far = |it: usize| dot(around.points_m()[it], around.points_m()[it]);
-            far(a).total_cmp(&far(b))
-        });
-        PatchDescriber::default().describe(
-            &around,
-            surfaces.surfaces(),
-            middle.unwrap() as u32,
-            (&surface, &keypoint, &params),
-        )
+        let mut describer = PatchDescriber::default();
+        let of_stages = (&surface, &keypoint, &params);
+        let mut describe = |it: u32| describer.describe(&around, surfaces.surfaces(), it, of_stages);
+        (0..).zip(around.points_m()).map(|(it, at_m)| (dot(*at_m, *at_m), describe(it))).collect()
+    }
+
+    /// The descriptor in the middle of these points.
+    fn described(points_m: &[[f64; 3]]) -> Descriptor {
+        let all = all_described(points_m, Pairs::All, 99);
+        all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1
+    }
+
+    #[test]
+    fn keypoints_among_too_many_points_have_their_pairs() {
+        let steps = || (-2..=2).map(|it| f64::from(it) * 0.1);
+        let sheet: Vec<[f64; 3]> = steps().flat_map(|x| steps().map(move |y| [x, y, x * y])).collect();
+        for (_, descriptor) in all_described(&sheet, Pairs::OfKeypoint, 5) {
+            assert!((descriptor[..N_ANGLE_BINS].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -26,11 +26,11 @@ pub struct PatternParams {
     pub volume_edges_m3: Vec<f64>,
     /// Where bins of the extents of the whole end, in metres, ascending.
     pub extent_edges_m: Vec<f64>,
-    /// Where bins of the form of the whole end, in metres, ascending.
+    /// Where bins of the form of the whole end, ascending: metres for lengths, plain numbers for shares, ratios and the lean.
     pub form_edges_m: Vec<f64>,
 }
 
-/// What is counted of every keypoint.
+/// What is counted, of every keypoint or of the whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PatternKind {
@@ -44,9 +44,8 @@ pub enum PatternKind {
     /// How far all that is seen reaches: a pattern for every pair of extents, and none of keypoints. Not in the paper, whose
     /// shares say nothing of size.
     Extents,
-    /// What form all has that is seen: how high it is, how its points spread, in each of six level slices too, how they share
-    /// themselves out among these, and how much it leans, three or four of these at once, in wide bins that overlap. Not in the
-    /// paper.
+    /// The form of all that is seen: its height, the spread of its points, overall and in six level slices, the share of points in
+    /// each slice, and the lean. A pattern joins three or four of these values, in wide bins that overlap. Not in the paper.
     Form,
 }
 
@@ -99,8 +98,8 @@ pub const N_KINDS: usize = 5;
 const N_DIVISIONS: usize = 3;
 /// Groups of values of the form.
 const N_GROUPS: usize = 18;
-/// Shares of a height are of at least so much, in metres.
-const LEAST_HEIGHT_M: f64 = 0.01;
+/// Ratios to the height of what is seen take it to be at least so much, in metres.
+const LEAST_HEIGHT_OF_RATIOS_M: f64 = 0.01;
 
 /// A keypoint with its label.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -218,7 +217,8 @@ fn patterns_of_extents(extents: &SeenExtents, edges_m: &[f64]) -> [Pattern; 4] {
     })
 }
 
-/// Values of the form that are looked at together: what is rare is told apart first without the fourth, then without the third.
+/// Values of the form that make a pattern together; docs/decisions/object-clouds.md has how they were chosen. A rare pattern first
+/// forgets its fourth value, then its third.
 fn groups_of_form(form: &SeenForm) -> [([f64; 3], Option<f64>); N_GROUPS] {
     let SeenForm { extents, spread, mean_height_m, deviation_up_m, lean, slices } = *form;
     let (top_m, height_m, along_m) = (extents.top_m, form.height_m(), spread.deviation_along_m);
@@ -226,7 +226,7 @@ fn groups_of_form(form: &SeenForm) -> [([f64; 3], Option<f64>); N_GROUPS] {
     let lengths_m = slices.map(|it| it.spread.length_m);
     let deviations_m = slices.map(|it| it.spread.deviation_along_m);
     let [sorted_lengths_m, sorted_deviations_m] = [lengths_m, deviations_m].map(ascending);
-    let of_height = |value_m: f64| value_m / height_m.max(LEAST_HEIGHT_M);
+    let of_height = |value_m: f64| value_m / height_m.max(LEAST_HEIGHT_OF_RATIOS_M);
     let three = |values| (values, None);
     [
         ([along_m, top_m, spread.deviation_across_m], Some(extents.bottom_m)),
@@ -390,7 +390,10 @@ mod tests {
         let edges_m: Vec<f64> = (1..8).map(f64::from).collect();
         let params = PatternParams { form_edges_m: edges_m, ..params(PatternKind::Form) };
         let extents = SeenExtents { bottom_m: 0.5, top_m: 6.5, length_m: 5.5, width_m: 3.5 };
-        let form = SeenForm { extents, lean: 4.5, ..SeenForm::default() };
+        let mut form = SeenForm { extents, lean: 4.5, ..SeenForm::default() };
+        form.slices[0].spread.length_m = 3.5;
+        form.slices[2].share = 1.5;
+        form.slices[5].share = 2.5;
         let mut patterns = Patterns::default();
         patterns.fill(&[keypoint(0.0, 0.0, 9)], (&extents, &form), &params);
         assert_eq!(patterns.patterns().len(), 18 * 3);
@@ -403,6 +406,12 @@ mod tests {
         assert_eq!(numbers(1), [0, 4, 0, 0, 1, 0, 2, 255]);
         // The lean is the third of the third group.
         assert_eq!(numbers(6), [0, 4, 1, 255, 6, 2, 0, 255]);
+        // The lowest slice is the longest, so of lengths in order it is the last.
+        assert_eq!(numbers(3 * 4), [0, 4, 0, 255, 12, 2, 1, 255]);
+        assert_eq!(numbers(3 * 13), [0, 4, 1, 255, 39, 0, 0, 255]);
+        // Shares of the first and the last slice, and the top; of the third, the fifth and the last.
+        assert_eq!(numbers(3 * 16), [0, 4, 2, 255, 48, 0, 0, 255]);
+        assert_eq!(numbers(3 * 17 + 2), [0, 4, 1, 255, 53, 1, 0, 255]);
         patterns.fill(&[], (&extents, &form), &params);
         assert!(patterns.patterns().is_empty());
     }

@@ -85,10 +85,10 @@ fn bin_of(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2], signs: AngleSigns) -> O
     }
 }
 
-/// What is larger than this share of the length of the line is so whatever rounding does.
+/// A sine or cosine above this is too large for rounding to change its sign.
 const CLEAR: f64 = 1e-4;
 
-/// The bin of the signs where none of them is a matter of rounding: no length need be taken, because scale changes no sign.
+/// The bin, if every sign is clear. It takes no square root, because scale changes no sign.
 #[inline(always)]
 fn clear_signs(ends_m: [[f64; 3]; 2], normals: [[f64; 3]; 2]) -> Option<usize> {
     let line = difference(ends_m[1], ends_m[0]);
@@ -189,6 +189,13 @@ mod tests {
                 prop_assert_eq!(bin_of(ends_m, normals, AngleSigns::Count), exact);
             }
         }
+    }
+
+    #[test]
+    fn signs_that_rounding_may_change_are_not_clear() {
+        let ends_m = [[0.0; 3], [2.0, 0.0, 1.0]];
+        assert_eq!(clear_signs(ends_m, [[0.0, 0.0, 1.0], [0.6, 0.64, 0.48]]), Some(0b101));
+        assert_eq!(clear_signs(ends_m, [[0.0, 0.0, 1.0], [0.6, 1e-7, 0.8]]), None);
     }
 
     #[test]

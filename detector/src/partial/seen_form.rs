@@ -74,8 +74,8 @@ impl FormMeter {
         extents: &SeenExtents,
         n_points: usize,
     ) -> [FormSlice; N_SLICES] {
-        let slices_a_metre = N_SLICES as f64 / (extents.top_m - extents.bottom_m).max(LEAST_HEIGHT_M);
-        let slice_of = |z: f64| (((z - extents.bottom_m) * slices_a_metre) as usize).min(N_SLICES - 1);
+        let slices_per_m = N_SLICES as f64 / (extents.top_m - extents.bottom_m).max(LEAST_HEIGHT_M);
+        let slice_of = |z: f64| (((z - extents.bottom_m) * slices_per_m) as usize).min(N_SLICES - 1);
         let mut counts = [0; N_SLICES];
         for [_, _, z] in points_m.clone() {
             counts[slice_of(z)] += 1;
@@ -105,7 +105,7 @@ impl FormMeter {
     }
 }
 
-/// What heights have in common, and how points go aside with them.
+/// Mean and deviation of heights, and the lean.
 struct UpwardSums {
     n_points: usize,
     mean_z_m: f64,

@@ -32,8 +32,9 @@ pub struct TerrainParams {
 /// the ground however many points it has. The ground that is known so far goes on as a plane, up to
 /// [`TerrainParams::max_slope`]. What lies flat is ground if it is near that plane: it may fall away from it as steeply as a
 /// road, for the nearer side of it may have been no ground, and rise above it by little, or the ground would climb over bonnets and
-/// hedges. Where nothing flat is seen the plane goes on, but not above the lowest things there or beside. What is flat and has
-/// something lower in the same block is a roof: beyond the top of a hill roofs are all that is level.
+/// hedges. Where nothing flat is seen the plane goes on, and where nothing at all is seen the mean of the known neighbours; neither
+/// lies above the lowest things of the block or of those next to it. A flat surface with something lower in its block is a roof:
+/// beyond a hilltop often only roofs are level.
 ///
 /// Paper: VM section 3, "globally estimated digital terrain map".
 #[derive(Debug, Clone)]
@@ -53,8 +54,8 @@ pub struct Terrain {
     // Mean elevations of the flat cells, and the lowest ones of all cells.
     flat_m: BlockElevations,
     lowest_m: BlockElevations,
-    // The elevation of the lowest things of each block, infinite where there are none.
-    lowest_things_m: Vec<f32>,
+    // A low quantile of the latter for each block, infinite where there is none.
+    low_of_block_m: Vec<f32>,
 }
 
 /// What is known so far of a block.
@@ -93,14 +94,14 @@ const LEVELLING_M2: f32 = 2.0;
 const N_SURE: u32 = 6;
 /// Without them the ground may rise above it by so much more.
 const UNSURE_BEND: f32 = 1.75;
-/// Share of the cells of a block that lie below its lowest things, and the fewest points of such a cell: drops of rain and mirror
-/// images are single points.
+/// Share of the cells of a block that lie below what counts as its lowest things, and the fewest points of such a cell: drops of rain
+/// and mirror images are single points.
 const LOWEST_QUANTILE: f32 = 0.1;
 const LOWEST_MIN_POINTS: u32 = 3;
-/// What is flat is a roof if the lowest things of its block are so much lower, in metres.
+/// A flat surface is a roof if the lowest things of its block are so much lower, in metres.
 const LEAST_BELOW_ROOF_M: f32 = 0.25;
-/// Rise over run from the lowest things of a block to the ground of the next one.
-const SLOPE_TO_NEXT: f32 = 0.1;
+/// How steeply the ground of a block may rise from the lowest things of the next block, rise over run.
+const MAX_SLOPE_FROM_NEXT: f32 = 0.1;
 
 /// Some elevations of each block.
 #[derive(Debug, Clone)]
@@ -182,7 +183,7 @@ impl Terrain {
             places: (0..grid.n_columns()).map(|step| Place::of(step, params.block_cells, n_inner)).collect(),
             flat_m: BlockElevations::new(n_blocks, room),
             lowest_m: BlockElevations::new(n_blocks, room),
-            lowest_things_m: vec![f32::INFINITY; n_blocks],
+            low_of_block_m: vec![f32::INFINITY; n_blocks],
             params,
         }
     }
@@ -216,7 +217,7 @@ impl Terrain {
         if seen_m.is_none() && self.below_sensor[block_idx] {
             return (-self.sensor_height_m, Knowledge::SEEN);
         }
-        let lowest_m = self.lowest_things_m[block_idx];
+        let lowest_m = self.low_of_block_m[block_idx];
         let is_roof = seen_m.is_some_and(|it| it - lowest_m > LEAST_BELOW_ROOF_M);
         if let Some(seen_m) = seen_m.filter(|it| !is_roof && (it - level_m).abs() <= LEVEL_M) {
             return (seen_m, Knowledge::SEEN);
@@ -234,30 +235,31 @@ impl Terrain {
         let deepest_m = expected_m - self.params.max_step_m - self.params.max_slope * away_m;
         // Mirror images lie deeper than any ground, and make no roof of it.
         let is_roof = is_roof && lowest_m >= deepest_m;
-        if let Some(seen_m) = seen_m.filter(|it| !is_roof && (deepest_m..=highest_m).contains(it)) {
+        let is_near = |it: f32| (it - level_m).abs() <= LEVEL_M || (deepest_m..=highest_m).contains(&it);
+        if let Some(seen_m) = seen_m.filter(|&it| !is_roof && is_near(it)) {
             return (seen_m, Knowledge::SEEN);
         }
-        if (deepest_m..expected_m).contains(&bound_m) {
-            let plane_weight = if is_empty { 0.0 } else { LOWERED_WEIGHT };
-            return (bound_m, Knowledge::unseen(n_unseen + 1, plane_weight));
+        let (goes_on_m, guess_weight, bound_weight) = if seen_m.is_none() && is_empty {
+            (level_m, 0.0, 0.0)
+        } else {
+            (expected_m, GUESSED_WEIGHT / f32::from(n_unseen + 2), LOWERED_WEIGHT)
+        };
+        if (deepest_m..goes_on_m).contains(&bound_m) {
+            return (bound_m, Knowledge::unseen(n_unseen + 1, bound_weight));
         }
-        if seen_m.is_none() && is_empty {
-            return (level_m, Knowledge::unseen(n_unseen + 1, 0.0));
-        }
-        let plane_weight = GUESSED_WEIGHT / f32::from(n_unseen + 2);
-        (expected_m, Knowledge::unseen(n_unseen + 1, plane_weight))
+        (goes_on_m, Knowledge::unseen(n_unseen + 1, guess_weight))
     }
 
     /// How high the ground of a block may lie by the lowest things of the eight next to it, infinite if there are none.
     fn bound_by_next_m(&self, block_idx: usize, block_size_m: f32) -> f32 {
         let n = self.n_block_columns;
         let lowest_of = |places: [usize; 4]| {
-            places.into_iter().map(|it| self.lowest_things_m[it]).fold(f32::INFINITY, f32::min)
+            places.into_iter().map(|it| self.low_of_block_m[it]).fold(f32::INFINITY, f32::min)
         };
         let beside_m = lowest_of([block_idx - n, block_idx - 1, block_idx + 1, block_idx + n]);
         let across_m =
             lowest_of([block_idx - n - 1, block_idx - n + 1, block_idx + n - 1, block_idx + n + 1]);
-        let rise_m = SLOPE_TO_NEXT * block_size_m;
+        let rise_m = MAX_SLOPE_FROM_NEXT * block_size_m;
         (beside_m + rise_m).min(across_m + std::f32::consts::SQRT_2 * rise_m)
     }
 
@@ -340,7 +342,7 @@ impl Terrain {
         }
         for &block_idx in &self.outward {
             let lowest_m = self.lowest_m.quantile_m(block_idx as usize, LOWEST_QUANTILE);
-            self.lowest_things_m[block_idx as usize] = lowest_m.unwrap_or(f32::INFINITY);
+            self.low_of_block_m[block_idx as usize] = lowest_m.unwrap_or(f32::INFINITY);
         }
     }
 }
@@ -488,8 +490,8 @@ mod tests {
         check(street, street, 0.16);
     }
 
-    /// How high the terrain is at a place above what a road that ends in a hilltop 18 m ahead does behind it, where it falls by an eighth
-    /// and only `car_m` is seen of it, or of what stands on it: places along the road and heights above it.
+    /// The error of the terrain at `x_m` on a road that is level for 18 m and then falls by an eighth, out of sight. Of what stands there
+    /// only `car_m` is seen: places along the road and heights above it. All in metres.
     fn above_hidden_road_m(car_m: &[(f32, f32)], x_m: f32) -> f32 {
         let road_m = |x: f32| -SENSOR_HEIGHT_M - 0.125 * (x - 18.0).max(0.0);
         let steps = || (-260..260).map(|step| step as f32 * 0.15);

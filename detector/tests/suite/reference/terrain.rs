@@ -11,6 +11,8 @@ pub struct Terrain {
     block_cells: i32,
     n_block_columns: i32,
     blocks: BTreeMap<Cell, Block>,
+    /// Elevation of the lowest things of each block that has any.
+    low_of_block_m: BTreeMap<Cell, f32>,
 }
 
 struct Block {
@@ -39,14 +41,15 @@ impl Terrain {
             let (across, along) = (from_middle(block.column), from_middle(block.row));
             (across * across + along * along, *block)
         });
-        let mut terrain = Self { block_cells, n_block_columns, blocks: BTreeMap::new() };
+        let low_of_block_m = lowest_m.iter().map(|(block, it)| (*block, low_quantile(it, 0.1))).collect();
+        let mut terrain = Self { block_cells, n_block_columns, blocks: BTreeMap::new(), low_of_block_m };
         let block_size_m = params.terrain.block_cells as f32 * params.grid.cell_size_m;
         for block in outward {
             let from_sensor = [block.column, block.row].map(|it| from_middle(it).abs());
             let place = Place {
                 is_below_sensor: from_sensor.iter().all(|it| *it <= i64::from(block_cells)),
                 seen_m: flat_m.get(&block).map(|it| low_quantile(it, params.terrain.low_quantile)),
-                lowest_m: lowest_m.get(&block).map(|it| low_quantile(it, 0.25)),
+                lowest_m: terrain.low_of_block_m.get(&block).copied(),
                 block,
             };
             let it = if params.terrain.enabled {
@@ -67,30 +70,47 @@ impl Terrain {
     ) -> Block {
         let seen = |elevation_m: f32| Block { elevation_m, n_unseen: 0, plane_weight: 1.0 };
         let (level_m, n_unseen) = self.expectation(place.block).unwrap_or((-sensor_height_m, 0));
-        let n_unseen_here = n_unseen + 1;
-        match (place.seen_m, place.lowest_m) {
-            (None, _) if place.is_below_sensor => return seen(-sensor_height_m),
-            (Some(seen_m), _) if (seen_m - level_m).abs() <= 0.1 => return seen(seen_m),
-            (None, None) => {
-                return Block { elevation_m: level_m, n_unseen: n_unseen_here, plane_weight: 0.0 };
-            }
-            _ => {}
+        let unseen =
+            |elevation_m: f32, plane_weight: f32| Block { elevation_m, n_unseen: n_unseen + 1, plane_weight };
+        if place.seen_m.is_none() && place.is_below_sensor {
+            return seen(-sensor_height_m);
+        }
+        let bound_m = place.lowest_m.unwrap_or_else(|| self.bound_by_next_m(place.block, block_size_m));
+        let is_nothing_seen = place.seen_m.is_none() && place.lowest_m.is_none();
+        if is_nothing_seen && bound_m == f32::INFINITY {
+            return unseen(level_m, 0.0);
         }
         let (expected_m, n_seen) = self.plane(place.block, params, block_size_m).unwrap_or((level_m, 0));
-        let away_m = block_size_m * f32::from(n_unseen_here);
+        let away_m = block_size_m * f32::from(n_unseen + 1);
         let bend = params.max_bend * if n_seen >= 6 { 1.0 } else { 1.75 };
         let highest_m = expected_m + params.max_step_m + bend * away_m;
         let deepest_m = expected_m - params.max_step_m - params.max_slope * away_m;
-        match (place.seen_m, place.lowest_m) {
-            (Some(it), _) if it >= deepest_m && it <= highest_m => seen(it),
-            (_, Some(it)) if it >= deepest_m && it < expected_m => {
-                Block { elevation_m: it, n_unseen: n_unseen_here, plane_weight: 0.2 }
-            }
-            _ => {
-                let plane_weight = 0.25 / f32::from(n_unseen_here + 1);
-                Block { elevation_m: expected_m, n_unseen: n_unseen_here, plane_weight }
+        if let Some(seen_m) = place.seen_m {
+            let is_roof = place.lowest_m.is_some_and(|it| seen_m - it > 0.25 && it >= deepest_m);
+            if !is_roof && ((seen_m - level_m).abs() <= 0.1 || seen_m >= deepest_m && seen_m <= highest_m) {
+                return seen(seen_m);
             }
         }
+        let goes_on_m = if is_nothing_seen { level_m } else { expected_m };
+        if bound_m >= deepest_m && bound_m < goes_on_m {
+            return unseen(bound_m, if is_nothing_seen { 0.0 } else { 0.2 });
+        }
+        unseen(goes_on_m, if is_nothing_seen { 0.0 } else { 0.25 / f32::from(n_unseen + 2) })
+    }
+
+    /// How high the ground may lie by the lowest things of the blocks around.
+    fn bound_by_next_m(&self, block: Cell, block_size_m: f32) -> f32 {
+        let lowest_m = |farther: i32| {
+            let around = (-1..=1).flat_map(|along: i32| (-1..=1).map(move |across: i32| (along, across)));
+            around
+                .filter(|(along, across)| along.abs() + across.abs() == farther)
+                .filter_map(|(along, across)| {
+                    self.low_of_block_m.get(&Cell { row: block.row + along, column: block.column + across })
+                })
+                .fold(f32::INFINITY, |lowest_m, it| lowest_m.min(*it))
+        };
+        let rise_m = 0.1 * block_size_m;
+        (lowest_m(1) + rise_m).min(lowest_m(2) + std::f32::consts::SQRT_2 * rise_m)
     }
 
     /// Elevation of the plane through the known blocks around, and how many of them were seen.

@@ -103,7 +103,7 @@ impl Examples<'_> {
     /// What forests say of the groups of each scan that have not learned from its part.
     fn worths_by_others<const D: usize>(&self, seen: &[Vec<[f32; D]>]) -> Result<Vec<Vec<f32>>, ForustError> {
         let mut worths = vec![Vec::new(); seen.len()];
-        // A forest grows on one thread for most of its time.
+        // Each forest grows on one thread most of the time, so the parts grow in parallel.
         let forests: Vec<_> =
             (0..N_FOLDS).into_par_iter().map(|left_out| self.forest(seen, Some(left_out))).collect();
         for (left_out, forest) in forests.into_iter().enumerate() {
@@ -119,6 +119,8 @@ impl Examples<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use super::*;
     use crate::training::group_examples::{GroupExample, GroupLabels};
     use detector::classify::grouping_model::N_VEHICLE_VALUES;
@@ -157,10 +159,12 @@ mod tests {
     fn later_looks_tell_by_what_the_first_says_of_others() {
         let scans: Vec<ScanGroups> =
             (0..60).map(|it| scan(&format!("{}", it % 5), it % 2 == 0, (it / 2 % 3) as f32)).collect();
-        let n_forests = std::cell::Cell::new(0);
-        let on_forest = || n_forests.set(n_forests.get() + 1);
+        let n_forests = AtomicUsize::new(0);
+        let on_forest = || {
+            n_forests.fetch_add(1, Ordering::Relaxed);
+        };
         let looks = train_looks(&scans.iter().collect::<Vec<_>>(), &PARAMS, &on_forest).unwrap();
-        assert_eq!(n_forests.get(), N_FORESTS);
+        assert_eq!(n_forests.into_inner(), N_FORESTS);
         let mut buffers = LookBuffers::default();
         for it in &scans {
             for (worth, group) in it.worths(&looks, &mut buffers).into_iter().zip(&it.groups) {
