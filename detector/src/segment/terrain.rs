@@ -96,7 +96,7 @@ const N_SURE: u32 = 6;
 const UNSURE_BEND: f32 = 1.75;
 /// Share of the cells of a block that lie below what counts as its lowest things, and the fewest points of such a cell: drops of rain
 /// and mirror images are single points.
-const LOWEST_QUANTILE: f32 = 0.1;
+const LOWEST_QUANTILE: f32 = 0.25;
 const LOWEST_MIN_POINTS: u32 = 3;
 /// A flat surface is a roof if the lowest things of its block are so much lower, in metres.
 const LEAST_BELOW_ROOF_M: f32 = 0.25;

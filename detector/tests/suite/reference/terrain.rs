@@ -41,7 +41,7 @@ impl Terrain {
             let (across, along) = (from_middle(block.column), from_middle(block.row));
             (across * across + along * along, *block)
         });
-        let low_of_block_m = lowest_m.iter().map(|(block, it)| (*block, low_quantile(it, 0.1))).collect();
+        let low_of_block_m = lowest_m.iter().map(|(block, it)| (*block, low_quantile(it, 0.25))).collect();
         let mut terrain = Self { block_cells, n_block_columns, blocks: BTreeMap::new(), low_of_block_m };
         let block_size_m = params.terrain.block_cells as f32 * params.grid.cell_size_m;
         for block in outward {
