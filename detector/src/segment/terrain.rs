@@ -434,6 +434,24 @@ mod tests {
         }
     }
 
+    /// The cells of these points, and the terrain below them.
+    fn terrain_of(
+        params: TerrainParams,
+        positions_m: impl Iterator<Item = [f32; 3]>,
+    ) -> (HierarchicalGrid, Terrain) {
+        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi: 3, extent_m: 40.0 });
+        grid.fill(&positions_m.collect());
+        let mut terrain = Terrain::new(params, &grid, SENSOR_HEIGHT_M);
+        terrain.estimate(&grid);
+        (grid, terrain)
+    }
+
+    /// Places on the plan every 15 cm, but for those that the roof of the car hides from its sensor.
+    fn seen_places_m() -> impl Iterator<Item = (f32, f32)> {
+        let steps = || (-260..260).map(|step| step as f32 * 0.15);
+        steps().flat_map(move |x| steps().map(move |y| (x, y))).filter(|(x, y)| x.hypot(*y) > 3.0)
+    }
+
     /// Estimates the terrain below `surface_m(x, y)` and checks it at each occupied cell.
     #[track_caller]
     fn check(surface_m: impl Fn(f32, f32) -> f32, ground_m: impl Fn(f32, f32) -> f32, max_error_m: f32) {
@@ -447,13 +465,7 @@ mod tests {
         ground_m: impl Fn(f32, f32) -> f32,
         max_error_m: f32,
     ) {
-        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi: 3, extent_m: 40.0 });
-        let steps = || (-260..260).map(|step| step as f32 * 0.15);
-        let positions_m = steps().flat_map(|x| steps().map(move |y| (x, y)));
-        let seen = positions_m.filter(|(x, y)| x.hypot(*y) > 3.0);
-        grid.fill(&seen.map(|(x, y)| [x, y, surface_m(x, y)]).collect());
-        let mut terrain = Terrain::new(params, &grid, SENSOR_HEIGHT_M);
-        terrain.estimate(&grid);
+        let (grid, terrain) = terrain_of(params, seen_places_m().map(|(x, y)| [x, y, surface_m(x, y)]));
         for &cell_idx in grid.occupied() {
             let [x, y] = grid.center_m(cell_idx);
             let error_m = terrain.elevation_m(grid.column_and_row(cell_idx)) - ground_m(x, y);
@@ -494,25 +506,43 @@ mod tests {
     /// only `car_m` is seen: places along the road and heights above it. All in metres.
     fn above_hidden_road_m(car_m: &[(f32, f32)], x_m: f32) -> f32 {
         let road_m = |x: f32| -SENSOR_HEIGHT_M - 0.125 * (x - 18.0).max(0.0);
-        let steps = || (-260..260).map(|step| step as f32 * 0.15);
-        let seen = steps().flat_map(|x| steps().map(move |y| (x, y)));
-        let seen = seen.filter(|(x, y)| x.hypot(*y) > 3.0 && *x < 18.0).map(|(x, y)| [x, y, road_m(x)]);
+        let seen = seen_places_m().filter(|(x, _)| *x < 18.0).map(|(x, y)| [x, y, road_m(x)]);
         let across = || (0..12).map(|step| 0.15 * step as f32 - 0.9);
         let car = car_m.iter().flat_map(|&(x, height_m)| across().map(move |y| [x, y, road_m(x) + height_m]));
-        let mut grid = HierarchicalGrid::new(GridParams { cell_size_m: 0.6, xi: 3, extent_m: 40.0 });
-        grid.fill(&seen.chain(car).collect());
-        let mut terrain = Terrain::new(terrain_params(), &grid, SENSOR_HEIGHT_M);
-        terrain.estimate(&grid);
+        let (grid, terrain) = terrain_of(terrain_params(), seen.chain(car));
         terrain.elevation_m(grid.nearest_column_and_row([x_m, 0.0])) - road_m(x_m)
+    }
+
+    #[test]
+    fn mirror_images_below_a_wet_road_make_no_roof_of_it() {
+        // In every seventh cell, 40 cm below the road: deep enough for a roof above them, and not too deep for ground.
+        let road = || seen_places_m().map(|(x, y)| [x, y, -SENSOR_HEIGHT_M]);
+        let (dry, _) = terrain_of(terrain_params(), road());
+        let is_mirror = |cell_idx: &u32| {
+            let [column, row] = dry.column_and_row(*cell_idx);
+            (column + 3 * row) % 7 == 0
+        };
+        let images = dry.occupied().iter().copied().filter(is_mirror).flat_map(|cell_idx| {
+            let [x, y] = dry.center_m(cell_idx);
+            [-0.1, 0.0, 0.1].map(|aside_m| [x + aside_m, y, -SENSOR_HEIGHT_M - 0.4])
+        });
+        let (grid, terrain) = terrain_of(terrain_params(), road().chain(images));
+        for &cell_idx in grid.occupied() {
+            let [x, y] = grid.center_m(cell_idx);
+            let error_m = terrain.elevation_m(grid.column_and_row(cell_idx)) + SENSOR_HEIGHT_M;
+            // At the edge of the grid blocks have few cells.
+            let is_inside = x.abs().max(y.abs()) < 35.0;
+            assert!(!is_inside || error_m.abs() < 0.01, "off by {error_m} m at {x}, {y}");
+        }
     }
 
     #[test]
     fn a_roof_beyond_a_hilltop_is_not_ground() {
         // The roof is as high as the road was before it fell.
         let roof = (0..20).map(|step| (29.4 + 0.15 * step as f32, 1.5));
-        let rear = [0.4, 0.7, 1.0, 1.3].map(|height_m| (29.1, height_m));
+        let boot = [28.6, 29.1].into_iter().flat_map(|x| [0.4, 0.7, 1.0].map(|height_m| (x, height_m)));
         let roof_m = above_hidden_road_m(&roof.clone().collect::<Vec<_>>(), 30.5);
-        let car_m = above_hidden_road_m(&rear.into_iter().chain(roof).collect::<Vec<_>>(), 30.5);
+        let car_m = above_hidden_road_m(&boot.chain(roof).collect::<Vec<_>>(), 30.5);
         assert!(roof_m > 1.3 && car_m < 0.8, "{roof_m} and {car_m}");
     }
 
