@@ -1,6 +1,7 @@
 //! From cells to separate objects.
 
 // Which points are foreground.
+pub mod ground_plane;
 pub mod terrain;
 pub mod ground_segmentation;
 pub mod hough_lines;

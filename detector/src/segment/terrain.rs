@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use crate::grid::hierarchical_grid::HierarchicalGrid;
+use crate::segment::ground_plane::{GroundPlane, KnownBlock};
 
 /// Tuning of [`Terrain::estimate`]. The paper names a global terrain map and gives no numbers; these are ours.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -88,8 +89,6 @@ const LEVEL_M: f32 = 0.1;
 /// with something lower than the plane.
 const GUESSED_WEIGHT: f32 = 0.25;
 const LOWERED_WEIGHT: f32 = 0.2;
-/// Planes lean towards the level by so much, in square metres.
-const LEVELLING_M2: f32 = 2.0;
 /// From as many seen blocks on the plane through them is sure.
 const N_SURE: u32 = 6;
 /// Without them the ground may rise above it by so much more.
@@ -315,14 +314,14 @@ impl Terrain {
             }
         }
         let known = &mut known[..n_known];
-        let first = Plane::through(known, self.params.max_slope)?;
+        let first = GroundPlane::through(known, self.params.max_slope)?;
         for it in known.iter_mut() {
             let above_m = it.elevation_m - first.elevation_m(it.offset_m);
             let tolerated_m = self.params.max_step_m * if above_m > 0.0 { 1.0 } else { 3.0 };
             let ratio = above_m / tolerated_m;
             it.weight /= 1.0 + ratio * ratio;
         }
-        let second = Plane::through(known, self.params.max_slope)?;
+        let second = GroundPlane::through(known, self.params.max_slope)?;
         Some((second.elevation_m([0.0, 0.0]), n_seen >= N_SURE))
     }
 
@@ -344,60 +343,6 @@ impl Terrain {
             let lowest_m = self.lowest_m.quantile_m(block_idx as usize, LOWEST_QUANTILE);
             self.low_of_block_m[block_idx as usize] = lowest_m.unwrap_or(f32::INFINITY);
         }
-    }
-}
-
-/// A block that a plane goes through.
-#[derive(Debug, Clone, Copy, Default)]
-struct KnownBlock {
-    /// From the block that is asked for.
-    offset_m: [f32; 2],
-    elevation_m: f32,
-    weight: f32,
-}
-
-/// The ground as it goes on.
-#[derive(Debug, Clone, Copy)]
-struct Plane {
-    middle_m: [f32; 3],
-    slope: [f32; 2],
-}
-
-impl Plane {
-    /// The plane with the least squares to `known`, no steeper than `max_slope`; `None` if they have no weight.
-    fn through(known: &[KnownBlock], max_slope: f32) -> Option<Self> {
-        let (mut weight_sum, mut sums_m) = (0.0, [0.0; 3]);
-        for it in known {
-            let [x_m, y_m] = it.offset_m;
-            weight_sum += it.weight;
-            for (sum_m, value_m) in sums_m.iter_mut().zip([x_m, y_m, it.elevation_m]) {
-                *sum_m += it.weight * value_m;
-            }
-        }
-        if weight_sum <= 0.0 {
-            return None;
-        }
-        let middle_m = sums_m.map(|it| it / weight_sum);
-        let (mut xx, mut yy, mut xy, mut xz, mut yz) = (LEVELLING_M2, LEVELLING_M2, 0.0, 0.0, 0.0);
-        for it in known {
-            let (x_m, y_m) = (it.offset_m[0] - middle_m[0], it.offset_m[1] - middle_m[1]);
-            let z_m = it.elevation_m - middle_m[2];
-            xx += it.weight * x_m * x_m;
-            yy += it.weight * y_m * y_m;
-            xy += it.weight * x_m * y_m;
-            xz += it.weight * x_m * z_m;
-            yz += it.weight * y_m * z_m;
-        }
-        let determinant = xx * yy - xy * xy;
-        let slope = [(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant];
-        let steepness = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
-        let share = if steepness > max_slope { max_slope / steepness } else { 1.0 };
-        Some(Self { middle_m, slope: slope.map(|it| share * it) })
-    }
-
-    fn elevation_m(&self, offset_m: [f32; 2]) -> f32 {
-        let [x_m, y_m] = [0, 1].map(|axis| offset_m[axis] - self.middle_m[axis]);
-        self.middle_m[2] + self.slope[0] * x_m + self.slope[1] * y_m
     }
 }
 

@@ -53,7 +53,12 @@ pub fn descriptor(
             (Some(small), Some(large)) => small.dot(&large).abs().min(1.0),
             _ => 1.0,
         };
-    let patch = neighbors(points_m, center_m, radius_m, params.descriptor.max_points);
+    let mut patch = neighbors(points_m, center_m, radius_m, params.descriptor.max_points);
+    if params.descriptor.angles.pairs == Pairs::OfKeypoint && !patch.contains(&point_idx) {
+        let n_before = patch.iter().filter(|&&it| it < point_idx).count();
+        let place = n_before.min(patch.len() - 1);
+        patch[place] = point_idx;
+    }
     let bins = histogram(points_m, surfaces, &patch, point_idx, params);
     let [k1, k2] = surfaces[point_idx].curvatures;
     let shape_index = if k1 == k2 { 0.5 } else { (((k1 + k2) / (k1 - k2)).atan() / PI).abs() };
