@@ -266,7 +266,7 @@ mod tests {
 
     /// A level road with columns of points, each at a place and at heights above the road.
     fn candidates_of(
-        columns: &[([f32; 2], std::ops::Range<u8>)],
+        columns: &[([f32; 2], std::ops::Range<i8>)],
     ) -> (PointCloud, HierarchicalGrid, Candidates) {
         let params = HierarchicalParams::shipped();
         let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
@@ -301,7 +301,7 @@ mod tests {
     }
 
     /// The heights of the candidates above the road, in whole decimetres, and what speaks against the cell of the first.
-    fn found(columns: &[([f32; 2], std::ops::Range<u8>)]) -> (Vec<i32>, Option<Doubts>) {
+    fn found(columns: &[([f32; 2], std::ops::Range<i8>)]) -> (Vec<i32>, Option<Doubts>) {
         let (cloud, grid, candidates) = candidates_of(columns);
         let height = |&it: &u32| ((cloud.z_m()[it as usize] + SENSOR_HEIGHT_M) * 10.0) as i32;
         let first = candidates.point_indices().first();
@@ -321,6 +321,12 @@ mod tests {
     fn what_stands_on_the_road_is_a_candidate_and_the_road_is_not() {
         assert_eq!(found(&[(HERE, 0..15)]), ((2..15).collect(), Some(Doubts::NONE)));
         assert_eq!(found(&[]).0, []);
+    }
+
+    #[test]
+    fn the_road_over_a_mirror_image_is_no_candidate() {
+        let expected = ((2..15).collect(), Some(Doubts::NONE));
+        assert_eq!(found(&[(HERE, 0..15), ([9.6, 3.0], -20..-12)]), expected);
     }
 
     #[test]

@@ -13,7 +13,8 @@ use crate::surface_class::SurfaceClass;
 pub struct ForegroundParams {
     /// Points of a foreground cell that are no higher than this above the lowest ground of the cell are road, in metres.
     pub clearance_m: f32,
-    /// The lowest point of a cell counts as its ground up to this far above the terrain, in metres: kerbs and pavements.
+    /// The lowest point of a cell counts as its ground up to this far above the terrain, in metres, and down to as far below
+    /// it: kerbs, pavements and gutters. What lies lower is a mirror image, and the ground is the terrain.
     pub ground_band_m: f32,
 }
 
@@ -22,8 +23,9 @@ impl ForegroundParams {
     pub fn ground_top_m(&self, grid: &HierarchicalGrid, terrain: &Terrain, cell_idx: u32) -> f32 {
         let terrain_m = terrain.elevation_m(grid.column_and_row(cell_idx));
         let lowest_m = grid.cells()[cell_idx as usize].z_min_m;
-        let band_m = self.ground_band_m;
-        lowest_m.clamp(terrain_m - band_m, terrain_m + band_m) + self.clearance_m
+        let is_mirror_image = lowest_m < terrain_m - self.ground_band_m;
+        let ground_m = if is_mirror_image { terrain_m } else { lowest_m.min(terrain_m + self.ground_band_m) };
+        ground_m + self.clearance_m
     }
 }
 

@@ -22,8 +22,12 @@ pub fn foreground(
     let mut foreground = Foreground::new();
     for (&cell, points) in cells.iter().filter(|(cell, _)| classes[cell] == SurfaceClass::Short) {
         let terrain_m = terrain.elevation_m(cell);
-        let ground_m =
-            points.z_min_m().clamp(terrain_m - params.ground_band_m, terrain_m + params.ground_band_m);
+        // What lies far below the terrain was seen in a mirror.
+        let ground_m = match points.z_min_m() - terrain_m {
+            above_m if above_m > params.ground_band_m => terrain_m + params.ground_band_m,
+            above_m if above_m < -params.ground_band_m => terrain_m,
+            _ => points.z_min_m(),
+        };
         let is_clear = |&&point_idx: &&u32| cloud.z_m()[point_idx as usize] > ground_m + params.clearance_m;
         let clear: Vec<u32> = points.point_indices.iter().filter(is_clear).copied().collect();
         if !clear.is_empty() {
