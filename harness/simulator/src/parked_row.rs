@@ -7,7 +7,6 @@ use super::person_shape;
 use super::portable_math;
 use super::road_plan::Parking;
 use super::roadside::Roadside;
-use super::vehicle_shape;
 use super::world::{Placement, Stance, World};
 
 /// How full the kerb is.
@@ -44,7 +43,7 @@ fn row_askew(
     let [mut along_m, end_m] = roadside.reach_m;
     while along_m < end_m - 5.0 {
         // Vans would stand in the way of the traffic.
-        let shape = vehicle_shape::car(rng);
+        let shape = world.vehicle_mix.car(rng);
         let size = shape.bounds().extents();
         let width_along_m = size.y / sine;
         let middle_m = along_m + f32::midpoint(width_along_m, size.x * cosine);
@@ -146,7 +145,7 @@ impl SecondRow {
             if self.blocked_share == 0.0 || !rng.random_bool(self.blocked_share) {
                 continue;
             }
-            let shape = vehicle_shape::car(rng);
+            let shape = world.vehicle_mix.car(rng);
             let size = shape.bounds().extents();
             let middle_m =
                 f32::midpoint(blocked.along_m[0], blocked.along_m[1]) + rng.random_range(-1.0..1.0);

@@ -543,10 +543,11 @@ mod tests {
     #[test]
     fn no_two_vehicles_stand_or_drive_in_one_another() {
         use reports::vocabulary::class::AnnotationClass::{Bus, Car, Truck, Van};
-        let streets =
-            StreetKind::ALL.into_iter().flat_map(|kind| [false, true].map(|haulage| (kind, haulage)));
-        for (kind, haulage) in streets {
-            let conditions = StreetConditions { haulage, ..StreetConditions::default() };
+        let fleets = [[false, false], [true, false], [false, true]];
+        for (kind, [haulage, north_american]) in
+            StreetKind::ALL.into_iter().flat_map(|kind| fleets.map(|fleet| (kind, fleet)))
+        {
+            let conditions = StreetConditions { haulage, north_american, ..StreetConditions::default() };
             for seed in 0..10 {
                 let scan = Street::under(kind, seed, &conditions).scan(&coarse_sensor(), 45);
                 let vehicles =

@@ -7,7 +7,8 @@ use super::road_axis::{RoadAxisShape, Wave};
 use super::vehicle_shape::VehicleMix;
 
 /// What is set about a street; what is left out is drawn as in any street. The same seed puts the same things at the
-/// same places along the road under all conditions but [`Self::haulage`], which draws other vehicles.
+/// same places along the road under all conditions but [`Self::haulage`] and [`Self::north_american`], which draw other
+/// vehicles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own in a table of the catalogue")]
@@ -25,6 +26,9 @@ pub struct StreetConditions {
     /// handled. Lanes for parking are wider there.
     #[serde(default)]
     pub haulage: bool,
+    /// Whether cars are those of a North American town: off-roaders, pickups and large saloons. Lanes for parking are wider there.
+    #[serde(default)]
+    pub north_american: bool,
     /// Whether bridges cross the road, so low that trucks just pass.
     #[serde(default)]
     pub bridges: bool,
@@ -47,6 +51,9 @@ pub const TRUCK_HEIGHTS_M: RangeInclusive<f32> = 2.0..=4.5;
 
 /// How much wider lanes for parking are that trucks stand in, in metres.
 const ROOM_FOR_TRUCKS_M: f32 = 0.7;
+
+/// The same where cars are large.
+const ROOM_FOR_LARGE_CARS_M: f32 = 0.3;
 
 /// From one hill to the next, in metres.
 const HILL_LENGTH_M: f32 = 120.0;
@@ -73,6 +80,11 @@ impl StreetConditions {
         if self.gradient.is_some() && self.hill_gradient.is_some() {
             return Err("a street has either an even gradient or hills".to_owned());
         }
+        if self.haulage && self.north_american {
+            return Err(
+                "a street has either haulage or north_american, both of which say what drives".to_owned()
+            );
+        }
         Ok(())
     }
 
@@ -92,12 +104,20 @@ impl StreetConditions {
 
     /// What vehicles are seen how often.
     pub(super) fn vehicle_mix(&self) -> VehicleMix {
-        if self.haulage { VehicleMix::Haulage } else { VehicleMix::Town }
+        match (self.haulage, self.north_american) {
+            (true, _) => VehicleMix::Haulage,
+            (false, true) => VehicleMix::NorthAmerican,
+            (false, false) => VehicleMix::Town,
+        }
     }
 
     /// How much wider lanes for parking along kerbs are than drawn, in metres.
     pub(super) fn parking_room_m(&self) -> f32 {
-        if self.haulage { ROOM_FOR_TRUCKS_M } else { 0.0 }
+        match self.vehicle_mix() {
+            VehicleMix::Town => 0.0,
+            VehicleMix::Haulage => ROOM_FOR_TRUCKS_M,
+            VehicleMix::NorthAmerican => ROOM_FOR_LARGE_CARS_M,
+        }
     }
 
     /// A cross-section like this under the conditions.
@@ -142,6 +162,7 @@ mod tests {
         assert!(refused("kerb_height_m = -0.1").contains("kerb_height_m is -0.1"));
         assert!(refused("truck_ahead_height_m = nan").contains("truck_ahead_height_m is NaN"));
         assert!(refused("gradient = 0.1\nhill_gradient = 0.1").contains("either"));
+        assert!(refused("haulage = true\nnorth_american = true").contains("haulage or north_american"));
         assert!(StreetConditions::default().check().is_ok());
     }
 }

@@ -45,6 +45,7 @@ pub const CONDITIONS: &[Condition] = &[
     Condition { group: "overhead", name: "wires", change: |it| it.conditions.wires = true },
     Condition { group: "overhead", name: "garages", change: |it| it.conditions.garages = true },
     Condition { group: "traffic", name: "haulage", change: |it| it.conditions.haulage = true },
+    Condition { group: "traffic", name: "North American", change: |it| it.conditions.north_american = true },
     Condition { group: "mounted at", name: "1.0 m", change: |it| it.sensor_height_m = Some(1.0) },
     Condition { group: "mounted at", name: "2.5 m", change: |it| it.sensor_height_m = Some(2.5) },
     Condition { group: "sensor", name: "hdl-32e", change: |it| "hdl-32e".clone_into(&mut it.sensor) },
