@@ -6,6 +6,7 @@
 //!
 //! Each is a silhouette with the proportions of its kind, of which only what the foreground keeps is looked at, by the
 //! same stage as the points of a scan.
+#![allow(clippy::disallowed_methods, reason = "a drawing is no detection")]
 
 use detector::OrientedBox;
 use detector::describe::box_frame_points::BoxFramePoints;

@@ -101,6 +101,8 @@ pub struct DetectorOutput {
     pub stage_times: Vec<StageTime>,
     /// Clusters that did not become detections because of their size.
     pub dropped_clusters: Vec<DroppedCluster>,
+    /// Groups that were not looked into since the scan had too many: the objects in them may be found as one.
+    pub n_left_uncut: usize,
 }
 
 impl DetectorOutput {
@@ -131,6 +133,7 @@ impl DetectorOutput {
         self.unlikely_vehicles.clear();
         self.stage_times.clear();
         self.dropped_clusters.clear();
+        self.n_left_uncut = 0;
     }
 }
 

@@ -31,6 +31,10 @@
 //! ```
 //!
 //! Modules are declared in the order data reaches them; a module uses only what is declared above it.
+#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare with the platform's library"))]
+
+// Numbers that are the same on every machine.
+pub mod portable_math;
 
 // The contract.
 pub mod point_cloud;
@@ -50,8 +54,6 @@ pub use stage_product::StageProduct;
 
 // How fast they run, and nothing else.
 mod vector_instructions;
-// Numbers that are the same on every machine.
-pub mod portable_math;
 
 // The stages, in order.
 pub mod grid;

@@ -1,5 +1,7 @@
 //! A box that stands upright and is turned about the vertical.
 
+use crate::portable_math::single;
+
 /// An upright box in the sensor frame.
 ///
 /// ```
@@ -37,7 +39,7 @@ impl OrientedBox {
 
     /// `position_m` relative to the centre, along length, width and height.
     pub fn in_box_frame(&self, position_m: [f32; 3]) -> [f32; 3] {
-        let (sin, cos) = self.yaw_rad.sin_cos();
+        let (sin, cos) = single::sin_cos(self.yaw_rad);
         let dx = position_m[0] - self.center_m[0];
         let dy = position_m[1] - self.center_m[1];
         [cos * dx + sin * dy, cos * dy - sin * dx, position_m[2] - self.center_m[2]]
@@ -45,7 +47,7 @@ impl OrientedBox {
 
     /// The four ground-plan corners in metres, counter-clockwise from front left.
     pub fn footprint_m(&self) -> [[f32; 2]; 4] {
-        let (sin, cos) = self.yaw_rad.sin_cos();
+        let (sin, cos) = single::sin_cos(self.yaw_rad);
         let [length_m, width_m, _] = self.length_width_height_m;
         [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)].map(|(along, across)| {
             let (along_m, across_m) = (along * length_m, across * width_m);
@@ -64,7 +66,7 @@ impl OrientedBox {
 
     /// Distance of the centre from the sensor on the ground plan, in metres.
     pub fn range_m(&self) -> f32 {
-        self.center_m[0].hypot(self.center_m[1])
+        single::hypot(self.center_m[0], self.center_m[1])
     }
 }
 

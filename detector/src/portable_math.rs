@@ -1,8 +1,11 @@
 //! Sine, cosine, arc tangent, logarithm and exponential from IEEE additions, multiplications, divisions and square roots alone.
 //!
 //! The functions of the standard library call the platform's mathematics library, which may round differently on
-//! another machine. Whatever reaches a simulated scan or a trained model goes through these instead, so that a seed gives the
-//! same bytes everywhere. They are accurate to about 1e-14, far beyond the f32 the results are rounded to.
+//! another machine. Whatever reaches a simulated scan, a trained model or a detection goes through these instead, so that a seed
+//! or a scan gives the same bytes everywhere. They are accurate to about 1e-14, far beyond the f32 the results are rounded to;
+//! those of [`single`] to about 1e-10, and faster.
+
+pub mod single;
 
 use std::f64::consts::{FRAC_PI_2, LN_2, PI, SQRT_2};
 

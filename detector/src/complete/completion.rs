@@ -5,6 +5,7 @@ use serde::Deserialize;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::oriented_box::OrientedBox;
 use crate::point_cloud::PointCloud;
+use crate::portable_math::single;
 
 /// Tuning of [`Completion::find`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -63,7 +64,7 @@ impl Footprint {
     fn new(bounding_box: &OrientedBox, ground_m: f32, params: &CompletionParams) -> Self {
         let [x_m, y_m, z_m] = bounding_box.center_m;
         let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
-        let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+        let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
         Self {
             center_m: [x_m, y_m],
             cos,

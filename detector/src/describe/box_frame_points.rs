@@ -1,6 +1,7 @@
 //! The points of one object in the frame of its box.
 
 use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
 use crate::vector_instructions::{greater, lesser};
 
 /// Columns of coordinates in metres relative to the centre of a box: along its length, across to the left, and up.
@@ -14,7 +15,7 @@ impl BoxFramePoints {
     /// Takes `positions_m` of the sensor frame over into the frame of `bounding_box`.
     #[inline(always)]
     pub fn fill(&mut self, bounding_box: &OrientedBox, positions_m: impl ExactSizeIterator<Item = [f32; 3]>) {
-        let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+        let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
         let [center_x, center_y, center_z] = bounding_box.center_m;
         for column_m in &mut self.columns_m {
             column_m.resize(positions_m.len(), 0.0);

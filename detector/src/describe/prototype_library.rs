@@ -1,5 +1,7 @@
 //! The side profiles of known vehicles, and which of them an object is most like.
 
+use crate::portable_math::single;
+
 use serde::Deserialize;
 
 use super::trained_file::Provenance;
@@ -147,7 +149,7 @@ impl PrototypeLibrary {
 
 fn perimeter_m(contour_m: &[[f32; 2]]) -> f32 {
     let closed = contour_m.iter().zip(contour_m.iter().cycle().skip(1));
-    closed.map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+    closed.map(|(a, b)| single::hypot(b[0] - a[0], b[1] - a[1])).sum()
 }
 
 fn least(contour_m: &[[f32; 2]]) -> [f32; 2] {

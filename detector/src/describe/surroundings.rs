@@ -1,6 +1,9 @@
 //! What stands around an object.
 
+use std::ops::Range;
+
 use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
 use crate::vector_instructions::{HotLoop, vectorised};
 
 /// Side of the cells of an [`ObjectRaster`], in metres.
@@ -70,7 +73,7 @@ impl ObjectRaster {
     pub fn around(&self, bounding_box: &OrientedBox, ground_m: f32) -> Surroundings {
         let [center_x_m, center_y_m, _] = bounding_box.center_m;
         let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
-        let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+        let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
         let [long_m, wide_m] = [half_length_m + REACH_M, half_width_m + REACH_M];
         let reach_m = [cos.abs() * long_m + sin.abs() * wide_m, sin.abs() * long_m + cos.abs() * wide_m];
         let cells = |center_m: f32, reach_m: f32| {
@@ -80,16 +83,17 @@ impl ObjectRaster {
         let middle_m = |cell: usize| (cell as f32 + 0.5) * CELL_M - self.half_side_m;
         let columns = cells(center_x_m, reach_m[0]);
         let first_dx = middle_m(columns.start) - center_x_m;
-        let ring = Ring { cos, sin, half_m: [half_length_m, half_width_m] };
-        let (mut n_beyond_ends, mut n_occupied, mut n_cells) = (0, 0, 0);
-        for row in cells(center_y_m, reach_m[1]) {
-            let n_points = &self.n_points[row * self.n_along_side..][columns.clone()];
-            let dy = middle_m(row) - center_y_m;
-            let [beyond_ends, occupied, cells] = vectorised(RowCount { ring, first_dx, dy, n_points });
-            n_beyond_ends += beyond_ends;
-            n_occupied += occupied;
-            n_cells += cells;
-        }
+        let rows = cells(center_y_m, reach_m[1]);
+        let counts = RingCount {
+            ring: Ring { cos, sin, half_m: [half_length_m, half_width_m] },
+            first_dx,
+            dy: |row| middle_m(row) - center_y_m,
+            n_points: &self.n_points,
+            n_along_side: self.n_along_side,
+            rows,
+            columns,
+        };
+        let [n_beyond_ends, n_occupied, n_cells] = vectorised(counts);
         let occupied_share = n_occupied as f32 / n_cells.max(1) as f32;
         Surroundings { ground_m, n_beyond_ends, occupied_share }
     }
@@ -103,31 +107,39 @@ struct Ring {
     half_m: [f32; 2],
 }
 
-/// Counts what lies in the ring on one row of cells: points beyond the ends, cells with points, and all cells.
-struct RowCount<'a> {
+/// Counts what lies in the ring: points beyond the ends, cells with points, and all cells.
+struct RingCount<'a, Dy> {
     ring: Ring,
     /// From the centre of the box to that of the first cell, in metres.
     first_dx: f32,
-    dy: f32,
+    /// The same across, to that of a row.
+    dy: Dy,
     n_points: &'a [u16],
+    n_along_side: usize,
+    rows: Range<usize>,
+    columns: Range<usize>,
 }
 
-impl HotLoop for RowCount<'_> {
+impl<Dy: Fn(usize) -> f32> HotLoop for RingCount<'_, Dy> {
     type Output = [u32; 3];
 
     #[inline(always)]
     fn run(self) -> [u32; 3] {
-        let Self { ring: Ring { cos, sin, half_m }, first_dx, dy, n_points } = self;
+        let Self { ring: Ring { cos, sin, half_m }, first_dx, dy, n_points, n_along_side, rows, columns } =
+            self;
         let (mut n_beyond_ends, mut n_occupied, mut n_cells) = (0, 0, 0);
-        for (&n_points, column) in n_points.iter().zip(0_i32..) {
-            let dx = first_dx + CELL_M * column as f32;
-            let beyond_m = (cos * dx + sin * dy).abs() - half_m[0];
-            let beside_m = (cos * dy - sin * dx).abs() - half_m[1];
-            let (is_beyond, is_beside) = (beyond_m > MARGIN_M, beside_m > MARGIN_M);
-            let is_in_ring = beyond_m <= REACH_M && beside_m <= REACH_M && is_beyond != is_beside;
-            n_beyond_ends += if is_in_ring && is_beyond { u32::from(n_points) } else { 0 };
-            n_cells += u32::from(is_in_ring);
-            n_occupied += u32::from(is_in_ring && n_points > 0);
+        for row in rows {
+            let dy = dy(row);
+            for (&n_points, column) in n_points[row * n_along_side..][columns.clone()].iter().zip(0_i32..) {
+                let dx = first_dx + CELL_M * column as f32;
+                let beyond_m = (cos * dx + sin * dy).abs() - half_m[0];
+                let beside_m = (cos * dy - sin * dx).abs() - half_m[1];
+                let (is_beyond, is_beside) = (beyond_m > MARGIN_M, beside_m > MARGIN_M);
+                let is_in_ring = beyond_m <= REACH_M && beside_m <= REACH_M && is_beyond != is_beside;
+                n_beyond_ends += if is_in_ring && is_beyond { u32::from(n_points) } else { 0 };
+                n_cells += u32::from(is_in_ring);
+                n_occupied += u32::from(is_in_ring && n_points > 0);
+            }
         }
         [n_beyond_ends, n_occupied, n_cells]
     }

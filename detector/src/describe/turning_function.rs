@@ -2,6 +2,8 @@
 
 use std::f32::consts::{PI, TAU};
 
+use crate::portable_math::{self, single};
+
 /// Parts of equal length that a contour is divided into.
 const N_PARTS: usize = 32;
 /// Contours are shifted against each other by up to half a turn to either side.
@@ -52,22 +54,22 @@ impl TurningFunction {
     /// Along edges that wind counter-clockwise.
     fn along(edges: impl Iterator<Item = ([f32; 2], [f32; 2])> + Clone) -> Option<Self> {
         let vectors = edges.map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).filter(|it| *it != [0.0, 0.0]);
-        let length: f32 = vectors.clone().map(|[x, y]| x.hypot(y)).sum();
+        let length: f32 = vectors.clone().map(|[x, y]| single::hypot(x, y)).sum();
         if !(length.is_finite() && length > 0.0) {
             return None;
         }
         let mut directions_rad = [0.0; N_PARTS];
         let first = vectors.clone().next()?;
-        let (mut previous, mut direction_rad) = (first, first[1].atan2(first[0]));
+        let (mut previous, mut direction_rad) = (first, single::atan2(first[1], first[0]));
         // In parts of the contour.
         let mut at = 0.0;
         for vector in vectors {
             direction_rad += turn_rad(previous, vector);
-            let until = at + vector[0].hypot(vector[1]) / length * N_PARTS as f32;
+            let until = at + single::hypot(vector[0], vector[1]) / length * N_PARTS as f32;
             add_edge(&mut directions_rad, [at, until], direction_rad);
             (previous, at) = (vector, until);
         }
-        let total_rad = direction_rad + turn_rad(previous, first) - first[1].atan2(first[0]);
+        let total_rad = direction_rad + turn_rad(previous, first) - single::atan2(first[1], first[0]);
         // Whole turns, but for rounding.
         if (total_rad - TAU).abs() > 0.1 {
             return None;
@@ -164,7 +166,7 @@ fn turn_rad(a: [f32; 2], b: [f32; 2]) -> f32 {
     let sine = cross(a, b);
     let cosine = f64::from(a[0]) * f64::from(b[0]) + f64::from(a[1]) * f64::from(b[1]);
     // Adding nought makes −0 to 0, whose angle to the negative axis is π.
-    (sine + 0.0).atan2(cosine) as f32
+    portable_math::atan2(sine + 0.0, cosine) as f32
 }
 
 /// Adds an edge from place `from` to place `until`, in parts, to the means of the parts it runs through.

@@ -10,6 +10,7 @@ use super::side_shares::SideShares;
 use super::surface_roughness::RoughnessSquares;
 use super::surroundings::Surroundings;
 use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
 use crate::vector_instructions::{HotLoop, vectorised};
 
 /// What the classifier sees of an object.
@@ -210,7 +211,7 @@ impl<P: ExactSizeIterator<Item = [f32; 3]>> HotLoop for Description<'_, P> {
 fn view_cosine(bounding_box: &OrientedBox) -> f32 {
     let [x, y, _] = bounding_box.center_m;
     let range_m = (x * x + y * y).sqrt();
-    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
     if range_m > 0.0 { ((cos * x + sin * y) / range_m).abs().min(1.0) } else { 1.0 }
 }
 

@@ -6,6 +6,7 @@ use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::side_profile::SideProfile;
 use crate::fit::convex_hull::convex_hull;
 use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
 use crate::stage;
 use crate::stage_product::{ProductSphere, Shape, StageProduct};
 
@@ -64,7 +65,7 @@ fn convex_contour(points: &BoxFramePoints) -> Vec<[f32; 2]> {
 }
 
 fn on_main_plane(bounding_box: &OrientedBox, contour_m: &[[f32; 2]]) -> Vec<[f32; 3]> {
-    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
     let [x, y, z] = bounding_box.center_m;
     contour_m.iter().map(|&[along, up]| [x + cos * along, y + sin * along, z + up]).collect()
 }

@@ -2,13 +2,16 @@
 
 use crate::fit::convex_hull::convex_hull;
 use crate::oriented_box::OrientedBox;
-use crate::vector_instructions::{greater, lesser};
+use crate::portable_math::single;
+use crate::vector_instructions::{HotLoop, greater, lesser, vectorised};
 
 /// Buffers for fitting one box after another, and the hull of the latest.
 #[derive(Debug, Clone, Default)]
 pub struct ConvexHullBox {
     outline_m: Vec<[f32; 2]>,
     hull_m: Vec<[f32; 2]>,
+    // Of the edge behind every corner.
+    directions: Vec<[f32; 2]>,
 }
 
 /// A rectangle on the ground plan with one side along a hull edge.
@@ -19,7 +22,6 @@ struct Rectangle {
     along_m: [f32; 2],
     /// Extent across it, to the left.
     across_m: [f32; 2],
-    mean_distance_m: f32,
 }
 
 impl ConvexHullBox {
@@ -50,29 +52,90 @@ impl ConvexHullBox {
         &self.hull_m
     }
 
-    fn closest_rectangle(&self) -> Option<Rectangle> {
+    fn closest_rectangle(&mut self) -> Option<Rectangle> {
+        let n_corners = self.hull_m.len();
+        self.directions.clear();
         let edges = self.hull_m.iter().zip(self.hull_m.iter().cycle().skip(1));
-        let rectangles = edges.map(|(&from_m, &to_m)| self.rectangle_along(from_m, to_m));
-        rectangles.reduce(|best, it| if it.mean_distance_m < best.mean_distance_m { it } else { best })
-    }
-
-    fn rectangle_along(&self, from_m: [f32; 2], to_m: [f32; 2]) -> Rectangle {
-        let (dx, dy) = (to_m[0] - from_m[0], to_m[1] - from_m[1]);
-        let length_m = dx.hypot(dy);
-        // A hull of one point has an edge from it to itself.
-        let along = if length_m > 0.0 { [dx / length_m, dy / length_m] } else { [1.0, 0.0] };
-        let project = |p: &[f32; 2]| [p[0] * along[0] + p[1] * along[1], p[1] * along[0] - p[0] * along[1]];
-        let mut along_m = [f32::INFINITY, f32::NEG_INFINITY];
-        let mut across_m = along_m;
-        for [u, v] in self.hull_m.iter().map(project) {
-            along_m = [lesser(u, along_m[0]), greater(u, along_m[1])];
-            across_m = [lesser(v, across_m[0]), greater(v, across_m[1])];
+        self.directions.extend(edges.map(|(&from_m, &to_m)| direction(from_m, to_m)));
+        let mut best: Option<(usize, Rectangles)> = None;
+        for first in (0..n_corners).step_by(N_ABREAST) {
+            let along = std::array::from_fn(|lane| self.directions[(first + lane).min(n_corners - 1)]);
+            let rectangles = vectorised(Enclose { hull_m: &self.hull_m, along });
+            for lane in 0..N_ABREAST.min(n_corners - first) {
+                let is_closer = best.as_ref().is_none_or(|(edge, it)| {
+                    rectangles.mean_distance_m[lane] < it.mean_distance_m[edge % N_ABREAST]
+                });
+                if is_closer {
+                    best = Some((first + lane, rectangles.clone()));
+                }
+            }
         }
-        let to_side = |value: f32, sides: [f32; 2]| lesser(value - sides[0], sides[1] - value);
-        let distances = self.hull_m.iter().map(project);
-        let distances = distances.map(|[u, v]| lesser(to_side(u, along_m), to_side(v, across_m)));
-        let mean_distance_m = distances.sum::<f32>() / self.hull_m.len() as f32;
-        Rectangle { along, along_m, across_m, mean_distance_m }
+        let (edge, rectangles) = best?;
+        let lane = edge % N_ABREAST;
+        Some(Rectangle {
+            along: self.directions[edge],
+            along_m: rectangles.along_m.map(|it| it[lane]),
+            across_m: rectangles.across_m.map(|it| it[lane]),
+        })
+    }
+}
+
+/// The direction from one corner to the next, a unit vector.
+fn direction(from_m: [f32; 2], to_m: [f32; 2]) -> [f32; 2] {
+    let (dx, dy) = (to_m[0] - from_m[0], to_m[1] - from_m[1]);
+    let length_m = single::hypot(dx, dy);
+    // A hull of one point has an edge from it to itself.
+    if length_m > 0.0 { [dx / length_m, dy / length_m] } else { [1.0, 0.0] }
+}
+
+/// Edges whose rectangles are looked for at the same time.
+const N_ABREAST: usize = 16;
+
+/// The rectangles around a hull with a side along each of some directions.
+#[derive(Debug, Clone)]
+#[expect(clippy::struct_field_names, reason = "a unit is no part of a name")]
+struct Rectangles {
+    along_m: [[f32; N_ABREAST]; 2],
+    across_m: [[f32; N_ABREAST]; 2],
+    mean_distance_m: [f32; N_ABREAST],
+}
+
+struct Enclose<'a> {
+    hull_m: &'a [[f32; 2]],
+    along: [[f32; 2]; N_ABREAST],
+}
+
+impl HotLoop for Enclose<'_> {
+    type Output = Rectangles;
+
+    #[inline(always)]
+    fn run(self) -> Rectangles {
+        let Self { hull_m, along } = self;
+        let [along_x, along_y] = [0, 1].map(|axis| along.map(|it| it[axis]));
+        let mut along_m = [[f32::INFINITY; N_ABREAST], [f32::NEG_INFINITY; N_ABREAST]];
+        let mut across_m = along_m;
+        for &[x_m, y_m] in hull_m {
+            for lane in 0..N_ABREAST {
+                let u = x_m * along_x[lane] + y_m * along_y[lane];
+                let v = y_m * along_x[lane] - x_m * along_y[lane];
+                along_m[0][lane] = lesser(u, along_m[0][lane]);
+                along_m[1][lane] = greater(u, along_m[1][lane]);
+                across_m[0][lane] = lesser(v, across_m[0][lane]);
+                across_m[1][lane] = greater(v, across_m[1][lane]);
+            }
+        }
+        let mut sums_m = [0.0; N_ABREAST];
+        for &[x_m, y_m] in hull_m {
+            for lane in 0..N_ABREAST {
+                let u = x_m * along_x[lane] + y_m * along_y[lane];
+                let v = y_m * along_x[lane] - x_m * along_y[lane];
+                let to_side = |value: f32, sides: &[[f32; N_ABREAST]; 2]| {
+                    lesser(value - sides[0][lane], sides[1][lane] - value)
+                };
+                sums_m[lane] += lesser(to_side(u, &along_m), to_side(v, &across_m));
+            }
+        }
+        Rectangles { along_m, across_m, mean_distance_m: sums_m.map(|it| it / hull_m.len() as f32) }
     }
 }
 
@@ -82,7 +145,7 @@ fn box_over(rectangle: &Rectangle, z_range_m: [f32; 2]) -> OrientedBox {
     let (u, v) = (middle(rectangle.along_m), middle(rectangle.across_m));
     let along_m = rectangle.along_m[1] - rectangle.along_m[0];
     let across_m = rectangle.across_m[1] - rectangle.across_m[0];
-    let edge_yaw_rad = uy.atan2(ux);
+    let edge_yaw_rad = single::atan2(uy, ux);
     let (length_m, width_m, yaw_rad) = if along_m >= across_m {
         (along_m, across_m, edge_yaw_rad)
     } else {

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, SymmetricEigen};
 
 use crate::oriented_box::OrientedBox;
+use crate::portable_math;
 
 /// The box around `positions_m` whose length lies along the first eigenvector of their covariance on the ground plan.
 ///
@@ -31,7 +32,7 @@ pub fn principal_axes_box(
     }
     let mean_m = mean(positions_m.clone());
     let yaw_rad = main_direction_rad(covariance(positions_m.clone(), mean_m));
-    let (sin, cos) = yaw_rad.sin_cos();
+    let (sin, cos) = portable_math::sin_cos(yaw_rad);
     // Not around the mean: points crowd on the sides that are seen.
     let mut low_m = [f64::INFINITY; 3];
     let mut high_m = [f64::NEG_INFINITY; 3];
@@ -83,7 +84,7 @@ fn main_direction_rad(covariance: Matrix2<f64>) -> f64 {
     if first - second <= 1e-9 * first {
         return 0.0;
     }
-    let yaw_rad = eigen.eigenvectors[(1, main)].atan2(eigen.eigenvectors[(0, main)]);
+    let yaw_rad = portable_math::atan2(eigen.eigenvectors[(1, main)], eigen.eigenvectors[(0, main)]);
     if yaw_rad > FRAC_PI_2 {
         yaw_rad - PI
     } else if yaw_rad <= -FRAC_PI_2 {

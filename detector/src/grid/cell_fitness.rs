@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use crate::grid::hierarchical_grid::{CoarseCell, HierarchicalGrid};
+use crate::portable_math::ln;
 
 /// A cell with more points than this is dense.
 ///
@@ -80,7 +81,7 @@ impl CellTally {
             let n_points = u64::from(cell.n_points);
             tally.n_points += n_points;
             tally.n_squares += n_points * n_points;
-            tally.ln_gamma_sum += ln_gamma(n_points as f64 + 0.5) - 0.5 * PI.ln();
+            tally.ln_gamma_sum += ln_gamma(n_points as f64 + 0.5) - 0.5 * ln(PI);
             let is_dense = cell.n_points > DENSE_ABOVE;
             if is_dense {
                 tally.n_dense += 1;
@@ -167,7 +168,7 @@ fn knuth(tally: &CellTally) -> f64 {
     let (n_points, n_cells) = (tally.n_points as f64, tally.n_cells());
     let area_m2 = f64::from(tally.cell_size_m).powi(2);
     // Of empty cells, and of the prior, M ln Γ(½) cancels.
-    -n_points * area_m2.ln() + ln_gamma(0.5 * n_cells) - ln_gamma(n_points + 0.5 * n_cells)
+    -n_points * ln(area_m2) + ln_gamma(0.5 * n_cells) - ln_gamma(n_points + 0.5 * n_cells)
         + tally.ln_gamma_sum
 }
 
@@ -192,7 +193,7 @@ fn ln_gamma(x: f64) -> f64 {
     let series = inverse
         * (1.0 / 12.0
             - square * (1.0 / 360.0 - square * (1.0 / 1260.0 - square * (1.0 / 1680.0 - square / 1188.0))));
-    (shifted - 0.5) * shifted.ln() - shifted + 0.5 * (2.0 * PI).ln() + series - product.ln()
+    (shifted - 0.5) * ln(shifted) - shifted + 0.5 * ln(2.0 * PI) + series - ln(product)
 }
 
 #[cfg(test)]

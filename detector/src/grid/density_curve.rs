@@ -6,6 +6,8 @@ use serde::Deserialize;
 use super::nonnegative_least_squares::nonnegative_least_squares;
 use super::ring_density::{FIRST_RING_M, LAST_RING_END_M, N_RINGS, RingCounts, ring_area_m2, ring_middle_m};
 
+use crate::portable_math;
+
 /// Layout and meaning of a written [`DensityCurve`]; raised when either changes.
 pub const CURVE_VERSION: u32 = 1;
 /// Degree of the polynomial, as in the paper.
@@ -133,7 +135,9 @@ impl DensityCurve {
         let beyond = counted().filter(|&ring_idx| ring_idx > densest);
         let targets: Vec<(f64, f64)> = (0..=densest)
             .map(|ring_idx| (ring_middle_m(ring_idx), 0.0))
-            .chain(beyond.map(|it| (ring_middle_m(it), (peak_points_per_m2 / ring_points_per_m2[it]).ln())))
+            .chain(beyond.map(|it| {
+                (ring_middle_m(it), portable_math::ln(peak_points_per_m2 / ring_points_per_m2[it]))
+            }))
             .collect();
         let CurveOrigin { sensor, datasets, seeds, command } = origin;
         Ok(Self {
@@ -159,7 +163,7 @@ impl DensityCurve {
                 values[idx] += t * (values[idx + 1] - values[idx]);
             }
         }
-        (-values[0]).exp()
+        portable_math::exp(-values[0])
     }
 
     /// The curve as an overriding configuration for `scanbench run --config`, and as the files that come with the detector.

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::point_cloud::PointCloud;
+use crate::portable_math::single;
 
 /// Rings are a metre wide; the first begins this far from the sensor, in metres.
 pub const FIRST_RING_M: usize = 1;
@@ -22,7 +23,7 @@ impl RingCounts {
     pub fn of(cloud: &PointCloud) -> Self {
         let mut counts = [0; N_RINGS];
         for (&x_m, &y_m) in cloud.x_m().iter().zip(cloud.y_m()) {
-            let range_m = x_m.hypot(y_m);
+            let range_m = single::hypot(x_m, y_m);
             // NaN is in no range.
             if (FIRST_RING_M as f32..LAST_RING_END_M as f32).contains(&range_m) {
                 counts[range_m as usize - FIRST_RING_M] += 1;

@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use crate::grid::hierarchical_grid::HierarchicalGrid;
 use crate::point_cloud::PointCloud;
+use crate::portable_math::single;
 use crate::segment::foreground::ForegroundParams;
 use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
@@ -36,7 +37,12 @@ pub enum Doubt {
     Covered,
     /// A cell beside it is no candidate since it is too tall.
     BesideTall,
+    /// The upper end of the field of view cuts it off.
+    CutOff,
 }
+
+/// Number of things that may speak against it.
+pub const N_DOUBTS: usize = 6;
 
 /// All that speaks against the points of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,7 +50,8 @@ pub struct Doubts(u8);
 
 impl Doubt {
     /// Each, in the order of the values of groups.
-    pub const ALL: [Self; 5] = [Self::OnWall, Self::BehindWall, Self::Tall, Self::Covered, Self::BesideTall];
+    pub const ALL: [Self; N_DOUBTS] =
+        [Self::OnWall, Self::BehindWall, Self::Tall, Self::Covered, Self::BesideTall, Self::CutOff];
 }
 
 impl Doubts {
@@ -72,6 +79,8 @@ pub struct Candidates {
     // For every cell, of an earlier scan for those that are not occupied.
     band_m: Vec<[f32; 2]>,
     doubts: Vec<Doubts>,
+    // Whether all of a cell hangs over the street.
+    hangs: Vec<bool>,
     // For every cell, the place of its column of heights.
     column_of_cell: Vec<u32>,
     // Where in steps of [`STEP_M`] above the terrain there are points, for every cell that is looked into.
@@ -98,6 +107,7 @@ impl Candidates {
             tall_height_m,
             band_m: Vec::new(),
             doubts: Vec::new(),
+            hangs: Vec::new(),
             column_of_cell: Vec::new(),
             heights: Vec::new(),
             looked_into: Vec::new(),
@@ -120,12 +130,14 @@ impl Candidates {
     ) {
         self.band_m.resize(classes.len(), NOWHERE_M);
         self.doubts.resize(classes.len(), Doubts::NONE);
+        self.hangs.resize(classes.len(), false);
         self.column_of_cell.resize(classes.len(), NOT_LOOKED_INTO);
         self.heights.clear();
         self.looked_into.clear();
         self.terrain_m.clear();
         for &cell_idx in grid.occupied() {
             self.doubts[cell_idx as usize] = Doubts::NONE;
+            self.hangs[cell_idx as usize] = false;
             self.band_m[cell_idx as usize] = NOWHERE_M;
             match classes[cell_idx as usize] {
                 SurfaceClass::Tall => {
@@ -157,11 +169,17 @@ impl Candidates {
             self.column_of_cell[cell_idx as usize] = NOT_LOOKED_INTO;
             let terrain_m = self.terrain_m[column];
             let [x_m, y_m] = grid.center_m(cell_idx);
-            let free_m = self.params.least_free_m + self.params.free_per_range * x_m.hypot(y_m);
-            let [foot_m, top_m, highest_m] = standing_part_m(self.heights[column], free_m);
+            let free_m = self.params.least_free_m + self.params.free_per_range * single::hypot(x_m, y_m);
+            let low_m = self.foreground.ground_top_m(grid, terrain, cell_idx);
+            let part = StandingPart::of(self.heights[column], free_m, low_m - terrain_m);
+            let StandingPart { foot_m, top_m, highest_m, .. } = part;
             let doubts = &mut self.doubts[cell_idx as usize];
             if foot_m > self.params.highest_foot_m {
                 doubts.add(Doubt::Covered, true);
+                self.hangs[cell_idx as usize] = true;
+                if part.is_over_ground {
+                    classes[cell_idx as usize] = SurfaceClass::Short;
+                }
                 continue;
             }
             if top_m < highest_m {
@@ -175,7 +193,6 @@ impl Candidates {
                     continue;
                 }
             }
-            let low_m = self.foreground.ground_top_m(grid, terrain, cell_idx);
             self.band_m[cell_idx as usize] = [low_m, terrain_m + top_m];
         }
     }
@@ -201,11 +218,15 @@ impl Candidates {
                 doubts.add(Doubt::BehindWall, walls.is_behind_wall(grid.center_m(cell_idx)));
                 for neighbor_idx in grid.neighborhood(cell_idx) {
                     let is_too_tall = classes[neighbor_idx as usize] == SurfaceClass::Tall
-                        && self.band_m[neighbor_idx as usize] == NOWHERE_M;
+                        && self.band_m[neighbor_idx as usize] == NOWHERE_M
+                        && !self.hangs[neighbor_idx as usize];
                     doubts.add(Doubt::BesideTall, is_too_tall);
                 }
+                let top_m = if z_max_m < high_m { z_max_m } else { high_m };
+                let [x_m, y_m] = grid.center_m(cell_idx);
+                doubts.add(Doubt::CutOff, walls.is_cut_off(single::hypot(x_m, y_m), top_m));
                 self.cells.push(cell_idx);
-                self.tops_m.push(if z_max_m < high_m { z_max_m } else { high_m });
+                self.tops_m.push(top_m);
             }
         }
         self.point_indices.resize(self.point_indices.len().max(cloud.len()), 0);
@@ -228,6 +249,11 @@ impl Candidates {
         &self.tops_m
     }
 
+    /// Whether all that there is in a cell of the latest scan hangs over the street, but for its ground.
+    pub fn hangs(&self, cell_idx: u32) -> bool {
+        self.hangs[cell_idx as usize]
+    }
+
     /// What speaks against a cell of the latest scan.
     pub fn doubts(&self, cell_idx: u32) -> Doubts {
         self.doubts[cell_idx as usize]
@@ -239,20 +265,46 @@ impl Candidates {
     }
 }
 
-/// Foot and top of what stands lowest in a column of heights, and the top of all, in metres above the terrain.
-fn standing_part_m(heights: u64, free_m: f32) -> [f32; 3] {
-    let n_free = (free_m / STEP_M).round().max(1.0) as u32;
-    let foot = heights.trailing_zeros().min(63);
-    let highest = 63 - heights.leading_zeros().min(63);
-    let mut top = foot;
-    loop {
-        let above = if top >= 63 { 0 } else { heights >> (top + 1) };
-        if above == 0 || above.trailing_zeros() >= n_free {
-            break;
+/// What stands lowest in a column of heights. What reaches no higher than the ground does not stand on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct StandingPart {
+    // In metres above the terrain.
+    foot_m: f32,
+    top_m: f32,
+    // The top of all that is in the column.
+    highest_m: f32,
+    // Whether ground is seen below it, and free height between.
+    is_over_ground: bool,
+}
+
+impl StandingPart {
+    /// Of `heights` in steps above the terrain. Free height of `free_m` parts what hangs from what is below; the ground reaches up
+    /// to `ground_top_m`.
+    fn of(heights: u64, free_m: f32, ground_top_m: f32) -> Self {
+        let n_free = (free_m / STEP_M).round().max(1.0) as u32;
+        let highest = 63 - heights.leading_zeros().min(63);
+        let mut foot = heights.trailing_zeros().min(63);
+        let mut top = foot;
+        let mut is_over_ground = false;
+        loop {
+            let above = if top >= 63 { 0 } else { heights >> (top + 1) };
+            if above == 0 {
+                break;
+            }
+            let n_between = above.trailing_zeros();
+            if n_between >= n_free {
+                let is_ground = (top as f32 + 0.5) * STEP_M <= ground_top_m;
+                if !is_ground {
+                    break;
+                }
+                foot = top + 1 + n_between;
+                is_over_ground = true;
+            }
+            top += 1 + n_between;
         }
-        top += 1 + above.trailing_zeros();
+        let [foot_m, top_m, highest_m] = [foot, top + 1, highest + 1].map(|step| step as f32 * STEP_M);
+        Self { foot_m, top_m, highest_m, is_over_ground }
     }
-    [foot as f32 * STEP_M, (top + 1) as f32 * STEP_M, (highest + 1) as f32 * STEP_M]
 }
 
 #[cfg(test)]
@@ -264,10 +316,14 @@ mod tests {
 
     const SENSOR_HEIGHT_M: f32 = 1.73;
 
+    /// A place, and heights above the road in decimetres.
+    type Column = ([f32; 2], std::ops::Range<i8>);
+
+    /// Far from all else, and so high that the field of view ends far above everything else.
+    const MAST: Column = ([-15.3, -15.3], 0..120);
+
     /// A level road with columns of points, each at a place and at heights above the road.
-    fn candidates_of(
-        columns: &[([f32; 2], std::ops::Range<i8>)],
-    ) -> (PointCloud, HierarchicalGrid, Candidates) {
+    fn candidates_of(columns: &[Column]) -> (PointCloud, HierarchicalGrid, Candidates) {
         let params = HierarchicalParams::shipped();
         let steps = || (-100..100).map(|step| step as f32 * 0.2 + 0.1);
         let mut cloud: PointCloud =
@@ -295,14 +351,14 @@ mod tests {
         );
         candidates.find_hanging(&cloud, &grid, &terrain, &mut classes);
         let mut walls = WallRefinement::new(params.walls.clone(), &grid);
-        walls.refine_on_walls(&grid, &terrain, &mut classes);
+        walls.refine_on_walls(&grid, &terrain, |it| candidates.hangs(it), &mut classes);
         candidates.find(&cloud, &grid, &classes, &walls);
         (cloud, grid, candidates)
     }
 
     /// The heights of the candidates above the road, in whole decimetres, and what speaks against the cell of the first.
-    fn found(columns: &[([f32; 2], std::ops::Range<i8>)]) -> (Vec<i32>, Option<Doubts>) {
-        let (cloud, grid, candidates) = candidates_of(columns);
+    fn found(columns: &[Column]) -> (Vec<i32>, Option<Doubts>) {
+        let (cloud, grid, candidates) = candidates_of(&[columns, &[MAST]].concat());
         let height = |&it: &u32| ((cloud.z_m()[it as usize] + SENSOR_HEIGHT_M) * 10.0) as i32;
         let first = candidates.point_indices().first();
         let doubts = first.map(|&it| candidates.doubts(grid.cell_of_point()[it as usize]));
@@ -338,8 +394,24 @@ mod tests {
     }
 
     #[test]
+    fn a_bonnet_over_the_road_stands_though_a_crown_is_above_it() {
+        let covered = only(Doubt::Covered);
+        assert_eq!(found(&[(HERE, 9..13), (HERE, 24..50)]), ((9..13).collect(), Some(covered)));
+    }
+
+    #[test]
     fn what_only_hangs_is_no_candidate() {
         assert_eq!(found(&[(HERE, 32..50)]).0, []);
+        let hangs = |columns: &[Column]| {
+            let (_, grid, candidates) = candidates_of(columns);
+            let at = |&&it: &&u32| {
+                let [x_m, y_m] = grid.center_m(it);
+                (x_m - HERE[0]).abs() < 0.31 && (y_m - HERE[1]).abs() < 0.31
+            };
+            candidates.hangs(*grid.occupied().iter().find(at).expect("a column stands there"))
+        };
+        assert!(hangs(&[(HERE, 32..50)]));
+        assert!(!hangs(&[(HERE, 0..15), (HERE, 32..50)]) && !hangs(&[(HERE, 0..60)]));
     }
 
     #[test]
@@ -347,6 +419,19 @@ mod tests {
         let tall = only(Doubt::Tall);
         assert_eq!(found(&[(HERE, 0..38)]), ((2..38).collect(), Some(tall)));
         assert_eq!(found(&[(HERE, 0..60)]).0, []);
+    }
+
+    #[test]
+    fn what_the_field_of_view_cuts_off_knows_it() {
+        let cut_off = |columns: &[Column]| {
+            let (_, grid, candidates) = candidates_of(columns);
+            let at = |&&it: &&u32| grid.center_m(it)[0] > 8.0;
+            let cell_idx = *candidates.cells().iter().find(at).expect("it is a candidate");
+            candidates.doubts(cell_idx).has(Doubt::CutOff)
+        };
+        // Nothing in the scan is higher for its range; a car would be no reason to think that the view ends there.
+        assert!(cut_off(&[(HERE, 0..30)]) && !cut_off(&[(HERE, 0..15)]));
+        assert!(!cut_off(&[(HERE, 0..30), MAST]));
     }
 
     #[test]
@@ -359,14 +444,20 @@ mod tests {
     #[test]
     fn the_standing_part_ends_where_it_is_free_above() {
         let bits = |range: std::ops::Range<u32>| range.fold(0_u64, |bits, step| bits | 1 << step);
-        let check = |heights: u64, expected: [u32; 3]| {
-            let steps = standing_part_m(heights, 0.5).map(|it| (it / STEP_M).round() as u32);
-            assert_eq!(steps, expected, "{heights:b}");
+        let check = |heights: u64, expected: ([u32; 3], bool)| {
+            let it = StandingPart::of(heights, 0.5, 0.15);
+            let steps = [it.foot_m, it.top_m, it.highest_m].map(|it| (it / STEP_M).round() as u32);
+            assert_eq!((steps, it.is_over_ground), expected, "{heights:b}");
         };
-        check(bits(0..14), [0, 14, 14]);
-        check(bits(0..14) | bits(19..40), [0, 14, 40]);
-        check(bits(0..14) | bits(18..40), [0, 40, 40]);
-        check(bits(20..64), [20, 64, 64]);
-        check(bits(0..1) | bits(63..64), [0, 1, 64]);
+        check(bits(0..14), ([0, 14, 14], false));
+        check(bits(0..14) | bits(19..40), ([0, 14, 40], false));
+        check(bits(0..14) | bits(18..40), ([0, 40, 40], false));
+        check(bits(20..64), ([20, 64, 64], false));
+        // The ground does not stand on itself: a bonnet over it does, or a crown hangs.
+        check(bits(0..1) | bits(63..64), ([63, 64, 64], true));
+        check(bits(0..1) | bits(8..12) | bits(30..40), ([8, 12, 40], true));
+        check(bits(0..1), ([0, 1, 1], false));
+        // What is higher than the ground is no ground.
+        check(bits(0..3) | bits(8..12), ([0, 3, 12], false));
     }
 }

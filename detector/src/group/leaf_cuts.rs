@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use crate::group::dense_cells::{DenseCells, Heap};
 use crate::group::grouping_tree::GroupingTree;
+use crate::portable_math::single;
 use crate::vector_instructions::{greater, lesser};
 
 /// Tuning of [`LeafCuts::cut`].
@@ -22,6 +23,8 @@ pub struct LeafCutsParams {
     pub min_points: u32,
     /// Cuts within cuts.
     pub max_depth: u8,
+    /// Where a tree holds so many groups, no more are cut.
+    pub max_groups: u32,
 }
 
 /// Width of the columns in which points are counted, in metres; cuts lie in their middles.
@@ -33,6 +36,7 @@ const END_COST: f32 = 0.2;
 #[derive(Debug, Clone, Default)]
 pub struct LeafCuts {
     n_in_column: Vec<u32>,
+    leaves: Vec<u32>,
 }
 
 /// A vertical plane.
@@ -50,23 +54,46 @@ impl Plane {
 
 impl LeafCuts {
     /// Cuts every leaf of `tree` that is longer or wider than one person across the place with the fewest points, and the
-    /// parts again.
-    pub fn cut(&mut self, tree: &mut GroupingTree, dense: &DenseCells, params: &LeafCutsParams) {
-        let mut node_idx = 0;
-        // Parts are added at the end, and are looked at in turn.
-        while node_idx < tree.nodes().len() {
-            let node = &tree.nodes()[node_idx];
-            if node.first_child.is_none()
-                && node.heap.n_points >= params.min_points
-                && node.n_cuts < params.max_depth
-            {
-                let plane = self.plane(tree.cells(node), &node.heap, dense, params);
-                if let Some(plane) = plane {
-                    tree.part(node_idx as u32, dense, |heap| plane.is_before(heap.middle_m()));
+    /// parts again, until there are as many groups as there may be: groups of many points are cut before those of few.
+    /// Returns how many were left uncut for that reason.
+    pub fn cut(&mut self, tree: &mut GroupingTree, dense: &DenseCells, params: &LeafCutsParams) -> usize {
+        let mut n_left_uncut = 0;
+        // Parts are added at the end, and are looked at in the next round.
+        let mut round = 0..tree.nodes().len();
+        while !round.is_empty() {
+            let n_before = tree.nodes().len();
+            self.leaves.clear();
+            self.leaves.extend((round.start as u32..round.end as u32).filter(|&it| {
+                let node = &tree.nodes()[it as usize];
+                node.first_child.is_none()
+                    && node.heap.n_points >= params.min_points
+                    && node.n_cuts < params.max_depth
+            }));
+            n_left_uncut += self.keep_affordable(tree, (params.max_groups as usize).saturating_sub(n_before));
+            for place in 0..self.leaves.len() {
+                let leaf = self.leaves[place];
+                let node = &tree.nodes()[leaf as usize];
+                if let Some(plane) = self.plane(tree.cells(node), &node.heap, dense, params) {
+                    tree.part(leaf, dense, |heap| plane.is_before(heap.middle_m()));
                 }
             }
-            node_idx += 1;
+            round = n_before..tree.nodes().len();
         }
+        n_left_uncut
+    }
+
+    /// Of the leaves of a round keeps those of most points if cutting all would make more than `n_more` groups. Returns how
+    /// many it drops.
+    fn keep_affordable(&mut self, tree: &GroupingTree, n_more: usize) -> usize {
+        let n_cuts = n_more / 2;
+        let n_dropped = self.leaves.len().saturating_sub(n_cuts);
+        if n_dropped > 0 {
+            let rank = |&it: &u32| (std::cmp::Reverse(tree.nodes()[it as usize].heap.n_points), it);
+            self.leaves.sort_unstable_by_key(rank);
+            self.leaves.truncate(n_cuts);
+            self.leaves.sort_unstable();
+        }
+        n_dropped
     }
 
     fn plane(
@@ -77,7 +104,7 @@ impl LeafCuts {
         params: &LeafCutsParams,
     ) -> Option<Plane> {
         let [across_m, along_m] = [0, 1].map(|axis| heap.high_m[axis] - heap.low_m[axis]);
-        let diagonal_m = across_m.hypot(along_m);
+        let diagonal_m = single::hypot(across_m, along_m);
         if cells.len() < 2
             || diagonal_m < params.min_length_m.min(params.min_width_m)
             || across_m.max(along_m) > params.max_length_m
@@ -205,6 +232,29 @@ mod tests {
     fn one_person_is_not_cut_and_nothing_is_if_no_cut_is_allowed() {
         assert_eq!(parts(&block(0..3, 0..2), 5), []);
         assert_eq!(parts(&block(0..20, 0..6), 0), []);
+    }
+
+    #[test]
+    fn a_budget_is_spent_on_groups_of_many_points_and_what_is_left_is_counted() {
+        // Three apart, of which the middle one is the largest; each gets two parts.
+        let three = [block(0..6, 0..6), block(10..19, 0..6), block(23..28, 0..6)].concat();
+        let cut = |max_groups| {
+            let params =
+                LeafCutsParams { max_groups, max_depth: 1, ..HierarchicalParams::shipped().grouping.cuts };
+            let (dense, mut tree, _) = tree_over(&three);
+            let n_before = tree.nodes().len() as u32;
+            let n_left = LeafCuts::default().cut(&mut tree, &dense, &params);
+            let is_cut = |n_cells: usize| {
+                let node = tree.nodes().iter().find(|it| tree.cells(it).len() == n_cells).unwrap();
+                node.first_child.is_some()
+            };
+            (n_before, n_left, [36, 54, 30].map(is_cut))
+        };
+        let (n_before, n_left, are_cut) = cut(1000);
+        assert_eq!((n_left, are_cut), (0, [true; 3]));
+        assert_eq!(cut(n_before + 4), (n_before, 1, [true, true, false]));
+        assert_eq!(cut(n_before + 3), (n_before, 2, [false, true, false]));
+        assert_eq!(cut(0), (n_before, 3, [false; 3]));
     }
 
     #[test]

@@ -5,11 +5,12 @@ use std::ops::Range;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
-use crate::group::candidates::{Candidates, Doubt};
+use crate::group::candidates::{Candidates, Doubt, N_DOUBTS};
 use crate::group::dense_cells::{DenseCells, Heap};
 use crate::group::dense_gaps::N_LEVELS;
 use crate::group::grouping_tree::{GroupingTree, Node};
 use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
 use crate::segment::terrain::Terrain;
 
 /// Number of the values of a node.
@@ -18,7 +19,7 @@ pub const N_NODE_VALUES: usize = NODE_VALUES.len();
 /// The names of the values of a node, as in files.
 ///
 /// Sizes are those of the box in metres. Shares are of its points, from 0 to 1.
-pub const NODE_VALUES: [&str; 37] = [
+pub const NODE_VALUES: [&str; 38] = [
     "log_n_points",
     // Points lie the wider apart the farther they are.
     "log_seen_area",
@@ -57,6 +58,7 @@ pub const NODE_VALUES: [&str; 37] = [
     "tall_share",
     "covered_share",
     "beside_tall_share",
+    "cut_off_share",
     // What stands around it.
     "beyond_ends_share",
     "occupied_share",
@@ -110,7 +112,7 @@ struct Shape {
     bounding_box: Option<OrientedBox>,
     // Cells, and points of cells of which each [`Doubt`] holds.
     n_cells: u32,
-    n_in_doubt: [u32; 5],
+    n_in_doubt: [u32; N_DOUBTS],
 }
 
 /// Where the nodes are.
@@ -175,13 +177,13 @@ impl NodeDescriber {
         self.shapes.clear();
         self.shapes.resize(tree.nodes().len(), Shape::default());
         self.hulls_m.clear();
-        let most_m = (bounds.max_length_m.hypot(bounds.max_width_m)).max(LARGEST_WHOLE_M);
+        let most_m = (single::hypot(bounds.max_length_m, bounds.max_width_m)).max(LARGEST_WHOLE_M);
         tree.upward(&mut self.order);
         for &node_idx in &self.order {
             let node = &tree.nodes()[node_idx as usize];
             let mut shape = self.sums(tree, node, places);
             let [across_m, along_m] = [0, 1].map(|axis| node.heap.high_m[axis] - node.heap.low_m[axis]);
-            if across_m.hypot(along_m) <= most_m {
+            if single::hypot(across_m, along_m) <= most_m {
                 self.outline_m.clear();
                 match node.first_child {
                     None => {
@@ -258,7 +260,7 @@ impl NodeDescriber {
         let in_doubt = shape.n_in_doubt.map(share);
         let mut values = [0.0; N_NODE_VALUES];
         let of_itself = [
-            n_points.ln(),
+            single::ln(n_points),
             log_seen_area,
             over_expected,
             range_m,
@@ -280,7 +282,7 @@ impl NodeDescriber {
         let around = [
             n_beyond_ends / (n_beyond_ends + n_points),
             surroundings.occupied_share,
-            (shape.n_cells as f32).ln(),
+            single::ln(shape.n_cells as f32),
         ];
         let grouped = self.grouped(tree, node);
         let all = of_itself.into_iter().chain(grouped).chain(in_doubt).chain(around);
@@ -315,7 +317,7 @@ impl NodeDescriber {
             of_whole(0),
             of_whole(1),
             whole.map_or(N_LEVELS as f32, |(it, _)| f32::from(it.joined_at)),
-            whole.map_or(0.0, |(it, _)| (it.heap.n_points as f32).ln()),
+            whole.map_or(0.0, |(it, _)| single::ln(it.heap.n_points as f32)),
         ]
     }
 }
@@ -327,12 +329,12 @@ fn seen(bounding_box: &OrientedBox, n_points: f32, n_points_of_scan: usize) -> [
     let [x_m, y_m, _] = bounding_box.center_m;
     let [length_m, width_m, height_m] = bounding_box.length_width_height_m;
     let range_m = (x_m * x_m + y_m * y_m).sqrt();
-    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
     let along = if range_m > 0.0 { ((cos * x_m + sin * y_m) / range_m).abs().min(1.0) } else { 1.0 };
     let across = (1.0 - along * along).max(0.0).sqrt();
     let seen_m2 = (length_m * across + width_m * along).max(CELL_M) * height_m.max(CELL_M);
-    let log_seen_area = (n_points * range_m * range_m).max(1.0).ln();
-    [log_seen_area, log_seen_area - (n_points_of_scan as f32 * seen_m2).ln(), range_m, along]
+    let log_seen_area = single::ln((n_points * range_m * range_m).max(1.0));
+    [log_seen_area, log_seen_area - single::ln(n_points_of_scan as f32 * seen_m2), range_m, along]
 }
 
 /// The side of dense cells that areas are reckoned with, in metres; and the least length of what is seen.

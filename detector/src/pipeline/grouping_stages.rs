@@ -35,6 +35,7 @@ pub struct GroupingStages {
     gaps: DenseGaps,
     tree: GroupingTree,
     cuts: LeafCuts,
+    n_left_uncut: usize,
     raster: ObjectRaster,
     describer: NodeDescriber,
 }
@@ -63,6 +64,7 @@ impl GroupingStages {
             ),
             tree: GroupingTree::default(),
             cuts: LeafCuts::default(),
+            n_left_uncut: 0,
             raster: ObjectRaster::new(params.grid.extent_m),
             describer: NodeDescriber::default(),
             grid,
@@ -79,7 +81,7 @@ impl GroupingStages {
         self.ground.segment(grid, terrain, &mut self.classes);
         candidates.find_hanging(cloud, grid, terrain, &mut self.classes);
         clock.lap(stage::GROUND, stage_times);
-        self.walls.refine_on_walls(grid, terrain, &mut self.classes);
+        self.walls.refine_on_walls(grid, terrain, |it| candidates.hangs(it), &mut self.classes);
         clock.lap(stage::WALLS, stage_times);
         candidates.find(cloud, grid, &self.classes, &self.walls);
         clock.lap(stage::FOREGROUND, stage_times);
@@ -89,7 +91,7 @@ impl GroupingStages {
         clock.lap(stage::GAPS, stage_times);
         tree.build(dense, &self.gaps);
         clock.lap(stage::GROUPING, stage_times);
-        self.cuts.cut(tree, dense, &params.grouping.cuts);
+        self.n_left_uncut = self.cuts.cut(tree, dense, &params.grouping.cuts);
         clock.lap(stage::CUTS, stage_times);
         let positions_m = candidates.point_indices().iter().map(|&it| cloud.position_m(it as usize));
         self.raster.fill(positions_m);
@@ -143,6 +145,11 @@ impl GroupingStages {
     /// All groupings.
     pub fn tree(&self) -> &GroupingTree {
         &self.tree
+    }
+
+    /// How many groups of the latest scan were not cut since there were too many.
+    pub fn n_left_uncut(&self) -> usize {
+        self.n_left_uncut
     }
 
     /// The groups that may be objects, ascending.

@@ -216,6 +216,7 @@ impl Detector for TreeDetector {
         output.clear();
         let mut clock = StageClock::start();
         self.grouping.run(cloud, &mut clock, &mut output.stage_times);
+        output.n_left_uncut = self.grouping.n_left_uncut();
         self.look();
         self.cut();
         clock.lap(stage::BEST_CUT, &mut output.stage_times);

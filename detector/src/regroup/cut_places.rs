@@ -2,6 +2,7 @@
 
 use super::regrouping_params::RegroupingParams;
 use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
 
 /// Width of the columns in which points are counted, in metres; cuts lie in their middles.
 const COLUMN_M: f32 = 0.2;
@@ -40,7 +41,7 @@ impl CutPlaces {
         params: &RegroupingParams,
     ) -> &[Plane] {
         self.planes.clear();
-        let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+        let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
         let [length_m, width_m, _] = bounding_box.length_width_height_m;
         let axes = [([cos, sin], length_m, params.min_length_m), ([-sin, cos], width_m, params.min_width_m)];
         for (normal, extent_m, min_extent_m) in axes {

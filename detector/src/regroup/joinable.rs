@@ -2,6 +2,7 @@
 
 use super::regrouping_params::RegroupingParams;
 use crate::oriented_box::OrientedBox;
+use crate::portable_math::single;
 
 /// Whether two objects, boxes with their hulls on the ground plan, lie side by side and neither is too long.
 pub fn may_be_one(
@@ -27,7 +28,7 @@ fn half_diagonal_m(bounding_box: &OrientedBox) -> f32 {
 fn gap_m(bounding_box: &OrientedBox, hull_m: &[[f32; 2]]) -> f32 {
     let [x_m, y_m, _] = bounding_box.center_m;
     let [half_length_m, half_width_m, _] = bounding_box.length_width_height_m.map(|it| 0.5 * it);
-    let (sin, cos) = bounding_box.yaw_rad.sin_cos();
+    let (sin, cos) = single::sin_cos(bounding_box.yaw_rad);
     let distance_m = |&[corner_x_m, corner_y_m]: &[f32; 2]| {
         let (dx, dy) = (corner_x_m - x_m, corner_y_m - y_m);
         let beyond_end_m = ((cos * dx + sin * dy).abs() - half_length_m).max(0.0);

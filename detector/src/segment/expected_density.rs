@@ -2,6 +2,7 @@
 
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use crate::portable_math::single;
 use crate::segment::separation_params::DenseSeparationParams;
 
 /// What is expected of dense cells at one range.
@@ -32,7 +33,7 @@ impl ExpectedDensity {
         // Multiplying what is expected by the weight is dividing all counts by it.
         let expected = |weight: &f32| Expected {
             object_points: params.object_density_ratio * points_at_weight_1 * weight,
-            max_steps: (params.single_gap_points / (points_at_weight_1 * weight)).cbrt().ceil().max(1.0)
+            max_steps: single::cbrt(params.single_gap_points / (points_at_weight_1 * weight)).ceil().max(1.0)
                 as u32,
         };
         Self { by_metre: weighting.weight_by_metre().iter().map(expected).collect() }

@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::portable_math;
+
 /// Tuning of [`HoughLines::find`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -93,7 +95,8 @@ impl HoughLines {
     pub fn new(params: HoughParams, n_columns: u32) -> Self {
         let normal = |direction: u32| {
             let angle_rad = std::f64::consts::PI * f64::from(direction) / f64::from(params.n_directions);
-            [angle_rad.cos(), angle_rad.sin()].map(|it| (it * FIXED_ONE).round() as i32)
+            let (sine, cosine) = portable_math::sin_cos(angle_rad);
+            [cosine, sine].map(|it| (it * FIXED_ONE).round() as i32)
         };
         let normals: Vec<[i32; 2]> = (0..params.n_directions).map(normal).collect();
         // From −n_columns, where the normal points to smaller columns, to the far corner.

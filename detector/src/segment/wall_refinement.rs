@@ -1,8 +1,11 @@
 //! Façades that the sensor sees only the lower part of, found as long straight lines of cells.
 
+use std::ops::Range;
+
 use serde::Deserialize;
 
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
+use crate::portable_math::single;
 use crate::segment::hough_lines::{HoughLines, HoughParams, Segment};
 use crate::segment::terrain::Terrain;
 use crate::surface_class::SurfaceClass;
@@ -13,8 +16,8 @@ use crate::surface_class::SurfaceClass;
 pub struct WallRefinementParams {
     /// Whether walls are looked for at all.
     pub enabled: bool,
-    /// Whether walls are found as the paper prints it. `min_height_m`, `ceiling_margin_deg` and `max_ground_behind` are not
-    /// used then.
+    /// Whether walls are found as the paper prints it. `min_height_m`, `ceiling_margin_deg`, `min_standing` and
+    /// `max_ground_behind` are not used then.
     pub as_printed: bool,
     /// Least height above the terrain of a cell that may support a wall, in metres: above the roofs of cars.
     pub min_height_m: f32,
@@ -22,6 +25,8 @@ pub struct WallRefinementParams {
     pub ceiling_margin_deg: f32,
     /// Least share of a segment's length along which cells support a wall.
     pub min_support: f32,
+    /// Least share of a segment's length along which cells support a wall that do not hang over the street.
+    pub min_standing: f32,
     /// Greatest share of a segment's length behind which ground is seen: a wall hides it, rain and rows of trunks do not.
     pub max_ground_behind: f32,
     /// How the segments are found.
@@ -45,11 +50,15 @@ pub struct WallRefinement {
     params: WallRefinementParams,
     lines: HoughLines,
     rises: Vec<f32>,
+    // What rises so much for its range is cut off by the upper end of the field of view.
+    least_cut_off: f32,
     // For every cell: 1 where it supports a wall.
     supports: Vec<u32>,
     is_support: Vec<bool>,
     walls: Vec<Segment>,
     shadows: Vec<Shadow>,
+    // For every step along every wall, one behind the other, whether a cell there or beside it bears the wall.
+    borne: Vec<bool>,
     // Cells that became tall and whose neighbours are still to be looked at.
     front: Vec<u32>,
 }
@@ -60,6 +69,9 @@ const MIN_RANGE_OF_CEILING_M: f32 = 8.0;
 /// The rise of the field of view's upper end is this quantile of the rises of the cells' highest points.
 const CEILING_QUANTILE: f32 = 0.99;
 
+/// The upper end of the field of view is known if it cuts off this share of what stands, and is higher than cars.
+const LEAST_CUT_OFF_SHARE: f32 = 0.1;
+
 impl WallRefinement {
     /// A refinement of the classes of grids of the geometry of `grid`.
     pub fn new(params: WallRefinementParams, grid: &HierarchicalGrid) -> Self {
@@ -69,29 +81,35 @@ impl WallRefinement {
             params,
             lines,
             rises: Vec::new(),
+            least_cut_off: f32::INFINITY,
             supports: Vec::new(),
             is_support,
             walls: Vec::new(),
             shadows: Vec::new(),
+            borne: Vec::new(),
             front: Vec::new(),
         }
     }
 
     /// Turns the short cells among `classes` that lie on walls, or behind one, into tall ones.
     pub fn refine(&mut self, grid: &HierarchicalGrid, terrain: &Terrain, classes: &mut [SurfaceClass]) {
-        self.refine_on_walls(grid, terrain, classes);
+        self.refine_on_walls(grid, terrain, |_| false, classes);
         self.clear_behind(grid, classes);
     }
 
-    /// Turns the short cells among `classes` that lie on walls into tall ones.
+    /// Turns the short cells among `classes` that lie on walls into tall ones. What all `hangs` over the street is no wall: crowns,
+    /// signs, what carries traffic lights.
     pub fn refine_on_walls(
         &mut self,
         grid: &HierarchicalGrid,
         terrain: &Terrain,
+        hangs: impl Fn(u32) -> bool,
         classes: &mut [SurfaceClass],
     ) {
         self.walls.clear();
         self.shadows.clear();
+        self.borne.clear();
+        self.least_cut_off = f32::INFINITY;
         if !self.params.enabled {
             return;
         }
@@ -102,11 +120,13 @@ impl WallRefinement {
         self.find_supports(grid, terrain, classes);
         let segments = self.lines.find(&self.supports);
         for &segment in segments {
-            if support_share(segment, grid, &self.is_support) >= self.params.min_support
+            if support_share(segment, grid, |it| self.is_support[it as usize]) >= self.params.min_support
+                && support_share(segment, grid, |it| self.is_support[it as usize] && !hangs(it))
+                    >= self.params.min_standing
                 && ground_behind_share(segment, grid, classes) <= self.params.max_ground_behind
             {
                 self.walls.push(segment);
-                self.shadows.push(Shadow::of(segment, grid));
+                self.shadows.push(Shadow::of(segment, grid, &self.is_support, &mut self.borne));
             }
         }
         self.front.clear();
@@ -141,7 +161,7 @@ impl WallRefinement {
             }
         }
         for &segment in self.lines.find(&self.supports) {
-            if support_share(segment, grid, &self.is_support) >= self.params.min_support {
+            if support_share(segment, grid, |it| self.is_support[it as usize]) >= self.params.min_support {
                 self.walls.push(segment);
             }
         }
@@ -163,9 +183,16 @@ impl WallRefinement {
         }
     }
 
-    /// Whether a wall of the latest scan hides this place of the ground plan from the sensor.
+    /// Whether a wall of the latest scan hides this place of the ground plan from the sensor. Through the gaps of a wall, where
+    /// no cell bears it, one sees the street.
     pub fn is_behind_wall(&self, place_m: [f32; 2]) -> bool {
-        self.shadows.iter().any(|it| it.covers(place_m))
+        self.shadows.iter().any(|it| it.covers(place_m, &self.borne))
+    }
+
+    /// Whether the upper end of the field of view of the latest scan cuts off what reaches this height over the sensor at this
+    /// range, both in metres. Nothing is known of it if walls are not looked for, or little reaches it.
+    pub fn is_cut_off(&self, range_m: f32, top_m: f32) -> bool {
+        top_m >= self.least_cut_off * range_m
     }
 
     /// Bays, reliefs and side walls: what supports a wall and touches one is wall.
@@ -203,43 +230,67 @@ impl WallRefinement {
         }
         let rank = (CEILING_QUANTILE * self.rises.len() as f32) as usize;
         let (_, &mut ceiling, _) = self.rises.select_nth_unstable_by(rank, f32::total_cmp);
-        let least_rise = (ceiling.atan() - self.params.ceiling_margin_deg.to_radians()).tan();
+        let mut n_cut_off = 0;
+        self.least_cut_off =
+            single::tan(single::atan2(ceiling, 1.0) - self.params.ceiling_margin_deg.to_radians());
         for &cell_idx in grid.occupied().iter().filter(|&&it| standing(it)) {
             let cell = &grid.cells()[cell_idx as usize];
             let height_m = cell.z_max_m - terrain.elevation_m(grid.column_and_row(cell_idx));
-            let cut_off = || cell.z_max_m >= least_rise * range_m(grid, cell_idx);
             let tall = classes[cell_idx as usize] == SurfaceClass::Tall;
-            if tall || (height_m >= self.params.min_height_m && cut_off()) {
+            let is_cut_off = height_m >= self.params.min_height_m
+                && self.is_cut_off(range_m(grid, cell_idx), cell.z_max_m);
+            n_cut_off += usize::from(is_cut_off);
+            if tall || is_cut_off {
                 self.supports.push(cell_idx);
                 self.is_support[cell_idx as usize] = true;
             }
+        }
+        if (n_cut_off as f32) < LEAST_CUT_OFF_SHARE * self.rises.len() as f32 {
+            // Nothing much is seen up there: what is highest for its range may well end there.
+            self.least_cut_off = f32::INFINITY;
         }
     }
 }
 
 /// The part of the ground plan that a wall hides from the sensor.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Shadow {
     // Metres; seen from the sensor, the end is counter-clockwise of the start.
     start_m: [f32; 2],
     end_m: [f32; 2],
+    // Where along the wall cells bear it, from the start to the end.
+    borne: Range<usize>,
 }
 
 impl Shadow {
-    fn of(wall: Segment, grid: &HierarchicalGrid) -> Self {
+    /// What `wall` hides; appends where `is_support` bears it to `borne`.
+    fn of(wall: Segment, grid: &HierarchicalGrid, is_support: &[bool], borne: &mut Vec<bool>) -> Self {
         let [start_m, end_m] = [wall.start, wall.end].map(|place| center_m(grid, place));
+        let first = borne.len();
+        borne.extend(corridor(wall).map(|cells| {
+            cells.into_iter().filter_map(|it| cell_at(grid, it)).any(|it| is_support[it as usize])
+        }));
+        let places = first..borne.len();
         if cross(start_m, end_m) >= 0.0 {
-            Self { start_m, end_m }
+            Self { start_m, end_m, borne: places }
         } else {
-            Self { start_m: end_m, end_m: start_m }
+            borne[places.clone()].reverse();
+            Self { start_m: end_m, end_m: start_m, borne: places }
         }
     }
 
-    fn covers(self, place_m: [f32; 2]) -> bool {
+    fn covers(&self, place_m: [f32; 2], borne: &[bool]) -> bool {
         let minus = |a: [f32; 2], b: [f32; 2]| [a[0] - b[0], a[1] - b[1]];
-        cross(self.start_m, place_m) > 0.0
-            && cross(place_m, self.end_m) > 0.0
-            && cross(minus(self.end_m, self.start_m), minus(place_m, self.start_m)) < 0.0
+        let (before, after) = (cross(self.start_m, place_m), cross(place_m, self.end_m));
+        let is_behind = before > 0.0
+            && after > 0.0
+            && cross(minus(self.end_m, self.start_m), minus(place_m, self.start_m)) < 0.0;
+        // Where the line of sight meets the wall; it passes by the cells to either side, too.
+        let steps = &borne[self.borne.clone()];
+        is_behind && {
+            let step = (before / (before + after) * (steps.len() - 1) as f32).round() as usize;
+            steps[step.saturating_sub(1)..steps.len().min(step + 2)].contains(&true)
+        }
     }
 }
 
@@ -261,12 +312,12 @@ fn corridor(segment: Segment) -> impl Iterator<Item = [[i32; 2]; 3]> {
     })
 }
 
-fn support_share(segment: Segment, grid: &HierarchicalGrid, is_support: &[bool]) -> f32 {
+fn support_share(segment: Segment, grid: &HierarchicalGrid, is_support: impl Fn(u32) -> bool) -> f32 {
     let (mut n_supported, mut n) = (0, 0);
     for cells in corridor(segment) {
         n += 1;
         let mut inside = cells.into_iter().filter_map(|it| cell_at(grid, it));
-        n_supported += i32::from(inside.any(|it| is_support[it as usize]));
+        n_supported += i32::from(inside.any(&is_support));
     }
     n_supported as f32 / n as f32
 }
@@ -279,7 +330,7 @@ fn ground_behind_share(segment: Segment, grid: &HierarchicalGrid, classes: &[Sur
     let (mut n_seen, mut n) = (0, 0);
     for [on, ..] in corridor(segment) {
         let [x, y] = center_m(grid, on);
-        let range_m = x.hypot(y);
+        let range_m = single::hypot(x, y);
         let is_ground = |behind_m: &f32| {
             let stretch = (range_m + behind_m) / range_m.max(grid.params().cell_size_m);
             let cell_idx = cell_at(grid, place_at(grid, [x * stretch, y * stretch]));
@@ -312,7 +363,7 @@ fn center_m(grid: &HierarchicalGrid, place: [i32; 2]) -> [f32; 2] {
 
 fn range_m(grid: &HierarchicalGrid, cell_idx: u32) -> f32 {
     let [x, y] = grid.center_m(cell_idx);
-    x.hypot(y)
+    single::hypot(x, y)
 }
 
 /// Turns a short cell into a tall one; `None` if it is none.
@@ -338,6 +389,7 @@ mod tests {
     const TOP_RISE: f32 = 0.035;
 
     /// A level road with surfaces of which a sensor with a topmost beam sees the lower part.
+    #[derive(Clone)]
     struct Drawing(PointCloud);
 
     impl Drawing {
@@ -363,7 +415,7 @@ mod tests {
             for step in 0..=400 {
                 let share = step as f32 / 400.0;
                 let [x, y] = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
-                let top_m = (height_m - SENSOR_HEIGHT_M).min(top_rise * x.hypot(y));
+                let top_m = (height_m - SENSOR_HEIGHT_M).min(top_rise * single::hypot(x, y));
                 for level in 0..=8 {
                     let z = -SENSOR_HEIGHT_M + (top_m + SENSOR_HEIGHT_M) * level as f32 / 8.0;
                     self.0.push([x, y, z], 0.0);
@@ -385,6 +437,24 @@ mod tests {
         }
 
         fn class_by(&self, params: HierarchicalParams, place_m: [f32; 2]) -> SurfaceClass {
+            self.class_refined(params, place_m, |walls, (grid, terrain), classes| {
+                walls.refine(grid, terrain, classes);
+            })
+        }
+
+        /// The class of the cell around `place_m` where all hangs over the street that lies to the right of `from_x_m`.
+        fn class_if_hanging(&self, place_m: [f32; 2], from_x_m: f32) -> SurfaceClass {
+            self.class_refined(HierarchicalParams::shipped(), place_m, |walls, (grid, terrain), classes| {
+                walls.refine_on_walls(grid, terrain, |it| grid.center_m(it)[0] > from_x_m, classes);
+            })
+        }
+
+        fn class_refined(
+            &self,
+            params: HierarchicalParams,
+            place_m: [f32; 2],
+            refine: impl Fn(&mut WallRefinement, (&HierarchicalGrid, &Terrain), &mut [SurfaceClass]),
+        ) -> SurfaceClass {
             let mut grid = HierarchicalGrid::new(params.grid.clone());
             grid.fill(&self.0);
             let mut terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
@@ -397,7 +467,7 @@ mod tests {
                 &mut classes,
             );
             let mut walls = WallRefinement::new(params.walls, &grid);
-            walls.refine(&grid, &terrain, &mut classes);
+            refine(&mut walls, (&grid, &terrain), &mut classes);
             let near = |&&cell_idx: &&u32| {
                 let [x, y] = grid.center_m(cell_idx);
                 (x - place_m[0]).abs() <= 0.3 && (y - place_m[1]).abs() <= 0.3
@@ -441,6 +511,51 @@ mod tests {
         assert_eq!(shop.class_at([2.1, 12.1], true), SurfaceClass::Tall);
         // Past the end of the wall.
         assert_eq!(shop.class_at([19.0, 12.1], true), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn what_is_seen_through_a_gap_of_a_wall_may_stand_on_the_street() {
+        let street = Drawing::road()
+            .surface([-12.0, 9.1], [1.5, 9.1], 12.0)
+            .surface([3.7, 9.1], [12.0, 9.1], 12.0)
+            .surface([2.9, 12.1], [3.3, 12.1], 1.0)
+            .surface([-3.9, 12.1], [-3.3, 12.1], 1.0);
+        assert_eq!(street.class_at([3.1, 12.1], true), SurfaceClass::Short);
+        assert_eq!(street.class_at([-3.6, 12.1], true), SurfaceClass::Tall);
+    }
+
+    #[test]
+    fn what_hangs_over_the_street_is_no_wall_however_straight_it_is() {
+        let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        assert_eq!(street.class_if_hanging([3.1, 9.1], 12.0), SurfaceClass::Tall);
+        // A third of it stands.
+        assert_eq!(street.class_if_hanging([3.1, 9.1], -3.5), SurfaceClass::Tall);
+        assert_eq!(street.class_if_hanging([3.1, 9.1], -8.0), SurfaceClass::Short);
+    }
+
+    #[test]
+    fn what_reaches_the_upper_end_of_the_view_is_cut_off() {
+        let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        let params = HierarchicalParams::shipped();
+        street.class_refined(params, [3.1, 9.1], |walls, (grid, terrain), classes| {
+            assert!(!walls.is_cut_off(10.0, 5.0), "nothing was seen yet");
+            walls.refine(grid, terrain, classes);
+            // Less than two degrees below the topmost beam, and more.
+            assert!(walls.is_cut_off(10.0, 10.0 * TOP_RISE - 0.2));
+            assert!(!walls.is_cut_off(10.0, 10.0 * TOP_RISE - 0.5));
+        });
+        // The roofs of cars are highest where there is nothing else, and a pole beside them says no more.
+        let cars = Drawing::road().surface([-12.0, 7.1], [12.0, 7.1], 1.5);
+        for street in [&cars.clone(), &cars.surface([9.1, -4.1], [9.2, -4.1], 3.0)] {
+            street.class_refined(
+                HierarchicalParams::shipped(),
+                [3.1, 7.1],
+                |walls, (grid, terrain), classes| {
+                    walls.refine(grid, terrain, classes);
+                    assert!(!walls.is_cut_off(10.0, 5.0));
+                },
+            );
+        }
     }
 
     #[test]

@@ -1,4 +1,5 @@
 //! Tests of the hierarchical detector as a whole: on a drawn street, and against a reference.
+#![allow(clippy::disallowed_methods, reason = "drawn scenes and references may use the platform's library")]
 
 mod cell_fitness;
 mod drawn_street;

@@ -2,6 +2,7 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use detector::portable_math::single;
 use detector::{OrientedBox, PointCloud};
 
 use super::separation::Cluster;
@@ -70,7 +71,7 @@ struct Rectangle {
 impl Rectangle {
     fn along(from_m: [f32; 2], to_m: [f32; 2], hull_m: &[[f32; 2]]) -> Self {
         let (dx, dy) = (to_m[0] - from_m[0], to_m[1] - from_m[1]);
-        let length_m = dx.hypot(dy);
+        let length_m = single::hypot(dx, dy);
         let direction = if length_m > 0.0 { [dx / length_m, dy / length_m] } else { [1.0, 0.0] };
         let [ux, uy] = direction;
         let along: Vec<f32> = hull_m.iter().map(|[x, y]| x * ux + y * uy).collect();
@@ -93,7 +94,7 @@ impl Rectangle {
         let (u, v) = (middle(self.along_m), middle(self.across_m));
         let sides_m = [self.along_m[1] - self.along_m[0], self.across_m[1] - self.across_m[0]];
         let quarter_turn = sides_m[0] < sides_m[1];
-        let yaw_rad = if quarter_turn { uy.atan2(ux) + FRAC_PI_2 } else { uy.atan2(ux) };
+        let yaw_rad = if quarter_turn { single::atan2(uy, ux) + FRAC_PI_2 } else { single::atan2(uy, ux) };
         OrientedBox {
             center_m: [u * ux - v * uy, u * uy + v * ux, middle(z_range_m)],
             length_width_height_m: [

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use detector::PointCloud;
 use detector::params::HierarchicalParams;
+use detector::portable_math::single;
 
 use super::cells::{Cell, dense_cell};
 use super::density::points_per_cell;
@@ -121,7 +122,7 @@ fn touching_parts(parts: &[Part], coarse: [Cell; 2], max_steps: u32) -> Vec<[usi
 /// Up to how many steps between dense cells there is no gap.
 fn max_steps(coarse: Cell, params: &HierarchicalParams) -> u32 {
     let share = params.separation.single_gap_points / points_per_dense_cell(coarse, params);
-    share.cbrt().ceil().max(1.0) as u32
+    single::cbrt(share).ceil().max(1.0) as u32
 }
 
 fn points_per_dense_cell(coarse: Cell, params: &HierarchicalParams) -> f32 {

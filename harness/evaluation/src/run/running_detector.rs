@@ -93,12 +93,15 @@ pub trait RunningDetector: Send {
 pub struct BuiltIn {
     name: &'static str,
     detector: Box<dyn Detector>,
+    // Detections, and those of them that left groups uncut.
+    n_detections: usize,
+    n_with_groups_uncut: usize,
 }
 
 impl BuiltIn {
     /// `detector` under `name`.
     pub fn new(name: &'static str, detector: Box<dyn Detector>) -> Self {
-        Self { name, detector }
+        Self { name, detector, n_detections: 0, n_with_groups_uncut: 0 }
     }
 }
 
@@ -117,6 +120,8 @@ impl RunningDetector for BuiltIn {
         let started = Instant::now();
         self.detector.detect(&scan.cloud, output);
         let wall = started.elapsed();
+        self.n_detections += 1;
+        self.n_with_groups_uncut += usize::from(output.n_left_uncut > 0);
         let cpu = own_cpu_time().zip(cpu_before).map(|(after, before)| after.saturating_sub(before));
         Ok(Taken { wall: Some(wall), cpu, door: None })
     }
@@ -131,6 +136,17 @@ impl RunningDetector for BuiltIn {
 
     fn rules(&self) -> Vec<Rule> {
         self.detector.rules()
+    }
+
+    fn finish(self: Box<Self>) -> Vec<String> {
+        let Self { name, n_detections, n_with_groups_uncut, .. } = *self;
+        let warning = || {
+            format!(
+                "{name} had more groups to cut than its budget, grouping.cuts.max_groups, in {n_with_groups_uncut} of \
+                 {n_detections} detections: objects that touch may have been found as one"
+            )
+        };
+        (n_with_groups_uncut > 0).then(warning).into_iter().collect()
     }
 }
 

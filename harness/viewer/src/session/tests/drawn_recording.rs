@@ -70,6 +70,7 @@ pub fn output() -> DetectorOutput {
         ],
         unlikely_vehicles: Detections::default(),
         dropped_clusters: Vec::new(),
+        n_left_uncut: 0,
     }
 }
 
