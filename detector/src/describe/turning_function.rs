@@ -165,8 +165,8 @@ fn cross(a: [f32; 2], b: [f32; 2]) -> f64 {
 fn turn_rad(a: [f32; 2], b: [f32; 2]) -> f32 {
     let sine = cross(a, b);
     let cosine = f64::from(a[0]) * f64::from(b[0]) + f64::from(a[1]) * f64::from(b[1]);
-    // Adding nought makes −0 to 0, whose angle to the negative axis is π.
-    portable_math::atan2(sine + 0.0, cosine) as f32
+    // −0 counts as 0, whose angle to the negative axis is π.
+    portable_math::atan2(sine, cosine) as f32
 }
 
 /// Adds an edge from place `from` to place `until`, in parts, to the means of the parts it runs through.

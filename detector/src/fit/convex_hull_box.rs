@@ -236,6 +236,38 @@ mod tests {
         }
 
         #[test]
+        fn of_all_rectangles_the_closest_is_taken(
+            angles_rad in prop::collection::vec(0.0_f32..6.28, 3..60), flatness in 0.3_f32..1.0,
+        ) {
+            // Points on an ellipse are all corners, of more edges than are compared at a time.
+            let outline_m: Vec<[f32; 2]> =
+                angles_rad.iter().map(|it| [5.0 * it.cos(), 5.0 * flatness * it.sin()]).collect();
+            let mut fitter = ConvexHullBox::default();
+            let found = fitter.fit(outline_m.into_iter(), [0.0, 1.0]).unwrap();
+            let hull_m = fitter.hull_m();
+            let mut least: Option<(f32, [f32; 2])> = None;
+            for (idx, from_m) in hull_m.iter().enumerate() {
+                let [ux, uy] = direction(*from_m, hull_m[(idx + 1) % hull_m.len()]);
+                let places = || hull_m.iter().map(|&[x, y]| [x * ux + y * uy, y * ux - x * uy]);
+                let range = |axis: usize| {
+                    places().fold([f32::INFINITY, f32::NEG_INFINITY], |it, place| {
+                        [it[0].min(place[axis]), it[1].max(place[axis])]
+                    })
+                };
+                let [along, across] = [range(0), range(1)];
+                let to_side = |value: f32, sides: [f32; 2]| (value - sides[0]).min(sides[1] - value);
+                let sum: f32 = places().map(|[u, v]| to_side(u, along).min(to_side(v, across))).sum();
+                let mean_m = sum / hull_m.len() as f32;
+                if least.is_none_or(|(least_m, _)| mean_m < least_m) {
+                    least = Some((mean_m, [along[1] - along[0], across[1] - across[0]]));
+                }
+            }
+            let (_, [a, b]) = least.unwrap();
+            let [length_m, width_m, _] = found.length_width_height_m;
+            prop_assert_eq!([length_m, width_m], [a.max(b), a.min(b)]);
+        }
+
+        #[test]
         fn the_box_encloses_its_points(points_m in prop::collection::vec((-9.0_f32..9.0, -9.0_f32..9.0), 1..40)) {
             let outline_m: Vec<[f32; 2]> = points_m.iter().map(|&(x, y)| [x, y]).collect();
             let mut it = fit(&outline_m).unwrap();

@@ -79,7 +79,7 @@ pub struct Candidates {
     // For every cell, of an earlier scan for those that are not occupied.
     band_m: Vec<[f32; 2]>,
     doubts: Vec<Doubts>,
-    // Whether all of a cell hangs over the street.
+    // Whether all of a cell hangs over the street, but for its ground.
     hangs: Vec<bool>,
     // For every cell, the place of its column of heights.
     column_of_cell: Vec<u32>,
@@ -177,6 +177,7 @@ impl Candidates {
             if foot_m > self.params.highest_foot_m {
                 doubts.add(Doubt::Covered, true);
                 self.hangs[cell_idx as usize] = true;
+                // The road is seen below it: only what the field of view cuts off may still bear a wall.
                 if part.is_over_ground {
                     classes[cell_idx as usize] = SurfaceClass::Short;
                 }
@@ -265,7 +266,7 @@ impl Candidates {
     }
 }
 
-/// What stands lowest in a column of heights. What reaches no higher than the ground does not stand on it.
+/// The lowest thing that stands in a column of heights. Ground that has free height above it is no part of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct StandingPart {
     // In metres above the terrain.
@@ -419,6 +420,16 @@ mod tests {
         let tall = only(Doubt::Tall);
         assert_eq!(found(&[(HERE, 0..38)]), ((2..38).collect(), Some(tall)));
         assert_eq!(found(&[(HERE, 0..60)]).0, []);
+    }
+
+    #[test]
+    fn a_crown_beside_something_is_no_house() {
+        // The drawn road ends before the crown, so that nothing is seen below it.
+        let [at_the_end, beyond] = [[19.9, 3.0], [20.5, 3.0]];
+        let (heights, doubts) = found(&[(at_the_end, 0..10), (beyond, 40..60)]);
+        assert_eq!((heights, doubts), ((2..10).collect(), Some(Doubts::NONE)));
+        let (_, doubts) = found(&[(at_the_end, 0..10), (beyond, 0..60)]);
+        assert_eq!(doubts, Some(only(Doubt::BesideTall)));
     }
 
     #[test]

@@ -36,7 +36,8 @@ const END_COST: f32 = 0.2;
 #[derive(Debug, Clone, Default)]
 pub struct LeafCuts {
     n_in_column: Vec<u32>,
-    leaves: Vec<u32>,
+    // Of the leaves of a round.
+    cuts: Vec<(u32, Plane)>,
 }
 
 /// A vertical plane.
@@ -62,36 +63,38 @@ impl LeafCuts {
         let mut round = 0..tree.nodes().len();
         while !round.is_empty() {
             let n_before = tree.nodes().len();
-            self.leaves.clear();
-            self.leaves.extend((round.start as u32..round.end as u32).filter(|&it| {
-                let node = &tree.nodes()[it as usize];
-                node.first_child.is_none()
+            self.cuts.clear();
+            for leaf in round {
+                let node = &tree.nodes()[leaf];
+                if node.first_child.is_none()
                     && node.heap.n_points >= params.min_points
                     && node.n_cuts < params.max_depth
-            }));
-            n_left_uncut += self.keep_affordable(tree, (params.max_groups as usize).saturating_sub(n_before));
-            for place in 0..self.leaves.len() {
-                let leaf = self.leaves[place];
-                let node = &tree.nodes()[leaf as usize];
-                if let Some(plane) = self.plane(tree.cells(node), &node.heap, dense, params) {
-                    tree.part(leaf, dense, |heap| plane.is_before(heap.middle_m()));
+                    && let Some(plane) = self.plane(tree.cells(node), &node.heap, dense, params)
+                {
+                    self.cuts.push((leaf as u32, plane));
                 }
+            }
+            n_left_uncut += self.keep_affordable(tree, (params.max_groups as usize).saturating_sub(n_before));
+            for &(leaf, plane) in &self.cuts {
+                tree.part(leaf, dense, |heap| plane.is_before(heap.middle_m()));
             }
             round = n_before..tree.nodes().len();
         }
         n_left_uncut
     }
 
-    /// Of the leaves of a round keeps those of most points if cutting all would make more than `n_more` groups. Returns how
+    /// Of the cuts of a round keeps those of the leaves of most points if all would make more than `n_more` groups. Returns how
     /// many it drops.
     fn keep_affordable(&mut self, tree: &GroupingTree, n_more: usize) -> usize {
         let n_cuts = n_more / 2;
-        let n_dropped = self.leaves.len().saturating_sub(n_cuts);
+        let n_dropped = self.cuts.len().saturating_sub(n_cuts);
         if n_dropped > 0 {
-            let rank = |&it: &u32| (std::cmp::Reverse(tree.nodes()[it as usize].heap.n_points), it);
-            self.leaves.sort_unstable_by_key(rank);
-            self.leaves.truncate(n_cuts);
-            self.leaves.sort_unstable();
+            let rank = |&(leaf, _): &(u32, Plane)| {
+                (std::cmp::Reverse(tree.nodes()[leaf as usize].heap.n_points), leaf)
+            };
+            self.cuts.sort_unstable_by_key(rank);
+            self.cuts.truncate(n_cuts);
+            self.cuts.sort_unstable_by_key(|it| it.0);
         }
         n_dropped
     }
@@ -236,8 +239,9 @@ mod tests {
 
     #[test]
     fn a_budget_is_spent_on_groups_of_many_points_and_what_is_left_is_counted() {
-        // Three apart, of which the middle one is the largest; each gets two parts.
-        let three = [block(0..6, 0..6), block(10..19, 0..6), block(23..28, 0..6)].concat();
+        // Three apart, of which the middle one is the largest; each gets two parts. A fourth would have to be cut too near its end.
+        let three =
+            [block(0..6, 0..6), block(10..19, 0..6), block(23..28, 0..6), block(40..42, 0..2)].concat();
         let cut = |max_groups| {
             let params =
                 LeafCutsParams { max_groups, max_depth: 1, ..HierarchicalParams::shipped().grouping.cuts };

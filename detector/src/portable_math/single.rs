@@ -1,4 +1,4 @@
-//! The same of single precision: reckoned in double precision, and rounded.
+//! Such functions of numbers of single precision: reckoned in double precision, and rounded.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 

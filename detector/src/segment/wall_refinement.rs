@@ -25,7 +25,8 @@ pub struct WallRefinementParams {
     pub ceiling_margin_deg: f32,
     /// Least share of a segment's length along which cells support a wall.
     pub min_support: f32,
-    /// Least share of a segment's length along which cells support a wall that do not hang over the street.
+    /// Least share of a segment's length along which cells support a wall that do not hang over the street. Which hang is known
+    /// only where cells are looked into, for the tree of groupings.
     pub min_standing: f32,
     /// Greatest share of a segment's length behind which ground is seen: a wall hides it, rain and rows of trunks do not.
     pub max_ground_behind: f32,
@@ -69,7 +70,8 @@ const MIN_RANGE_OF_CEILING_M: f32 = 8.0;
 /// The rise of the field of view's upper end is this quantile of the rises of the cells' highest points.
 const CEILING_QUANTILE: f32 = 0.99;
 
-/// The upper end of the field of view is known if it cuts off this share of what stands, and is higher than cars.
+/// The upper end of the field of view is known if it cuts off this share of what stands beyond [`MIN_RANGE_OF_CEILING_M`], and
+/// if that is higher than cars.
 const LEAST_CUT_OFF_SHARE: f32 = 0.1;
 
 impl WallRefinement {
@@ -97,8 +99,8 @@ impl WallRefinement {
         self.clear_behind(grid, classes);
     }
 
-    /// Turns the short cells among `classes` that lie on walls into tall ones. What all `hangs` over the street is no wall: crowns,
-    /// signs, what carries traffic lights.
+    /// Turns the short cells among `classes` that lie on walls into tall ones. Cells that hang over the street, such as crowns and
+    /// signs, are a wall only in line with enough that stand: see `min_standing`.
     pub fn refine_on_walls(
         &mut self,
         grid: &HierarchicalGrid,
@@ -239,7 +241,7 @@ impl WallRefinement {
             let tall = classes[cell_idx as usize] == SurfaceClass::Tall;
             let is_cut_off = height_m >= self.params.min_height_m
                 && self.is_cut_off(range_m(grid, cell_idx), cell.z_max_m);
-            n_cut_off += usize::from(is_cut_off);
+            n_cut_off += usize::from(is_cut_off && range_m(grid, cell_idx) >= MIN_RANGE_OF_CEILING_M);
             if tall || is_cut_off {
                 self.supports.push(cell_idx);
                 self.is_support[cell_idx as usize] = true;
@@ -525,7 +527,7 @@ mod tests {
     }
 
     #[test]
-    fn what_hangs_over_the_street_is_no_wall_however_straight_it_is() {
+    fn a_wall_stands_along_three_tenths_of_its_length() {
         let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
         assert_eq!(street.class_if_hanging([3.1, 9.1], 12.0), SurfaceClass::Tall);
         // A third of it stands.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Where the cabin of a car begins and ends, as shares of the length from the front.
+/// What cars of one body style measure. Places along the length are shares of it from the front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyStyle {
     /// How many of a hundred cars are like this.
@@ -51,7 +51,7 @@ impl BodyStyle {
     }
 }
 
-/// What most of the European cars have in common.
+/// A small car; what is not said of others is as here.
 const SMALL: BodyStyle = BodyStyle {
     percent: 0,
     length_m: 3.5..4.0,
@@ -162,7 +162,7 @@ const LARGE: BodyStyle = BodyStyle {
     ..SMALL
 };
 
-/// What stands in the streets of a North American town: half of it as high as off-roaders and higher.
+/// What stands in the streets of a North American town: more than half of it is 1.6 m high or higher.
 pub const NORTH_AMERICAN: [BodyStyle; 6] = [
     // Saloon.
     BodyStyle {

@@ -122,14 +122,10 @@ fn summary(opened: &OpenedScan, detector: &str, result: &SingleScan) -> String {
         0 => String::new(),
         n => format!(" and {n} without a position, which are skipped"),
     };
-    let left_uncut = match result.output.n_left_uncut {
-        0 => String::new(),
-        n => format!("; {n} groups left uncut since grouping.cuts.max_groups was reached"),
-    };
     let mut text = format!(
         "{name}: {} points{left_out}, sensor {} m above the road\n\
          {detector}: {} clusters of {n_in_clusters} points, {n_vehicles} of them vehicles; {} more dropped because \
-         of their size{left_uncut}\n\n",
+         of their size\n\n",
         scan.cloud.len(),
         description.sensor_height_m,
         detections.len(),

@@ -42,16 +42,13 @@ fn a_spent_budget_of_groups_is_said() {
     let workplace = drive();
     let spent = ["-P", "grouping.cuts.max_groups=0"];
     let detect = ["detect", SCAN, "--sensor", "hdl-64e-s2"];
-    let ended = workplace.succeed(&[&detect[..], &spent].concat());
-    assert!(
-        ended.stdout.contains("groups left uncut since grouping.cuts.max_groups was reached"),
-        "{ended:#?}"
-    );
-    assert!(!workplace.succeed(&detect).stdout.contains("uncut"));
-    let run = ["run", "street", "-d", "hierarchical,kd-tree", "--no-rrd", "-o", "out", "--overwrite"];
-    let ended = workplace.succeed(&[&run[..], &spent].concat());
     let warning =
         "warning: hierarchical had more groups to cut than its budget, grouping.cuts.max_groups, in ";
+    let ended = workplace.succeed(&[&detect[..], &spent].concat());
+    assert!(ended.stderr.contains(warning), "{ended:#?}");
+    assert_eq!(workplace.succeed(&detect).stderr, "");
+    let run = ["run", "street", "-d", "hierarchical,kd-tree", "--no-rrd", "-o", "out", "--overwrite"];
+    let ended = workplace.succeed(&[&run[..], &spent].concat());
     assert_eq!(ended.stderr.matches(warning).count(), 1, "{ended:#?}");
     assert!(!workplace.succeed(&run).stderr.contains("budget"));
 }
@@ -135,8 +132,8 @@ fn parameters_and_sensor_height_change_what_is_found() {
     workplace
         .write("mine.toml", "hierarchical.cluster = { min_points = 100000, min_vehicle_points = 100000 }");
     assert_eq!(n_found(&["-c", "mine.toml"]), 0);
-    // What the model takes for vehicles; the drawn cars are blocks, so that it may doubt one.
-    assert!(n_found(&["-c", "mine.toml", "-P", "cluster.min_vehicle_points=10"]) > 0);
+    // The model may take one of the drawn cars, which are blocks, for no vehicle.
+    assert!((1..=2).contains(&n_found(&["-c", "mine.toml", "-P", "cluster.min_vehicle_points=10"])));
     // Everything is one component of the kd-tree: the cars stand on the road.
     assert_eq!(n_found(&["-d", "kd-tree", "-P", "foreground=all"]), 1);
     // What it knows is a road at another height, above which it sees no cars.
