@@ -237,7 +237,7 @@ mod tests {
 
         #[test]
         fn of_all_rectangles_the_closest_is_taken(
-            angles_rad in prop::collection::vec(0.0_f32..6.28, 3..60), flatness in 0.3_f32..1.0,
+            angles_rad in prop::collection::vec(-3.0_f32..3.0, 3..60), flatness in 0.3_f32..1.0,
         ) {
             // Points on an ellipse are all corners, of more edges than are compared at a time.
             let outline_m: Vec<[f32; 2]> =
