@@ -1,11 +1,10 @@
 //! The side profiles of known vehicles, and which of them an object is most like.
 
-use crate::portable_math::single;
-
 use serde::Deserialize;
 
 use super::trained_file::Provenance;
 use super::turning_function::TurningFunction;
+use crate::portable_math::single;
 
 /// The profile of one vehicle, front forward.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
