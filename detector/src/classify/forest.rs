@@ -1,7 +1,5 @@
 //! Boosted trees, as they decide.
 
-use crate::vector_instructions::{HotLoop, vectorised};
-
 /// Levels of decisions of a tree.
 pub const DEPTH: usize = 6;
 /// Decisions of a tree.
@@ -29,17 +27,33 @@ pub struct DecisionTree {
 pub struct Forest<const D: usize> {
     // Invariant: every decision looks at one of the D values.
     trees: Vec<DecisionTree>,
+    walked: Vec<WalkedTree>,
     base: f32,
 }
 
 /// Examples that are led through a tree at the same time.
 const N_ABREAST: usize = 8;
+/// Examples that are led through all trees before the next are looked at. They stay in the cache that long.
+const N_IN_BLOCK: usize = 64;
+/// More values no forest looks at.
+const MAX_VALUES: usize = 64;
+
+/// Values of some examples.
+type Block = [[f32; MAX_VALUES]; N_IN_BLOCK];
+
+/// A tree as it is walked: with the decision that would follow the last one, so that no place needs to be checked.
+#[derive(Debug, Clone, PartialEq)]
+struct WalkedTree {
+    value_of_split: [u8; N_LEAVES],
+    thresholds: [f32; N_LEAVES],
+    leaves: [f32; N_LEAVES],
+}
 
 impl<const D: usize> Forest<D> {
     /// A forest of these trees, whose sum starts at `base`. `None` if a tree looks at a value that there is not.
     pub fn new(trees: Vec<DecisionTree>, base: f32) -> Option<Self> {
         let is_sound = trees.iter().all(|it| it.value_of_split.iter().all(|&value| usize::from(value) < D));
-        is_sound.then_some(Self { trees, base })
+        is_sound.then(|| Self { walked: trees.iter().map(WalkedTree::new).collect(), trees, base })
     }
 
     /// The sum for these values. What is not a number is never less than a threshold.
@@ -48,14 +62,24 @@ impl<const D: usize> Forest<D> {
     }
 
     /// Writes the sum for each of `examples` to `sums`.
-    pub fn sums<'a>(
-        &self,
-        examples: impl ExactSizeIterator<Item = &'a [f32; D]> + Clone,
-        sums: &mut Vec<f32>,
-    ) {
+    pub fn sums<'a>(&self, examples: impl ExactSizeIterator<Item = &'a [f32; D]>, sums: &mut Vec<f32>) {
+        const { assert!(D <= MAX_VALUES) };
         sums.clear();
         sums.resize(examples.len(), self.base);
-        vectorised(Walk { forest: self, examples, sums });
+        let mut examples = examples;
+        let mut block = [[0.0; MAX_VALUES]; N_IN_BLOCK];
+        for sums in sums.chunks_mut(N_IN_BLOCK) {
+            for (row, values) in block.iter_mut().zip(examples.by_ref().take(sums.len())) {
+                row[..D].copy_from_slice(values);
+            }
+            // Several are on their way at a time, so that the processor need not wait for one of them. Compiled for wide vectors this
+            // would take twice as long: the values would be gathered, and gathering is slow.
+            for tree in &self.walked {
+                for (abreast, first) in sums.chunks_mut(N_ABREAST).zip((0..).step_by(N_ABREAST)) {
+                    tree.add(&block, first, abreast);
+                }
+            }
+        }
     }
 
     /// The trees.
@@ -87,39 +111,28 @@ impl DecisionTree {
     }
 }
 
-/// Every example is to be led through every tree.
-struct Walk<'b, const D: usize, I> {
-    forest: &'b Forest<D>,
-    examples: I,
-    sums: &'b mut [f32],
-}
+impl WalkedTree {
+    fn new(tree: &DecisionTree) -> Self {
+        let (mut value_of_split, mut thresholds) = ([0; N_LEAVES], [0.0; N_LEAVES]);
+        value_of_split[..N_SPLITS].copy_from_slice(&tree.value_of_split);
+        thresholds[..N_SPLITS].copy_from_slice(&tree.thresholds);
+        Self { value_of_split, thresholds, leaves: tree.leaves }
+    }
 
-impl<'a, const D: usize, I: ExactSizeIterator<Item = &'a [f32; D]> + Clone> HotLoop for Walk<'_, D, I> {
-    type Output = ();
-
+    /// Adds to each of `sums` what the examples from `first` on lead to.
     #[inline(always)]
-    fn run(self) {
-        // A tree is read once for all examples, and several of these are on their way at a time, so that the processor need not
-        // wait for one of them.
-        for tree in &self.forest.trees {
-            let mut examples = self.examples.clone();
-            for sums in self.sums.chunks_mut(N_ABREAST) {
-                let mut abreast = [None; N_ABREAST];
-                for (it, _) in abreast.iter_mut().zip(&*sums) {
-                    *it = examples.next();
-                }
-                let mut places = [0; N_ABREAST];
-                for _ in 0..DEPTH {
-                    for (place, values) in places.iter_mut().zip(&abreast) {
-                        if let Some(values) = values {
-                            *place = tree.next(*place, values);
-                        }
-                    }
-                }
-                for (sum, place) in sums.iter_mut().zip(places) {
-                    *sum += tree.leaves[place - N_SPLITS];
-                }
+    fn add(&self, block: &Block, first: usize, sums: &mut [f32]) {
+        let mut places = [0; N_ABREAST];
+        for _ in 0..DEPTH {
+            for (lane, place) in places.iter_mut().enumerate() {
+                // What is cut off is 0: it only tells the compiler that no index is out of bounds.
+                let value = usize::from(self.value_of_split[*place % N_LEAVES]) % MAX_VALUES;
+                let is_left = block[(first + lane) % N_IN_BLOCK][value] < self.thresholds[*place % N_LEAVES];
+                *place = 2 * *place + 1 + usize::from(!is_left);
             }
+        }
+        for (sum, place) in sums.iter_mut().zip(places) {
+            *sum += self.leaves[(place - N_SPLITS) % N_LEAVES];
         }
     }
 }

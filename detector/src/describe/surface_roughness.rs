@@ -19,6 +19,8 @@ pub struct RoughnessSquares {
     on_sides: Vec<Square>,
     /// On the ends, whose depth is along.
     on_ends: Vec<Square>,
+    // For every point, where its squares stand in both.
+    places: Vec<[u32; 2]>,
 }
 
 impl RoughnessSquares {
@@ -39,11 +41,15 @@ impl RoughnessSquares {
             let row = place(up_m - low_m, n_up);
             let [column, end_column] =
                 [place(along_m + 0.5 * length_m, n_along), place(across_m + 0.5 * width_m, n_across)];
-            (row * n_along + column, row * n_across + end_column)
+            [row * n_along + column, row * n_across + end_column].map(|it| it as u32)
         };
-        let columns = || points.along_m().iter().zip(points.across_m()).zip(points.up_m());
-        for ((&along_m, &across_m), &up_m) in columns() {
-            let (on_side, on_end) = places(along_m, across_m, up_m);
+        let depths = || points.along_m().iter().zip(points.across_m());
+        self.places.clear();
+        self.places.extend(
+            depths().zip(points.up_m()).map(|((&along_m, &across_m), &up_m)| places(along_m, across_m, up_m)),
+        );
+        for ((&along_m, &across_m), places) in depths().zip(&self.places) {
+            let [on_side, on_end] = places.map(|it| it as usize);
             let (side, end) = (&mut self.on_sides[on_side], &mut self.on_ends[on_end]);
             *side = (side.0 + 1.0, side.1 + across_m);
             *end = (end.0 + 1.0, end.1 + along_m);
@@ -52,8 +58,8 @@ impl RoughnessSquares {
             square.1 /= square.0;
         }
         let (mut n_points, mut n_rough) = (0_u32, 0_u32);
-        for ((&along_m, &across_m), &up_m) in columns() {
-            let (on_side, on_end) = places(along_m, across_m, up_m);
+        for ((&along_m, &across_m), places) in depths().zip(&self.places) {
+            let [on_side, on_end] = places.map(|it| it as usize);
             let distance_m = |(n, mean_m): Square, depth_m: f32| {
                 if n > 1.0 { (depth_m - mean_m).abs() } else { f32::INFINITY }
             };

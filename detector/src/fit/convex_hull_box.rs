@@ -57,26 +57,19 @@ impl ConvexHullBox {
         self.directions.clear();
         let edges = self.hull_m.iter().zip(self.hull_m.iter().cycle().skip(1));
         self.directions.extend(edges.map(|(&from_m, &to_m)| direction(from_m, to_m)));
-        let mut best: Option<(usize, Rectangles)> = None;
+        let mut closest: Option<(f32, Rectangle)> = None;
         for first in (0..n_corners).step_by(N_ABREAST) {
             let along = std::array::from_fn(|lane| self.directions[(first + lane).min(n_corners - 1)]);
             let rectangles = vectorised(Enclose { hull_m: &self.hull_m, along });
-            for lane in 0..N_ABREAST.min(n_corners - first) {
-                let is_closer = best.as_ref().is_none_or(|(edge, it)| {
-                    rectangles.mean_distance_m[lane] < it.mean_distance_m[edge % N_ABREAST]
-                });
-                if is_closer {
-                    best = Some((first + lane, rectangles.clone()));
+            for (lane, &distance_m) in
+                rectangles.mean_distance_m[..N_ABREAST.min(n_corners - first)].iter().enumerate()
+            {
+                if closest.as_ref().is_none_or(|it| distance_m < it.0) {
+                    closest = Some((distance_m, rectangles.of_lane(lane, along[lane])));
                 }
             }
         }
-        let (edge, rectangles) = best?;
-        let lane = edge % N_ABREAST;
-        Some(Rectangle {
-            along: self.directions[edge],
-            along_m: rectangles.along_m.map(|it| it[lane]),
-            across_m: rectangles.across_m.map(|it| it[lane]),
-        })
+        closest.map(|it| it.1)
     }
 }
 
@@ -92,12 +85,19 @@ fn direction(from_m: [f32; 2], to_m: [f32; 2]) -> [f32; 2] {
 const N_ABREAST: usize = 16;
 
 /// The rectangles around a hull with a side along each of some directions.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 #[expect(clippy::struct_field_names, reason = "a unit is no part of a name")]
 struct Rectangles {
     along_m: [[f32; N_ABREAST]; 2],
     across_m: [[f32; N_ABREAST]; 2],
     mean_distance_m: [f32; N_ABREAST],
+}
+
+impl Rectangles {
+    fn of_lane(&self, lane: usize, along: [f32; 2]) -> Rectangle {
+        let [along_m, across_m] = [self.along_m, self.across_m].map(|sides| sides.map(|it| it[lane]));
+        Rectangle { along, along_m, across_m }
+    }
 }
 
 struct Enclose<'a> {

@@ -45,7 +45,8 @@ pub struct DenseGaps {
     touched: Vec<u32>,
     front: Vec<u32>,
     next_front: Vec<u32>,
-    // For every dense cell of a block: where it is in the grid, whether it holds enough points, and its group.
+    // For every dense cell of a block: the block, where it is in the grid, whether it holds enough points, and its group.
+    block: Vec<u32>,
     at: Vec<u32>,
     is_conducting: Vec<bool>,
     home: Vec<u32>,
@@ -89,6 +90,7 @@ impl DenseGaps {
             touched: Vec::new(),
             front: Vec::new(),
             next_front: Vec::new(),
+            block: Vec::new(),
             at: Vec::new(),
             is_conducting: Vec::new(),
             home: Vec::new(),
@@ -115,8 +117,8 @@ impl DenseGaps {
             self.reached[place as usize] = Reached::NOTHING;
         }
         self.place_cells(grid, dense, candidates);
-        self.join_touching(dense, candidates);
-        self.spread(dense, candidates);
+        self.join_touching(candidates);
+        self.spread(candidates);
         // What is near-empty belongs to what is nearest.
         for (dense_idx, heap) in dense.heaps().iter().enumerate() {
             if heap.n_points > 0 && !self.is_conducting[dense_idx] {
@@ -129,6 +131,7 @@ impl DenseGaps {
 
     fn place_cells(&mut self, grid: &HierarchicalGrid, dense: &DenseCells, candidates: &Candidates) {
         let n_dense = dense.heaps().len();
+        self.block.clear();
         self.at.clear();
         self.is_conducting.clear();
         self.resolved_steps.clear();
@@ -142,12 +145,14 @@ impl DenseGaps {
             self.resolved_steps.push(expected.max_steps);
             self.is_on_wall.push(candidates.doubts(cell_idx).has(Doubt::OnWall));
             let least = (self.params.low_density_share * mean.min(expected.object_points)).max(1.0);
-            for (bit, heap) in heaps.iter().enumerate() {
-                let (across, along) = (bit as u32 % self.xi, bit as u32 / self.xi);
-                let place =
-                    (row * self.xi + along) as usize * self.n_along + (column * self.xi + across) as usize;
-                self.at.push(place as u32);
-                self.is_conducting.push(heap.n_points as f32 >= least);
+            let mut heaps = heaps.iter();
+            for along in 0..self.xi {
+                let start = (row * self.xi + along) as usize * self.n_along + (column * self.xi) as usize;
+                for (place, heap) in (start..start + self.xi as usize).zip(&mut heaps) {
+                    self.block.push(block_idx as u32);
+                    self.at.push(place as u32);
+                    self.is_conducting.push(heap.n_points as f32 >= least);
+                }
             }
         }
         self.home.clear();
@@ -166,7 +171,7 @@ impl DenseGaps {
     }
 
     /// Makes one group of neighbours, unless something else than room is between them.
-    fn join_touching(&mut self, dense: &DenseCells, candidates: &Candidates) {
+    fn join_touching(&mut self, candidates: &Candidates) {
         self.between.iter_mut().for_each(Vec::clear);
         let n = self.n_along;
         for dense_idx in 0..self.at.len() as u32 {
@@ -179,7 +184,7 @@ impl DenseGaps {
                 if other == NO_LABEL {
                     continue;
                 }
-                let level = self.level(dense, candidates, [dense_idx, other], 1);
+                let level = self.level(candidates, [dense_idx, other], 1);
                 if level == 0 {
                     self.groups.join(dense_idx, other);
                 } else {
@@ -200,8 +205,8 @@ impl DenseGaps {
     }
 
     /// How strongly two dense cells are apart that are `steps` from each other.
-    fn level(&self, dense: &DenseCells, candidates: &Candidates, between: [u32; 2], steps: u32) -> usize {
-        let blocks = between.map(|it| dense.block_of_dense(it));
+    fn level(&self, candidates: &Candidates, between: [u32; 2], steps: u32) -> usize {
+        let blocks = between.map(|it| self.block[it as usize] as usize);
         let mut penalty = 0;
         if blocks[0] != blocks[1] {
             let [a, b] = blocks.map(|it| candidates.tops_m()[it]);
@@ -217,7 +222,7 @@ impl DenseGaps {
     }
 
     /// Every group grows into the free cells around it, until groups meet.
-    fn spread(&mut self, dense: &DenseCells, candidates: &Candidates) {
+    fn spread(&mut self, candidates: &Candidates) {
         let n = self.n_along;
         for round in 0..self.params.n_rounds as u8 {
             self.next_front.clear();
@@ -244,7 +249,7 @@ impl DenseGaps {
                     let other_steps = self.steps[neighbor];
                     if other_steps > round || (other_steps == round && round > 0 && neighbor > place) {
                         let steps = u32::from(round) + u32::from(other_steps) + 1;
-                        let level = self.level(dense, candidates, [own.label, other.label], steps);
+                        let level = self.level(candidates, [own.label, other.label], steps);
                         self.between[level].push([own.group, other.group]);
                     }
                 }
