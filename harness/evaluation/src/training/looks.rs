@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use detector::classify::forest::Forest;
-use detector::classify::object_looks::{N_MORE_LOOKS, ObjectLooks};
+use detector::classify::object_looks::{N_MORE_LOOKS, ObjectLooks, is_looked_at_again};
 use detector::group::node_context::{N_SECOND_LOOK_VALUES, NodeContexts};
 use forust_ml::errors::ForustError;
 use rayon::prelude::*;
 
 use crate::training::boosting::{BoostingParams, Target, boost};
-use crate::training::group_examples::ScanGroups;
+use crate::training::group_examples::{GroupExample, ScanGroups};
 
 /// Parts of the drives; what a look says of one of them is learned from the others.
 const N_FOLDS: usize = 3;
@@ -35,17 +35,18 @@ pub fn train_looks(
 ) -> Result<ObjectLooks, ForustError> {
     let folds = folds(scans);
     let seen: Vec<Vec<_>> =
-        scans.iter().map(|it| it.groups.iter().map(|it| it.node_values).collect()).collect();
+        scans.iter().map(|it| it.groups.iter().map(|it| Some(it.node_values)).collect()).collect();
     let examples = Examples { scans, folds: &folds, params, on_forest };
     let first = examples.forest(&seen, None)?;
-    let mut worths = examples.worths_by_others(&seen)?;
+    let mut worths: Vec<Vec<f32>> = scans.iter().map(|it| vec![0.0; it.groups.len()]).collect();
+    examples.look_by_others(&seen, &mut worths)?;
     let mut more: Vec<Forest<N_SECOND_LOOK_VALUES>> = Vec::new();
     while more.len() < N_MORE_LOOKS {
         let pairs = scans.iter().zip(&worths);
         let seen: Vec<Vec<_>> = pairs.map(|(scan, worths)| seen_again(scan, worths)).collect();
         more.push(examples.forest(&seen, None)?);
         if more.len() < N_MORE_LOOKS {
-            worths = examples.worths_by_others(&seen)?;
+            examples.look_by_others(&seen, &mut worths)?;
         }
     }
     Ok(ObjectLooks { first, more: more.try_into().expect("as many were trained") })
@@ -64,12 +65,13 @@ fn folds(scans: &[&ScanGroups]) -> Vec<usize> {
     scans.iter().enumerate().map(|it| place(it) % N_FOLDS).collect()
 }
 
-/// What a second look sees of the groups of a scan of these worths.
-fn seen_again(scan: &ScanGroups, worths: &[f32]) -> Vec<[f32; N_SECOND_LOOK_VALUES]> {
+/// What a second look sees of the groups of a scan of these worths, of those that it is asked about.
+fn seen_again(scan: &ScanGroups, worths: &[f32]) -> Vec<Option<[f32; N_SECOND_LOOK_VALUES]>> {
     let mut contexts = NodeContexts::default();
     let node_idxs = scan.groups.iter().map(|it| it.node_idx);
     contexts.find(&scan.upward, |it| scan.wholes[it as usize], node_idxs.zip(worths.iter().copied()));
-    scan.groups.iter().map(|it| contexts.seen(it.node_idx, &it.node_values)).collect()
+    let seen = |it: &GroupExample| contexts.seen(it.node_idx, &it.node_values);
+    scan.groups.iter().zip(worths).map(|(it, &worth)| is_looked_at_again(worth).then(|| seen(it))).collect()
 }
 
 /// What all looks learn from.
@@ -84,13 +86,13 @@ impl Examples<'_> {
     /// A forest that learned from all scans, of whose groups it sees `seen`, but those of one part.
     fn forest<const D: usize>(
         &self,
-        seen: &[Vec<[f32; D]>],
+        seen: &[Vec<Option<[f32; D]>>],
         left_out: Option<usize>,
     ) -> Result<Forest<D>, ForustError> {
         let (mut examples, mut targets) = (Vec::new(), Vec::new());
         for ((scan, seen), fold) in self.scans.iter().zip(seen).zip(self.folds) {
             let taught = scan.groups.iter().zip(seen).filter(|_| Some(*fold) != left_out);
-            for (labels, seen) in taught.filter_map(|(group, seen)| Some((group.labels?, seen))) {
+            for (labels, seen) in taught.filter_map(|(group, seen)| group.labels.zip(seen.as_ref())) {
                 examples.push(seen);
                 targets.push(f64::from(labels.iou));
             }
@@ -100,9 +102,12 @@ impl Examples<'_> {
         Ok(forest)
     }
 
-    /// What forests say of the groups of each scan that have not learned from its part.
-    fn worths_by_others<const D: usize>(&self, seen: &[Vec<[f32; D]>]) -> Result<Vec<Vec<f32>>, ForustError> {
-        let mut worths = vec![Vec::new(); seen.len()];
+    /// Replaces the worths of the groups of which something is seen by what forests say that have not learned from their part.
+    fn look_by_others<const D: usize>(
+        &self,
+        seen: &[Vec<Option<[f32; D]>>],
+        worths: &mut [Vec<f32>],
+    ) -> Result<(), ForustError> {
         // Each forest grows on one thread most of the time, so the parts grow in parallel.
         let forests: Vec<_> =
             (0..N_FOLDS).into_par_iter().map(|left_out| self.forest(seen, Some(left_out))).collect();
@@ -110,10 +115,14 @@ impl Examples<'_> {
             let forest = forest?;
             let of_part = worths.iter_mut().zip(seen).zip(self.folds).filter(|it| *it.1 == left_out);
             for ((worths, seen), _) in of_part {
-                forest.sums(seen.iter(), worths);
+                for (worth, seen) in worths.iter_mut().zip(seen) {
+                    if let Some(seen) = seen {
+                        *worth = forest.sum(seen);
+                    }
+                }
             }
         }
-        Ok(worths)
+        Ok(())
     }
 }
 
@@ -122,7 +131,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
-    use crate::training::group_examples::{GroupExample, GroupLabels};
+    use crate::training::group_examples::GroupLabels;
     use detector::classify::grouping_model::N_VEHICLE_VALUES;
     use detector::classify::object_looks::LookBuffers;
     use detector::group::node_values::N_NODE_VALUES;
