@@ -38,13 +38,11 @@ pub struct DenseGaps {
     // Dense cells along a side of the grid.
     n_along: usize,
     expected: ExpectedDensity,
-    // For every dense cell of the grid: what reached it first, in how many steps, and whether it lies at the border.
+    // For every dense cell of the grid: what reached it first, and in how many steps.
     reached: Vec<Reached>,
     steps: Vec<u8>,
-    is_border: Vec<bool>,
-    touched: Vec<u32>,
-    front: Vec<u32>,
-    next_front: Vec<u32>,
+    // Those that were reached, in this order.
+    queue: Vec<u32>,
     // For every dense cell of a block: the block, where it is in the grid, whether it holds enough points, and its group.
     block: Vec<u32>,
     at: Vec<u32>,
@@ -67,6 +65,8 @@ struct Reached {
 
 impl Reached {
     const NOTHING: Self = Self { label: NO_LABEL, group: NO_LABEL };
+    /// The outermost cells, which nothing reaches.
+    const BORDER: Self = Self { label: NO_LABEL, group: NO_LABEL - 1 };
 }
 
 impl DenseGaps {
@@ -86,10 +86,7 @@ impl DenseGaps {
             max_height_difference_m: merge.max_height_difference_m,
             reached: Vec::new(),
             steps: Vec::new(),
-            is_border: Vec::new(),
-            touched: Vec::new(),
-            front: Vec::new(),
-            next_front: Vec::new(),
+            queue: Vec::new(),
             block: Vec::new(),
             at: Vec::new(),
             is_conducting: Vec::new(),
@@ -107,13 +104,13 @@ impl DenseGaps {
         let n_along = (grid.n_columns() * self.xi) as usize;
         if self.n_along != n_along {
             self.n_along = n_along;
-            self.reached = vec![Reached::NOTHING; n_along * n_along];
             self.steps = vec![0; n_along * n_along];
             let is_outermost = |step: usize| step == 0 || step == n_along - 1;
             let is_border = |place: usize| is_outermost(place % n_along) || is_outermost(place / n_along);
-            self.is_border = (0..n_along * n_along).map(is_border).collect();
+            let at_first = |place| if is_border(place) { Reached::BORDER } else { Reached::NOTHING };
+            self.reached = (0..n_along * n_along).map(at_first).collect();
         }
-        for place in self.touched.drain(..) {
+        for place in self.queue.drain(..) {
             self.reached[place as usize] = Reached::NOTHING;
         }
         self.place_cells(grid, dense, candidates);
@@ -158,14 +155,12 @@ impl DenseGaps {
         self.home.clear();
         self.home.extend(0..n_dense as u32);
         self.groups.reset(n_dense);
-        self.front.clear();
         for dense_idx in 0..n_dense {
             if self.is_conducting[dense_idx] {
                 let place = self.at[dense_idx];
                 self.reached[place as usize].label = dense_idx as u32;
                 self.steps[place as usize] = 0;
-                self.touched.push(place);
-                self.front.push(place);
+                self.queue.push(place);
             }
         }
     }
@@ -224,37 +219,45 @@ impl DenseGaps {
     /// Every group grows into the free cells around it, until groups meet.
     fn spread(&mut self, candidates: &Candidates) {
         let n = self.n_along;
+        let mut front = 0..self.queue.len();
         for round in 0..self.params.n_rounds as u8 {
-            self.next_front.clear();
-            for &place in &self.front {
-                let place = place as usize;
+            for at in front.clone() {
+                let place = self.queue[at] as usize;
                 let own = self.reached[place];
-                let (above, below) = (place - n, place + n);
-                for neighbor in
-                    [above - 1, above, above + 1, place - 1, place + 1, below - 1, below, below + 1]
-                {
-                    let other = self.reached[neighbor];
-                    if other.group == own.group {
-                        continue;
-                    }
-                    if other == Reached::NOTHING {
-                        self.reached[neighbor] = own;
-                        self.steps[neighbor] = round + 1;
-                        self.touched.push(neighbor as u32);
-                        if !self.is_border[neighbor] {
-                            self.next_front.push(neighbor as u32);
+                for first in [place - n - 1, place - 1, place + n - 1] {
+                    let three: [Reached; 3] = std::array::from_fn(|step| self.reached[first + step]);
+                    for (other, neighbor) in three.into_iter().zip(first..) {
+                        if other.group == own.group {
+                            continue;
                         }
-                        continue;
-                    }
-                    let other_steps = self.steps[neighbor];
-                    if other_steps > round || (other_steps == round && round > 0 && neighbor > place) {
-                        let steps = u32::from(round) + u32::from(other_steps) + 1;
-                        let level = self.level(candidates, [own.label, other.label], steps);
-                        self.between[level].push([own.group, other.group]);
+                        if other == Reached::NOTHING {
+                            self.reached[neighbor] = own;
+                            self.steps[neighbor] = round + 1;
+                            self.queue.push(neighbor as u32);
+                        } else {
+                            self.meet(candidates, round, [(place, own), (neighbor, other)]);
+                        }
                     }
                 }
             }
-            std::mem::swap(&mut self.front, &mut self.next_front);
+            front = front.end..self.queue.len();
+        }
+    }
+
+    /// Takes down that two groups meet at neighbouring places, the first of which was reached in `own_steps`. Of two places that
+    /// were reached in as many, the first says so.
+    #[inline(never)]
+    fn meet(
+        &mut self,
+        candidates: &Candidates,
+        own_steps: u8,
+        [(place, own), (neighbor, other)]: [(usize, Reached); 2],
+    ) {
+        let other_steps = self.steps[neighbor];
+        if other_steps > own_steps || (other_steps == own_steps && own_steps > 0 && neighbor > place) {
+            let steps = u32::from(own_steps) + u32::from(other_steps) + 1;
+            let level = self.level(candidates, [own.label, other.label], steps);
+            self.between[level].push([own.group, other.group]);
         }
     }
 
