@@ -225,6 +225,9 @@ impl Place {
     }
 }
 
+/// Less than this is no factor that one digit behind the point could tell.
+const ABOUT_AS_FAST: f64 = 1.05;
+
 impl Speeds {
     /// Who is how many times as fast as whom, in a sentence; `None` if nothing was timed.
     pub fn sentence(&self) -> Option<String> {
@@ -232,8 +235,13 @@ impl Speeds {
         let others: Vec<String> = others
             .iter()
             .map(|(other, ms)| {
-                let times = three_digits_short(ms / fastest_ms);
-                format!("{times} × faster than {other} ({} ms)", three_digits(*ms))
+                let ms_text = three_digits(*ms);
+                let times = ms / fastest_ms;
+                if times < ABOUT_AS_FAST {
+                    format!("about as fast as {other} ({ms_text} ms)")
+                } else {
+                    format!("{} × faster than {other} ({ms_text} ms)", three_digits_short(times))
+                }
             })
             .collect();
         let time = format!("{name} takes {} ms for a scan (median)", three_digits(*fastest_ms));
@@ -365,6 +373,10 @@ mod tests {
         assert_eq!(
             speeds(&[("grid", 3.06), ("pca", 9.04), ("tree", 356.4)]).unwrap(),
             "grid takes 3.06 ms for a scan (median), 3.0 × faster than pca (9.04 ms) and 116 × faster than tree (356 ms)."
+        );
+        assert_eq!(
+            speeds(&[("grid", 3.06), ("pca", 3.14), ("tree", 3.37)]).unwrap(),
+            "grid takes 3.06 ms for a scan (median), about as fast as pca (3.14 ms) and 1.1 × faster than tree (3.37 ms)."
         );
     }
 }

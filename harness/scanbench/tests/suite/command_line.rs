@@ -310,10 +310,8 @@ fn a_run_ends_with_who_leads_and_who_is_faster() {
     let ended = workplace.succeed(&["run", "street", "-d", "hierarchical,pca", "-o", "out"]);
     let (_, summary) = ended.stdout.rsplit_once("\n\nTask objects: ").expect("a summary");
     assert!(summary.contains("Task vehicles: "), "{summary}");
-    assert!(
-        summary.contains(" ms for a scan (median), ") && summary.contains(" × faster than "),
-        "{summary}"
-    );
+    let compared = [" × faster than ", " about as fast as "].iter().any(|it| summary.contains(it));
+    assert!(summary.contains(" ms for a scan (median), ") && compared, "{summary}");
 }
 
 #[test]
