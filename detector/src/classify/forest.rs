@@ -27,6 +27,7 @@ pub struct DecisionTree {
 pub struct Forest<const D: usize> {
     // Invariant: every decision looks at one of the D values.
     trees: Vec<DecisionTree>,
+    // Invariant: the same trees, in this order.
     walked: Vec<WalkedTree>,
     base: f32,
 }
@@ -35,13 +36,13 @@ pub struct Forest<const D: usize> {
 const N_ABREAST: usize = 8;
 /// Examples that are led through all trees before the next are looked at. They stay in the cache that long.
 const N_IN_BLOCK: usize = 64;
-/// More values no forest looks at.
+/// Most values that a forest may look at: a power of two, so that an index can be masked.
 const MAX_VALUES: usize = 64;
 
 /// Values of some examples.
 type Block = [[f32; MAX_VALUES]; N_IN_BLOCK];
 
-/// A tree as it is walked: with the decision that would follow the last one, so that no place needs to be checked.
+/// A tree as it is walked: padded to 64 decisions, so that an index is masked and not checked.
 #[derive(Debug, Clone, PartialEq)]
 struct WalkedTree {
     value_of_split: [u8; N_LEAVES],
@@ -73,7 +74,7 @@ impl<const D: usize> Forest<D> {
                 row[..D].copy_from_slice(values);
             }
             // Several are on their way at a time, so that the processor need not wait for one of them. Compiled for wide vectors this
-            // would take twice as long: the values would be gathered, and gathering is slow.
+            // takes twice as long: the compiler then gathers the values, and gathering is slow.
             for tree in &self.walked {
                 for (abreast, first) in sums.chunks_mut(N_ABREAST).zip((0..).step_by(N_ABREAST)) {
                     tree.add(&block, first, abreast);
@@ -125,7 +126,7 @@ impl WalkedTree {
         let mut places = [0; N_ABREAST];
         for _ in 0..DEPTH {
             for (lane, place) in places.iter_mut().enumerate() {
-                // What is cut off is 0: it only tells the compiler that no index is out of bounds.
+                // The remainders change nothing: they tell the compiler that no index is out of bounds.
                 let value = usize::from(self.value_of_split[*place % N_LEAVES]) % MAX_VALUES;
                 let is_left = block[(first + lane) % N_IN_BLOCK][value] < self.thresholds[*place % N_LEAVES];
                 *place = 2 * *place + 1 + usize::from(!is_left);
@@ -195,10 +196,13 @@ mod tests {
             let expected = trees.iter().fold(0.25, |sum, tree| sum + leaf(tree));
             let forest = Forest::<6>::new(trees, 0.25).unwrap();
             prop_assert_eq!(forest.sum(&values), expected);
-            let examples = [values, [0.5; 6], values, [-0.5; 6], values, values, values, values, values, [0.1; 6]];
-            let mut sums = Vec::new();
-            forest.sums(examples.iter(), &mut sums);
-            prop_assert_eq!(sums, examples.map(|it| forest.sum(&it)).to_vec());
+            // None, blocks that are full, and such that are not.
+            for n in [0, 1, 10, 64, 65, 150] {
+                let examples: Vec<[f32; 6]> = (0..n).map(|it| values.map(|value| value + 0.01 * it as f32)).collect();
+                let mut sums = vec![7.0; 3];
+                forest.sums(examples.iter(), &mut sums);
+                prop_assert_eq!(sums, examples.iter().map(|it| forest.sum(it)).collect::<Vec<_>>());
+            }
         }
     }
 }

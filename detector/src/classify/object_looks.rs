@@ -7,11 +7,11 @@ use crate::group::node_values::N_NODE_VALUES;
 /// Looks at all groups after the first.
 pub const N_MORE_LOOKS: usize = 2;
 
-/// A look is not asked about groups of which the one before expects less: of 3500 of these, one turns out to be worth taking.
-/// What forests have learned rests on it, so that it is no parameter.
+/// Groups of which the look before expects less are skipped: about 1 in 3500 of them would be taken. No parameter, since forests are
+/// trained with the same bound.
 const LEAST_WORTH: f32 = 0.15;
 
-/// Whether the next look is asked about a group that is expected to be worth so much. Of others the worth stays what it is.
+/// Whether the next look is asked about a group that is expected to be worth so much. Others keep their worth.
 pub fn is_looked_at_again(worth: f32) -> bool {
     worth >= LEAST_WORTH
 }
@@ -76,23 +76,25 @@ mod tests {
 
     #[test]
     fn what_the_look_before_expects_little_of_is_not_looked_at_again() {
-        // Worth 0.5 if the first value is 1 and more, and 0.1 if not; then 0.9 whatever is seen.
+        // Worth 0.5 if the first value is 1 and more, and 0.1 if not; then 0.14 or 0.3 if it is 3 and more; then 0.9 whatever is seen.
         let mut leaves = [0.5; N_LEAVES];
         leaves[..N_LEAVES / 2].fill(0.1);
         let tree = DecisionTree { value_of_split: [0; N_SPLITS], thresholds: [1.0; N_SPLITS], leaves };
-        let again = Forest::new(Vec::new(), 0.9).unwrap();
-        let looks =
-            ObjectLooks { first: Forest::new(vec![tree], 0.0).unwrap(), more: [again.clone(), again] };
-        let (mut hopeless, mut hopeful) = ([0.0; N_NODE_VALUES], [0.0; N_NODE_VALUES]);
-        (hopeless[0], hopeful[0]) = (0.5, 2.0);
-        let described = [(0, &hopeless), (1, &hopeful), (2, &hopeless)];
+        let mut leaves_again = [0.3; N_LEAVES];
+        leaves_again[..N_LEAVES / 2].fill(0.14);
+        let again = DecisionTree { thresholds: [3.0; N_SPLITS], leaves: leaves_again, ..tree.clone() };
+        let more = [Forest::new(vec![again], 0.0).unwrap(), Forest::new(Vec::new(), 0.9).unwrap()];
+        let looks = ObjectLooks { first: Forest::new(vec![tree], 0.0).unwrap(), more };
+        let of_value = |value| std::array::from_fn(|place| if place == 0 { value } else { 0.0 });
+        let values: [[f32; N_NODE_VALUES]; 4] = [0.5, 2.0, 4.0, 0.5].map(of_value);
+        let described = [(0, &values[0]), (1, &values[1]), (2, &values[2]), (3, &values[3])];
         let mut worths = Vec::new();
         looks.worths(
-            (&[0, 1, 2], |_| None),
+            (&[0, 1, 2, 3], |_| None),
             &described.into_iter(),
             &mut LookBuffers::default(),
             &mut worths,
         );
-        assert_eq!(worths, [0.1, 0.9, 0.1]);
+        assert_eq!(worths, [0.1, 0.14, 0.9, 0.1]);
     }
 }

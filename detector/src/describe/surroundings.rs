@@ -7,11 +7,13 @@ use crate::portable_math::single;
 use crate::vector_instructions::{HotLoop, vectorised};
 
 /// Side of the cells of an [`ObjectRaster`], in metres.
-pub const CELL_M: f32 = 0.2;
+const CELL_M: f32 = 0.2;
 /// The centre of a cell is at least this far outside of a box none of whose points can lie in the cell: half its diagonal.
 const MARGIN_M: f32 = 0.15;
 /// Cells this far outside of a box are around it, in metres.
 const REACH_M: f32 = 0.65;
+/// Columns are rounded up to a multiple of this where there are as many, so that a vectorised loop leaves none over.
+const N_ABREAST: usize = 16;
 
 /// The ground below an object, and the points of other objects around it.
 ///
@@ -47,6 +49,11 @@ impl ObjectRaster {
             n_points: vec![0; n_along_side * n_along_side],
             occupied: Vec::new(),
         }
+    }
+
+    /// Whether its cells are squares of this side, of which one has a corner `extent_m` from the sensor to both sides.
+    pub fn has_cells(&self, side_m: f32, extent_m: f32) -> bool {
+        (side_m - CELL_M).abs() < 1e-6 && (self.half_side_m - extent_m).abs() < 1e-4
     }
 
     /// Replaces the content by these points.
@@ -87,7 +94,7 @@ impl ObjectRaster {
         };
         let middle_m = |cell: usize| (cell as f32 + 0.5) * CELL_M - self.half_side_m;
         let columns = cells(center_x_m, reach_m[0]);
-        // Whole runs of columns are counted faster, and what is out of reach does not count.
+        // What is out of reach does not count.
         let n_columns = columns.len().next_multiple_of(N_ABREAST);
         let columns = columns.start..(columns.start + n_columns).min(self.n_along_side);
         let first_dx = middle_m(columns.start) - center_x_m;
@@ -106,9 +113,6 @@ impl ObjectRaster {
         Surroundings { ground_m, n_beyond_ends, occupied_share }
     }
 }
-
-/// Columns that are counted at the same time.
-const N_ABREAST: usize = 16;
 
 /// The ground around a box.
 #[derive(Debug, Clone, Copy)]
@@ -196,6 +200,18 @@ mod tests {
             .fill([[f32::NAN, 0.0, 0.0], [1e9, 3.0, 0.0], [f32::INFINITY; 3], at(&it, 2.4, 0.0)].into_iter());
         // The far end of the box reaches over the border of the raster.
         assert_eq!(raster.around(&it, 0.0), Surroundings::default());
+    }
+
+    #[test]
+    fn cells_are_those_of_another_raster_if_they_have_its_size_and_begin_where_it_does() {
+        let has_cells = |side_m, extent_m| ObjectRaster::new(extent_m).has_cells(side_m, extent_m);
+        for extent_m in [40.0, 50.1, 80.0, 120.0] {
+            assert!(has_cells(0.6 / 3.0, extent_m), "{extent_m} m");
+            assert!(!has_cells(0.25, extent_m));
+        }
+        // A cell more than fits, so that all begin half a cell farther out.
+        assert!(!has_cells(0.2, 50.001));
+        assert!(!has_cells(0.2, 50.05));
     }
 
     #[test]

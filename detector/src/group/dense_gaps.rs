@@ -65,7 +65,7 @@ struct Reached {
 
 impl Reached {
     const NOTHING: Self = Self { label: NO_LABEL, group: NO_LABEL };
-    /// The outermost cells, which nothing reaches.
+    /// The outermost cells, which hold no points and nothing reaches; of another group, so that they are not taken for free ones.
     const BORDER: Self = Self { label: NO_LABEL, group: NO_LABEL - 1 };
 }
 
@@ -104,6 +104,7 @@ impl DenseGaps {
         let n_along = (grid.n_columns() * self.xi) as usize;
         if self.n_along != n_along {
             self.n_along = n_along;
+            self.queue.clear();
             self.steps = vec![0; n_along * n_along];
             let is_outermost = |step: usize| step == 0 || step == n_along - 1;
             let is_border = |place: usize| is_outermost(place % n_along) || is_outermost(place / n_along);
@@ -244,8 +245,8 @@ impl DenseGaps {
         }
     }
 
-    /// Takes down that two groups meet at neighbouring places, the first of which was reached in `own_steps`. Of two places that
-    /// were reached in as many, the first says so.
+    /// Records that two groups meet at neighbouring places, the first of which was reached in `own_steps`. If both were reached in as
+    /// many, only the one with the lower number records it. Not inlined, so that the loop that calls it keeps its values in registers.
     #[inline(never)]
     fn meet(
         &mut self,

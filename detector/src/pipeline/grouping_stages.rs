@@ -1,6 +1,6 @@
 //! From a scan to all groups of points that may be objects.
 
-use crate::describe::surroundings::{CELL_M, ObjectRaster};
+use crate::describe::surroundings::ObjectRaster;
 use crate::detector::{StageClock, StageTime};
 use crate::grid::density_weighting::DensityWeighting;
 use crate::grid::hierarchical_grid::{GridParams, HierarchicalGrid};
@@ -37,8 +37,6 @@ pub struct GroupingStages {
     cuts: LeafCuts,
     n_left_uncut: usize,
     raster: ObjectRaster,
-    // Whether each dense cell is one of the raster.
-    is_raster_of_dense: bool,
     describer: NodeDescriber,
 }
 
@@ -68,7 +66,6 @@ impl GroupingStages {
             cuts: LeafCuts::default(),
             n_left_uncut: 0,
             raster: ObjectRaster::new(params.grid.extent_m),
-            is_raster_of_dense: has_cells_of_dense(&params.grid),
             describer: NodeDescriber::default(),
             grid,
             params,
@@ -96,7 +93,8 @@ impl GroupingStages {
         clock.lap(stage::GROUPING, stage_times);
         self.n_left_uncut = self.cuts.cut(tree, dense, &params.grouping.cuts);
         clock.lap(stage::CUTS, stage_times);
-        if self.is_raster_of_dense {
+        let GridParams { cell_size_m, xi, extent_m } = params.grid;
+        if self.raster.has_cells(cell_size_m / xi as f32, extent_m) {
             let occupied = dense.heaps().iter().filter(|it| it.n_points > 0);
             self.raster.fill_by_cell(occupied.map(|it| (it.middle_m(), it.n_points)));
         } else {
@@ -168,25 +166,5 @@ impl GroupingStages {
     pub fn ground_below_m(&self, bounding_box: &OrientedBox) -> f32 {
         let [x_m, y_m, _] = bounding_box.center_m;
         self.terrain.elevation_m(self.grid.nearest_column_and_row([x_m, y_m]))
-    }
-}
-
-/// Whether the cells of the raster of surroundings are the dense ones of a grid.
-fn has_cells_of_dense(grid: &GridParams) -> bool {
-    let n_along = 2.0 * grid.extent_m / CELL_M;
-    (grid.cell_size_m / grid.xi as f32 - CELL_M).abs() < 1e-4 && (n_along - n_along.round()).abs() < 1e-2
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dense_cells_are_those_of_the_raster_if_they_have_its_size_and_begin_where_it_does() {
-        let shipped = HierarchicalParams::shipped().grid;
-        assert!(has_cells_of_dense(&shipped));
-        assert!(!has_cells_of_dense(&GridParams { cell_size_m: 0.5, ..shipped.clone() }));
-        assert!(!has_cells_of_dense(&GridParams { xi: 2, ..shipped.clone() }));
-        assert!(!has_cells_of_dense(&GridParams { extent_m: 50.05, ..shipped }));
     }
 }

@@ -102,7 +102,7 @@ impl Examples<'_> {
         Ok(forest)
     }
 
-    /// Replaces the worths of the groups of which something is seen by what forests say that have not learned from their part.
+    /// Updates the worth of every group that is looked at, by a forest that has not learned from its part.
     fn look_by_others<const D: usize>(
         &self,
         seen: &[Vec<Option<[f32; D]>>],
@@ -155,9 +155,15 @@ mod tests {
         let length = f32::from(u8::from(are_parts));
         ScanGroups {
             sequence: sequence.to_owned(),
-            upward: vec![0, 1, 2],
-            wholes: vec![Some(2), Some(2), None],
-            groups: vec![group(0, length, of_part), group(1, 3.0, of_part), group(2, 4.0, of_whole)],
+            upward: vec![0, 1, 2, 3],
+            wholes: vec![Some(2), Some(2), None, None],
+            groups: vec![
+                group(0, length, of_part),
+                group(1, 3.0, of_part),
+                group(2, 4.0, of_whole),
+                // Without hope, so that only the first look learns from it.
+                group(3, 9.0, 0.0),
+            ],
         }
     }
 
