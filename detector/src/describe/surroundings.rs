@@ -51,7 +51,7 @@ impl ObjectRaster {
         }
     }
 
-    /// Whether its cells are squares of this side, of which one has a corner `extent_m` from the sensor to both sides.
+    /// Whether its cells have sides of `side_m`, and the outermost begin `extent_m` from the sensor, both in metres.
     pub fn has_cells(&self, side_m: f32, extent_m: f32) -> bool {
         (side_m - CELL_M).abs() < 1e-6 && (self.half_side_m - extent_m).abs() < 1e-4
     }

@@ -43,7 +43,8 @@ pub struct DenseGaps {
     steps: Vec<u8>,
     // Those that were reached, in this order.
     queue: Vec<u32>,
-    // For every dense cell of a block: the block, where it is in the grid, whether it holds enough points, and its group.
+    // For every dense cell of a block: the block, which costs a division otherwise, where it is in the grid, whether it holds enough
+    // points, and its group.
     block: Vec<u32>,
     at: Vec<u32>,
     is_conducting: Vec<bool>,
