@@ -47,12 +47,15 @@ pub struct SensorModel {
 }
 
 /// Ids and texts of the descriptions that come with the program.
-pub const EMBEDDED_SENSORS: [(&str, &str); 5] = [
+pub const EMBEDDED_SENSORS: [(&str, &str); 8] = [
     ("hdl-64e-s2", include_str!("sensors/hdl-64e-s2.toml")),
     ("hdl-32e", include_str!("sensors/hdl-32e.toml")),
     ("vlp-16", include_str!("sensors/vlp-16.toml")),
     ("os1-128", include_str!("sensors/os1-128.toml")),
     ("argoverse2", include_str!("sensors/argoverse2.toml")),
+    ("xt32", include_str!("sensors/xt32.toml")),
+    ("pandar64", include_str!("sensors/pandar64.toml")),
+    ("os0-128", include_str!("sensors/os0-128.toml")),
 ];
 
 /// Beams at equal steps of elevation.
@@ -219,7 +222,10 @@ mod tests {
         check_embedded("os1-128", 128, [22.5, -22.5]);
         // Two, the lower one upside down.
         check_embedded("argoverse2", 64, [15.0, -15.0]);
-        assert_eq!(EMBEDDED_SENSORS.len(), 5);
+        check_embedded("xt32", 32, [15.0, -16.0]);
+        check_embedded("pandar64", 64, [15.0, -25.0]);
+        check_embedded("os0-128", 128, [45.0, -45.0]);
+        assert_eq!(EMBEDDED_SENSORS.len(), 8);
         assert_eq!(SensorModel::embedded("hdl-65"), None);
     }
 

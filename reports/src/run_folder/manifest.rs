@@ -125,8 +125,8 @@ pub struct DatasetEntry {
     pub simulation: Option<Simulation>,
 }
 
-/// Sensor and mounting as the first scans show them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Sensor and mounting as the first scans show them. Of what is simulated only the density may be taken from them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeenMounting {
     /// Beams, and the elevations of the lowest and the highest in degrees.

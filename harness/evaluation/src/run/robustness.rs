@@ -24,7 +24,8 @@ pub struct Condition {
 const TURNS_PER_SCAN: u32 = 30;
 
 /// Every condition, in the order of the table. Nothing is tuned on them: detectors learn which sensor it is and how high
-/// it is mounted, and nothing else. The trees of `hierarchical` were trained on other drives under some of them.
+/// it is mounted, and nothing else. The trees of `hierarchical` were trained on other drives under some of them, but with none of
+/// the new sensors, of which no density curve comes along either.
 pub const CONDITIONS: &[Condition] = &[
     Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", change: |_| {} },
     Condition { group: "road", name: "level", change: |it| it.conditions = even(0.0) },
@@ -52,6 +53,9 @@ pub const CONDITIONS: &[Condition] = &[
     Condition { group: "sensor", name: "vlp-16", change: |it| "vlp-16".clone_into(&mut it.sensor) },
     Condition { group: "sensor", name: "os1-128", change: |it| "os1-128".clone_into(&mut it.sensor) },
     Condition { group: "sensor", name: "argoverse2", change: |it| "argoverse2".clone_into(&mut it.sensor) },
+    Condition { group: "new sensor", name: "xt32", change: |it| "xt32".clone_into(&mut it.sensor) },
+    Condition { group: "new sensor", name: "pandar64", change: |it| "pandar64".clone_into(&mut it.sensor) },
+    Condition { group: "new sensor", name: "os0-128", change: |it| "os0-128".clone_into(&mut it.sensor) },
     Condition { group: "weather", name: "rain, 10 mm/h", change: |it| it.rain_mm_per_h = Some(10.0) },
     Condition { group: "weather", name: "rain, 50 mm/h", change: |it| it.rain_mm_per_h = Some(50.0) },
     Condition { group: "shutter", name: "rolling", change: |it| it.shutter = Shutter::Rolling },

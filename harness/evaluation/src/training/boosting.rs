@@ -6,6 +6,7 @@ use forust_ml::data::Matrix;
 use forust_ml::errors::ForustError;
 use forust_ml::gradientbooster::GrowPolicy;
 use forust_ml::objective::ObjectiveType;
+use forust_ml::sampler::SampleMethod;
 use forust_ml::tree::Tree;
 
 /// How a forest is trained.
@@ -20,6 +21,8 @@ pub struct BoostingParams {
     /// Least weight of the examples at a leaf: their number for [`Target::Number`], and their variance together for
     /// [`Target::Yes`].
     pub least_leaf_weight: f32,
+    /// The share of the examples, and that of the values, that each tree learns from, drawn anew for each.
+    pub drawn_share: f32,
 }
 
 /// What a forest is to tell.
@@ -30,6 +33,9 @@ pub enum Target {
     /// The logarithm of the odds that it is 1 and not 0.
     Yes,
 }
+
+/// Of the draws of examples and values.
+const SEED: u64 = 0;
 
 /// A forest that tells `targets` from `examples`, one of the other. The same bytes whatever the number of threads.
 ///
@@ -62,6 +68,10 @@ pub fn boost<const D: usize>(
         .set_max_depth(params.depth as usize)
         .set_max_leaves(1 << params.depth)
         .set_min_leaf_weight(params.least_leaf_weight)
+        .set_sample_method(SampleMethod::Random)
+        .set_subsample(params.drawn_share)
+        .set_colsample_bytree(f64::from(params.drawn_share))
+        .set_seed(SEED)
         .set_initialize_base_score(true)
         .set_allow_missing_splits(false);
     booster.grow_policy = GrowPolicy::DepthWise;
@@ -108,8 +118,13 @@ fn not_less(threshold: f64) -> f32 {
 mod tests {
     use super::*;
 
-    const PARAMS: BoostingParams =
-        BoostingParams { n_trees: 20, depth: 5, learning_rate: 0.3, least_leaf_weight: 1.0 };
+    const PARAMS: BoostingParams = BoostingParams {
+        n_trees: 20,
+        depth: 5,
+        learning_rate: 0.3,
+        least_leaf_weight: 1.0,
+        drawn_share: 1.0,
+    };
 
     /// A grid of examples.
     fn examples() -> Vec<[f32; 2]> {
@@ -159,7 +174,8 @@ mod tests {
         let targets: Vec<f64> = examples.iter().map(|[x, y]| f64::from((3.0 * x * y).sin())).collect();
         let with_threads = |n_threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            pool.install(|| boost(&seen, &targets, Target::Number, &PARAMS).unwrap())
+            let params = BoostingParams { drawn_share: 0.5, ..PARAMS };
+            pool.install(|| boost(&seen, &targets, Target::Number, &params).unwrap())
         };
         assert_eq!(with_threads(1), with_threads(3));
     }

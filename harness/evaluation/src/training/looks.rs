@@ -167,8 +167,13 @@ mod tests {
         }
     }
 
-    const PARAMS: BoostingParams =
-        BoostingParams { n_trees: 60, depth: 5, learning_rate: 0.2, least_leaf_weight: 1.0 };
+    const PARAMS: BoostingParams = BoostingParams {
+        n_trees: 60,
+        depth: 5,
+        learning_rate: 0.2,
+        least_leaf_weight: 1.0,
+        drawn_share: 1.0,
+    };
 
     #[test]
     fn later_looks_tell_by_what_the_first_says_of_others() {

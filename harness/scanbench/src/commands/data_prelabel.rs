@@ -15,6 +15,7 @@ use crate::cli::PrelabelArgs;
 use crate::commands::config::{built_in_detectors, warn_of_unknown_sensor};
 use crate::commands::data_convert::folder_of_several;
 use crate::commands::failure::Failure;
+use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets_past_damage};
 use crate::commands::progress::progress_over_scans;
@@ -29,8 +30,9 @@ use crate::commands::standard_streams::print_result;
 pub fn data_prelabel(arguments: &PrelabelArgs) -> Result<(), Failure> {
     let interrupted = interruption_flag();
     let names = std::slice::from_ref(&arguments.detector);
-    let (detectors, config) = built_in_detectors(&arguments.config, names)?;
+    let (detectors, mut config) = built_in_detectors(&arguments.config, names)?;
     let opened = open_datasets_past_damage(&arguments.data, arguments.damage.policy(), &config.classes)?;
+    let opened = look_first_at_all(opened, &mut config);
     let _new_folders = (opened.len() > 1).then(|| folder_of_several(&arguments.output)).transpose()?;
     for it in &opened {
         let path = path_of(&arguments.output, it, opened.len());

@@ -1,4 +1,5 @@
-//! A look at the first scans of recorded data, before anything is run on them: is the frame as it should be, and which sensor took them?
+//! A look at the first scans, before anything is run on them: how densely does the sensor sample the street, and if they are
+//! recorded, is the frame as it should be, and which sensor took them?
 
 use std::borrow::Cow;
 
@@ -37,15 +38,20 @@ pub const UNKNOWN_SENSOR: &str = "unknown sensor of ";
 /// An origin that is lower lies on the ground, in metres.
 const ON_GROUND_M: f64 = 0.2;
 
-/// Looks at `opened` unless it is simulated, says what was seen and what is doubtful, and goes by what was seen where nobody has
-/// said otherwise: the sensor with its density curve, its height and its tilt.
+/// Looks at `opened`, says what was seen and what is doubtful, and goes by what was seen where nobody has said otherwise: the
+/// sensor with its density curve, its height and its tilt. Of a simulated sensor all is known but, perhaps, its density curve.
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
-    if opened.dataset.description().is_simulated() {
+    let description = opened.dataset.description();
+    if description.is_simulated() && config.for_sensor(&description.sensor).is_some() {
         return opened;
     }
     let scans = first_scans(&opened);
     let clouds: Vec<&PointCloud> = scans.iter().map(|it| &it.cloud).collect();
-    let mut look = Look::new(opened.dataset.description(), opened.stated, &clouds);
+    if description.is_simulated() {
+        let seen = take_simulated_density(description, config, &clouds);
+        return OpenedDataset { first_look: FirstLook { seen, doubts: Vec::new() }, ..opened };
+    }
+    let mut look = Look::new(description, opened.stated, &clouds);
     look.take(config, &clouds);
     look.doubt_boxes(&scans);
     let (mounting, first_look) = look.told();
@@ -59,13 +65,14 @@ pub fn look_first_at_all(opened: Vec<OpenedDataset>, config: &mut RunConfig) -> 
 
 /// The same for a single scan.
 pub fn look_at_scan(opened: &mut OpenedScan, stated: Stated, config: &mut RunConfig) {
-    if opened.description.is_simulated() {
-        return;
-    }
     let clouds: Vec<&PointCloud> = match &opened.of_data_set[..] {
         [] => vec![&opened.scan.cloud],
         of_data_set => of_data_set.iter().collect(),
     };
+    if opened.description.is_simulated() {
+        take_simulated_density(&opened.description, config, &clouds);
+        return;
+    }
     let mut look = Look::new(&opened.description, stated, &clouds);
     look.take(config, &clouds);
     let (mounting, _) = look.told();
@@ -83,6 +90,33 @@ pub fn doubts_of(opened: &OpenedDataset) -> Vec<FrameDoubt> {
     let mut look = Look::new(opened.dataset.description(), Stated::ALL, &clouds);
     look.take_ground();
     look.doubts
+}
+
+/// Takes the density of a simulated sensor from `clouds` if it has no curve, and says so; returns what was seen by it.
+fn take_simulated_density(
+    description: &DatasetDescription,
+    config: &mut RunConfig,
+    clouds: &[&PointCloud],
+) -> Option<SeenMounting> {
+    let DatasetDescription { id, sensor, .. } = description;
+    take_density(config, sensor, (id, clouds)).then(|| {
+        print_diagnostic(format_args!("{id}: density of the sensor {sensor} taken from the scans"));
+        SeenMounting { taken: vec!["density".to_owned()], ..SeenMounting::default() }
+    })
+}
+
+/// Takes the density of `sensor` from `clouds` of the data set `id` if it has no curve, and if they are enough. Returns whether it did.
+fn take_density(config: &mut RunConfig, sensor: &str, (id, clouds): (&str, &[&PointCloud])) -> bool {
+    if config.for_sensor(sensor).is_some() {
+        return false;
+    }
+    let (datasets, seeds, command) = (vec![id.to_owned()], Vec::new(), String::new());
+    let origin = CurveOrigin { sensor: sensor.to_owned(), datasets, seeds, command };
+    let counts: Vec<RingCounts> = clouds.iter().map(|it| RingCounts::of(it)).collect();
+    let fitted = DensityCurve::fit(&counts, origin);
+    let is_taken = fitted.is_ok();
+    config.own_curves.extend(fitted.map(|it| (sensor.to_owned(), it)));
+    is_taken
 }
 
 /// As many points of `cloud` as are enough to look at: every second, or third, and so on, of larger ones.
@@ -169,14 +203,8 @@ impl Look {
                 None => sensor = format!("{UNKNOWN_SENSOR}{}", self.id),
             }
         }
-        if config.for_sensor(&sensor).is_none() {
-            let (datasets, seeds, command) = (vec![self.id.clone()], Vec::new(), String::new());
-            let origin = CurveOrigin { sensor: sensor.clone(), datasets, seeds, command };
-            let counts: Vec<RingCounts> = clouds.iter().map(|it| RingCounts::of(it)).collect();
-            if let Ok(curve) = DensityCurve::fit(&counts, origin) {
-                config.own_curves.insert(sensor.clone(), curve);
-                self.seen.taken.push("density".to_owned());
-            }
+        if take_density(config, &sensor, (&self.id, clouds)) {
+            self.seen.taken.push("density".to_owned());
         }
         if sensor != self.sensor {
             self.mounting.sensor = Some(sensor);

@@ -19,7 +19,7 @@ use simulator::simulated_street::StreetDrive;
 
 use crate::cli::{DatasetArgs, FitDensityArgs};
 use crate::commands::failure::{Failure, NothingEvaluated, Usage};
-use crate::commands::first_look::{UNKNOWN_SENSOR, look_first_at_all};
+use crate::commands::first_look::{UNKNOWN_SENSOR, look_first};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::{OpenedDataset, open_datasets};
 use crate::commands::progress::progress_over_scans;
@@ -48,7 +48,12 @@ pub fn fit_density(arguments: &FitDensityArgs) -> Result<(), Failure> {
         }
     }
     let opened = open_datasets(&arguments.data, &ClassTable::default())?;
-    let opened = look_first_at_all(opened, &mut RunConfig::without_vehicle_models()?);
+    let mut config = RunConfig::without_vehicle_models()?;
+    // A simulated sensor is known but for the density that is fitted here.
+    let look = |it: OpenedDataset| {
+        if it.dataset.description().is_simulated() { it } else { look_first(it, &mut config) }
+    };
+    let opened: Vec<OpenedDataset> = opened.into_iter().map(look).collect();
     let origin = origin(&opened, &arguments.data)?;
     // Now, so that a folder that is not there is not found out after all scans are read.
     let mut file = WholeFile::create(path)?;

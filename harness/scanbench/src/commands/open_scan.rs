@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use detector::PointCloud;
+use detector::grid::density_curve::DensityCurve;
 use scans::annotation::{LabeledArea, LabeledScan, PointRegion, ScanId};
 use scans::dataset::catalogue::KITTI_SENSOR;
 use scans::dataset::class_table::ClassTable;
@@ -29,7 +30,7 @@ pub struct OpenedScan {
     pub description: DatasetDescription,
     /// Who says how its sensor is mounted.
     pub stated: Stated,
-    /// The scans of its data set that are looked at first; none of a file.
+    /// The scans of its data set that are looked at first; none of a file, nor of a simulated sensor that is known.
     pub of_data_set: Vec<PointCloud>,
 }
 
@@ -76,7 +77,8 @@ pub fn open_scan(
     let name = format!("{}{simulated}, scan {}", description.id, scan.id);
     let scan = LabeledScan { annotations: Vec::new(), ..scan };
     let stated = stated(input, &catalogue, source, description)?;
-    let of_data_set = if description.is_simulated() {
+    let is_known = description.is_simulated() && DensityCurve::shipped(&description.sensor).is_some();
+    let of_data_set = if is_known {
         Vec::new()
     } else {
         let places = places_looked_at(dataset.scan_ids().len());

@@ -23,6 +23,7 @@ use crate::cli::RobustnessArgs;
 use crate::commands::chosen_shard::chosen_shard;
 use crate::commands::experiment::Experiment;
 use crate::commands::failure::Failure;
+use crate::commands::first_look::look_first_at_all;
 use crate::commands::interruption::interruption_flag;
 use crate::commands::open_datasets::OpenedDataset;
 use crate::commands::opened_results::OpenedResults;
@@ -75,10 +76,11 @@ struct Robustness<'a> {
 }
 
 impl<'a> Robustness<'a> {
-    fn open(arguments: &'a RobustnessArgs, asked: Experiment) -> Result<Self, Failure> {
+    fn open(arguments: &'a RobustnessArgs, mut asked: Experiment) -> Result<Self, Failure> {
         let datasets =
             CONDITIONS.iter().map(|it| Ok(OpenedDataset::whole(it.open(asked.seed, arguments.scans)?)));
         let datasets = datasets.collect::<Result<Vec<OpenedDataset>, Failure>>()?;
+        let datasets = look_first_at_all(datasets, &mut asked.config);
         let entrants = asked.entrants();
         Ok(Self { arguments, asked, datasets, entrants, results: OpenedResults::default() })
     }

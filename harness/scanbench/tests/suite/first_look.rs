@@ -82,6 +82,15 @@ fn a_sensor_on_a_robot_is_recognised_with_its_height_and_tilt() {
 }
 
 #[test]
+fn proposals_go_by_what_the_scans_show() {
+    let workplace = recorded("xt32", "0.9");
+    let ended = workplace.succeed(&["data", "prelabel", "robot", "-o", "project", "--to", "labelcloud"]);
+    assert!(ended.stderr.contains("32 beams"), "{ended:#?}");
+    assert!(ended.stderr.contains("sensor, density and height taken from the scans"), "{ended:#?}");
+    assert!(!ended.stderr.contains("warning"), "{ended:#?}");
+}
+
+#[test]
 fn streets_that_slope_a_little_are_not_levelled() {
     let workplace = recorded("hdl-64e-s2", "1.73");
     let (sin, cos) = 3_f32.to_radians().sin_cos();

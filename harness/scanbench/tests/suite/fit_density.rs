@@ -1,5 +1,6 @@
 //! Learning the density of points over range.
 
+use serde_json::{Value, json};
 use test_data::{needs_test_data, test_data};
 
 use crate::drawn_dataset::DrawnDataset;
@@ -147,29 +148,35 @@ fn an_earlier_file_is_overwritten_when_asked_for() {
 }
 
 #[test]
-fn a_sensor_without_a_curve_is_warned_about_unless_one_is_given() {
+fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_given() {
     let (workplace, _drawn) = drive();
     let text = include_str!("../../../simulator/src/sensors/vlp-16.toml");
     workplace.write("mine.toml", text);
-    let run = [
-        "run",
-        "street-narrow",
-        "--sensor",
-        "mine.toml",
-        "--scans",
-        "0",
-        "-d",
-        "hierarchical",
-        "-o",
-        "out",
-        "--overwrite",
-    ];
-    let warning = "warning: there is no density curve for the sensor \"mine.toml\"";
+    let drives = ["street-narrow", "--sensor", "mine.toml", "--scans", "0..2"];
+    let detector = ["-d", "hierarchical", "-o", "out", "--overwrite"];
+    let run = [&["run"], &drives[..], &detector].concat();
+    let said = "street-narrow: density of the sensor mine.toml taken from the scans";
     let ended = workplace.succeed(&run);
-    assert!(ended.stderr.contains(warning), "{ended:#?}");
-    workplace.succeed(&["fit-density", "street-narrow", "--sensor", "mine.toml", "--scans", "0..2"]);
+    assert!(ended.stderr.contains(said) && !ended.stderr.contains("warning"), "{ended:#?}");
+    let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).expect("it is JSON");
+    assert_eq!(manifest["datasets"][0]["seen"]["taken"], json!(["density"]));
+    // The same scans are looked at whichever is asked about.
+    let detect = ["detect", "street-narrow", "--sensor", "mine.toml", "--scan", "0", "-d", "hierarchical"];
+    let ended = workplace.succeed(&detect);
+    assert!(ended.stderr.contains(said), "{ended:#?}");
+    let ended = workplace.succeed(&[&["fit-density"], &drives[..]].concat());
+    assert!(!ended.stderr.contains("taken from the scans"), "{ended:#?}");
     let ended = workplace.succeed(&[&run[..], &["-c", "density.toml"]].concat());
-    assert!(!ended.stderr.contains("warning"), "{ended:#?}");
+    assert!(!ended.stderr.contains("density of the sensor"), "{ended:#?}");
+}
+
+#[test]
+fn training_warns_of_a_sensor_without_a_curve() {
+    let workplace = Workplace::new();
+    let train = ["train", "training-narrow", "--sensor", "xt32", "--scans", "0..4:2", "--detector", "pca"];
+    let ended = workplace.run(&train);
+    let warning = "warning: there is no density curve for the sensor \"xt32\"";
+    assert!(ended.stderr.contains(warning), "{ended:#?}");
 }
 
 #[needs_test_data("data/kitti_tracking")]
