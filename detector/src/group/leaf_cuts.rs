@@ -21,7 +21,7 @@ pub struct LeafCutsParams {
     pub min_end_m: f32,
     /// Groups of fewer points are not cut.
     pub min_points: u32,
-    /// Cuts within cuts.
+    /// How often a group and its parts are cut.
     pub max_depth: u8,
     /// Where a tree holds so many groups, no more are cut.
     pub max_groups: u32,

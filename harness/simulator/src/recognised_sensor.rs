@@ -21,7 +21,7 @@ const OUTSIDE: f32 = 0.002;
 /// Nearer points are of the car, in metres.
 const LEAST_RANGE_M: f32 = 1.2;
 /// A sensor fits if its differences are less than this, see [`SeenBeams::difference`].
-const MOST_DIFFERENT: f32 = 1.2;
+const MOST_DIFFERENT: f32 = 1.1;
 
 /// The beams that points lie on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,6 +135,9 @@ mod tests {
         assert_eq!(seen(16, [-15.0, 15.0]).sensor(), Some("vlp-16"));
         assert_eq!(seen(5, [-2.0, 2.0]).sensor(), None);
         assert_eq!(seen(40, [-60.0, 50.0]).sensor(), None);
+        // A Pandar40P and a VLP-32C.
+        assert_eq!(seen(40, [-25.0, 15.0]).sensor(), None);
+        assert_eq!(seen(32, [-25.0, 15.0]).sensor(), None);
         assert_eq!(SeenBeams::of([&PointCloud::default()], &Isometry3::identity()), None);
     }
 }

@@ -225,6 +225,9 @@ mod tests {
         check_embedded("xt32", 32, [15.0, -16.0]);
         check_embedded("pandar64", 64, [15.0, -25.0]);
         check_embedded("os0-128", 128, [45.0, -45.0]);
+        let pandar64 = SensorModel::embedded("pandar64").unwrap();
+        let n_dense = pandar64.beams().filter(|it| (-6.01..=2.01).contains(&it.elevation_deg)).count();
+        assert_eq!(n_dense, 49);
         assert_eq!(EMBEDDED_SENSORS.len(), 8);
         assert_eq!(SensorModel::embedded("hdl-65"), None);
     }

@@ -46,9 +46,9 @@ impl Entrant {
         }
     }
 
-    /// The parameters for its sensor.
+    /// The parameters for its scans.
     fn config_for(&self, dataset: &DatasetDescription) -> Cow<'_, RunConfig> {
-        self.config.for_sensor(&dataset.sensor).map_or(Cow::Borrowed(&self.config), Cow::Owned)
+        self.config.for_dataset(&dataset.id, &dataset.sensor).map_or(Cow::Borrowed(&self.config), Cow::Owned)
     }
 
     /// The same of a detector that left `results` for the scans of `dataset`.

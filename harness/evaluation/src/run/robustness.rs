@@ -24,8 +24,8 @@ pub struct Condition {
 const TURNS_PER_SCAN: u32 = 30;
 
 /// Every condition, in the order of the table. Nothing is tuned on them: detectors learn which sensor it is and how high
-/// it is mounted, and nothing else. The trees of `hierarchical` were trained on other drives under some of them, but with none of
-/// the new sensors, of which no density curve comes along either.
+/// it is mounted, and nothing else. The trees of `hierarchical` were trained on other drives under some of them. No model was
+/// trained with the new sensors, and they have no shipped density curve: it is learned from five of their scans.
 pub const CONDITIONS: &[Condition] = &[
     Condition { group: "standard", name: "hdl-64e-s2, 1.73 m", change: |_| {} },
     Condition { group: "road", name: "level", change: |it| it.conditions = even(0.0) },

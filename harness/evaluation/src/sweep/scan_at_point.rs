@@ -104,7 +104,7 @@ pub fn look_at_points<E: From<DetectorFailure>>(
 
 /// The parameters for scans of `dataset`. Whose density is not known is taken for the paper's sensor, as in any run.
 pub fn of_sensor(config: &RunConfig, dataset: &DatasetDescription) -> RunConfig {
-    config.for_sensor(&dataset.sensor).unwrap_or_else(|| config.clone())
+    config.for_dataset(&dataset.id, &dataset.sensor).unwrap_or_else(|| config.clone())
 }
 
 /// The grid that a detector starts from; `None` if the cells of its clusters are no parameter of it.

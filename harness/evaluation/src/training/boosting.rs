@@ -34,7 +34,7 @@ pub enum Target {
     Yes,
 }
 
-/// Of the draws of examples and values.
+/// Seed of the draws of examples and values.
 const SEED: u64 = 0;
 
 /// A forest that tells `targets` from `examples`, one of the other. The same bytes whatever the number of threads.
@@ -116,6 +116,8 @@ fn not_less(threshold: f64) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     const PARAMS: BoostingParams = BoostingParams {
@@ -178,6 +180,27 @@ mod tests {
             pool.install(|| boost(&seen, &targets, Target::Number, &params).unwrap())
         };
         assert_eq!(with_threads(1), with_threads(3));
+    }
+
+    #[test]
+    fn each_tree_sees_the_share_that_is_drawn_for_it() {
+        let examples = examples();
+        let seen: Vec<&[f32; 2]> = examples.iter().collect();
+        let targets: Vec<f64> = examples.iter().map(|[x, y]| f64::from((3.0 * x * y).sin())).collect();
+        // The values by which trees split, without the splits that are none.
+        let values_of = |drawn_share: f32| -> Vec<BTreeSet<u8>> {
+            let forest =
+                boost(&seen, &targets, Target::Number, &BoostingParams { drawn_share, ..PARAMS }).unwrap();
+            let of_tree = |it: &DecisionTree| {
+                let splits = it.value_of_split.iter().zip(&it.thresholds);
+                splits.filter(|(_, threshold)| **threshold != 0.0).map(|(value, _)| *value).collect()
+            };
+            forest.trees().iter().map(of_tree).collect()
+        };
+        assert!(values_of(1.0).iter().any(|it| it.len() == 2));
+        let halves = values_of(0.5);
+        assert!(halves.iter().all(|it| it.len() == 1));
+        assert_eq!(halves.into_iter().flatten().collect::<BTreeSet<_>>().len(), 2);
     }
 
     #[test]

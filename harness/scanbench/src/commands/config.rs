@@ -8,6 +8,7 @@ use evaluation::run::config::RunConfig;
 use evaluation::run::detector_list::{ChosenDetector, ListedDetector, built_in_named, detectors_named};
 use evaluation::run::foreign_detector::{ForeignDetector, ForeignWork, VehicleRule};
 use evaluation::run::kept_names::kept;
+use scans::dataset::DatasetDescription;
 
 use crate::cli::{ConfigArgs, CriterionName, MatchingArgs, NamedResults};
 use crate::commands::failure::{Failure, Usage};
@@ -118,9 +119,10 @@ fn configuration_file() -> Option<PathBuf> {
     folder.ancestors().map(|it| it.join(CONFIGURATION_FILE)).find(|it| it.is_file())
 }
 
-/// Says so if it is not known how densely `sensor` samples the street.
-pub fn warn_of_unknown_sensor(config: &RunConfig, sensor: &str) {
-    if config.for_sensor(sensor).is_none() {
+/// Says so if it is not known how densely the sensor of `dataset` samples the street.
+pub fn warn_of_unknown_sensor(config: &RunConfig, dataset: &DatasetDescription) {
+    if config.for_dataset(&dataset.id, &dataset.sensor).is_none() {
+        let sensor = &dataset.sensor;
         print_diagnostic(format_args!(
             "warning: there is no density curve for the sensor {sensor:?}; the detector uses that of {PAPER_SENSOR}; \
              fit one with scanbench fit-density, and give the file to --config"

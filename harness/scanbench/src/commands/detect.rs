@@ -38,7 +38,7 @@ pub fn detect(arguments: &DetectArgs) -> Result<(), Failure> {
     let stated = scan.stated;
     look_at_scan(&mut scan, stated, &mut config);
     let description = &scan.description;
-    warn_of_unknown_sensor(&config, &description.sensor);
+    warn_of_unknown_sensor(&config, description);
     let mut detector = Entrant::of(detectors[0].clone(), &config).begin(description);
     let result = detect_repeatedly(&mut *detector, &scan.scan, arguments.repeat as usize, interrupted)?;
     for warning in detector.finish() {

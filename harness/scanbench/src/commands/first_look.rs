@@ -42,7 +42,7 @@ const ON_GROUND_M: f64 = 0.2;
 /// sensor with its density curve, its height and its tilt. Of a simulated sensor all is known but, perhaps, its density curve.
 pub fn look_first(opened: OpenedDataset, config: &mut RunConfig) -> OpenedDataset {
     let description = opened.dataset.description();
-    if description.is_simulated() && config.for_sensor(&description.sensor).is_some() {
+    if description.is_simulated() && config.for_dataset(&description.id, &description.sensor).is_some() {
         return opened;
     }
     let scans = first_scans(&opened);
@@ -99,15 +99,15 @@ fn take_simulated_density(
     clouds: &[&PointCloud],
 ) -> Option<SeenMounting> {
     let DatasetDescription { id, sensor, .. } = description;
-    take_density(config, sensor, (id, clouds)).then(|| {
+    take_density(config, [id, sensor], clouds).then(|| {
         print_diagnostic(format_args!("{id}: density of the sensor {sensor} taken from the scans"));
         SeenMounting { taken: vec!["density".to_owned()], ..SeenMounting::default() }
     })
 }
 
-/// Takes the density of `sensor` from `clouds` of the data set `id` if it has no curve, and if they are enough. Returns whether it did.
-fn take_density(config: &mut RunConfig, sensor: &str, (id, clouds): (&str, &[&PointCloud])) -> bool {
-    if config.for_sensor(sensor).is_some() {
+/// Takes the density of `sensor` in the data set `id` from `clouds` if it has no curve, and if they are enough. Returns whether it did.
+fn take_density(config: &mut RunConfig, [id, sensor]: [&str; 2], clouds: &[&PointCloud]) -> bool {
+    if config.for_dataset(id, sensor).is_some() {
         return false;
     }
     let (datasets, seeds, command) = (vec![id.to_owned()], Vec::new(), String::new());
@@ -115,7 +115,7 @@ fn take_density(config: &mut RunConfig, sensor: &str, (id, clouds): (&str, &[&Po
     let counts: Vec<RingCounts> = clouds.iter().map(|it| RingCounts::of(it)).collect();
     let fitted = DensityCurve::fit(&counts, origin);
     let is_taken = fitted.is_ok();
-    config.own_curves.extend(fitted.map(|it| (sensor.to_owned(), it)));
+    config.own_curves.extend(fitted.map(|it| (id.to_owned(), it)));
     is_taken
 }
 
@@ -203,7 +203,7 @@ impl Look {
                 None => sensor = format!("{UNKNOWN_SENSOR}{}", self.id),
             }
         }
-        if take_density(config, &sensor, (&self.id, clouds)) {
+        if take_density(config, [&self.id, &sensor], clouds) {
             self.seen.taken.push("density".to_owned());
         }
         if sensor != self.sensor {

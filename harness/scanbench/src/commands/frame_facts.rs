@@ -8,7 +8,7 @@ use crate::cli::SourceArgs;
 /// What the first scans of a data set show.
 #[derive(Debug, Clone, Default)]
 pub struct FirstLook {
-    /// Sensor and mounting; `None` for what is simulated with a known sensor.
+    /// Sensor and mounting; `None` for simulated scans, unless their density was taken from them.
     pub seen: Option<SeenMounting>,
     /// Why its frame is doubtful.
     pub doubts: Vec<FrameDoubt>,

@@ -30,7 +30,7 @@ pub struct OpenedScan {
     pub description: DatasetDescription,
     /// Who says how its sensor is mounted.
     pub stated: Stated,
-    /// The scans of its data set that are looked at first; none of a file, nor of a simulated sensor that is known.
+    /// The scans of its data set that are looked at first; none of a file, nor of a simulated sensor that has a curve.
     pub of_data_set: Vec<PointCloud>,
 }
 

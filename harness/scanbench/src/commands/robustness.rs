@@ -163,7 +163,8 @@ fn notes(manifest: &Manifest) -> Vec<String> {
             n_scans / n_streets,
         ),
         "Each condition changes one thing of the standard. Road gradients are random, except under road. Detectors know the sensor and \
-         its height; nothing else is adapted."
+         its height; nothing else is adapted, except that hierarchical learns the density of the new sensors from five of these scans, without \
+         labels."
             .to_owned(),
     ]
 }

@@ -94,7 +94,7 @@ impl<'a> Sweep<'a> {
         }
         let protocols = SweptProtocols::of(&arguments.protocol.protocols, plan.points.len());
         for opened in &datasets {
-            warn_of_unknown_sensor(&plan.base, &opened.dataset.description().sensor);
+            warn_of_unknown_sensor(&plan.base, opened.dataset.description());
             if let Some(protocols) = &protocols {
                 protocols.chosen.check(&*opened.dataset)?;
             }

@@ -152,8 +152,9 @@ fn collect_all<'a>(
     for it in opened {
         let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
-        warn_of_unknown_sensor(&config, &description.sensor);
-        let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
+        warn_of_unknown_sensor(&config, description);
+        let of_sensor =
+            config.for_dataset(&description.id, &description.sensor).unwrap_or_else(|| config.clone());
         let new_detector = || -> Box<dyn Detector> { listed.build(&of_sensor, description.sensor_height_m) };
         let source = CandidateSource {
             new_detector: &new_detector,

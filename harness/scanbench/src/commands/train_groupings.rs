@@ -163,8 +163,9 @@ fn collect_all<'a>(
     for it in opened {
         let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
-        warn_of_unknown_sensor(&config, &description.sensor);
-        let of_sensor = config.for_sensor(&description.sensor).unwrap_or_else(|| config.clone());
+        warn_of_unknown_sensor(&config, description);
+        let of_sensor =
+            config.for_dataset(&description.id, &description.sensor).unwrap_or_else(|| config.clone());
         let progress = progress_over_scans(scan_indices.len(), &description.id);
         let described_with = (&of_sensor.hierarchical, library);
         let found =

@@ -89,7 +89,7 @@ impl WatchedRun<'_> {
         }
         let description = opened.dataset.description();
         let Some(first) = self.entrants.first() else { return Ok(()) };
-        warn_of_unknown_sensor(&first.config, &description.sensor);
+        warn_of_unknown_sensor(&first.config, description);
         let mut detectors: Vec<_> = self
             .entrants
             .iter()

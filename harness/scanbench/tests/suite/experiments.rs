@@ -78,7 +78,9 @@ fn robustness_leaves_its_table_in_three_forms() {
         assert!(ended.stdout.contains(condition) && workplace.read("out/robustness.md").contains(condition));
     }
     assert!(ended.stdout.contains("(all simulated)"), "{ended:#?}");
-    assert_eq!(ended.stderr, "Tables: out\n");
+    let density = |it: &str| format!("new sensor: {it}: density of the sensor {it} taken from the scans\n");
+    let densities = ["xt32", "pandar64", "os0-128"].map(density).concat();
+    assert_eq!(ended.stderr, format!("{densities}Tables: out\n"));
 
     // The rates are those of a run whose data sets are the conditions.
     let datasets = column(&workplace, "out/table_vehicles.csv", "dataset");

@@ -88,6 +88,11 @@ fn proposals_go_by_what_the_scans_show() {
     assert!(ended.stderr.contains("32 beams"), "{ended:#?}");
     assert!(ended.stderr.contains("sensor, density and height taken from the scans"), "{ended:#?}");
     assert!(!ended.stderr.contains("warning"), "{ended:#?}");
+    // What comes back has the sensor and the height that were taken.
+    let manifest = workplace.read("project/scanbench.json");
+    let written: Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(written["sensor"], "xt32", "{manifest}");
+    assert!((written["sensor_height_m"].as_f64().unwrap() - 0.9).abs() < 0.1, "{manifest}");
 }
 
 #[test]

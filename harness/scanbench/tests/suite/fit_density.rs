@@ -160,8 +160,8 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
     assert!(ended.stderr.contains(said) && !ended.stderr.contains("warning"), "{ended:#?}");
     let manifest: Value = serde_json::from_str(&workplace.read("out/manifest.json")).expect("it is JSON");
     assert_eq!(manifest["datasets"][0]["seen"]["taken"], json!(["density"]));
-    // The same scans are looked at whichever is asked about.
-    let detect = ["detect", "street-narrow", "--sensor", "mine.toml", "--scan", "0", "-d", "hierarchical"];
+    let scan = ["--scan", "narrow-9001/000000", "-d", "hierarchical"];
+    let detect = [&["detect"], &drives[..3], &scan].concat();
     let ended = workplace.succeed(&detect);
     assert!(ended.stderr.contains(said), "{ended:#?}");
     let ended = workplace.succeed(&[&["fit-density"], &drives[..]].concat());
@@ -171,12 +171,17 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
 }
 
 #[test]
-fn training_warns_of_a_sensor_without_a_curve() {
+fn every_data_set_has_its_own_curve_whatever_runs_beside_it() {
     let workplace = Workplace::new();
-    let train = ["train", "training-narrow", "--sensor", "xt32", "--scans", "0..4:2", "--detector", "pca"];
-    let ended = workplace.run(&train);
-    let warning = "warning: there is no density curve for the sensor \"xt32\"";
-    assert!(ended.stderr.contains(warning), "{ended:#?}");
+    let results_of = |datasets: &[&str], output: &str| {
+        let options = ["--sensor", "xt32", "--scans", "0", "-d", "hierarchical", "-o", output];
+        workplace.succeed(&[&["run"], datasets, &options].concat());
+        let rows = workplace.read(&format!("{output}/matches.csv"));
+        rows.lines().filter(|it| it.starts_with("street-narrow")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let alone = results_of(&["street-narrow"], "alone");
+    assert!(!alone.is_empty());
+    assert_eq!(results_of(&["street-main-road", "street-narrow"], "together"), alone);
 }
 
 #[needs_test_data("data/kitti_tracking")]

@@ -1,4 +1,4 @@
-//! Simulated objects by name: `objects-around`, `objects-air`, `objects-approach`, and one for each rotating sensor.
+//! Simulated objects by name: `objects-around`, `objects-air`, `objects-approach`, and one for each of four rotating sensors.
 
 use detector::PointCloud;
 use reports::vocabulary::partial_class::PartialClass;

@@ -39,7 +39,7 @@ pub struct RunConfig {
     pub classes: ClassTable,
     /// Detectors that are not built in, as the file tells of them.
     pub foreign: Vec<ForeignDetector>,
-    /// Density curves of sensors that none is shipped for, learned from the scans that are run.
+    /// By id, the density curves of data sets whose sensor none is shipped for, learned from their scans.
     pub own_curves: BTreeMap<String, DensityCurve>,
     /// All of it as one document, for the manifest; without the density curve if that is the sensor's.
     pub resolved: Table,
@@ -87,12 +87,20 @@ impl RunConfig {
     }
 
     /// The same for scans of `sensor`, whose density curve takes the place of the paper's; `None` if none comes with the
-    /// detector nor is among [`Self::own_curves`]. A curve that the file gives stays.
+    /// detector. A curve that the file gives stays.
     pub fn for_sensor(&self, sensor: &str) -> Option<Self> {
+        self.with_curve(|| DensityCurve::shipped(sensor))
+    }
+
+    /// The same for scans of the data set `id`: by the curve of its `sensor`, or its own of [`Self::own_curves`].
+    pub fn for_dataset(&self, id: &str, sensor: &str) -> Option<Self> {
+        self.with_curve(|| DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(id).cloned()))
+    }
+
+    fn with_curve(&self, curve: impl FnOnce() -> Option<DensityCurve>) -> Option<Self> {
         let mut config = self.clone();
         if !gives_density_curve(&self.resolved) {
-            config.hierarchical.density_weighting.curve =
-                DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(sensor).cloned())?;
+            config.hierarchical.density_weighting.curve = curve()?;
         }
         Some(config)
     }
