@@ -126,8 +126,8 @@ impl DamageArgs {
 }
 
 pub(super) fn sensor_help() -> String {
-    let ids = EMBEDDED_SENSORS.map(|(id, _)| format!("`{id}`")).join(", ");
-    format!("Sensor [default: the catalogue's, or as the scans show it]: {ids} or a TOML file")
+    let ids = EMBEDDED_SENSORS.map(|(id, _)| id).join(", ");
+    format!("Sensor [default: the catalogue's, or what scans show]: {ids} or a TOML file")
 }
 
 /// A height from that of the road itself, for clouds that are given from there, to that of a house.

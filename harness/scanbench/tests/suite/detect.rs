@@ -132,7 +132,8 @@ fn parameters_and_sensor_height_change_what_is_found() {
     workplace
         .write("mine.toml", "hierarchical.cluster = { min_points = 100000, min_vehicle_points = 100000 }");
     assert_eq!(n_found(&["-c", "mine.toml"]), 0);
-    assert_eq!(n_found(&["-c", "mine.toml", "-P", "cluster.min_points=10"]), 2);
+    let few = ["-P", "cluster.min_points=10", "-P", "cluster.min_vehicle_points=10"];
+    assert_eq!(n_found(&[&["-c", "mine.toml"], &few[..]].concat()), 2);
     // Everything is one component of the kd-tree: the cars stand on the road.
     assert_eq!(n_found(&["-d", "kd-tree", "-P", "foreground=all"]), 1);
     // What it knows is a road at another height, above which it sees no cars.
