@@ -132,6 +132,23 @@ fn parameters_and_sensor_height_change_what_is_found() {
     workplace
         .write("mine.toml", "hierarchical.cluster = { min_points = 100000, min_vehicle_points = 100000 }");
     assert_eq!(n_found(&["-c", "mine.toml"]), 0);
+    // A car that the model tells counts from fewer points on than another object.
+    let of_street = |min_vehicle_points: &str| {
+        let points = format!("cluster.min_vehicle_points={min_vehicle_points}");
+        let street = [
+            "street-narrow",
+            "--scan",
+            "narrow-9001/000000",
+            "--boxes",
+            "-",
+            "-c",
+            "mine.toml",
+            "-P",
+            &points,
+        ];
+        workplace.succeed(&[&["detect"], &street[..]].concat()).stdout.lines().count() - 1
+    };
+    assert!(of_street("10") > 0 && of_street("100000") == 0);
     let few = ["-P", "cluster.min_points=10", "-P", "cluster.min_vehicle_points=10"];
     assert_eq!(n_found(&[&["-c", "mine.toml"], &few[..]].concat()), 2);
     // Everything is one component of the kd-tree: the cars stand on the road.

@@ -171,6 +171,17 @@ fn the_density_of_a_simulated_sensor_is_taken_from_its_scans_unless_a_curve_is_g
 }
 
 #[test]
+fn training_warns_of_a_sensor_without_a_curve() {
+    let workplace = Workplace::new();
+    let drives = ["train", "training-narrow", "--sensor", "xt32", "--scans", "0..81:40", "--detector", "pca"];
+    let ended = workplace.run(&drives);
+    assert!(
+        ended.stderr.contains("warning: there is no density curve for the sensor \"xt32\""),
+        "{ended:#?}"
+    );
+}
+
+#[test]
 fn every_data_set_has_its_own_curve_whatever_runs_beside_it() {
     let workplace = Workplace::new();
     let results_of = |datasets: &[&str], output: &str| {
