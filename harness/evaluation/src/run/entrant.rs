@@ -1,6 +1,5 @@
 //! Who takes part in a run.
 
-use std::borrow::Cow;
 use std::path::Path;
 
 use scans::dataset::DatasetDescription;
@@ -37,18 +36,13 @@ impl Entrant {
 
     /// The detector for scans of `dataset`. A sensor whose density is not known is taken for the paper's.
     pub fn begin(&self, dataset: &DatasetDescription) -> Box<dyn RunningDetector> {
-        let config = &*self.config_for(dataset);
+        let config = &self.config.for_scans_of(dataset);
         match &self.chosen {
             ChosenDetector::BuiltIn(listed) => {
                 Box::new(BuiltIn::new(self.name, listed.build(config, dataset.sensor_height_m)))
             }
             ChosenDetector::Foreign(foreign) => foreign.begin(self.name, config, dataset),
         }
-    }
-
-    /// The parameters for its scans.
-    fn config_for(&self, dataset: &DatasetDescription) -> Cow<'_, RunConfig> {
-        self.config.for_dataset(&dataset.id, &dataset.sensor).map_or(Cow::Borrowed(&self.config), Cow::Owned)
     }
 
     /// The same of a detector that left `results` for the scans of `dataset`.
@@ -59,7 +53,7 @@ impl Entrant {
     ) -> Box<dyn RunningDetector> {
         match &self.chosen {
             ChosenDetector::Foreign(foreign) => {
-                let vehicles = foreign.vehicles_of(&self.config_for(dataset), dataset);
+                let vehicles = foreign.vehicles_of(&self.config.for_scans_of(dataset), dataset);
                 Box::new(ResultsDetector::new(self.name, Some(results), vehicles))
             }
             ChosenDetector::BuiltIn(_) => self.begin(dataset),
@@ -85,7 +79,7 @@ impl Entrant {
         dataset: &DatasetDescription,
         before: Option<BegunConversation>,
     ) -> Result<Box<dyn RunningDetector>, DetectorFailure> {
-        let config = &*self.config_for(dataset);
+        let config = &self.config.for_scans_of(dataset);
         match (&self.chosen, before) {
             (
                 ChosenDetector::Foreign(

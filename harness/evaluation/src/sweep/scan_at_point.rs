@@ -78,7 +78,7 @@ pub fn look_at_points<E: From<DetectorFailure>>(
     let mut output = DetectorOutput::default();
     let mut cells = CellsOfScan::default();
     for &point_idx in point_idxs {
-        let config = of_sensor(&plan.points[point_idx].config, dataset);
+        let config = plan.points[point_idx].config.for_scans_of(dataset);
         let (mut looked, mut rows) = (Vec::new(), OfficialRows::default());
         for chosen in &plan.detectors {
             let entrant = Entrant::of(chosen.clone(), &plan.points[point_idx].config);
@@ -100,11 +100,6 @@ pub fn look_at_points<E: From<DetectorFailure>>(
         on_point(point_idx, looked, rows)?;
     }
     Ok(())
-}
-
-/// The parameters for scans of `dataset`. Whose density is not known is taken for the paper's sensor, as in any run.
-pub fn of_sensor(config: &RunConfig, dataset: &DatasetDescription) -> RunConfig {
-    config.for_dataset(&dataset.id, &dataset.sensor).unwrap_or_else(|| config.clone())
 }
 
 /// The grid that a detector starts from; `None` if the cells of its clusters are no parameter of it.

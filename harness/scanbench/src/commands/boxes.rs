@@ -114,8 +114,7 @@ fn collect_all<'a>(
         let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
         warn_of_unknown_sensor(config, description);
-        let of_sensor =
-            config.for_dataset(&description.id, &description.sensor).unwrap_or_else(|| config.clone());
+        let of_sensor = config.for_scans_of(description);
         let progress = progress_over_scans(scan_indices.len(), &description.id);
         let found =
             box_pairs(&**dataset, scan_indices, (listed, &of_sensor), interrupted, || progress.inc(1))?;

@@ -122,10 +122,14 @@ fn configuration_file() -> Option<PathBuf> {
 /// Says so if it is not known how densely the sensor of `dataset` samples the street.
 pub fn warn_of_unknown_sensor(config: &RunConfig, dataset: &DatasetDescription) {
     if config.for_dataset(&dataset.id, &dataset.sensor).is_none() {
-        let sensor = &dataset.sensor;
-        print_diagnostic(format_args!(
-            "warning: there is no density curve for the sensor {sensor:?}; the detector uses that of {PAPER_SENSOR}; \
-             fit one with scanbench fit-density, and give the file to --config"
-        ));
+        warn_of_missing_curve(&dataset.sensor);
     }
+}
+
+/// Says that the density curve of another sensor stands in for that of `sensor`.
+pub fn warn_of_missing_curve(sensor: &str) {
+    print_diagnostic(format_args!(
+        "warning: there is no density curve for the sensor {sensor:?}; the detector uses that of {PAPER_SENSOR}; \
+         fit one with scanbench fit-density, and give the file to --config"
+    ));
 }

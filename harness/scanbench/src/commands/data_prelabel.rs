@@ -57,7 +57,7 @@ fn prelabel(
 ) -> Result<(), Failure> {
     let description = opened.dataset.description();
     warn_of_unknown_sensor(config, description);
-    let config = config.for_dataset(&description.id, &description.sensor).unwrap_or_else(|| config.clone());
+    let config = config.for_scans_of(description);
     let mut detector = listed.build(&config, description.sensor_height_m);
     let mut writer = ProposalWriter::create(path, arguments.to.format(), sheet_of(description))?;
     let n_scans = opened.scan_indices.len();

@@ -16,7 +16,7 @@ use evaluation::run::process_detector::NOTHING;
 use reports::vocabulary::class::AnnotationClass;
 
 use crate::cli::ServeArgs;
-use crate::commands::config::built_in_detectors;
+use crate::commands::config::{built_in_detectors, warn_of_missing_curve};
 use crate::commands::failure::{Failure, Usage};
 
 pub use evaluation::process::supervisor::supervise;
@@ -115,7 +115,13 @@ impl Server {
                 listed.name
             ));
         }
-        let of_sensor = configuration.sensor.as_deref().and_then(|it| config.for_sensor(it));
+        let of_sensor = configuration.sensor.as_deref().and_then(|it| {
+            let found = config.for_sensor(it);
+            if found.is_none() {
+                warn_of_missing_curve(it);
+            }
+            found
+        });
         let height_m = configuration.sensor_height_m.ok_or("the height of the sensor is needed")?;
         self.detector = Some(listed.build(of_sensor.as_ref().unwrap_or(config), height_m));
         Ok(())

@@ -46,8 +46,7 @@ pub fn survival_study(arguments: &AblationArgs) -> Result<(), Failure> {
     let mut rows = Vec::new();
     for it in &datasets {
         let description = it.dataset.description();
-        let of_sensor =
-            config.for_dataset(&description.id, &description.sensor).unwrap_or_else(|| config.clone());
+        let of_sensor = config.for_scans_of(description);
         let progress = progress_over_scans(it.scan_indices.len(), &description.id);
         let method = (listed[0], &of_sensor);
         rows.extend(survival(&*it.dataset, &it.scan_indices, method, interrupted, || progress.inc(1))?);

@@ -153,8 +153,7 @@ fn collect_all<'a>(
         let OpenedDataset { dataset, scan_indices, .. } = it;
         let description = dataset.description();
         warn_of_unknown_sensor(&config, description);
-        let of_sensor =
-            config.for_dataset(&description.id, &description.sensor).unwrap_or_else(|| config.clone());
+        let of_sensor = config.for_scans_of(description);
         let new_detector = || -> Box<dyn Detector> { listed.build(&of_sensor, description.sensor_height_m) };
         let source = CandidateSource {
             new_detector: &new_detector,

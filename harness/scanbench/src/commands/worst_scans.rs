@@ -180,10 +180,7 @@ impl RunAgain {
             let (dataset_idx, scan_idx) = (*dataset_idx, *scan_idx);
             let opened = &self.datasets[dataset_idx];
             let description = opened.dataset.description();
-            let config = self
-                .config
-                .for_dataset(&description.id, &description.sensor)
-                .unwrap_or_else(|| self.config.clone());
+            let config = self.config.for_scans_of(description);
             let n_warmup = if begun.contains_key(&dataset_idx) { 0 } else { self.arguments.timing.warmup };
             let detectors = begun.entry(dataset_idx).or_insert_with(|| {
                 let entrants = self.detectors.iter().map(|it| Entrant::of(it.clone(), &self.config));

@@ -7,6 +7,7 @@ use baselines::params::{BaselineParams, PARAMS_TOML};
 use detector::grid::density_curve::DensityCurve;
 use detector::params::HierarchicalParams;
 use detector::params::paper::PaperParams;
+use scans::dataset::DatasetDescription;
 use scans::dataset::class_table::ClassTable;
 use toml::{Table, Value};
 
@@ -95,6 +96,11 @@ impl RunConfig {
     /// The same for scans of the data set `id`: by the curve of its `sensor`, or its own of [`Self::own_curves`].
     pub fn for_dataset(&self, id: &str, sensor: &str) -> Option<Self> {
         self.with_curve(|| DensityCurve::shipped(sensor).or_else(|| self.own_curves.get(id).cloned()))
+    }
+
+    /// The same for scans of `dataset`. Whose density is not known is taken for the paper's sensor.
+    pub fn for_scans_of(&self, dataset: &DatasetDescription) -> Self {
+        self.for_dataset(&dataset.id, &dataset.sensor).unwrap_or_else(|| self.clone())
     }
 
     fn with_curve(&self, curve: impl FnOnce() -> Option<DensityCurve>) -> Option<Self> {
