@@ -121,7 +121,8 @@ impl DetectorOutput {
         self.rank(cluster, least_score);
     }
 
-    fn rank(&mut self, detection: Detection<'_>, least_score: f32) {
+    /// Reports what may be a vehicle by its score for an unlikely one, if that is above `least_score`.
+    pub fn rank(&mut self, detection: Detection<'_>, least_score: f32) {
         if detection.score.is_some_and(|it| it > least_score && it <= 0.0) {
             self.unlikely_vehicles.push(Detection { class: DetectedClass::Vehicle, ..detection });
         }

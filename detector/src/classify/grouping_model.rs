@@ -11,13 +11,13 @@ use crate::describe::prototype_library::PrototypeLibrary;
 use crate::describe::trained_file::AtLine;
 use crate::describe::vehicle_features::{VehicleDescriber, VehicleFeatures};
 use crate::group::node_context::{CONTEXT_VALUES, N_SECOND_LOOK_VALUES};
-use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES, VALUES_OF_WHOLE};
+use crate::group::node_values::{N_NODE_VALUES, NODE_VALUES, VALUES_OF_LARGER};
 
 /// Number of the values that tell vehicles.
-pub const N_VEHICLE_VALUES: usize = N_FEATURES + N_NODE_VALUES - N_OF_WHOLE;
+pub const N_VEHICLE_VALUES: usize = N_FEATURES + N_NODE_VALUES - N_OF_LARGER;
 
 /// Number of the values of a group that are of what it would be a part of.
-const N_OF_WHOLE: usize = VALUES_OF_WHOLE.end - VALUES_OF_WHOLE.start;
+const N_OF_LARGER: usize = VALUES_OF_LARGER.end - VALUES_OF_LARGER.start;
 
 /// The names of the values that tell vehicles: those of the vehicle model, and those of the group alone.
 pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
@@ -25,8 +25,8 @@ pub const VEHICLE_VALUES: [&str; N_VEHICLE_VALUES] = {
     let mut names = [""; N_VEHICLE_VALUES];
     let mut place = 0;
     while place < N_VEHICLE_VALUES {
-        let is_before = place < N_FEATURES + VALUES_OF_WHOLE.start;
-        names[place] = all[if is_before { place } else { place + N_OF_WHOLE }];
+        let is_before = place < N_FEATURES + VALUES_OF_LARGER.start;
+        names[place] = all[if is_before { place } else { place + N_OF_LARGER }];
         place += 1;
     }
     names
@@ -128,7 +128,7 @@ impl GroupingModel {
 /// The values that tell vehicles: those of the thing, and those of the group alone. What it is grouped with makes it no other thing.
 pub fn vehicle_values(features: &[f32; N_FEATURES], node: &[f32; N_NODE_VALUES]) -> [f32; N_VEHICLE_VALUES] {
     let mut values = [0.0; N_VEHICLE_VALUES];
-    let (before, after) = (&node[..VALUES_OF_WHOLE.start], &node[VALUES_OF_WHOLE.end..]);
+    let (before, after) = (&node[..VALUES_OF_LARGER.start], &node[VALUES_OF_LARGER.end..]);
     for (value, it) in values.iter_mut().zip(features.iter().chain(before).chain(after)) {
         *value = *it;
     }
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn vehicles_are_told_by_all_values_but_those_of_wholes() {
+    fn vehicles_are_told_by_all_values_but_those_of_wholes_and_walls() {
         let features = std::array::from_fn(|place| place as f32);
         let node = std::array::from_fn(|place| 100.0 + place as f32);
         let values = vehicle_values(&features, &node);
@@ -167,7 +167,8 @@ mod tests {
             assert_eq!(found, name);
         }
         let left_out: Vec<&str> = NODE_VALUES.into_iter().filter(|it| !VEHICLE_VALUES.contains(it)).collect();
-        assert!(left_out.iter().all(|it| it.contains("whole")) && left_out.len() == 5, "{left_out:?}");
+        let is_of_larger = |it: &&str| it.contains("whole") || it.contains("of_wall");
+        assert!(left_out.iter().all(is_of_larger) && left_out.len() == 6, "{left_out:?}");
     }
 
     #[test]

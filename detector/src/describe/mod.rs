@@ -3,6 +3,7 @@
 // Which objects are described at all, and what stands around them.
 pub mod seen_size;
 pub mod surroundings;
+pub mod cells_around;
 
 // The points in the frame of their box, and what is taken from them.
 pub mod box_frame_points;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::describe::cells_around::CellsAround;
 use crate::describe::surroundings::{ObjectRaster, Surroundings};
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::grid::hierarchical_grid::HierarchicalGrid;
@@ -12,6 +13,8 @@ use crate::group::grouping_tree::{GroupingTree, Node};
 use crate::oriented_box::OrientedBox;
 use crate::portable_math::single;
 use crate::segment::terrain::Terrain;
+use crate::segment::wall_refinement::WallRefinement;
+use crate::surface_class::SurfaceClass;
 
 /// Number of the values of a node.
 pub const N_NODE_VALUES: usize = NODE_VALUES.len();
@@ -19,7 +22,7 @@ pub const N_NODE_VALUES: usize = NODE_VALUES.len();
 /// The names of the values of a node, as in files.
 ///
 /// Sizes are those of the box in metres. Shares are of its points, from 0 to 1.
-pub const NODE_VALUES: [&str; 38] = [
+pub const NODE_VALUES: [&str; 42] = [
     "log_n_points",
     // Points lie the wider apart the farther they are.
     "log_seen_area",
@@ -53,6 +56,7 @@ pub const NODE_VALUES: [&str; 38] = [
     "whole_joined_at",
     "log_n_points_of_whole",
     // What speaks against an object of the street.
+    "length_of_wall_m",
     "wall_share",
     "behind_wall_share",
     "tall_share",
@@ -63,10 +67,13 @@ pub const NODE_VALUES: [&str; 38] = [
     "beyond_ends_share",
     "occupied_share",
     "log_n_cells",
+    "ground_before_share",
+    "ground_behind_share",
+    "tall_around_share",
 ];
 
-/// Which of [`NODE_VALUES`] are of what a group would be a part of, and not its own.
-pub const VALUES_OF_WHOLE: Range<usize> = 24..29;
+/// Which of [`NODE_VALUES`] are not of a group itself but of what it would be a part of, or of the wall on which it lies.
+pub const VALUES_OF_LARGER: Range<usize> = 24..30;
 
 /// Which groups may be objects by their size.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
@@ -113,6 +120,8 @@ struct Shape {
     // Cells, and points of cells of which each [`Doubt`] holds.
     n_cells: u32,
     n_in_doubt: [u32; N_DOUBTS],
+    // The length of the longest wall that one of its cells lies on.
+    wall_length_m: f32,
 }
 
 /// Where the nodes are.
@@ -128,6 +137,10 @@ pub struct NodePlaces<'a> {
     pub dense: &'a DenseCells,
     /// Where other points are.
     pub raster: &'a ObjectRaster,
+    /// What each cell of the grid is.
+    pub classes: &'a [SurfaceClass],
+    /// The walls.
+    pub walls: &'a WallRefinement,
     /// Number of points of the scan.
     pub n_points: usize,
 }
@@ -157,7 +170,9 @@ impl NodeDescriber {
                 && z_m + 0.5 * height_m - terrain_m >= bounds.min_top_m;
             if is_looked_at {
                 let surroundings = places.raster.around(&bounding_box, terrain_m);
-                let values = self.values(tree, (node, node_idx), &surroundings, places.n_points);
+                let cells_around = CellsAround::of(&bounding_box, places.grid, places.classes);
+                let around = (&surroundings, &cells_around);
+                let values = self.values(tree, (node, node_idx), around, places.n_points);
                 self.described.push(DescribedNode { node_idx, bounding_box, surroundings, values });
             }
         }
@@ -218,6 +233,7 @@ impl NodeDescriber {
             for part in tree.parts_of(node) {
                 let part = &self.shapes[part as usize];
                 shape.n_cells += part.n_cells;
+                shape.wall_length_m = shape.wall_length_m.max(part.wall_length_m);
                 for (sum, n) in shape.n_in_doubt.iter_mut().zip(part.n_in_doubt) {
                     *sum += n;
                 }
@@ -229,6 +245,7 @@ impl NodeDescriber {
             let doubts = places.candidates.doubts(cell_idx);
             let n_points = places.dense.heaps()[dense_idx as usize].n_points;
             shape.n_cells += 1;
+            shape.wall_length_m = shape.wall_length_m.max(places.walls.length_of_wall_m(cell_idx));
             for (sum, doubt) in shape.n_in_doubt.iter_mut().zip(Doubt::ALL) {
                 *sum += if doubts.has(doubt) { n_points } else { 0 };
             }
@@ -240,7 +257,7 @@ impl NodeDescriber {
         &self,
         tree: &GroupingTree,
         (node, node_idx): (&Node, u32),
-        surroundings: &Surroundings,
+        (surroundings, cells_around): (&Surroundings, &CellsAround),
         n_points_of_scan: usize,
     ) -> [f32; N_NODE_VALUES] {
         let shape = &self.shapes[node_idx as usize];
@@ -283,9 +300,13 @@ impl NodeDescriber {
             n_beyond_ends / (n_beyond_ends + n_points),
             surroundings.occupied_share,
             single::ln(shape.n_cells as f32),
+            cells_around.ground_before_share,
+            cells_around.ground_behind_share,
+            cells_around.tall_share,
         ];
         let grouped = self.grouped(tree, node);
-        let all = of_itself.into_iter().chain(grouped).chain(in_doubt).chain(around);
+        let wall = [shape.wall_length_m];
+        let all = of_itself.into_iter().chain(grouped).chain(wall).chain(in_doubt).chain(around);
         for (value, it) in values.iter_mut().zip(all) {
             *value = it;
         }

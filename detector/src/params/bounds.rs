@@ -150,6 +150,7 @@ pub const HIERARCHICAL_BOUNDS: &[Bounds] = &[
     Bounds::new("regrouping.max_gap_m", 0.0, 100.0),
     Bounds::new("regrouping.max_joined_length_m", 0.0, 100.0),
     Bounds::new("grouping.object_cost", 0.0, 1.0),
+    Bounds::new("grouping.vehicle_cost", 0.0, 1.0),
     Bounds::new("grouping.ranked_probability", 0.001, 0.5),
     Bounds::new("grouping.candidates.least_free_m", 0.0, 100.0),
     Bounds::new("grouping.candidates.free_per_range", 0.0, 1.0),

@@ -79,6 +79,8 @@ pub struct GroupingParams {
     pub enabled: bool,
     /// What an object costs: one that is expected to have a smaller intersection over union is none.
     pub object_cost: f32,
+    /// What a vehicle costs: a group that is expected to have a smaller intersection over union is not looked at for one.
+    pub vehicle_cost: f32,
     /// The least probability of a vehicle with which an object is ranked as one, by protocols that do.
     pub ranked_probability: f32,
     /// The points that are grouped.

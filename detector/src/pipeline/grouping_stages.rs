@@ -100,8 +100,16 @@ impl GroupingStages {
         } else {
             self.raster.fill(candidates.point_indices().iter().map(|&it| cloud.position_m(it as usize)));
         }
-        let places =
-            NodePlaces { grid, terrain, candidates, dense, raster: &self.raster, n_points: cloud.len() };
+        let places = NodePlaces {
+            grid,
+            terrain,
+            candidates,
+            dense,
+            raster: &self.raster,
+            classes: &self.classes,
+            walls: &self.walls,
+            n_points: cloud.len(),
+        };
         let min_points = params.cluster.min_vehicle_points;
         self.describer.describe(tree, &places, (&params.grouping.bounds, min_points));
         clock.lap(stage::DESCRIPTION, stage_times);

@@ -19,8 +19,9 @@ use crate::drawn::walls::wall_segments;
 use crate::fit::convex_hull_box::ConvexHullBox;
 use crate::fit::fitted_objects::FittedObjects;
 use crate::group::best_cut::BestCut;
+use crate::group::doubtful_groups::DoubtfulGroups;
 use crate::group::node_points::NodePoints;
-use crate::params::HierarchicalParams;
+use crate::params::{GroupingParams, HierarchicalParams};
 use crate::pipeline::grouping_stages::GroupingStages;
 use crate::point_cloud::PointCloud;
 use crate::portable_math::ln;
@@ -45,6 +46,7 @@ pub struct TreeDetector {
     looks: LookBuffers,
     worth_of_node: Vec<f32>,
     best_cut: BestCut,
+    doubtful: DoubtfulGroups,
     taken: Vec<u32>,
     // Log odds of the least likely vehicle that is ranked.
     ranked_log_odds: f32,
@@ -77,6 +79,7 @@ impl TreeDetector {
             looks: LookBuffers::default(),
             worth_of_node: Vec::new(),
             best_cut: BestCut::default(),
+            doubtful: DoubtfulGroups::default(),
             taken: Vec::new(),
             places: Vec::new(),
             points: NodePoints::default(),
@@ -107,12 +110,17 @@ impl TreeDetector {
         let described = self.grouping.described();
         self.worth_of_node.clear();
         self.worth_of_node.resize(self.grouping.tree().nodes().len(), f32::NEG_INFINITY);
-        let cost = self.grouping.params().grouping.object_cost;
+        let GroupingParams { object_cost: cost, vehicle_cost, .. } = self.grouping.params().grouping;
         for (it, worth) in described.iter().zip(&self.worth) {
             self.worth_of_node[it.node_idx as usize] = worth - cost;
         }
         let worth_of_node = &self.worth_of_node;
         self.best_cut.find(self.grouping.tree(), |it| worth_of_node[it as usize], &mut self.taken);
+        // The values that tell vehicles are taken from the points, which the looks do not see.
+        let is_offered = |&worth: &f32| self.tells_vehicles && worth >= vehicle_cost && worth < cost;
+        let offered = described.iter().zip(&self.worth).filter(|(_, worth)| is_offered(worth));
+        let offered = offered.map(|(it, &worth)| (it.node_idx, worth));
+        self.doubtful.add(self.grouping.tree(), offered, &mut self.taken);
         let place = |node_idx: &u32| {
             described
                 .binary_search_by_key(node_idx, |it| it.node_idx)
@@ -157,6 +165,20 @@ impl TreeDetector {
         for (decision, sum) in asked.zip(decisions) {
             *decision = *sum;
         }
+    }
+
+    /// Drops what is worth too little for an object and is no vehicle.
+    fn drop_doubtful(&mut self, output: &mut DetectorOutput) {
+        let FittedObjects { objects, members, .. } = &mut self.fitted;
+        let mut taken = self.taken.iter();
+        objects.retain(|it| {
+            let is_doubtful = taken.next().is_some_and(|&node_idx| self.doubtful.is_added(node_idx));
+            let is_kept = !is_doubtful || it.decision.is_some_and(|decision| decision > 0.0);
+            if !is_kept {
+                output.rank(it.detection(members, DetectedClass::Object), self.ranked_log_odds);
+            }
+            is_kept
+        });
     }
 
     /// Drops what has too few points for an object and is no vehicle. A car far away shows few points.
@@ -226,6 +248,7 @@ impl Detector for TreeDetector {
             self.tell_vehicles();
             clock.lap(stage::CLASSIFICATION, &mut output.stage_times);
         }
+        self.drop_doubtful(output);
         self.drop_small(output);
         self.complete(cloud);
         self.report(cloud, output);

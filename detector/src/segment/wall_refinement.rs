@@ -62,6 +62,9 @@ pub struct WallRefinement {
     borne: Vec<bool>,
     // Cells that became tall and whose neighbours are still to be looked at.
     front: Vec<u32>,
+    // For every cell the length of the longest wall that it lies on, in metres; those of an earlier scan are in the list.
+    wall_length_m: Vec<f32>,
+    on_walls: Vec<u32>,
 }
 
 /// Cells nearer than this, in metres, say little about the top of the field of view: their size is too large an angle.
@@ -90,6 +93,8 @@ impl WallRefinement {
             shadows: Vec::new(),
             borne: Vec::new(),
             front: Vec::new(),
+            wall_length_m: vec![0.0; grid.cells().len()],
+            on_walls: Vec::new(),
         }
     }
 
@@ -111,6 +116,9 @@ impl WallRefinement {
         self.walls.clear();
         self.shadows.clear();
         self.borne.clear();
+        for cell_idx in self.on_walls.drain(..) {
+            self.wall_length_m[cell_idx as usize] = 0.0;
+        }
         self.least_cut_off = f32::INFINITY;
         if !self.params.enabled {
             return;
@@ -147,6 +155,7 @@ impl WallRefinement {
             }
         }
         self.spread(grid, classes);
+        self.measure(grid);
     }
 
     /// Segments among all tall and short cells are walls if enough of them is tall, and their short cells become tall.
@@ -171,6 +180,20 @@ impl WallRefinement {
         for &segment in &self.walls {
             for cell_idx in corridor(segment).flatten().filter_map(|it| cell_at(grid, it)) {
                 turn_tall(classes, cell_idx);
+            }
+        }
+        self.measure(grid);
+    }
+
+    /// Notes for every cell on a wall how long the wall is.
+    fn measure(&mut self, grid: &HierarchicalGrid) {
+        for &segment in &self.walls {
+            let [start_m, end_m] = [segment.start, segment.end].map(|place| center_m(grid, place));
+            let length_m = single::hypot(end_m[0] - start_m[0], end_m[1] - start_m[1]);
+            for cell_idx in corridor(segment).flatten().filter_map(|it| cell_at(grid, it)) {
+                let longest_m = &mut self.wall_length_m[cell_idx as usize];
+                *longest_m = longest_m.max(length_m);
+                self.on_walls.push(cell_idx);
             }
         }
     }
@@ -206,6 +229,11 @@ impl WallRefinement {
                 }
             }
         }
+    }
+
+    /// The length of the longest wall of the latest scan on which a cell lies, or beside which, in metres; 0 of a cell on none.
+    pub fn length_of_wall_m(&self, cell_idx: u32) -> f32 {
+        self.wall_length_m[cell_idx as usize]
     }
 
     /// The walls of the latest scan.
@@ -558,6 +586,24 @@ mod tests {
                 },
             );
         }
+    }
+
+    #[test]
+    fn a_cell_knows_how_long_its_wall_is() {
+        let street = Drawing::road().surface([-12.0, 9.1], [12.0, 9.1], 12.0);
+        street.class_refined(HierarchicalParams::shipped(), [3.1, 9.1], |walls, (grid, terrain), classes| {
+            let cell_at = |place_m| {
+                let [column, row] = grid.nearest_column_and_row(place_m);
+                row * grid.n_columns() + column
+            };
+            walls.refine(grid, terrain, classes);
+            let length_m = walls.length_of_wall_m(cell_at([3.1, 9.1]));
+            assert!((length_m - 24.0).abs() <= 0.6, "{length_m}");
+            assert_eq!(walls.length_of_wall_m(cell_at([3.1, 4.1])), 0.0);
+            // A scan without a wall.
+            walls.refine(grid, terrain, &mut vec![SurfaceClass::Unseen; classes.len()]);
+            assert_eq!(walls.length_of_wall_m(cell_at([3.1, 9.1])), 0.0);
+        });
     }
 
     #[test]

@@ -1,0 +1,100 @@
+//! Groups that are worth too little for objects, and may be vehicles.
+
+use crate::group::grouping_tree::GroupingTree;
+
+/// Finds groups beside those that are taken, in reusable buffers.
+#[derive(Debug, Clone, Default)]
+pub struct DoubtfulGroups {
+    // For every node, whether it is one of those that are taken or found, or holds one.
+    holds_one: Vec<bool>,
+    is_one: Vec<bool>,
+    offered: Vec<(u32, f32)>,
+}
+
+impl DoubtfulGroups {
+    /// Adds to `taken`, which are nodes of `tree` of which none holds another, those of the `offered` nodes that share nothing with
+    /// them nor with each other, the one of the greatest worth first, and of those worth the same the one of the smallest number. Each
+    /// is offered with its worth. What was added is [`Self::is_added`].
+    pub fn add(
+        &mut self,
+        tree: &GroupingTree,
+        offered: impl Iterator<Item = (u32, f32)>,
+        taken: &mut Vec<u32>,
+    ) {
+        let nodes = tree.nodes();
+        for marks in [&mut self.holds_one, &mut self.is_one] {
+            marks.clear();
+            marks.resize(nodes.len(), false);
+        }
+        let upward = |first: u32| std::iter::successors(Some(first), |&it| nodes[it as usize].parent);
+        for &node_idx in &*taken {
+            self.is_one[node_idx as usize] = true;
+            upward(node_idx).for_each(|it| self.holds_one[it as usize] = true);
+        }
+        self.offered.clear();
+        self.offered.extend(offered);
+        self.offered.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        let n_taken = taken.len();
+        for &(node_idx, _) in &self.offered {
+            let is_free =
+                !self.holds_one[node_idx as usize] && !upward(node_idx).any(|it| self.is_one[it as usize]);
+            if is_free {
+                self.is_one[node_idx as usize] = true;
+                upward(node_idx).for_each(|it| self.holds_one[it as usize] = true);
+                taken.push(node_idx);
+            }
+        }
+        // What was there before is not added.
+        for &node_idx in &taken[..n_taken] {
+            self.is_one[node_idx as usize] = false;
+        }
+        taken.sort_unstable();
+    }
+
+    /// Whether a node was added by the latest [`Self::add`].
+    pub fn is_added(&self, node_idx: u32) -> bool {
+        self.is_one[node_idx as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::group::drawn_trees::tree_over;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_group_holds_another_and_nothing_is_left_that_could_be_added(
+            places in prop::collection::btree_set(0_u8..30, 1..8),
+            worths in prop::collection::vec(0_u8..9, 20),
+            taken_idx in 0_usize..20,
+        ) {
+            let steps: Vec<[u8; 2]> = places.into_iter().map(|it| [it, 0]).collect();
+            let (_, tree, _) = tree_over(&steps);
+            let n_nodes = tree.nodes().len() as u32;
+            let worth = |it: u32| f32::from(worths[it as usize % worths.len()]);
+            let is_offered = |it: &u32| worth(*it) >= 3.0;
+            let before = [taken_idx as u32 % n_nodes];
+            let mut taken = before.to_vec();
+            let mut doubtful = DoubtfulGroups::default();
+            doubtful.add(&tree, (0..n_nodes).filter(is_offered).map(|it| (it, worth(it))), &mut taken);
+            let holds = |a: u32, b: u32| {
+                std::iter::successors(Some(b), |&it| tree.nodes()[it as usize].parent).any(|it| it == a)
+            };
+            let shares = |a: u32, b: u32| holds(a, b) || holds(b, a);
+            prop_assert!(taken.contains(&before[0]) && taken.is_sorted());
+            for (place, &a) in taken.iter().enumerate() {
+                prop_assert!(taken[place + 1..].iter().all(|&b| !shares(a, b)));
+                prop_assert_eq!(doubtful.is_added(a), a != before[0]);
+                prop_assert!(a == before[0] || is_offered(&a));
+            }
+            // What was not added shares something with a group that is worth as much and more, or was there before.
+            for it in (0..n_nodes).filter(is_offered).filter(|it| !taken.contains(it)) {
+                prop_assert!(!doubtful.is_added(it));
+                let stands_in_its_way = |&by: &u32| shares(it, by) && (by == before[0] || worth(by) >= worth(it));
+                prop_assert!(taken.iter().any(stands_in_its_way));
+            }
+        }
+    }
+}
