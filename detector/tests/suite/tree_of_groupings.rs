@@ -73,6 +73,24 @@ fn the_dearer_an_object_the_fewer_there_are() {
     assert!(numbers[0] > numbers[3], "{numbers:?}");
 }
 
+#[needs_test_data("data/kitti_tracking/training/velodyne/0000")]
+fn where_no_object_is_worth_its_cost_vehicles_are_found_and_nothing_else() {
+    let paths = velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000"));
+    let cloud = read_velodyne_bin(&paths[0]);
+    let classes = |object_cost: f32, vehicle_cost: f32| {
+        let change = |it: &mut HierarchicalParams| {
+            it.grouping.object_cost = object_cost;
+            it.grouping.vehicle_cost = vehicle_cost;
+        };
+        let output = found(&mut detector(change), &cloud);
+        output.detections.iter().map(|it| it.class).collect::<Vec<_>>()
+    };
+    let vehicles = classes(1.0, 0.25);
+    assert!(!vehicles.is_empty() && vehicles.iter().all(|it| *it == DetectedClass::Vehicle), "{vehicles:?}");
+    assert!(classes(0.42, 0.25).contains(&DetectedClass::Object));
+    assert!(classes(1.0, 1.0).is_empty());
+}
+
 #[test]
 fn the_same_scan_gives_the_same_whatever_came_before() {
     let (road, other) = (main_road(), DrawnStreet::road().block([4.1, 8.3], [2.1, 3.9], 1.5).cloud());
