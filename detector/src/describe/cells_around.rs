@@ -94,15 +94,15 @@ impl<'a, Rows: Iterator<Item = (u32, &'a [SurfaceClass])>> HotLoop for RingCount
                 let dx = first_m[0] + column as f32 * cell_size_m - center_m[0];
                 let beyond_m = (cos * dx + sin * dy).abs() - half_m[0];
                 let beside_m = (cos * dy - sin * dx).abs() - half_m[1];
-                let is_out = (beyond_m >= near_m) | (beside_m >= near_m);
-                let is_in_ring = is_out & (beyond_m <= far_m) & (beside_m <= far_m);
-                let is_before = is_in_ring & (dx * center_m[0] + dy * center_m[1] < 0.0);
+                let is_out = beyond_m >= near_m || beside_m >= near_m;
+                let is_in_ring = is_out && beyond_m <= far_m && beside_m <= far_m;
+                let is_before = is_in_ring && (dx * center_m[0] + dy * center_m[1] < 0.0);
                 let is_ground = class == SurfaceClass::Ground;
                 counts.n += u32::from(is_in_ring);
                 counts.n_before += u32::from(is_before);
-                counts.n_ground += u32::from(is_in_ring & is_ground);
-                counts.n_ground_before += u32::from(is_before & is_ground);
-                counts.n_tall += u32::from(is_in_ring & (class == SurfaceClass::Tall));
+                counts.n_ground += u32::from(is_in_ring && is_ground);
+                counts.n_ground_before += u32::from(is_before && is_ground);
+                counts.n_tall += u32::from(is_in_ring && (class == SurfaceClass::Tall));
             }
         }
         counts
