@@ -7,8 +7,8 @@ use std::fmt;
 pub enum Rule {
     /// Walls are no foreground.
     Walls,
-    /// Of all groupings that is taken which a trained model likes best, and beside it groups that it likes a little less and that are told vehicles;
-    /// walls are one of its values.
+    /// Of all groupings that is taken which a trained model likes best, and beside it groups that it likes a little less, if they are
+    /// told vehicles. Walls are one of its values.
     BestCut,
     /// A cluster of so few points is kept if a model takes it for a vehicle.
     SmallVehicles {
