@@ -79,7 +79,8 @@ pub struct GroupingParams {
     pub enabled: bool,
     /// What an object costs: one that is expected to have a smaller intersection over union is none.
     pub object_cost: f32,
-    /// What a vehicle costs: a group that is expected to have a smaller intersection over union is not looked at for one.
+    /// What a vehicle costs: a group that is expected to have so great an intersection over union, but too small a one for an
+    /// object, is taken if it is told a vehicle.
     pub vehicle_cost: f32,
     /// The least probability of a vehicle with which an object is ranked as one, by protocols that do.
     pub ranked_probability: f32,
