@@ -127,8 +127,7 @@ def copied(root: Path, folder: Path, pages: list[Path]) -> Path:
 def main() -> int:
     parser = argparse.ArgumentParser(prog=".ci/docs", description="Makes generated blocks of pages again.")
     parser.add_argument("pages", nargs="*", metavar="PAGE", help="pages by name, as `robustness`; all if left out")
-    parser.add_argument("--check", action="store_true", help="list what is stale and change nothing")
-    parser.add_argument("--strict", action="store_true", help="with --check: end with 1 if anything is stale")
+    parser.add_argument("--check", action="store_true", help="list what is stale, end with 1 if anything is, and change nothing")
     parser.add_argument("--all", action="store_true", help="make every block, stale or not")
     parser.add_argument("--fresh", action="store_true", help="run all commands again, whatever was kept of them")
     parser.add_argument("--try", dest="folder", type=Path, help="make every block with tiny runs, in a copy in FOLDER")
@@ -137,8 +136,7 @@ def main() -> int:
         parted = pages(ROOT, arguments.pages)
         check_form(parted)
         if arguments.check:
-            n_stale = list_stale(ROOT, parted)
-            return 1 if arguments.strict and n_stale else 0
+            return 1 if list_stale(ROOT, parted) else 0
         kept = Path(os.environ["CARGO_TARGET_DIR"]) / "docs"
         runner = Runner(ROOT, kept, tiny=bool(arguments.folder), fresh=arguments.fresh)
         runner.build()

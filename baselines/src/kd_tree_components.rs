@@ -129,7 +129,7 @@ fn squared_distance_m2(a: &[f32; 3], b: &[f32; 3]) -> f32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use test_data::{needs_test_data, test_data};
+    use test_data::test_data;
 
     fn labels_of(positions_m: &[[f32; 3]], tolerance_m: f32) -> Vec<u32> {
         let mut labels = Vec::new();
@@ -255,7 +255,7 @@ mod tests {
 
     /// Little-endian words of a file of PCL's run.
     fn words_of(name: &str) -> Vec<u32> {
-        let bytes = std::fs::read(test_data!("oracle").join(name)).unwrap();
+        let bytes = std::fs::read(test_data("oracle").join(name)).unwrap();
         bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect()
     }
 
@@ -271,12 +271,14 @@ mod tests {
         }
     }
 
-    #[needs_test_data("oracle/obj_000001_fg.bin")]
+    #[test]
+    #[ignore = "needs oracle/obj_000001_fg.bin in SCANBENCH_TEST_DATA"]
     fn the_foreground_of_kitti_object_000001_falls_apart_as_in_pcl() {
         check_against_pcl("obj_000001");
     }
 
-    #[needs_test_data("oracle/sk00_000000_fg.bin")]
+    #[test]
+    #[ignore = "needs oracle/sk00_000000_fg.bin in SCANBENCH_TEST_DATA"]
     fn the_foreground_of_semantic_kitti_00_000000_falls_apart_as_in_pcl() {
         check_against_pcl("sk00_000000");
     }

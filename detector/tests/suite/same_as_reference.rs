@@ -2,7 +2,7 @@
 
 use detector::PointCloud;
 use detector::params::HierarchicalParams;
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
 use crate::reference::twins::Twins;
@@ -29,12 +29,13 @@ fn the_detector_of_the_papers_on_drawn_streets() {
     assert_eq!(twins.check(&PointCloud::default(), "nothing"), 0);
 }
 
-#[needs_test_data("data/kitti_tracking", "data/kitti_object", "data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/kitti_tracking, data/kitti_object and data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn on_real_scans() {
     let drives = [
-        test_data!("data/kitti_tracking/training/velodyne/0000"),
-        test_data!("data/kitti_object/training/velodyne"),
-        test_data!("data/semantic_kitti/sequences/00/velodyne"),
+        test_data("data/kitti_tracking/training/velodyne/0000"),
+        test_data("data/kitti_object/training/velodyne"),
+        test_data("data/semantic_kitti/sequences/00/velodyne"),
     ];
     let mut twins = Twins::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M);
     let mut of_papers = Twins::of_papers(SENSOR_HEIGHT_M);

@@ -8,7 +8,7 @@ use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::pipeline::paper_detector::PaperDetector;
 use detector::pipeline::tree_detector::TreeDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
 use crate::trained_on_drawings::vehicle_model;
@@ -48,9 +48,10 @@ fn a_smaller_scan_allocates_nothing() {
     check(&main_road(), &PointCloud::default());
 }
 
-#[needs_test_data("data/kitti_tracking/training/velodyne/0000")]
+#[test]
+#[ignore = "needs data/kitti_tracking/training/velodyne/0000 in SCANBENCH_TEST_DATA"]
 fn a_drive_seen_before_allocates_nothing() {
-    let paths = velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000"));
+    let paths = velodyne_paths(&test_data("data/kitti_tracking/training/velodyne/0000"));
     let scans: Vec<PointCloud> = paths.iter().step_by(5).map(|path| read_velodyne_bin(path)).collect();
     assert!(scans.len() > 1, "too few scans");
     let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), SENSOR_HEIGHT_M)

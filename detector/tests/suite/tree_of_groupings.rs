@@ -6,7 +6,7 @@ use detector::classify::grouping_model::GroupingModel;
 use detector::params::HierarchicalParams;
 use detector::pipeline::tree_detector::TreeDetector;
 use detector::{DetectedClass, Detector, DetectorOutput, PointCloud, Rule};
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::drawn_street::{DrawnStreet, SENSOR_HEIGHT_M, main_road};
 use crate::velodyne_scans::{read_velodyne_bin, velodyne_paths};
@@ -73,9 +73,10 @@ fn the_dearer_an_object_the_fewer_there_are() {
     assert!(numbers[0] > numbers[3], "{numbers:?}");
 }
 
-#[needs_test_data("data/kitti_tracking/training/velodyne/0000")]
+#[test]
+#[ignore = "needs data/kitti_tracking/training/velodyne/0000 in SCANBENCH_TEST_DATA"]
 fn what_is_worth_too_little_for_an_object_is_taken_as_a_vehicle_only() {
-    let paths = velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000"));
+    let paths = velodyne_paths(&test_data("data/kitti_tracking/training/velodyne/0000"));
     let cloud = read_velodyne_bin(&paths[0]);
     // How many objects that are no vehicles are found, and how many that are.
     let counts = |object_cost: f32, vehicle_cost: f32| {
@@ -125,10 +126,11 @@ fn it_says_what_it_does_beside_grouping() {
     assert_eq!(rules(|it| it.completion.enabled = false), all[..2]);
 }
 
-#[needs_test_data("data/kitti_tracking/training/velodyne/0000")]
+#[test]
+#[ignore = "needs data/kitti_tracking/training/velodyne/0000 in SCANBENCH_TEST_DATA"]
 fn on_a_real_drive_no_point_belongs_to_two_objects() {
     let mut detector = detector(|_| ());
-    for path in velodyne_paths(&test_data!("data/kitti_tracking/training/velodyne/0000")).iter().step_by(5) {
+    for path in velodyne_paths(&test_data("data/kitti_tracking/training/velodyne/0000")).iter().step_by(5) {
         let cloud = read_velodyne_bin(path);
         let output = found(&mut detector, &cloud);
         let mut is_taken = vec![false; cloud.len()];

@@ -1,7 +1,7 @@
 //! Learning the density of points over range.
 
 use serde_json::{Value, json};
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
@@ -195,9 +195,10 @@ fn every_data_set_has_its_own_curve_whatever_runs_beside_it() {
     assert_eq!(results_of(&["street-main-road", "street-narrow"], "together"), alone);
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn the_density_of_real_scans_is_near_the_shipped_one() {
-    let root = test_data!("data/kitti_tracking");
+    let root = test_data("data/kitti_tracking");
     let workplace = Workplace::new();
     let root = root.to_str().expect("a readable path");
     workplace.succeed(&["fit-density", root, "--scans", "0..4", "-o", "real.toml"]);

@@ -1,7 +1,7 @@
 //! Protocols of others: what a run leaves of them, and what is made of it.
 
 use serde_json::Value;
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::program::{Ended, Workplace};
 
@@ -231,9 +231,9 @@ fn an_unknown_protocol_is_refused_with_those_there_are() {
 }
 
 #[test]
-#[needs_test_data("data/argoverse2")]
+#[ignore = "needs data/argoverse2 in SCANBENCH_TEST_DATA"]
 fn labels_of_a_recorded_sweep_have_the_best_numbers() {
-    let root = test_data!("data/argoverse2").join("sensor/val");
+    let root = test_data("data/argoverse2").join("sensor/val");
     let said =
         Workplace::new().succeed(&["selftest", root.to_str().unwrap(), "--protocol", "argoverse2"]).stdout;
     assert!(said.contains("ok     val, protocol argoverse2: "), "{said}");

@@ -1,7 +1,7 @@
 //! Comparing the scans of two data sets.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
@@ -199,9 +199,10 @@ fn an_earlier_comparison_is_overwritten_when_asked_for() {
     assert_eq!(workplace.top_names(), ["a", "b", "out"]);
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn real_scans_are_compared_with_simulated_ones() {
-    let root = test_data!("data/kitti_tracking");
+    let root = test_data("data/kitti_tracking");
     let root = root.to_str().expect("a readable path");
     let workplace = Workplace::new();
     workplace.succeed(&[

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::Workplace;
@@ -206,11 +206,12 @@ fn results_that_are_damaged_later_fail_as_a_detector_does() {
 }
 
 /// `PointRCNN` was trained on such scans, and sees only what the camera does.
-#[needs_test_data("data/kitti_tracking", "data/kitti_tracking_results/pointrcnn")]
+#[test]
+#[ignore = "needs data/kitti_tracking and data/kitti_tracking_results/pointrcnn in SCANBENCH_TEST_DATA"]
 fn a_published_detector_is_judged_beside_ours() {
     let workplace = Workplace::new();
-    let scans = test_data!("data/kitti_tracking").display().to_string();
-    let results = format!("pointrcnn={}", test_data!("data/kitti_tracking_results/pointrcnn").display());
+    let scans = test_data("data/kitti_tracking").display().to_string();
+    let results = format!("pointrcnn={}", test_data("data/kitti_tracking_results/pointrcnn").display());
     let run = ["run", &scans, "-d", "simple-grid", "--detections", &results, "--criterion", "bev-iou"];
     let ended = workplace.succeed(&[&run[..], &OUTPUT, &["out"]].concat());
     assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);

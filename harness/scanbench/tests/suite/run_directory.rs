@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::drawn_dataset::DrawnDataset;
 use crate::program::{Ended, Workplace};
@@ -289,9 +289,10 @@ fn a_device_is_written_to_and_not_replaced() {
     assert!(!std::path::Path::new("/dev/null").is_file());
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn real_scans_give_the_same_numbers_twice() {
-    let root = test_data!("data/kitti_tracking");
+    let root = test_data("data/kitti_tracking");
     let root = root.to_str().expect("a readable path");
     let workplace = Workplace::new();
     for (run, jobs) in [("first", "1"), ("second", "3")] {

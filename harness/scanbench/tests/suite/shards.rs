@@ -5,7 +5,7 @@ use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::program::{Ended, Workplace};
 use crate::shard_folders::{check_same_but_times, check_same_bytes, make_shards, merge, merge_whole};
@@ -54,9 +54,10 @@ fn detectors_of_ours_and_of_others_find_the_same_in_shards() {
     check_same_but_times(&workplace, "whole", "merged");
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn recorded_drives_give_the_same_in_shards() {
-    let root = test_data!("data/kitti_tracking");
+    let root = test_data("data/kitti_tracking");
     let workplace = Workplace::new();
     let run = [root.to_str().unwrap(), "-d", "simple-grid,pca", "--scans", "0..60:4", "--no-rrd", "-q"];
     let run = [&run[..], &["--protocol", "kitti-object"]].concat();

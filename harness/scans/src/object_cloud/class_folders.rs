@@ -155,7 +155,7 @@ fn entries(folder: &Path) -> Result<Vec<(String, PathBuf)>, DatasetError> {
 mod tests {
     use super::*;
     use std::collections::BTreeMap;
-    use test_data::{needs_test_data, test_data};
+    use test_data::test_data;
 
     /// A folder with these files.
     fn folder(files: &[(&str, &[u8])]) -> tempfile::TempDir {
@@ -264,9 +264,9 @@ mod tests {
     }
 
     #[test]
-    #[needs_test_data("data/object_clouds")]
+    #[ignore = "needs data/object_clouds in SCANBENCH_TEST_DATA"]
     fn objects_seen_from_the_air_are_read() {
-        let objects = open_class_folders(&test_data!("data/object_clouds")).unwrap();
+        let objects = open_class_folders(&test_data("data/object_clouds")).unwrap();
         let n_of = |class| objects.classes().iter().filter(|it| **it == class).count();
         assert_eq!(PartialClass::ALL.map(n_of), [50, 50, 50, 0, 50]);
         for object_idx in 0..objects.classes().len() {

@@ -10,7 +10,7 @@ use scans::object_cloud::growing_cloud::GrowingCloud;
 use scans::object_cloud::object_cloud_set::ObjectCloudSet;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 fn objects(folder: &Path, registration: Registration) -> Vec<GrowingCloud> {
     let catalogue = built_in_catalogue().unwrap();
@@ -44,9 +44,10 @@ fn check_heights(objects: &[GrowingCloud]) {
     }
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn tracks_of_kitti_are_registered_by_their_boxes() {
-    let folder = test_data!("data/kitti_tracking");
+    let folder = test_data("data/kitti_tracking");
     let each = objects(&folder, Registration::EachScan);
     check_counts(&each, [0, 271, 0, 12, 40]);
     check_heights(&each);
@@ -55,9 +56,10 @@ fn tracks_of_kitti_are_registered_by_their_boxes() {
     check_heights(&over);
 }
 
-#[needs_test_data("data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn instances_of_semantic_kitti_are_registered_by_poses() {
-    let folder = test_data!("data/semantic_kitti");
+    let folder = test_data("data/semantic_kitti");
     let each = objects(&folder, Registration::EachScan);
     check_counts(&each, [0, 36, 21, 0, 3]);
     check_heights(&each);
@@ -66,9 +68,10 @@ fn instances_of_semantic_kitti_are_registered_by_poses() {
     check_heights(&over);
 }
 
-#[needs_test_data("data/argoverse2")]
+#[test]
+#[ignore = "needs data/argoverse2 in SCANBENCH_TEST_DATA"]
 fn boxes_of_argoverse_are_cut_out() {
-    let each = objects(&test_data!("data/argoverse2/sensor/val"), Registration::EachScan);
+    let each = objects(&test_data("data/argoverse2/sensor/val"), Registration::EachScan);
     check_counts(&each, [0, 15, 0, 4, 5]);
     check_heights(&each);
 }

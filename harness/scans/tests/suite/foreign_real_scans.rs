@@ -13,7 +13,7 @@ use scans::foreign::detections::{ForeignBox, ForeignDetections};
 use scans::foreign::foreign_results::{ForeignResults, MissingResults, ResultRequest, open_results};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 fn open(folder: &std::path::Path) -> Box<dyn Dataset> {
     open_dataset(folder.to_str().unwrap(), &OpenOptions::default(), &built_in_catalogue().unwrap()).unwrap()
@@ -37,10 +37,11 @@ fn jaccard(one: &[u32], other: &[u32]) -> f64 {
 }
 
 /// Counted with `grep` and `cut` in the file: 681 lines, of which 443 are of cars.
-#[needs_test_data("data/kitti_tracking", "data/kitti_tracking_results/pointrcnn")]
+#[test]
+#[ignore = "needs data/kitti_tracking and data/kitti_tracking_results/pointrcnn in SCANBENCH_TEST_DATA"]
 fn boxes_of_pointrcnn_lie_on_cars() {
-    let dataset = open(&test_data!("data/kitti_tracking"));
-    let mut results = results(&test_data!("data/kitti_tracking_results/pointrcnn"), &*dataset);
+    let dataset = open(&test_data("data/kitti_tracking"));
+    let mut results = results(&test_data("data/kitti_tracking_results/pointrcnn"), &*dataset);
     let (mut n_boxes, mut n_sure, mut n_sure_full) = (0, 0, 0);
     let (mut n_cars, mut n_on_cars) = (0, 0);
     let mut overlaps = Vec::new();
@@ -129,10 +130,11 @@ fn check_round_trip(output: ResultOutput, dataset: &dyn Dataset, folder: &std::p
     assert_eq!(results.warnings(), Vec::<String>::new());
 }
 
-#[needs_test_data("data/kitti_tracking", "data/kitti_object", "data/argoverse2")]
+#[test]
+#[ignore = "needs data/kitti_tracking, data/kitti_object and data/argoverse2 in SCANBENCH_TEST_DATA"]
 fn boxes_come_back_from_every_format() {
     let folders =
-        [test_data!("data/kitti_tracking"), test_data!("data/kitti_object"), test_data!("data/argoverse2")];
+        [test_data("data/kitti_tracking"), test_data("data/kitti_object"), test_data("data/argoverse2")];
     for (folder, outputs) in folders.iter().zip([
         &[ResultOutput::Kitti, ResultOutput::Csv][..],
         &[ResultOutput::Kitti],

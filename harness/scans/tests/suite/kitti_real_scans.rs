@@ -12,7 +12,7 @@ use scans::dataset::Dataset;
 use scans::dataset::kitti::calibration::{KittiCalibration, parse_calibration};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 /// The scans of `kitti_object` by their numbers, with the scans of `kitti_tracking` they are.
 const OBJECT_SCANS: [(u32, u32); 8] =
@@ -35,9 +35,10 @@ fn is_well_seen_vehicle(annotation: &Annotation) -> bool {
         && annotation.point_indices.len() >= 50
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn forty_scans_hold_the_published_number_of_objects() {
-    let folder = test_data!("data/kitti_tracking");
+    let folder = test_data("data/kitti_tracking");
     let dataset = open(&folder);
     assert_eq!(dataset.description().format, "kitti-tracking");
     assert_eq!(dataset.description().id, "kitti_tracking");
@@ -54,10 +55,11 @@ fn forty_scans_hold_the_published_number_of_objects() {
     assert_eq!(n_by_class, BTreeMap::from(expected));
 }
 
-#[needs_test_data("data/kitti_tracking", "data/kitti_object")]
+#[test]
+#[ignore = "needs data/kitti_tracking and data/kitti_object in SCANBENCH_TEST_DATA"]
 fn the_same_scans_in_both_layouts_are_the_same() {
     let [tracking, object] =
-        [test_data!("data/kitti_tracking"), test_data!("data/kitti_object")].map(|it| open(&it));
+        [test_data("data/kitti_tracking"), test_data("data/kitti_object")].map(|it| open(&it));
     assert_eq!(object.description().format, "kitti-object");
     assert_eq!(object.scan_ids().len(), OBJECT_SCANS.len());
     for (scan_idx, (object_index, tracking_index)) in OBJECT_SCANS.into_iter().enumerate() {
@@ -86,9 +88,10 @@ fn box_deviation(a: &OrientedBox, b: &OrientedBox) -> f32 {
     lengths.map(|(a, b)| (a - b).abs()).fold(turn_rad.sin().abs().max(1.0 - turn_rad.cos()), f32::max)
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn a_box_moved_or_turned_either_way_holds_fewer_points_of_vehicles() {
-    let folder = test_data!("data/kitti_tracking");
+    let folder = test_data("data/kitti_tracking");
     let changes: [fn(OrientedBox) -> OrientedBox; 8] = [
         |it| moved(it, 0.2, 0.0),
         |it| moved(it, -0.2, 0.0),
@@ -135,9 +138,10 @@ fn above_the_road(bounding_box: OrientedBox) -> OrientedBox {
     }
 }
 
-#[needs_test_data("data/kitti_object")]
+#[test]
+#[ignore = "needs data/kitti_object in SCANBENCH_TEST_DATA"]
 fn boxes_project_onto_the_image_boxes_of_the_labels() {
-    let folder = test_data!("data/kitti_object");
+    let folder = test_data("data/kitti_object");
     let mut n_checked = 0;
     for scan in scans(open(&folder).as_ref()) {
         let file = |kind: &str| folder.join(format!("training/{kind}/{:06}.txt", scan.id.index));
@@ -185,9 +189,10 @@ fn corners_m(bounding_box: &OrientedBox) -> [[f64; 3]; 8] {
     })
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn labeled_is_what_the_camera_sees() {
-    let folder = test_data!("data/kitti_tracking");
+    let folder = test_data("data/kitti_tracking");
     let (mut n_whole, mut n_whole_outside) = (0, 0);
     for scan in scans(open(&folder).as_ref()) {
         assert_eq!(scan.point_regions.len(), scan.cloud.len());

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use reports::vocabulary::class::AnnotationClass;
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use super::{check_damaged, open};
 use crate::program::Workplace;
@@ -42,9 +42,10 @@ fn sweeps_are_read_in_the_frame_of_the_sensor() {
     }
 }
 
-#[needs_test_data("data/argoverse2")]
+#[test]
+#[ignore = "needs data/argoverse2 in SCANBENCH_TEST_DATA"]
 fn boxes_hold_as_many_points_as_the_makers_counted() {
-    let folder = test_data!("data/argoverse2");
+    let folder = test_data("data/argoverse2");
     let scan = open(&folder).read_scan(0).unwrap();
     assert_eq!(scan.cloud.len(), 100_660);
     // Two lidars of 32 lasers, and a tenth of a second.

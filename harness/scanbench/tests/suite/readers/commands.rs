@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use crate::program::Workplace;
 
@@ -32,24 +32,28 @@ fn check_same_counts(folder: &Path) {
     assert_eq!(counts(&recording.stdout), expected);
 }
 
-#[needs_test_data("data/kitti_tracking")]
+#[test]
+#[ignore = "needs data/kitti_tracking in SCANBENCH_TEST_DATA"]
 fn a_recording_of_kitti_tracking_scores_the_same() {
-    check_same_counts(&test_data!("data/kitti_tracking"));
+    check_same_counts(&test_data("data/kitti_tracking"));
 }
 
-#[needs_test_data("data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn a_recording_of_semantic_kitti_scores_the_same() {
-    check_same_counts(&test_data!("data/semantic_kitti"));
+    check_same_counts(&test_data("data/semantic_kitti"));
 }
 
-#[needs_test_data("data/kitti_object")]
+#[test]
+#[ignore = "needs data/kitti_object in SCANBENCH_TEST_DATA"]
 fn a_recording_of_kitti_object_scores_the_same() {
-    check_same_counts(&test_data!("data/kitti_object"));
+    check_same_counts(&test_data("data/kitti_object"));
 }
 
-#[needs_test_data("data/argoverse2")]
+#[test]
+#[ignore = "needs data/argoverse2 in SCANBENCH_TEST_DATA"]
 fn a_recording_of_argoverse2_scores_the_same() {
-    check_same_counts(&test_data!("data/argoverse2"));
+    check_same_counts(&test_data("data/argoverse2"));
 }
 
 #[test]
@@ -88,13 +92,14 @@ fn what_cannot_be_converted_is_refused_and_leaves_nothing() {
     assert_eq!(workplace.read("there.mcap"), "already");
 }
 
-#[needs_test_data("data/kitti_tracking", "data/kitti_object", "data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/kitti_tracking, data/kitti_object and data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn sound_data_are_checked_without_a_warning() {
     let workplace = Workplace::new();
     for (folder, expected) in [
-        (test_data!("data/kitti_tracking"), "40 of 1 drive"),
-        (test_data!("data/kitti_object"), "8 of 1 drive"),
-        (test_data!("data/semantic_kitti"), "103.7 ms; 0 gaps"),
+        (test_data("data/kitti_tracking"), "40 of 1 drive"),
+        (test_data("data/kitti_object"), "8 of 1 drive"),
+        (test_data("data/semantic_kitti"), "103.7 ms; 0 gaps"),
     ] {
         let ended = workplace.succeed(&["data", "check", folder.to_str().unwrap()]);
         assert!(ended.stdout.contains(expected), "{}", ended.stdout);

@@ -13,7 +13,7 @@ use scans::conversion::output_format::OutputFormat;
 use scans::dataset::{Dataset, DatasetError, Listing};
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use super::open;
 use crate::program::Workplace;
@@ -98,14 +98,16 @@ fn check_recording_is_the_same(folder: &Path) {
     check_same(&scans(&*recording), &scans(&*dataset));
 }
 
-#[needs_test_data("data/kitti_object")]
+#[test]
+#[ignore = "needs data/kitti_object in SCANBENCH_TEST_DATA"]
 fn a_recording_of_kitti_object_is_the_same() {
-    check_recording_is_the_same(&test_data!("data/kitti_object"));
+    check_recording_is_the_same(&test_data("data/kitti_object"));
 }
 
-#[needs_test_data("data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn a_recording_of_semantic_kitti_is_the_same() {
-    let folder = test_data!("data/semantic_kitti");
+    let folder = test_data("data/semantic_kitti");
     check_recording_is_the_same(&folder);
     let workplace = Workplace::new();
     let dataset = open(&folder);
@@ -168,9 +170,10 @@ fn kitti_layouts_keep_points_and_boxes() {
     }
 }
 
-#[needs_test_data("data/kitti_object")]
+#[test]
+#[ignore = "needs data/kitti_object in SCANBENCH_TEST_DATA"]
 fn what_is_not_labelled_in_kitti_stays_so_in_kitti() {
-    let folder = test_data!("data/kitti_object");
+    let folder = test_data("data/kitti_object");
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let written = open(&converted(&*dataset, &workplace, OutputFormat::KittiObject));
@@ -225,9 +228,10 @@ fn renumbered(scans: &[LabeledScan]) -> Vec<Vec<NumberedObject>> {
     in_order
 }
 
-#[needs_test_data("data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn semantic_kitti_written_again_has_the_same_annotations() {
-    let folder = test_data!("data/semantic_kitti");
+    let folder = test_data("data/semantic_kitti");
     let workplace = Workplace::new();
     let dataset = open(&folder);
     let again = open(&converted(&*dataset, &workplace, OutputFormat::SemanticKitti));

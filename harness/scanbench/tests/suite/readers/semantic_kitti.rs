@@ -4,7 +4,7 @@ use std::path::Path;
 
 use reports::vocabulary::class::AnnotationClass;
 use scans::annotation::PointRegion;
-use test_data::{needs_test_data, test_data};
+use test_data::test_data;
 
 use super::{check_damaged, open};
 use crate::program::Workplace;
@@ -27,9 +27,10 @@ const INSTANCES_OF_SCAN_0: [(u32, u32, usize); 14] = [
     (255, 1, 88),
 ];
 
-#[needs_test_data("data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn instances_are_objects_and_poles_what_hangs_together() {
-    let folder = test_data!("data/semantic_kitti");
+    let folder = test_data("data/semantic_kitti");
     let dataset = open(&folder);
     assert_eq!((dataset.description().format.as_str(), dataset.scan_ids().len()), ("semantic-kitti", 3));
     let scan = dataset.read_scan(0).unwrap();
@@ -49,9 +50,10 @@ fn instances_are_objects_and_poles_what_hangs_together() {
     assert_eq!(n_unscorable, 2184 + 4 + 370 + 1471 + 27_123 + 1192 + 1227);
 }
 
-#[needs_test_data("data/semantic_kitti")]
+#[test]
+#[ignore = "needs data/semantic_kitti in SCANBENCH_TEST_DATA"]
 fn the_sensor_moves_as_the_poses_say() {
-    let folder = test_data!("data/semantic_kitti");
+    let folder = test_data("data/semantic_kitti");
     let dataset = open(&folder);
     let position = |scan_idx: usize| dataset.world_from_sensor(scan_idx).unwrap().unwrap().translation.vector;
     // The second pose of the file is 0.86 m ahead of the first: along x for a sensor.
