@@ -134,7 +134,11 @@ impl Ground {
     pub fn cast(&self, ray: &Ray, max_range_m: f32) -> Option<GroundHit> {
         // The level of the road goes on below the raised ground, and the raised level above the road: both are smooth,
         // and a ray that comes down crosses the raised one first.
-        let raised_m = self.descent(ray, 0.0, max_range_m, Level::Raised)?;
+        let descent_per_m = self.descent_per_m(ray);
+        if descent_per_m <= 1e-4 {
+            return None;
+        }
+        let raised_m = self.descent(ray, descent_per_m, [0.0, max_range_m], Level::Raised)?;
         let at_raised = plan_at(ray, raised_m);
         if let Surface::Raised { from_kerb_m, along_m } = self.surface(at_raised) {
             let (reflectivity, grass_height_m) = if self.is_grown_over(from_kerb_m, along_m) {
@@ -145,7 +149,7 @@ impl Ground {
             let normal = self.normal(at_raised);
             return Some(GroundHit { range_m: raised_m, normal, reflectivity, grass_height_m });
         }
-        let road_m = self.descent(ray, raised_m, f32::INFINITY, Level::Road)?;
+        let road_m = self.descent(ray, descent_per_m, [raised_m, f32::INFINITY], Level::Road)?;
         match self.surface(plan_at(ray, road_m)) {
             Surface::Road { from_axis_m } if road_m <= max_range_m => Some(GroundHit {
                 range_m: road_m,
@@ -221,8 +225,14 @@ impl Ground {
         Surface::Raised { from_kerb_m, along_m: nearest_along_m }
     }
 
-    /// Where the ray, above `level` at `from_m`, comes down to it.
-    fn descent(&self, ray: &Ray, from_m: f32, max_range_m: f32, level: Level) -> Option<f32> {
+    /// Where the ray, above `level` at the first of the ranges, comes down to it before the second.
+    fn descent(
+        &self,
+        ray: &Ray,
+        descent_per_m: f32,
+        [from_m, max_range_m]: [f32; 2],
+        level: Level,
+    ) -> Option<f32> {
         let clearance_m = |range_m: f32| {
             let (road_m, raised_m) = self.levels_m(plan_at(ray, range_m));
             let level_m = match level {
@@ -233,11 +243,7 @@ impl Ground {
         };
         let mut last = (from_m, clearance_m(from_m));
         // The secant through two places near the crossing: quick because the levels are nearly plane.
-        let gradient = self.descent_per_m(ray);
-        if gradient <= 1e-4 {
-            return None;
-        }
-        let mut range_m = from_m + last.1 / gradient;
+        let mut range_m = from_m + last.1 / descent_per_m;
         let farthest_m = max_range_m * 1.5 + 10.0;
         // Land falls away beside roads: what does not come down to the plane below in time does not at all.
         if range_m > farthest_m {
@@ -252,7 +258,7 @@ impl Ground {
                 return (range_m <= max_range_m).then_some(range_m);
             }
             let secant = (last.1 - clearance) / (range_m - last.0);
-            let step = clearance / if secant > 1e-4 { secant } else { gradient };
+            let step = clearance / if secant > 1e-4 { secant } else { descent_per_m };
             last = (range_m, clearance);
             range_m += step;
         }

@@ -125,7 +125,7 @@ impl Wave {
 /// Value and slope per metre of a table at `place_m` from its start; beyond the ends it goes on straight.
 fn interpolated(table: &[f32], place_m: f32) -> (f32, f32) {
     let place = place_m / STEP_M;
-    let step = (place.floor().max(0.0) as usize).min(table.len() - 2);
+    let step = (place.max(0.0) as usize).min(table.len() - 2);
     let rise = table[step + 1] - table[step];
     (table[step] + (place - step as f32) * rise, rise / STEP_M)
 }

@@ -1,6 +1,6 @@
 //! Runs judged by others: what passes, what does not, and with which exit code.
 
-use crate::program::{Ended, Workplace};
+use crate::program::{Ended, Prepared, Workplace};
 use evaluation::metrics::counts::SCORING_VERSION;
 use serde_json::Value;
 
@@ -51,13 +51,13 @@ fn edit(workplace: &Workplace, path: &str, from: &str, to: &str) {
 
 /// A workplace with a run, accepted as the baseline `golden`.
 fn accepted() -> Workplace {
-    let workplace = Workplace::new();
-    workplace.write("tolerances.toml", TOLERANCES);
-    run(&workplace, "first", &[]);
-    workplace.succeed(&["baseline", "accept", "first", "-b", "golden", "--why", "the first"]);
-    std::fs::copy(workplace.path("tolerances.toml"), workplace.path("golden/tolerances.toml"))
-        .expect("it is there");
-    workplace
+    static ACCEPTED: Prepared = Prepared::new();
+    ACCEPTED.workplace(|workplace| {
+        workplace.write("tolerances.toml", TOLERANCES);
+        run(workplace, "first", &[]);
+        workplace.succeed(&["baseline", "accept", "first", "-b", "golden", "--why", "the first"]);
+        workplace.write("golden/tolerances.toml", TOLERANCES);
+    })
 }
 
 #[track_caller]

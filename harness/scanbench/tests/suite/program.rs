@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::OnceLock;
 
 use tempfile::TempDir;
 
@@ -108,6 +109,35 @@ impl Workplace {
     pub fn start(&self, arguments: &[&str]) -> Child {
         let mut command = self.command(arguments);
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+}
+
+/// What several tests begin with: made by the first of them, and copied for each.
+pub struct Prepared {
+    files: OnceLock<Vec<(PathBuf, Vec<u8>)>>,
+}
+
+impl Prepared {
+    /// Nothing yet.
+    pub const fn new() -> Self {
+        Self { files: OnceLock::new() }
+    }
+
+    /// A workplace with the files that `prepare` leaves in one.
+    pub fn workplace(&self, prepare: impl FnOnce(&Workplace)) -> Workplace {
+        let files = self.files.get_or_init(|| {
+            let workplace = Workplace::new();
+            prepare(&workplace);
+            let files = workplace.names().into_iter().filter(|it| workplace.folder().join(it).is_file());
+            files.map(|it| (it.clone(), std::fs::read(workplace.folder().join(it)).unwrap())).collect()
+        });
+        let workplace = Workplace::new();
+        for (name, content) in files {
+            let path = workplace.folder().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, content).unwrap();
+        }
+        workplace
     }
 }
 

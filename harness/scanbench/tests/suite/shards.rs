@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 use test_data::test_data;
 
-use crate::program::{Ended, Workplace};
+use crate::program::{Ended, Prepared, Workplace};
 use crate::shard_folders::{check_same_but_times, check_same_bytes, make_shards, merge, merge_whole};
 
 /// Two streets of a few seconds: forty scans.
@@ -75,9 +75,8 @@ fn recorded_drives_give_the_same_in_shards() {
 
 /// A workplace with both halves of a run.
 fn halves() -> Workplace {
-    let workplace = Workplace::new();
-    run_shards(&workplace, &[&STREETS[..], &QUICK].concat(), 2, "shards");
-    workplace
+    static HALVES: Prepared = Prepared::new();
+    HALVES.workplace(|workplace| run_shards(workplace, &[&STREETS[..], &QUICK].concat(), 2, "shards"))
 }
 
 /// Changes the manifest of the second half.

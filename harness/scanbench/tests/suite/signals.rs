@@ -73,7 +73,7 @@ fn check(workplace: &Workplace, arguments: &[&str], left: &[&str]) {
         (&["-INT", "-INT"], 130, AT_ONCE),
         (&["-TERM", "-TERM"], 143, AT_ONCE),
     ] {
-        let pause = Duration::from_millis(random.random_range(100..900));
+        let pause = Duration::from_millis(random.random_range(50..500));
         let (ended, time) = interrupted(workplace, arguments, pause, signals);
         let said = format!("{arguments:?} and {signals:?} after {pause:?}: {time:?}, {ended:#?}");
         assert_eq!(ended.exit_code, Some(exit_code), "{said}");
