@@ -1,12 +1,13 @@
 //! What the table of a task says, before it is printed anywhere.
 
 use crate::numbers::blocks::{BlockKind, Interval};
+use crate::numbers::pools::pools;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
-use crate::tables::paper_figures::{PAPER_TABLES, PaperRow, PaperTable, Recordings};
+use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, PaperRow, PaperTable, Recordings};
 use crate::tables::table_error::TableError;
-use crate::vocabulary::extent::{Extent, OVERALL};
+use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
@@ -28,9 +29,11 @@ pub struct TaskTable {
     pub foreign: Vec<(String, Option<String>)>,
     /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
     pub failures: Vec<(String, [u64; 2])>,
-    /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
+    /// The paper whose figures stand beside ours, if it is about this task and its method is one of the detectors.
     pub paper: Option<&'static PaperTable>,
-    /// The rows, in order: data sets, what they add up to, and then the paper's rows.
+    /// Whether there would be such figures if that method were one of the detectors.
+    pub lacks_paper: bool,
+    /// The rows, in order: data sets, what those of one origin add up to, and then the paper's rows.
     pub rows: Vec<TableRow>,
 }
 
@@ -43,7 +46,7 @@ pub enum TableRow {
     Paper(&'static PaperRow),
 }
 
-/// What was measured on a data set, or on all of them.
+/// What was measured on a data set, or on several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredRow {
     /// Of what.
@@ -122,8 +125,8 @@ impl TaskTable {
 
 /// The tables of all tasks of a run, in the order in which the report first mentions them.
 ///
-/// Data sets and detectors are in the order of the manifest. Where there are several data sets, the last rows are about
-/// all of them.
+/// Data sets and detectors are in the order of the manifest. Where there are several data sets of one origin, rows about all of these
+/// follow. Recorded and simulated data sets are never put together.
 ///
 /// ```
 /// use std::path::Path;
@@ -174,11 +177,11 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
     let datasets = entries
         .map(|entry| Ok((entry, measured_row(report, entry, task, &detectors)?)))
         .collect::<Result<Vec<_>, TableError>>()?;
-    let measured: Vec<&MeasuredRow> = datasets.iter().map(|(_, row)| row).collect();
-    let overall = (measured.len() > 1).then(|| overall_row(report, task, &detectors, &measured));
-    let paper = PAPER_TABLES.iter().find(|it| {
-        it.task == task && it.methods.iter().any(|method| detectors.iter().any(|our| our == method.detector))
-    });
+    let overall = overall_rows(report, task, &detectors, &datasets);
+    let published = PAPER_TABLES.iter().find(|it| it.task == task);
+    let published_rows = published.map_or_else(Vec::new, |it| rows_beside(it, &datasets));
+    let has_paper = detectors.iter().any(|it| it == PAPER_DETECTOR);
+    let measured = datasets.into_iter().map(|(_, row)| row).chain(overall).map(TableRow::Measured);
     Ok(TaskTable {
         task,
         matching_criterion: manifest.matching_criterion.clone(),
@@ -187,8 +190,10 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
         foreign: foreign(manifest, &detectors),
         failures: failures(report, task, &detectors),
         detectors,
-        paper,
-        rows: in_order(datasets, overall, paper),
+        paper: published.filter(|_| has_paper),
+        lacks_paper: !has_paper && !published_rows.is_empty(),
+        // After all of ours, which they are none of.
+        rows: measured.chain(published_rows.into_iter().filter(|_| has_paper).map(TableRow::Paper)).collect(),
     })
 }
 
@@ -214,31 +219,21 @@ fn foreign(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Option<Str
 
 /// Those of `detectors` that gave no answer to some scans of all data sets.
 fn failures(report: &RunReport, task: Task, detectors: &[String]) -> Vec<(String, [u64; 2])> {
-    let of_detector = |it: &String| Some((it.clone(), report.failed_scans(task, it)?));
+    let of_detector = |it: &String| Some((it.clone(), report.failed_scans(|_| true, task, it)?));
     detectors.iter().filter_map(of_detector).collect()
 }
 
-/// Puts the rows of the paper whose recordings a data set is to be compared with after all of ours, which they are none of.
-fn in_order(
-    datasets: Vec<(&DatasetEntry, MeasuredRow)>,
-    overall: Option<MeasuredRow>,
-    paper: Option<&'static PaperTable>,
-) -> Vec<TableRow> {
-    let paper_rows = |recordings| {
-        let rows = paper.map_or(&[][..], |it| it.rows).iter();
-        rows.filter(move |it| recordings == Some(it.recordings)).map(TableRow::Paper)
+/// The rows of `paper` whose recordings a data set is to be compared with, and its last one beside several.
+fn rows_beside(
+    paper: &'static PaperTable,
+    datasets: &[(&DatasetEntry, MeasuredRow)],
+) -> Vec<&'static PaperRow> {
+    let counterparts: Vec<Recordings> = datasets.iter().filter_map(|(entry, _)| counterpart(entry)).collect();
+    let is_beside = |it: &&PaperRow| match it.recordings {
+        Recordings::Both => counterparts.len() > 1,
+        recordings => counterparts.contains(&recordings),
     };
-    let counterparts: Vec<_> = datasets.iter().map(|(entry, _)| counterpart(entry)).collect();
-    let of_both = overall.is_some().then_some(Recordings::Both);
-    let measured = datasets.into_iter().map(|(_, row)| row).chain(overall);
-    let mut rows: Vec<TableRow> = measured.map(TableRow::Measured).collect();
-    for recordings in [Recordings::Budapest, Recordings::Kitti] {
-        if counterparts.contains(&Some(recordings)) {
-            rows.extend(paper_rows(Some(recordings)));
-        }
-    }
-    rows.extend(paper_rows(of_both));
-    rows
+    paper.rows.iter().filter(is_beside).collect()
 }
 
 /// The papers' recordings that a data set is to be compared with, if any: KITTI with KITTI, and simulated streets with
@@ -275,25 +270,40 @@ fn measured_row(
     Ok(MeasuredRow { extent: Extent::Dataset(entry.id.clone()), origin: entry.origin(), no, scores })
 }
 
-/// Sums counts and times, so that every object and every scan weighs the same; `datasets` is not empty.
-fn overall_row(
+/// What several data sets of one origin add up to.
+fn overall_rows(
     report: &RunReport,
     task: Task,
     detectors: &[String],
-    datasets: &[&MeasuredRow],
-) -> MeasuredRow {
-    let mut overall = MeasuredRow { extent: Extent::Overall, ..(*datasets[0]).clone() };
-    for dataset in &datasets[1..] {
+    datasets: &[(&DatasetEntry, MeasuredRow)],
+) -> Vec<MeasuredRow> {
+    let pools = pools(datasets.iter().map(|(entry, row)| (entry.id.as_str(), row.origin)));
+    let several = pools.iter().filter(|it| it.is_of_several());
+    let rows = several.map(|pool| {
+        let rows = datasets.iter().map(|(_, row)| row).filter(|it| it.origin == pool.origin);
+        overall_row(report, task, detectors, (&pool.extent, rows))
+    });
+    rows.flatten().collect()
+}
+
+/// Sums counts and times, so that every object and every scan weighs the same; `None` of no data sets.
+fn overall_row<'a>(
+    report: &RunReport,
+    task: Task,
+    detectors: &[String],
+    (extent, mut datasets): (&Extent, impl Iterator<Item = &'a MeasuredRow>),
+) -> Option<MeasuredRow> {
+    let mut overall = MeasuredRow { extent: extent.clone(), ..datasets.next()?.clone() };
+    for dataset in datasets {
         overall.no += dataset.no;
         for (sum, score) in overall.scores.iter_mut().zip(&dataset.scores) {
             sum.add(score);
         }
-        overall.origin = overall.origin.with(dataset.origin);
     }
     for (score, detector) in overall.scores.iter_mut().zip(detectors) {
-        score.intervals = rate_intervals(report, &Subject::of_all(OVERALL, task, detector));
+        score.intervals = rate_intervals(report, &Subject::of_all(extent.name(), task, detector));
     }
-    overall
+    Some(overall)
 }
 
 fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {

@@ -1,6 +1,7 @@
 //! The table of how long detection takes.
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
+use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::run_folder::manifest::Manifest;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark, Undefined};
@@ -45,10 +46,8 @@ impl TimesTable {
         let datasets = manifest.datasets.iter();
         let mut extents: Vec<(Extent, Origin)> =
             datasets.map(|it| (Extent::Dataset(it.id.clone()), it.origin())).collect();
-        if extents.len() > 1 {
-            let all = extents.iter().map(|(_, origin)| *origin).reduce(Origin::with);
-            extents.extend(all.map(|origin| (Extent::Overall, origin)));
-        }
+        let several = manifest.pools().into_iter().filter(Pool::is_of_several);
+        extents.extend(several.map(|it| (it.extent, it.origin)));
         let mut lines = Vec::new();
         for (extent, origin) in extents {
             for (detector_idx, detector) in manifest.detectors.iter().enumerate() {
@@ -59,7 +58,7 @@ impl TimesTable {
                 let label = if is_first { extent_cell(&extent, origin) } else { Cell::default() };
                 let kind = match extent {
                     _ if !is_first => LineKind::Detail,
-                    Extent::Overall => LineKind::Overall,
+                    Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
                     Extent::Dataset(_) => LineKind::Dataset,
                 };
                 lines.push(Line { kind, cells: cells(row, &of_some, &detector.name, label) });

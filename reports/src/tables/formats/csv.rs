@@ -50,8 +50,8 @@ impl Format<TaskTable> for Csv {
     ///
     /// `…_low` and `…_high` are the ends of 95 % intervals, from as many blocks of scans as `n_blocks` says, which are what `blocks`
     /// says; where `few_blocks` is true these are too few for anything to rest on the interval.
-    /// The column `source` says whether a row was measured or is printed in a paper, `origin` where its scans come from.
-    /// A paper's row stands beside our detector of the kind of its method.
+    /// The column `source` says whether a row was measured or published in a paper, `origin` where its scans come from.
+    /// A published row stands beside our detector that does what the paper describes.
     fn text(&self, table: &TaskTable) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut write =
@@ -116,7 +116,7 @@ fn paper_record(table: &TaskTable, row: &PaperRow, detector: &str) -> Option<[St
     let score = table.paper?.score_beside(row, detector)?;
     let mut record: [String; 26] = Default::default();
     table.task.name().clone_into(&mut record[0]);
-    "paper".clone_into(&mut record[1]);
+    "published".clone_into(&mut record[1]);
     row.name.clone_into(&mut record[2]);
     "recorded".clone_into(&mut record[3]);
     detector.clone_into(&mut record[4]);

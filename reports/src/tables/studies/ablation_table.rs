@@ -86,7 +86,7 @@ impl AblationTable {
 fn head(score: &AblationScore) -> Line {
     let kind = match score.extent {
         Extent::Dataset(_) => LineKind::Dataset,
-        Extent::Overall => LineKind::Overall,
+        Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
     };
     let mut cells = vec![extent_cell(&score.extent, score.origin)];
     cells.extend([score.n_scans, score.counts.no()].map(|it| Cell::new(it.to_string())));
