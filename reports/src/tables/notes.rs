@@ -218,7 +218,7 @@ mod tests {
         let table = task_tables(&report(), &manifest).unwrap().remove(0);
         let sentences = notes(&table, &[]).sentences;
         for expected in [
-            "Rules besides clustering: completion: only hierarchical; none: kd-tree.",
+            "Rules besides clustering: completion: only paper; none: kd-tree.",
             "pca did not run here: its results were read from results/deep.",
         ] {
             assert!(sentences.contains(&expected.to_owned()), "{sentences:?}");
@@ -234,8 +234,8 @@ mod tests {
         let sentence =
             |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
         let tables = task_tables(&report(), &manifest).unwrap();
-        let expected = "Rules besides clustering: walls removed: only hierarchical; regrouping: only hierarchical; \
-                        completion: hierarchical, kd-tree; none: pca.";
+        let expected = "Rules besides clustering: walls removed: only paper; regrouping: only paper; \
+                        completion: paper, kd-tree; none: pca.";
         assert_eq!(sentence(&tables[0]).as_deref(), Some(expected));
         manifest.detectors[2].rules = vec!["completion".to_owned()];
         manifest.detectors[0].rules.truncate(0);

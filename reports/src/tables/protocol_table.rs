@@ -219,7 +219,7 @@ mod tests {
                 number(name, "car", "ap", value),
             ]
         };
-        let rows = [of_detector("hierarchical", Some(0.25)), of_detector("pca", None)];
+        let rows = [of_detector("paper", Some(0.25)), of_detector("pca", None)];
         ProtocolReport::new(rows.concat())
     }
 

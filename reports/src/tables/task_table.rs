@@ -403,12 +403,23 @@ mod tests {
     }
 
     #[test]
-    fn a_paper_about_other_detectors_is_left_out() {
-        let manifest = sample::manifest();
-        let pca_only = sample::report_where(|it| it.subject.detector == "pca");
-        let [objects, vehicles] = tables(&pca_only, &manifest).unwrap().try_into().unwrap();
-        assert_eq!((objects.paper.is_some(), vehicles.paper.is_some()), (false, true));
-        assert_eq!(names(&objects), ["main_road", "kitti_tracking", "kitti_object", "OVERALL"]);
+    fn without_their_own_method_the_papers_are_left_out() {
+        let mut manifest = sample::manifest();
+        let others = sample::report_where(|it| it.subject.detector != PAPER_DETECTOR);
+        for table in tables(&others, &manifest).unwrap() {
+            assert_eq!(table.paper, None);
+            assert_eq!(names(&table), ["main_road", "kitti_tracking", "kitti_object", "OVERALL"]);
+            assert!(table.lacks_paper);
+        }
+        // Nothing is published of scans like these.
+        manifest.datasets.iter_mut().for_each(|it| (it.simulated, it.format) = (false, "folder".to_owned()));
+        assert!(tables(&others, &manifest).unwrap().iter().all(|it| !it.lacks_paper));
+    }
+
+    #[test]
+    fn nothing_published_stands_beside_a_detector_of_which_there_is_no_paper() {
+        let is_of = |name: &str| PAPER_TABLES.iter().any(|it| it.methods.iter().any(|it| it.detector == name));
+        assert_eq!([PAPER_DETECTOR, "kd-tree", "pca", "hierarchical"].map(is_of), [true, true, true, false]);
     }
 
     #[test]
@@ -430,7 +441,10 @@ mod tests {
             })
             .collect();
         let (overall, datasets) = measured.split_last().unwrap();
-        assert_eq!(overall.origin, Origin::PartlySimulated);
+        // The simulated one stands alone.
+        assert_eq!(overall.extent, Extent::OverallOf(Origin::Recorded));
+        let datasets: Vec<_> = datasets.iter().filter(|it| it.origin == Origin::Recorded).collect();
+        assert_eq!(datasets.len(), 2);
         let sum = |of: fn(&Score) -> f64| datasets.iter().map(|it| of(&it.scores[0])).sum::<f64>();
         let score = overall.scores[0];
         let f_rate = 2.0 * sum(|it| it.counts.tp() as f64)
@@ -443,7 +457,7 @@ mod tests {
     fn false_objects_unknown_on_one_data_set_are_unknown_overall() {
         let objects = &tables(&sample::report(), &sample::manifest()).unwrap()[0];
         let overall = objects.rows.iter().find_map(|it| match it {
-            TableRow::Measured(row) if row.extent == Extent::Overall => Some(row),
+            TableRow::Measured(row) if row.extent.is_overall() => Some(row),
             _ => None,
         });
         assert_eq!(overall.unwrap().scores[0].counts.f_rate(), None);
@@ -483,7 +497,7 @@ mod tests {
     #[test]
     fn different_annotations_are_an_error() {
         let report = sample::report_with("kitti_object", "pca", &Metric::No, Some(99.0));
-        let expected = "on kitti_object, hierarchical has 61 annotations that count, but pca has 99";
+        let expected = "on kitti_object, paper has 61 annotations that count, but pca has 99";
         check_refused(&report, &sample::manifest(), expected);
     }
 

@@ -127,7 +127,7 @@ mod tests {
             MetricRow::new(Subject::of_all("main_road", Task::Objects, detector), metric.clone(), value, n)
         };
         let rows = STATISTICS.iter().zip(1..).flat_map(|((_, metric), place)| {
-            [row("hierarchical", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]
+            [row("paper", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]
         });
         let report = RunReport::new(1, rows.collect()).unwrap();
         Terminal { width: Some(100) }.text(&TimesTable::new(&report, &manifest))
@@ -167,6 +167,6 @@ mod tests {
     #[test]
     fn all_data_sets_are_in_the_markdown() {
         let text = Markdown.text(&TimesTable::new(&sample::report(), &sample::manifest()));
-        assert!(text.contains("| kitti_object | hierarchical |") && text.contains("**overall**"), "{text}");
+        assert!(text.contains("| kitti_object | paper |") && text.contains("**overall**"), "{text}");
     }
 }

@@ -153,6 +153,7 @@ impl Sample {
 mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockKind, Interval};
+    use crate::numbers::tally::Processors;
     use crate::rows::counts::Counts;
     use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
     use crate::rows::match_row::MatchRow;
@@ -534,6 +535,21 @@ mod tests {
         );
         assert_eq!(value(Metric::FRate), Some(6.0 / 18.0));
         assert!(overall.iter().all(|it| it.subject.dataset == OVERALL));
+    }
+
+    #[test]
+    fn recorded_and_simulated_numbers_are_never_put_together() {
+        let mut tally = Tally::of_run(Processors::Alike, ["street".to_owned()].into());
+        let scan = |dataset: &str, no, fo| ScanRow { dataset: dataset.to_owned(), ..scan_row(3, no, 1, fo) };
+        tally.add_scan(&scan("street", 4, Some(2)));
+        tally.add_scan(&scan("kitti", 6, None));
+        assert!(tally.overall_rows().is_empty() && tally.overall_time_rows().is_empty());
+        let of_all = Question { dataset: OVERALL, task: Task::Vehicles, detector: "pca", slice: Slice::All };
+        assert!(tally.sample(&of_all, &tally.draw()).is_none());
+        tally.add_scan(&scan("nuscenes", 10, None));
+        let overall = tally.overall_rows();
+        assert!(overall.iter().all(|it| it.subject.dataset == "overall-recorded"));
+        assert_eq!(overall.iter().find(|it| it.metric == Metric::No).unwrap().value(), Some(16.0));
     }
 
     #[test]

@@ -432,7 +432,7 @@ mod tests {
         let heads: Vec<&str> = narrow.lines().filter(|it| it.contains("F-rate")).collect();
         assert_eq!(heads.len(), 3, "{narrow}");
         assert_eq!(narrow.matches("kitti_object").count(), narrow.matches("data set ").count(), "{narrow}");
-        assert_eq!(narrow.matches("paper: KITTI").count(), 2, "{narrow}");
+        assert_eq!(narrow.matches("published: KITTI").count(), 2, "{narrow}");
         // Nothing is lost: every number of the wide table is in the narrow one.
         let wide = Terminal { width: Some(200) }.text(&sample::tables()[1]);
         let words = |text: &str| {

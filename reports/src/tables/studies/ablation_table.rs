@@ -166,8 +166,8 @@ mod tests {
                 score(dataset("street"), Origin::Simulated, less, 0, Some(0)),
                 score(dataset("kitti"), Origin::Recorded, whole, 90, None),
                 score(dataset("kitti"), Origin::Recorded, less, 50, None),
-                score(Extent::Overall, Origin::PartlySimulated, whole, 85, None),
-                score(Extent::Overall, Origin::PartlySimulated, less, 25, None),
+                score(Extent::OverallOf(Origin::Recorded), Origin::Recorded, whole, 85, None),
+                score(Extent::OverallOf(Origin::Recorded), Origin::Recorded, less, 25, None),
             ],
         }
     }
