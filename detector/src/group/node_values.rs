@@ -274,9 +274,13 @@ impl NodeDescriber {
         let [log_seen_area, over_expected, range_m, view_cosine] =
             seen(&bounding_box, n_points, n_points_of_scan);
         let above = heap.n_above.map(share);
-        let in_doubt = shape.n_in_doubt.map(share);
-        let mut values = [0.0; N_NODE_VALUES];
-        let of_itself = [
+        let [n_parts, largest_part_share, second_part_share] = parts(tree, node);
+        let [share_of_whole, length_of_whole_m, width_of_whole_m, whole_joined_at, log_n_points_of_whole] =
+            self.whole(tree, node);
+        let [wall_share, behind_wall_share, tall_share, covered_share, beside_tall_share, cut_off_share] =
+            shape.n_in_doubt.map(share);
+        // In the order of [`NODE_VALUES`]; the compiler counts them.
+        [
             single::ln(n_points),
             log_seen_area,
             over_expected,
@@ -295,45 +299,41 @@ impl NodeDescriber {
             view_cosine,
             cells_m2 / ((length_m + CELL_M) * (width_m + CELL_M)),
             shape.hull.len() as f32,
-        ];
-        let around = [
+            f32::from(node.level),
+            f32::from(node.joined_at),
+            f32::from(node.n_cuts),
+            n_parts,
+            largest_part_share,
+            second_part_share,
+            share_of_whole,
+            length_of_whole_m,
+            width_of_whole_m,
+            whole_joined_at,
+            log_n_points_of_whole,
+            shape.wall_length_m,
+            wall_share,
+            behind_wall_share,
+            tall_share,
+            covered_share,
+            beside_tall_share,
+            cut_off_share,
             n_beyond_ends / (n_beyond_ends + n_points),
             surroundings.occupied_share,
             single::ln(shape.n_cells as f32),
             cells_around.ground_before_share,
             cells_around.ground_behind_share,
             cells_around.tall_share,
-        ];
-        let grouped = self.grouped(tree, node);
-        let wall = [shape.wall_length_m];
-        let all = of_itself.into_iter().chain(grouped).chain(wall).chain(in_doubt).chain(around);
-        for (value, it) in values.iter_mut().zip(all) {
-            *value = it;
-        }
-        values
+        ]
     }
 
-    /// How a node was grouped, and with what it would be.
-    fn grouped(&self, tree: &GroupingTree, node: &Node) -> [f32; 11] {
-        let share = |n: u32| n as f32 / node.heap.n_points as f32;
-        let (mut n_parts, mut largest) = (0, [0; 2]);
-        for part in tree.parts_of(node) {
-            let n = tree.nodes()[part as usize].heap.n_points;
-            n_parts += 1;
-            largest = [n.max(largest[0]), largest[1].max(n.min(largest[0]))];
-        }
+    /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm of its points.
+    fn whole(&self, tree: &GroupingTree, node: &Node) -> [f32; 5] {
         let whole = node.parent.map(|it| (&tree.nodes()[it as usize], &self.shapes[it as usize]));
         let of_whole = |axis: usize| {
             let size_m = |it: &OrientedBox| it.length_width_height_m[axis].min(LARGEST_WHOLE_M);
             whole.map_or(0.0, |(_, it)| it.bounding_box.as_ref().map_or(LARGEST_WHOLE_M, size_m))
         };
         [
-            f32::from(node.level),
-            f32::from(node.joined_at),
-            f32::from(node.n_cuts),
-            n_parts as f32,
-            if n_parts > 0 { share(largest[0]) } else { 1.0 },
-            share(largest[1]),
             whole.map_or(1.0, |(it, _)| node.heap.n_points as f32 / it.heap.n_points as f32),
             of_whole(0),
             of_whole(1),
@@ -341,6 +341,18 @@ impl NodeDescriber {
             whole.map_or(0.0, |(it, _)| single::ln(it.heap.n_points as f32)),
         ]
     }
+}
+
+/// How many parts a node has, and the shares of its points in the largest and in the second one.
+fn parts(tree: &GroupingTree, node: &Node) -> [f32; 3] {
+    let share = |n: u32| n as f32 / node.heap.n_points as f32;
+    let (mut n_parts, mut largest) = (0, [0; 2]);
+    for part in tree.parts_of(node) {
+        let n = tree.nodes()[part as usize].heap.n_points;
+        n_parts += 1;
+        largest = [n.max(largest[0]), largest[1].max(n.min(largest[0]))];
+    }
+    [n_parts as f32, if n_parts > 0 { share(largest[0]) } else { 1.0 }, share(largest[1])]
 }
 
 /// The logarithm of the area of `n_points` that lie the wider apart the farther they are; the same over what the sensor would put

@@ -231,7 +231,7 @@ mod tests {
         insta::assert_snapshot!(text(ProtocolLines::Short), @r"
         Protocol nuscenes. n: annotations that count.
 
-                                                           hierarchical                   pca
+                                                              paper                       pca
                                                      ────────────────────────   ────────────────────────
         data set               class    metric   n    value              95 %    value              95 %
         ────────────────────────────────────────────────────────────────────────────────────────────────

@@ -138,12 +138,12 @@ mod tests {
         insta::assert_snapshot!(table(58), @r"
         Times of detection only, on Example CPU @ 2 GHz.
 
-                                                             time of a scan [ms]            scans per second
-                                                     ────────────────────────────────────   ─────────────
-        data set               detector      scans    min   p50   p90    p95    p99   max   1/mean  1/p50
-        ─────────────────────────────────────────────────────────────────────────────────────────────────
-        main_road (simulated)  hierarchical     58   1.50  3.00  4.50  6.00‡  7.50‡  9.00     10.5   12.0
-                               kd-tree          58   –¹    –¹    –¹    –¹     –¹     –¹        –¹     –¹
+                                                         time of a scan [ms]            scans per second
+                                                 ────────────────────────────────────   ─────────────
+        data set               detector  scans    min   p50   p90    p95    p99   max   1/mean  1/p50
+        ─────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)  paper        58   1.50  3.00  4.50  6.00‡  7.50‡  9.00     10.5   12.0
+                               kd-tree      58   –¹    –¹    –¹    –¹     –¹     –¹        –¹     –¹
 
         Percentiles by nearest rank. On another machine, only ratios between detectors can be compared.
         simulated: from a simulator, not recorded.
