@@ -34,7 +34,8 @@ pub fn corner_m(step: [u8; 2]) -> [f32; 2] {
     step.map(|it| 6.0 + f32::from(it) * 0.2)
 }
 
-/// The tree over dense cells of 20 cm at these steps from a place in front of the sensor, 20 points in each.
+/// The tree over dense cells of 20 cm at these steps from a place in front of the sensor, 20 points in each, of which the lowest four are
+/// taken for the road.
 pub fn tree_over(steps: &[[u8; 2]]) -> (DenseCells, GroupingTree, PointCloud) {
     let DrawnGroups { dense, tree, cloud, .. } = groups_over(steps);
     (dense, tree, cloud)

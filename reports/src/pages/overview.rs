@@ -30,7 +30,11 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let origin = origin_of_run(&facts.manifest);
     let plots: Vec<_> = facts.standings.iter().map(|it| plot(facts, it)).collect();
     let has_paper = facts.standings.iter().any(|it| paper_rows(facts, it).is_some());
-    let together = if facts.pools.len() > 1 { "recorded and simulated data sets apart" } else { "all data sets together" };
+    let together = if facts.pools.len() > 1 {
+        "recorded and simulated data sets apart"
+    } else {
+        "all data sets together"
+    };
     html! {
         header {
             p.kicker { "scanbench" @if origin != Origin::Recorded { " " span.tag { (origin.name()) } } }
@@ -120,7 +124,7 @@ fn paper_rows<'a>(facts: &RunFacts, standing: &'a Standing) -> Option<impl Fn(&s
     let recordings = if is_kitti { Recordings::Kitti } else { Recordings::Both };
     let row = table.rows.iter().find(|it| it.recordings == recordings)?;
     let states = move |detector: &str| Some(table.score_beside(row, detector)?.f_rate_percent);
-    let is_stated = standing.metric == Metric::FRate
-        && standing.places.iter().any(|it| it.detector == PAPER_DETECTOR);
+    let is_stated =
+        standing.metric == Metric::FRate && standing.places.iter().any(|it| it.detector == PAPER_DETECTOR);
     is_stated.then_some(states)
 }

@@ -195,7 +195,8 @@ impl RunFacts {
     /// What is to be said of intervals, after `before`; nothing if there is nothing to be said.
     pub(super) fn caveat(&self, before: &str) -> String {
         let caveats = self.pools.iter().filter_map(|it| {
-            let of_pool = if self.pools.len() > 1 { format!(" of {}", it.pool.in_words()) } else { String::new() };
+            let of_pool =
+                if self.pools.len() > 1 { format!(" of {}", it.pool.in_words()) } else { String::new() };
             Some(format!("{}{of_pool}", it.caveat_of_intervals()?))
         });
         let caveats: Vec<String> = caveats.collect();

@@ -19,9 +19,7 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let stages = facts.pools.iter().flat_map(|it| {
         let [_, on] = facts.of_pool(&it.pool);
         let timed = it.stages_ms.iter().filter(|(_, stages)| !stages.is_empty());
-        timed.map(move |(name, stages)| {
-            stage_plot(&format!("{name}{on}"), facts.detector_idx(name), stages)
-        })
+        timed.map(move |(name, stages)| stage_plot(&format!("{name}{on}"), facts.detector_idx(name), stages))
     });
     let stages: Vec<ThemedPanel> = stages.collect();
     let of_scans = facts.pools.iter().filter_map(|it| {

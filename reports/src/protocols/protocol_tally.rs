@@ -151,8 +151,7 @@ impl ProtocolTally {
         let pools = tally.pools();
         let several = pools.iter().filter(|it| it.is_of_several()).map(|it| it.extent.name());
         let datasets = tally.datasets().iter().map(String::as_str).chain(several);
-        let drawn: Vec<(&str, DrawnScans)> =
-            datasets.map(|it| (it, DrawnScans::of(tally, it))).collect();
+        let drawn: Vec<(&str, DrawnScans)> = datasets.map(|it| (it, DrawnScans::of(tally, it))).collect();
         let detectors: Vec<&str> = tally.detectors().iter().map(String::as_str).collect();
         self.numbers_on(&drawn, &detectors)
     }

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use crate::numbers::blocks::{BlockKind, FEWEST_BLOCKS, FEWEST_DRIVES};
 use crate::tables::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
-use crate::tables::task_table::TaskTable;
+use crate::tables::task_table::{MeasuredRow, TableRow, TaskTable};
 use crate::uncertainty::bootstrap::N_RESAMPLES;
+use crate::vocabulary::extent::Extent;
 
 /// The label of intervals.
 pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
@@ -44,7 +45,13 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
             .extend(table.block_kind().map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
     }
     if has_line(LineKind::Overall) {
-        notes.sentences.push("overall: ratios of counts and times summed over the data sets, recorded and simulated ones apart.".to_owned());
+        let is_apart = |it: &TableRow| {
+            matches!(it, TableRow::Measured(MeasuredRow { extent: Extent::OverallOf(_), .. }))
+        };
+        let apart = if table.rows.iter().any(is_apart) { ", recorded and simulated ones apart" } else { "" };
+        notes
+            .sentences
+            .push(format!("overall: ratios of counts and times summed over the data sets{apart}."));
     }
     if has_line(LineKind::Paper) {
         notes.sentences.extend(table.paper.map(|paper| {

@@ -132,8 +132,7 @@ fn line(
 impl Tabular for StageTable {
     fn sheet(&self) -> Sheet {
         let title = format!("Median times of stages in ms, on {}.", self.cpu_model);
-        let about_published =
-            "published: VM section 6, with another machine and other scans; for orientation. Several stages of a step \
+        let about_published = "published: VM section 6, with another machine and other scans; for orientation. Several stages of a step \
              have the sum of their medians.";
         let sentences = self.has_published.then(|| about_published.to_owned()).into_iter().collect();
         Sheet::of(title, self.grid.clone(), sentences).labelled("stages")
@@ -207,7 +206,9 @@ mod tests {
     fn a_step_with_a_stage_that_is_left_out_is_not_that_of_the_paper() {
         let without_model: Vec<_> = OF_PAPER.into_iter().filter(|(stage, _)| *stage != "features").collect();
         let text = table(&[("paper", &without_model)]).unwrap();
-        for line in ["|  | boxes |  |  | 0.50 |", "| **paper** | whole |  |  | 9.50 |", "| grid | grid | 13 |"] {
+        for line in
+            ["|  | boxes |  |  | 0.50 |", "| **paper** | whole |  |  | 9.50 |", "| grid | grid | 13 |"]
+        {
             assert!(text.contains(line), "{line} is not in {text}");
         }
         assert!(!text.contains("undefined"), "{text}");

@@ -418,7 +418,8 @@ mod tests {
 
     #[test]
     fn nothing_published_stands_beside_a_detector_of_which_there_is_no_paper() {
-        let is_of = |name: &str| PAPER_TABLES.iter().any(|it| it.methods.iter().any(|it| it.detector == name));
+        let is_of =
+            |name: &str| PAPER_TABLES.iter().any(|it| it.methods.iter().any(|it| it.detector == name));
         assert_eq!([PAPER_DETECTOR, "kd-tree", "pca", "hierarchical"].map(is_of), [true, true, true, false]);
     }
 

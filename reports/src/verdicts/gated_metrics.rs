@@ -107,7 +107,8 @@ impl Sides<'_> {
                             metrics.iter().filter_map(|it| Some((it, tolerances.rule_about(it, place)?)));
                         let wanted: Vec<(&Metric, usize)> = wanted.collect();
                         if !wanted.is_empty() {
-                            let samples = self.samples(&Question { dataset: &dataset, task, detector, slice });
+                            let samples =
+                                self.samples(&Question { dataset: &dataset, task, detector, slice });
                             let of_metric = |(metric, rule_idx)| {
                                 let rule = (rule_idx, &tolerances.quality[rule_idx]);
                                 let gated = gated_metric(metric, place, &samples, rule)?;

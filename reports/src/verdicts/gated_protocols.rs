@@ -28,7 +28,8 @@ pub(super) fn gated_protocols(
     let judged: Vec<_> = judged(tally).into_iter().map(|(it, on)| (DrawnScans::of(tally, &it), on)).collect();
     let asked = |it: &Protocol| tolerances.protocols.iter().any(|rule| rule.protocol == *it);
     let protocols = Protocol::ALL.into_iter().filter(asked);
-    for (protocol, (scans, on)) in protocols.flat_map(|protocol| judged.iter().map(move |it| (protocol, it))) {
+    for (protocol, (scans, on)) in protocols.flat_map(|protocol| judged.iter().map(move |it| (protocol, it)))
+    {
         for detector in tally.detectors() {
             let sides = [before, after].map(|it| ProtocolSide::of(it, protocol, detector, scans));
             let pairs = match &sides {
@@ -75,7 +76,17 @@ fn gated_number(
         .as_ref()
         .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
     let (task, detector) = (protocol.name().to_owned(), detector.to_owned());
-    Some(GatedMetric { on: None, task, detector, slice: class, metric, rule_idx, difference, tolerance, finding })
+    Some(GatedMetric {
+        on: None,
+        task,
+        detector,
+        slice: class,
+        metric,
+        rule_idx,
+        difference,
+        tolerance,
+        finding,
+    })
 }
 
 /// Metrics and classes of rules that no number was held to.

@@ -65,9 +65,8 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
     let pools = tally.pools();
     let standing = |task: Task, pool: &Pool| {
         let dataset = pool.extent.name();
-        let row = |detector: &str, metric: &Metric| {
-            report.row(&Subject::of_all(dataset, task, detector), metric)
-        };
+        let row =
+            |detector: &str, metric: &Metric| report.row(&Subject::of_all(dataset, task, detector), metric);
         let has_f_rate =
             tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
         let metric = if has_f_rate { Metric::FRate } else { Metric::Recall };
@@ -87,9 +86,8 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
             rank(b).total_cmp(&rank(a))
         });
         let lead = places.get(1).and_then(|second| {
-            let sample = |detector| {
-                tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws)
-            };
+            let sample =
+                |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws);
             paired_difference(&sample(&second.detector)?, &sample(&places[0].detector)?, &metric)
         });
         let (doubtful, has_others) = (doubtful(manifest, pool), pools.len() > 1);

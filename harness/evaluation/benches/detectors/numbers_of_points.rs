@@ -35,7 +35,11 @@ pub fn measure(clouds: &[PointCloud], config: &RunConfig, sensor_height_m: f32) 
     println!(
         "\n{:<24} {:>10} {:>10} {:>10} {:>12} {:>12}",
         format!("{} on", detector.name()),
-        "points", "min ms", "p50 ms", "min ns/point", "p50 ns/point"
+        "points",
+        "min ms",
+        "p50 ms",
+        "min ns/point",
+        "p50 ns/point"
     );
     for ((name, scans), latencies) in sizes.iter().zip(latencies) {
         let n_points = scans.iter().map(PointCloud::len).sum::<usize>() / scans.len();

@@ -52,7 +52,9 @@ impl SweptOfficially<'_> {
         let is_asked = |it: &&SweptDataset<'_>| match extent {
             Extent::Dataset(id) => it.dataset.description().id == *id,
             Extent::Overall => true,
-            Extent::OverallOf(origin) => it.dataset.description().is_simulated() == (*origin == Origin::Simulated),
+            Extent::OverallOf(origin) => {
+                it.dataset.description().is_simulated() == (*origin == Origin::Simulated)
+            }
         };
         DrawnScans::of_datasets(self.datasets.iter().filter(is_asked).map(|it| {
             let (id, times_s) = (it.dataset.description().id.as_str(), scan_times_s(it.dataset));

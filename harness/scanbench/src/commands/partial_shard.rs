@@ -163,7 +163,7 @@ fn lines_of(rows: &[PartialRow]) -> Result<String, Failure> {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
-    use detector::partial::partial_model_file::PartialModel;
+    use detector::partial::partial_model::PartialModel;
 
     use super::*;
 
@@ -191,7 +191,8 @@ mod tests {
         assert!(checksum_of(&shipped).is_some());
         let other = shipped.replacen("[made]\n", "[made]\n# of somebody else\n", 1);
         assert_eq!(checksum_of(&shipped), checksum_of(&other));
-        let command = shipped.lines().find(|it| it.starts_with("command = ")).expect("it says how it was made");
+        let command =
+            shipped.lines().find(|it| it.starts_with("command = ")).expect("it says how it was made");
         let other = shipped.replacen(command, "command = \"another\"", 1);
         assert_ne!(checksum_of(&shipped), checksum_of(&other));
     }

@@ -14,8 +14,8 @@ use crate::verdicts::comparability::{
     NotComparable, check_comparable, detectors_only_in, detectors_with_other_results,
 };
 use crate::verdicts::drift::drift;
-use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::gated_metrics::{about, judged};
+use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, common_protocols, pairs};
 use crate::vocabulary::slice::Slice;
 

@@ -118,7 +118,9 @@ impl Verdict {
     /// What the numbers are about, for people.
     pub fn dataset_in_words(&self) -> &str {
         match self.dataset.as_str() {
-            OVERALL if self.metrics.iter().any(|it| it.on.is_some()) => "recorded and simulated data sets apart",
+            OVERALL if self.metrics.iter().any(|it| it.on.is_some()) => {
+                "recorded and simulated data sets apart"
+            }
             OVERALL => "all data sets together",
             id => id,
         }
