@@ -211,7 +211,7 @@ def ablation_rates(results: list[Result]) -> Shown:
         counted += [(f"*{it['detector']}*", it) for it in found if it["detector"] not in methods]
     sums: dict[str, dict[str, list[int]]] = defaultdict(lambda: defaultdict(lambda: [0, 0, 0]))
     for name, row in counted:
-        if row["dataset"] != "overall":
+        if not row["dataset"].startswith("overall"):
             so_far = sums[name][row["origin"]]
             for n, it in enumerate(("no", "tp", "fo")):
                 so_far[n] += int(row[it] or 0)
@@ -230,7 +230,7 @@ def ablation_rates(results: list[Result]) -> Shown:
 def rates_by_dataset(results: list[Result], task: str) -> Shown:
     """F-rates of a task, data set by data set and detector by detector; recall where false objects cannot be known."""
     measured = [it for result in results for it in rows(result, f"table_{task}.csv") if it["source"] == "measured"]
-    measured = [it for it in measured if it["dataset"] != "overall"]
+    measured = [it for it in measured if not it["dataset"].startswith("overall")]
     detectors = list(dict.fromkeys(it["detector"] for it in measured))
     lines: dict[str, list[str]] = {}
     for row in measured:
@@ -356,7 +356,7 @@ def losses(found: list[dict[str, str]], task: str, reading: str) -> list[str]:
 
 def fitness_summary(results: list[Result]) -> Shown:
     """What each reading recommends and costs, each data set counting once."""
-    found = [it for it in verdicts(results) if it["dataset"] != "overall" and it["rate"] == "F-rate"]
+    found = [it for it in verdicts(results) if not it["dataset"].startswith("overall") and it["rate"] == "F-rate"]
     lines = []
     for reading in dict.fromkeys(map(reading_in_words, found)):
         objects = [it for it in found if it["task"] == "objects" and reading_in_words(it) == reading]
@@ -380,7 +380,7 @@ def fitness_by_dataset(results: list[Result], task: str) -> Shown:
     # Only data sets of one sensor and one origin are summed.
     is_one = len({(it["sensor"], it["origin"]) for it in found}) == 1 and found[0]["origin"] == "simulated"
     for row in found:
-        if row["dataset"] == "overall" and not is_one:
+        if row["dataset"].startswith("overall") and not is_one:
             continue
         # Data sets of one kind of street differ by their sensor.
         name = origin_in_words(row).replace(f"-{row['sensor']}", "")
@@ -401,7 +401,7 @@ def fitness_by_dataset(results: list[Result], task: str) -> Shown:
 def fitness_losses(results: list[Result], *names: str) -> Shown:
     """Mean and greatest loss of Knuth's rule and of the configured cell size, one column a command."""
     lines = []
-    of_commands = [[it for it in rows(result, "cell_fitness.csv") if it["dataset"] != "overall"] for result in results]
+    of_commands = [[it for it in rows(result, "cell_fitness.csv") if not it["dataset"].startswith("overall")] for result in results]
     for task in ("objects", "vehicles"):
         for reading in ("knuth", "as configured"):
             cells = []

@@ -1,12 +1,13 @@
-//! The detectors of the papers: a hierarchical grid that finds objects in LiDAR scans, and the model that tells which
-//! of them are vehicles.
+//! A hierarchical grid that finds objects in LiDAR scans, and models that tell which of them are vehicles: `hierarchical`, which is a
+//! [`TreeDetector`](pipeline::tree_detector::TreeDetector), and `paper`, the method to the letter.
 //!
 //! This crate knows no files, no annotations and no Rerun. Ground truth cannot be reached from here, so a detector
 //! that peeks does not compile.
 //!
 //! ```
+//! use detector::classify::grouping_model::GroupingModel;
 //! use detector::params::HierarchicalParams;
-//! use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+//! use detector::pipeline::tree_detector::TreeDetector;
 //! use detector::{DetectedClass, Detector, DetectorOutput, PointCloud};
 //!
 //! // A level road 1.73 m below the sensor, and on it the sides of a thing as long, wide and high as a car.
@@ -18,7 +19,8 @@
 //! let cloud: PointCloud = road.chain(side(2.0)).chain(side(3.8)).chain(end(4.0)).chain(end(8.0)).collect();
 //!
 //! // A detector and its output are used again for the next scan.
-//! let mut detector = HierarchicalDetector::new(HierarchicalParams::shipped(), sensor_height_m);
+//! let (params, model) = (HierarchicalParams::shipped(), GroupingModel::shipped());
+//! let mut detector = TreeDetector::new(params, model, sensor_height_m).telling_vehicles();
 //! let mut output = DetectorOutput::default();
 //! detector.detect(&cloud, &mut output);
 //!

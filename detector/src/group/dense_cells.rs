@@ -160,3 +160,91 @@ impl DenseCells {
         &self.dense_of_point
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::group::drawn_trees::{DrawnGroups, corner_m, groups_over};
+
+    #[test]
+    fn a_heap_holds_what_stands_over_its_cell() {
+        let DrawnGroups { dense, grid, .. } = groups_over(&[[3, 1]]);
+        let [x_m, y_m] = corner_m([3, 1]).map(|it| it + 0.1);
+        let mut occupied = dense.heaps().iter().zip(0..).filter(|(it, _)| it.n_points > 0);
+        let (heap, dense_idx) = occupied.next().unwrap();
+        assert_eq!(occupied.next(), None);
+        assert_eq!((heap.n_points, heap.low_m, heap.high_m), (16, [x_m, y_m], [x_m, y_m]));
+        assert_eq!(heap.z_range_m, [4.0 * 0.05 - 1.5, 19.0 * 0.05 - 1.5]);
+        // The road is 1.73 m below the sensor: heights are 0.43, 0.48 … 1.18 m.
+        assert_eq!(heap.n_above, [14, 2, 0, 0]);
+        let heights_m = || (4..20_u8).map(|it| 0.23 + 0.05 * f32::from(it));
+        assert!((heap.height_sum_m - heights_m().sum::<f32>()).abs() < 1e-3, "{heap:?}");
+        let squares_m2: f32 = heights_m().map(|it| it * it).sum();
+        assert!((heap.height_squares_m2 - squares_m2).abs() < 1e-3, "{heap:?}");
+        // The block is the coarse cell, and the cell is where it lies in it, row by row.
+        let cell_idx = dense.cell_of_block()[dense.block_of_dense(dense_idx)];
+        let corner_of_block_m = grid.center_m(cell_idx).map(|it| it - 0.3);
+        let [across, along] =
+            [x_m - corner_of_block_m[0], y_m - corner_of_block_m[1]].map(|it| (it / 0.2) as u32);
+        assert_eq!(dense_idx % 9, 3 * along + across);
+    }
+
+    #[test]
+    fn nothing_stays_of_the_scan_before() {
+        let (mut first, second) = (groups_over(&[[0, 0], [9, 9]]), groups_over(&[[4, 0], [5, 0]]));
+        first.dense.fill(&second.cloud, &second.grid, &second.terrain, &second.candidates);
+        assert_eq!(first.dense.heaps(), second.dense.heaps());
+        assert_eq!(first.dense.cell_of_block(), second.dense.cell_of_block());
+        assert_eq!(first.dense.dense_of_point(), second.dense.dense_of_point());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn every_candidate_is_in_the_heap_of_its_cell(
+            steps in prop::collection::btree_set((0_u8..25, 0_u8..12), 1..30),
+        ) {
+            let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
+            let DrawnGroups { dense, grid, candidates, cloud, .. } = groups_over(&steps);
+            prop_assert_eq!(candidates.point_indices().len(), dense.dense_of_point().len());
+            let mut n_points = vec![0; dense.heaps().len()];
+            for (&point_idx, &dense_idx) in candidates.point_indices().iter().zip(dense.dense_of_point()) {
+                let block_idx = dense.block_of_dense(dense_idx);
+                prop_assert_eq!(dense.cell_of_block()[block_idx], grid.cell_of_point()[point_idx as usize]);
+                let heap = dense.heaps()[dense_idx as usize];
+                let [x_m, y_m, z_m] = cloud.position_m(point_idx as usize);
+                for (at_m, [low_m, high_m]) in [
+                    (x_m, [heap.low_m[0], heap.high_m[0]]),
+                    (y_m, [heap.low_m[1], heap.high_m[1]]),
+                    (z_m, heap.z_range_m),
+                ] {
+                    prop_assert!((low_m..=high_m).contains(&at_m), "{at_m} is not in {heap:?}");
+                }
+                n_points[dense_idx as usize] += 1;
+            }
+            let n_in_heaps: Vec<u32> = dense.heaps().iter().map(|it| it.n_points).collect();
+            prop_assert_eq!(n_in_heaps, n_points);
+        }
+
+        #[test]
+        fn merged_heaps_are_the_heap_of_all_points(
+            points in prop::collection::vec((-9_i8..9, -9_i8..9, 0_i8..9), 1..20),
+            split in 0_usize..20,
+        ) {
+            // Halves of a metre, of which sums are exact.
+            let points = points.into_iter().map(|(x, y, z)| [x, y, z].map(|it| f32::from(it) * 0.5));
+            let points: Vec<[f32; 3]> = points.collect();
+            let heap_of = |points: &[[f32; 3]]| {
+                let mut heap = Heap::EMPTY;
+                points.iter().for_each(|it| heap.add(*it, -1.5));
+                heap
+            };
+            let (left, right) = points.split_at(split.min(points.len()));
+            let mut merged = heap_of(left);
+            merged.merge(&heap_of(right));
+            prop_assert_eq!(merged, heap_of(&points));
+        }
+    }
+}

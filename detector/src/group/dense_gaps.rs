@@ -273,3 +273,104 @@ impl DenseGaps {
         &self.home
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::group::drawn_trees::{DrawnGroups, corner_m, groups_of, groups_over};
+    use crate::point_cloud::PointCloud;
+
+    /// The groups of the dense cells at two steps, and the lowest level of a gap between them.
+    fn between(drawn: &DrawnGroups, steps: [[u8; 2]; 2]) -> ([u32; 2], Option<u8>) {
+        let groups = steps.map(|step| {
+            let [x_m, y_m] = corner_m(step).map(|it| it + 0.1);
+            let is_there = |it: &[f32; 2]| (it[0] - x_m).abs() < 0.1 && (it[1] - y_m).abs() < 0.1;
+            let mut heaps = drawn.dense.heaps().iter();
+            let dense_idx = heaps.position(|it| it.n_points > 0 && is_there(&it.middle_m()));
+            drawn.gaps.group_of_dense()[dense_idx.expect("a column stands there")]
+        });
+        let parts = |level: &u8| {
+            let mut pairs = drawn.gaps.between(*level).iter();
+            pairs.any(|it| *it == groups || *it == [groups[1], groups[0]])
+        };
+        (groups, (0..N_LEVELS as u8).find(parts))
+    }
+
+    /// Columns at steps, each of so many points, five centimetres one above the other, from 0.43 m above the road.
+    fn columns(columns: &[([u8; 2], u8)]) -> DrawnGroups {
+        let mut cloud = PointCloud::default();
+        for &(step, n_points) in columns {
+            let [x_m, y_m] = corner_m(step).map(|it| it + 0.1);
+            (0..n_points).for_each(|it| cloud.push([x_m, y_m, f32::from(it) * 0.05 - 1.3], 0.0));
+        }
+        groups_of(cloud)
+    }
+
+    /// The first step that is in another coarse cell than the one before.
+    fn first_of_block() -> u8 {
+        let DrawnGroups { grid, .. } = columns(&[0, 1, 2, 3].map(|it| ([it, 0], 1)));
+        let cells = grid.cell_of_point();
+        (1..4).find(|&it| cells[usize::from(it)] != cells[usize::from(it) - 1]).expect("one has three steps")
+    }
+
+    #[track_caller]
+    fn check(drawn: &DrawnGroups, steps: [[u8; 2]; 2], expected_level: Option<u8>) {
+        let (groups, level) = between(drawn, steps);
+        // What touches is one group, between which and itself there is nothing.
+        assert_eq!((groups[0] == groups[1], level), (expected_level.is_none(), expected_level));
+    }
+
+    #[test]
+    fn neighbours_of_other_height_are_farther_apart() {
+        let first = first_of_block();
+        let beside = |from: u8, n_points: u8| columns(&[([from, 0], 12), ([from + 1, 0], n_points)]);
+        let across = [[first - 1, 0], [first, 0]];
+        check(&beside(first - 1, 31), across, None);
+        // More than 1 m higher, for which two dense cells are added to the step.
+        check(&beside(first - 1, 34), across, Some(2));
+        // Within a coarse cell there is one height.
+        check(&beside(first, 34), [[first, 0], [first + 1, 0]], None);
+    }
+
+    #[test]
+    fn what_is_near_empty_belongs_to_what_is_nearest() {
+        // In one coarse cell, of which half the mean is more than two points.
+        let [here, there] = [[first_of_block(), 0], [first_of_block() + 2, 0]];
+        check(&columns(&[(here, 20), (there, 20)]), [here, there], Some(1));
+        check(&columns(&[(here, 20), (there, 2)]), [here, there], None);
+        let nearer = [there[0] + 1, 0];
+        let drawn = columns(&[(here, 20), (there, 2), (nearer, 20)]);
+        check(&drawn, [nearer, there], None);
+        check(&drawn, [here, nearer], Some(2));
+    }
+
+    #[test]
+    fn nothing_stays_of_the_scan_before() {
+        let (mut first, second) = (groups_over(&[[0, 0], [1, 0], [4, 4]]), groups_over(&[[0, 0], [4, 1]]));
+        first.gaps.find(&second.grid, &second.dense, &second.candidates);
+        assert_eq!(first.gaps.group_of_dense(), second.gaps.group_of_dense());
+        for level in 0..N_LEVELS as u8 {
+            assert_eq!(first.gaps.between(level), second.gaps.between(level), "at level {level}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(128))]
+        #[test]
+        fn two_columns_are_apart_by_the_longer_of_their_steps(
+            from in prop::array::uniform2(8_u8..16),
+            by in prop::array::uniform2(-12_i8..=12),
+        ) {
+            let to = [0, 1].map(|axis| from[axis].saturating_add_signed(by[axis]));
+            let longest = [0, 1].map(|axis| from[axis].abs_diff(to[axis])).into_iter().max().unwrap();
+            prop_assume!(longest > 0);
+            let (groups, level) = between(&groups_over(&[from, to]), [from, to]);
+            // One step cannot be resolved; what grows by four steps meets over eight.
+            let expected = (2..=8).contains(&longest).then(|| longest - 1);
+            prop_assert_eq!(level, expected, "{} steps", longest);
+            prop_assert_eq!(groups[0] == groups[1], longest == 1);
+        }
+    }
+}

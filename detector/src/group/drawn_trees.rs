@@ -13,20 +13,53 @@ use crate::segment::terrain::Terrain;
 use crate::segment::wall_refinement::WallRefinement;
 use crate::surface_class::SurfaceClass;
 
-/// The tree over dense cells of 20 cm at these steps from a place in front of the sensor, 20 points in each.
+/// A scan, and all that comes of it up to the tree.
+pub struct DrawnGroups {
+    pub cloud: PointCloud,
+    pub grid: HierarchicalGrid,
+    pub terrain: Terrain,
+    pub classes: Vec<SurfaceClass>,
+    pub walls: WallRefinement,
+    pub candidates: Candidates,
+    pub dense: DenseCells,
+    pub gaps: DenseGaps,
+    pub tree: GroupingTree,
+}
+
+/// How high the sensor of drawn scans is above the road.
+pub const SENSOR_HEIGHT_M: f32 = 1.73;
+
+/// Where the dense cell of 20 cm begins that is so many steps from a place in front of the sensor.
+pub fn corner_m(step: [u8; 2]) -> [f32; 2] {
+    step.map(|it| 6.0 + f32::from(it) * 0.2)
+}
+
+/// The tree over dense cells of 20 cm at these steps from a place in front of the sensor, 20 points in each, of which the lowest four are
+/// taken for the road.
 pub fn tree_over(steps: &[[u8; 2]]) -> (DenseCells, GroupingTree, PointCloud) {
-    let params = HierarchicalParams::shipped();
-    let geometry = GridParams { extent_m: 40.0, ..params.grid.clone() };
+    let DrawnGroups { dense, tree, cloud, .. } = groups_over(steps);
+    (dense, tree, cloud)
+}
+
+/// The same with all that it comes of.
+pub fn groups_over(steps: &[[u8; 2]]) -> DrawnGroups {
     let mut cloud = PointCloud::default();
-    for step in steps {
-        let [x_m, y_m] = step.map(|it| 6.0 + (f32::from(it) + 0.5) * 0.2);
+    for &step in steps {
+        let [x_m, y_m] = corner_m(step).map(|it| it + 0.1);
         for level in 0..20_u8 {
             cloud.push([x_m, y_m, f32::from(level) * 0.05 - 1.5], 0.0);
         }
     }
+    groups_of(cloud)
+}
+
+/// All that comes of `cloud`, over a road that is level.
+pub fn groups_of(cloud: PointCloud) -> DrawnGroups {
+    let params = HierarchicalParams::shipped();
+    let geometry = GridParams { extent_m: 40.0, ..params.grid.clone() };
     let mut grid = HierarchicalGrid::new(geometry.clone());
     grid.fill(&cloud);
-    let terrain = Terrain::new(params.terrain.clone(), &grid, 1.73);
+    let terrain = Terrain::new(params.terrain.clone(), &grid, SENSOR_HEIGHT_M);
     let mut classes = vec![SurfaceClass::Unseen; grid.cells().len()];
     for &cell_idx in grid.occupied() {
         classes[cell_idx as usize] = SurfaceClass::Short;
@@ -52,5 +85,5 @@ pub fn tree_over(steps: &[[u8; 2]]) -> (DenseCells, GroupingTree, PointCloud) {
     gaps.find(&grid, &dense, &candidates);
     let mut tree = GroupingTree::default();
     tree.build(&dense, &gaps);
-    (dense, tree, cloud)
+    DrawnGroups { cloud, grid, terrain, classes, walls, candidates, dense, gaps, tree }
 }

@@ -274,9 +274,13 @@ impl NodeDescriber {
         let [log_seen_area, over_expected, range_m, view_cosine] =
             seen(&bounding_box, n_points, n_points_of_scan);
         let above = heap.n_above.map(share);
-        let in_doubt = shape.n_in_doubt.map(share);
-        let mut values = [0.0; N_NODE_VALUES];
-        let of_itself = [
+        let [n_parts, largest_part_share, second_part_share] = parts(tree, node);
+        let [share_of_whole, length_of_whole_m, width_of_whole_m, whole_joined_at, log_n_points_of_whole] =
+            self.whole(tree, node);
+        let [wall_share, behind_wall_share, tall_share, covered_share, beside_tall_share, cut_off_share] =
+            shape.n_in_doubt.map(share);
+        // In the order of [`NODE_VALUES`]; the compiler counts them.
+        [
             single::ln(n_points),
             log_seen_area,
             over_expected,
@@ -295,45 +299,41 @@ impl NodeDescriber {
             view_cosine,
             cells_m2 / ((length_m + CELL_M) * (width_m + CELL_M)),
             shape.hull.len() as f32,
-        ];
-        let around = [
+            f32::from(node.level),
+            f32::from(node.joined_at),
+            f32::from(node.n_cuts),
+            n_parts,
+            largest_part_share,
+            second_part_share,
+            share_of_whole,
+            length_of_whole_m,
+            width_of_whole_m,
+            whole_joined_at,
+            log_n_points_of_whole,
+            shape.wall_length_m,
+            wall_share,
+            behind_wall_share,
+            tall_share,
+            covered_share,
+            beside_tall_share,
+            cut_off_share,
             n_beyond_ends / (n_beyond_ends + n_points),
             surroundings.occupied_share,
             single::ln(shape.n_cells as f32),
             cells_around.ground_before_share,
             cells_around.ground_behind_share,
             cells_around.tall_share,
-        ];
-        let grouped = self.grouped(tree, node);
-        let wall = [shape.wall_length_m];
-        let all = of_itself.into_iter().chain(grouped).chain(wall).chain(in_doubt).chain(around);
-        for (value, it) in values.iter_mut().zip(all) {
-            *value = it;
-        }
-        values
+        ]
     }
 
-    /// How a node was grouped, and with what it would be.
-    fn grouped(&self, tree: &GroupingTree, node: &Node) -> [f32; 11] {
-        let share = |n: u32| n as f32 / node.heap.n_points as f32;
-        let (mut n_parts, mut largest) = (0, [0; 2]);
-        for part in tree.parts_of(node) {
-            let n = tree.nodes()[part as usize].heap.n_points;
-            n_parts += 1;
-            largest = [n.max(largest[0]), largest[1].max(n.min(largest[0]))];
-        }
+    /// With what a node would be grouped: its share of that, its length and width, what it is joined at, and the logarithm of its points.
+    fn whole(&self, tree: &GroupingTree, node: &Node) -> [f32; 5] {
         let whole = node.parent.map(|it| (&tree.nodes()[it as usize], &self.shapes[it as usize]));
         let of_whole = |axis: usize| {
             let size_m = |it: &OrientedBox| it.length_width_height_m[axis].min(LARGEST_WHOLE_M);
             whole.map_or(0.0, |(_, it)| it.bounding_box.as_ref().map_or(LARGEST_WHOLE_M, size_m))
         };
         [
-            f32::from(node.level),
-            f32::from(node.joined_at),
-            f32::from(node.n_cuts),
-            n_parts as f32,
-            if n_parts > 0 { share(largest[0]) } else { 1.0 },
-            share(largest[1]),
             whole.map_or(1.0, |(it, _)| node.heap.n_points as f32 / it.heap.n_points as f32),
             of_whole(0),
             of_whole(1),
@@ -341,6 +341,18 @@ impl NodeDescriber {
             whole.map_or(0.0, |(it, _)| single::ln(it.heap.n_points as f32)),
         ]
     }
+}
+
+/// How many parts a node has, and the shares of its points in the largest and in the second one.
+fn parts(tree: &GroupingTree, node: &Node) -> [f32; 3] {
+    let share = |n: u32| n as f32 / node.heap.n_points as f32;
+    let (mut n_parts, mut largest) = (0, [0; 2]);
+    for part in tree.parts_of(node) {
+        let n = tree.nodes()[part as usize].heap.n_points;
+        n_parts += 1;
+        largest = [n.max(largest[0]), largest[1].max(n.min(largest[0]))];
+    }
+    [n_parts as f32, if n_parts > 0 { share(largest[0]) } else { 1.0 }, share(largest[1])]
 }
 
 /// The logarithm of the area of `n_points` that lie the wider apart the farther they are; the same over what the sensor would put
@@ -360,3 +372,141 @@ fn seen(bounding_box: &OrientedBox, n_points: f32, n_points_of_scan: usize) -> [
 
 /// The side of dense cells that areas are reckoned with, in metres; and the least length of what is seen.
 const CELL_M: f32 = 0.2;
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::group::drawn_trees::{DrawnGroups, corner_m, groups_of, groups_over};
+    use crate::params::HierarchicalParams;
+    use crate::point_cloud::PointCloud;
+
+    fn described(drawn: &DrawnGroups, min_points: usize) -> Vec<DescribedNode> {
+        let mut raster = ObjectRaster::new(40.0);
+        raster.fill(drawn.candidates.point_indices().iter().map(|&it| drawn.cloud.position_m(it as usize)));
+        let DrawnGroups { cloud, grid, terrain, classes, walls, candidates, dense, tree, .. } = drawn;
+        let n_points = cloud.len();
+        let places =
+            NodePlaces { grid, terrain, candidates, dense, raster: &raster, classes, walls, n_points };
+        let mut describer = NodeDescriber::default();
+        describer.describe(tree, &places, (&HierarchicalParams::shipped().grouping.bounds, min_points));
+        describer.described().to_vec()
+    }
+
+    /// Dense cells at these steps with four posts in each, of five points from 0.43 m to 1.23 m above the road.
+    fn posts(steps: &[[u8; 2]]) -> DrawnGroups {
+        let mut cloud = PointCloud::default();
+        for &step in steps {
+            let [x_m, y_m] = corner_m(step).map(|it| it + 0.1);
+            for [across_m, along_m] in [[-0.08, -0.08], [0.08, -0.08], [0.08, 0.08], [-0.08, 0.08]] {
+                for level in 0..5_u8 {
+                    cloud.push([x_m + across_m, y_m + along_m, f32::from(level) * 0.2 - 1.3], 0.0);
+                }
+            }
+        }
+        groups_of(cloud)
+    }
+
+    #[track_caller]
+    fn check_values(node: &DescribedNode, expected: &[(&str, f32)]) {
+        for &(name, value) in expected {
+            let place = NODE_VALUES.iter().position(|it| *it == name).expect("a value has this name");
+            let found = node.values[place];
+            assert!((found - value).abs() < 2e-3, "{name} is {found}, not {value}");
+        }
+    }
+
+    #[test]
+    fn a_group_and_its_parts_have_the_values_that_their_names_say() {
+        // Two that touch, and after a gap of one cell a single one.
+        let [two, one, whole] = &described(&posts(&[[0, 0], [1, 0], [3, 0]]), 1)[..] else {
+            panic!("there are three groups")
+        };
+        let ln = |it: f32| it.ln();
+        let of_all = [
+            ("height_m", 0.8),
+            ("bottom_m", 0.43),
+            ("top_m", 1.23),
+            ("mean_height_m", 0.83),
+            ("height_deviation_m", 0.2828),
+            // All but the lowest of five heights, and the highest one.
+            ("share_above_0.5_m", 0.8),
+            ("share_above_1.1_m", 0.2),
+            ("share_above_1.4_m", 0.0),
+            ("n_hull_corners", 4.0),
+            ("n_cuts", 0.0),
+            ("wall_share", 0.0),
+            ("length_of_wall_m", 0.0),
+            ("tall_share", 0.0),
+        ];
+        [two, one, whole].into_iter().for_each(|it| check_values(it, &of_all));
+        check_values(
+            two,
+            &[
+                ("log_n_points", ln(40.0)),
+                ("length_m", 0.36),
+                ("width_m", 0.16),
+                ("filled_share", 2.0 * 0.04 / (0.56 * 0.36)),
+                ("level", 0.0),
+                ("joined_at", 1.0),
+                ("n_parts", 0.0),
+                ("largest_part_share", 1.0),
+                ("second_part_share", 0.0),
+                ("share_of_whole", 2.0 / 3.0),
+                ("length_of_whole_m", 0.76),
+                ("width_of_whole_m", 0.16),
+                ("whole_joined_at", 10.0),
+                ("log_n_points_of_whole", ln(60.0)),
+                ("log_n_cells", ln(2.0)),
+            ],
+        );
+        check_values(one, &[("log_n_points", ln(20.0)), ("share_of_whole", 1.0 / 3.0), ("log_n_cells", 0.0)]);
+        check_values(
+            whole,
+            &[
+                ("log_n_points", ln(60.0)),
+                ("range_m", 6.4_f32.hypot(6.1)),
+                ("length_m", 0.76),
+                ("width_m", 0.16),
+                ("level", 1.0),
+                ("joined_at", 10.0),
+                ("n_parts", 2.0),
+                ("largest_part_share", 2.0 / 3.0),
+                ("second_part_share", 1.0 / 3.0),
+                ("share_of_whole", 1.0),
+                ("length_of_whole_m", 0.0),
+                ("log_n_points_of_whole", 0.0),
+                ("log_n_cells", ln(3.0)),
+            ],
+        );
+    }
+
+    #[test]
+    fn what_is_too_small_or_too_large_is_not_described() {
+        let n_described = |steps: &[[u8; 2]], min_points| described(&posts(steps), min_points).len();
+        assert_eq!(n_described(&[[0, 0]], 20), 1);
+        assert_eq!(n_described(&[[0, 0]], 21), 0);
+        // 16 m are 80 cells.
+        let row = |n: u8| (0..n).map(|it| [it, 0]).collect::<Vec<_>>();
+        assert_eq!([n_described(&row(60), 1), n_described(&row(90), 1)], [1, 0]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn values_are_numbers_and_shares_are_shares(
+            steps in prop::collection::btree_set((0_u8..25, 0_u8..12), 1..40),
+        ) {
+            let steps: Vec<[u8; 2]> = steps.into_iter().map(<[u8; 2]>::from).collect();
+            let drawn = groups_over(&steps);
+            for node in described(&drawn, 1) {
+                for (name, value) in NODE_VALUES.into_iter().zip(node.values) {
+                    prop_assert!(value.is_finite(), "{name} is {value}");
+                    let is_share = name.contains("share") || name == "view_cosine";
+                    prop_assert!(!is_share || (0.0..=1.001).contains(&value), "{name} is {value}");
+                }
+            }
+        }
+    }
+}

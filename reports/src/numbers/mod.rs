@@ -9,6 +9,7 @@ pub mod latencies;
 pub(crate) mod times;
 pub mod average_precision;
 pub mod precision_recall_row;
+pub mod pools;
 pub mod tally;
 pub(crate) mod number_record;
 pub mod run_report;

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use crate::files::archive::{ArchiveError, SCHEMA, read_json};
 use crate::numbers::blocks::Interval;
 use crate::numbers::number_record::NumberRecord;
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -27,7 +26,7 @@ pub struct RunReport {
 /// What a number is about.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Subject {
-    /// Id of the data set; [`OVERALL`] in the rows about all of them.
+    /// Id of the data set; in rows about several the name of their [`Extent`](crate::vocabulary::extent::Extent).
     pub dataset: String,
     /// The task.
     pub task: Task,
@@ -153,7 +152,7 @@ impl RunReport {
         Self::with_overall(scoring_version, rows, Vec::new())
     }
 
-    /// The report of these numbers, and of those about all data sets together.
+    /// The report of these numbers, and of those about several data sets together.
     ///
     /// # Errors
     ///
@@ -184,7 +183,7 @@ impl RunReport {
         &self.rows
     }
 
-    /// The numbers about all data sets together; none if there is only one data set.
+    /// The numbers about all data sets of one origin together, where there are several.
     pub fn overall(&self) -> &[MetricRow] {
         &self.overall
     }
@@ -194,13 +193,19 @@ impl RunReport {
         self.rows.first().map(|it| it.subject.task)
     }
 
-    /// Scans of all data sets that `detector` gave no answer to, and all its scans; `None` if it answered all of them.
-    pub fn failed_scans(&self, task: Task, detector: &str) -> Option<[u64; 2]> {
+    /// Scans of the data sets that are asked about that `detector` gave no answer to, and all its scans there; `None` if it answered
+    /// all of them.
+    pub fn failed_scans(
+        &self,
+        is_asked: impl Fn(&str) -> bool,
+        task: Task,
+        detector: &str,
+    ) -> Option<[u64; 2]> {
         let is_its = |it: &&MetricRow| {
             let Subject { dataset, task: of_task, detector: of_detector, .. } = &it.subject;
             it.metric == Metric::FailedScans
                 && (*of_task, of_detector.as_str()) == (task, detector)
-                && dataset != OVERALL
+                && is_asked(dataset)
         };
         let [n_failed, n_scans] = self.rows.iter().filter(is_its).fold([0, 0], |[n_failed, n_scans], it| {
             [n_failed + it.value().unwrap_or(0.0) as u64, n_scans + it.n]
@@ -208,7 +213,7 @@ impl RunReport {
         (n_failed > 0).then_some([n_failed, n_scans])
     }
 
-    /// The row about `subject` and `metric`, whether of one data set or of all.
+    /// The row about `subject` and `metric`, whether of one data set or of several.
     pub fn row(&self, subject: &Subject, metric: &Metric) -> Option<&MetricRow> {
         self.rows.iter().chain(&self.overall).find(|it| it.subject == *subject && it.metric == *metric)
     }
@@ -324,6 +329,7 @@ impl TryFrom<RowRecord> for MetricRow {
 mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockCount, BlockKind};
+    use crate::vocabulary::extent::OVERALL;
     use crate::vocabulary::metric::LatencyStatistic;
 
     fn row(metric: Metric, value: Option<f64>, n: u64) -> MetricRow {

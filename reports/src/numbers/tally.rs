@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::numbers::average_precision::RankedDetection;
 use crate::numbers::block_sums::BlockSums;
 use crate::numbers::blocks::{Blocks, DriveSecond, FEWEST_DRIVES};
+use crate::numbers::pools::{Pool, pools};
 use crate::numbers::sums::{FalseObjects, Sums, Term};
 use crate::numbers::times::{TimeKind, Times};
 use crate::rows::counts::Counts;
@@ -13,6 +14,8 @@ use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, Matc
 use crate::rows::match_row::MatchRow;
 use crate::rows::scan_row::{ScanOutcome, ScanRow};
 use crate::rows::stage_row::StageRow;
+use crate::vocabulary::extent::OVERALL;
+use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
@@ -68,6 +71,8 @@ pub struct Tally {
     times: Vec<Times>,
     of_key: BTreeMap<Key, Gathered>,
     processors: Processors,
+    // Ids of the data sets that are simulated, whether there are rows of them or not.
+    simulated: BTreeSet<String>,
 }
 
 /// Whether times may be put together.
@@ -101,9 +106,9 @@ pub(crate) struct Gathered {
 }
 
 impl Tally {
-    /// Nothing yet, of rows that were made on such processors.
-    pub fn of_processors(processors: Processors) -> Self {
-        Self { processors, ..Self::default() }
+    /// Nothing yet, of rows that were made on such processors, and of data sets of which those with the ids `simulated` are simulated.
+    pub fn of_run(processors: Processors, simulated: BTreeSet<String>) -> Self {
+        Self { processors, simulated, ..Self::default() }
     }
 
     /// Adds what one detector made of one scan in one task.
@@ -248,6 +253,26 @@ impl Tally {
     /// Ids of the data sets, in the order in which they were seen.
     pub fn datasets(&self) -> &[String] {
         &self.datasets
+    }
+
+    /// The data sets whose numbers are put together.
+    pub fn pools(&self) -> Vec<Pool> {
+        let origin = |id: &str| {
+            if self.simulated.contains(id) { Origin::Simulated } else { Origin::Recorded }
+        };
+        pools(self.datasets.iter().map(|id| (id.as_str(), origin(id))))
+    }
+
+    /// Places of the data sets that a number about `extent` is made of: the id of a data set, or the name of several together.
+    pub(crate) fn datasets_in(&self, extent: &str) -> Vec<usize> {
+        let pools = self.pools();
+        let is_in_pool = |id: &String| {
+            // Also a single one is all of them.
+            let is_all = extent == OVERALL && pools.len() == 1;
+            is_all || pools.iter().any(|it| it.extent.name() == extent && it.datasets.contains(id))
+        };
+        let places = self.datasets.iter().enumerate();
+        places.filter(|(_, id)| *id == extent || is_in_pool(id)).map(|(place, _)| place).collect()
     }
 
     /// The tasks, in the order in which they were seen.

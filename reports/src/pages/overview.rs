@@ -3,10 +3,10 @@
 use maud::{Markup, html};
 
 use super::markup::{Figure, FigureMarkup};
-use super::run_facts::{FailedDetector, RunFacts};
+use super::run_facts::{FailedDetector, PoolFacts, RunFacts};
 use crate::plots::standing_plot::{StandingRow, standing_plot};
-use crate::tables::paper_figures::{PAPER_TABLES, Recordings};
-use crate::verdicts::standing::{Standing, origin_of_run};
+use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, Recordings};
+use crate::verdicts::standing::{Speeds, Standing, origin_of_run};
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 
@@ -30,6 +30,11 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let origin = origin_of_run(&facts.manifest);
     let plots: Vec<_> = facts.standings.iter().map(|it| plot(facts, it)).collect();
     let has_paper = facts.standings.iter().any(|it| paper_rows(facts, it).is_some());
+    let together = if facts.pools.len() > 1 {
+        "recorded and simulated data sets apart"
+    } else {
+        "all data sets together"
+    };
     html! {
         header {
             p.kicker { "scanbench" @if origin != Origin::Recorded { " " span.tag { (origin.name()) } } }
@@ -44,7 +49,7 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
         section #verdict aria-label="Verdict" {
             div.verdict {
                 @for standing in &facts.standings { p { (unbroken(&standing.sentence())) } }
-                @if let Some(sentence) = facts.speeds.sentence() { p { (unbroken(&sentence)) } }
+                @for sentence in facts.speeds.iter().filter_map(Speeds::sentence) { p { (unbroken(&sentence)) } }
             }
             @for entry in &facts.manifest.datasets {
                 @for doubt in &entry.doubts { p.failed role="note" { (entry.id) ": " (doubt) } }
@@ -52,13 +57,13 @@ pub(super) fn overview(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
             @for it in &facts.failures { p.failed role="note" { (about_failure(it)) } }
             (FigureMarkup {
                 file_stem: "standing",
-                title: &format!("{} ({}){}", heading(facts), origin.name(), caveat(facts, "; bars: intervals")),
+                title: &format!("{} ({}){}", heading(facts), origin.name(), facts.caveat("; bars: intervals")),
                 panels: &plots,
                 key: &[],
                 caption: html! {
-                    "Rates over all data sets together with 95 % intervals (bars" (caveat(facts, ",")) "). "
+                    "Rates over " (together) " with 95 % intervals (bars" (facts.caveat(",")) "). "
                     @if has_paper {
-                        "Hollow diamonds: results of the papers for the same kind of detector, on other scans, for orientation. "
+                        "Hollow diamonds: published results, on other scans, for orientation. "
                     }
                     @if origin != Origin::Recorded { "Scans: " (origin.name()) "." }
                 },
@@ -74,12 +79,6 @@ fn about_failure(failed: &FailedDetector) -> String {
         "{detector} failed at {n_failed} of {n_scans} scans. They count as nothing found. The first was \
          {dataset} {sequence}/{scan:06}: {reason}."
     )
-}
-
-/// What is to be said of the intervals, after `before`; nothing if there is nothing to be said.
-pub(super) fn caveat(facts: &RunFacts, before: &str) -> String {
-    let caveat = facts.caveat_of_intervals();
-    caveat.map_or_else(String::new, |it| format!("{before} {it}, too few for conclusions"))
 }
 
 /// Units stay with their numbers.
@@ -107,22 +106,25 @@ fn plot(facts: &RunFacts, standing: &Standing) -> crate::plots::themed_svg::Them
         Metric::FRate => "F-rate (%)",
         _ => "recall (%)",
     };
-    let rate = match facts.caveat_of_intervals() {
+    let of_pool = facts.pools.iter().find(|it| it.pool == standing.pool);
+    let rate = match of_pool.and_then(PoolFacts::caveat_of_intervals) {
         Some(caveat) => format!("{rate}, intervals {caveat}"),
         None => rate.to_owned(),
     };
-    standing_plot(&format!("Task {}", standing.task), &rate, &rows)
+    let [_, on] = facts.of_pool(&standing.pool);
+    standing_plot(&format!("Task {}{on}", standing.task), &rate, &rows)
 }
 
 /// What the paper of a task states for a detector, on all recordings or on those that the run is of; `None` if there is no
-/// such paper, or it states another rate.
+/// such paper, its method did not run, or it states another rate.
 fn paper_rows<'a>(facts: &RunFacts, standing: &'a Standing) -> Option<impl Fn(&str) -> Option<f64> + 'a> {
     let table = PAPER_TABLES.iter().find(|it| it.task == standing.task)?;
-    let is_kitti = facts.manifest.datasets.iter().all(|it| it.format.contains("kitti"));
+    let datasets = facts.manifest.datasets.iter().filter(|it| standing.pool.datasets.contains(&it.id));
+    let is_kitti = { datasets }.all(|it| it.format.contains("kitti"));
     let recordings = if is_kitti { Recordings::Kitti } else { Recordings::Both };
     let row = table.rows.iter().find(|it| it.recordings == recordings)?;
     let states = move |detector: &str| Some(table.score_beside(row, detector)?.f_rate_percent);
-    let is_stated = standing.metric == Metric::FRate
-        && standing.places.iter().any(|it| table.score_beside(row, &it.detector).is_some());
+    let is_stated =
+        standing.metric == Metric::FRate && standing.places.iter().any(|it| it.detector == PAPER_DETECTOR);
     is_stated.then_some(states)
 }

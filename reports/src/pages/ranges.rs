@@ -3,33 +3,32 @@
 use maud::{Markup, html};
 
 use super::markup::{Figure, FigureMarkup};
-use super::overview::caveat;
 use super::run_facts::{RunFacts, TaskRanges};
 use crate::plots::range_plot::range_plot;
 use crate::plots::small_panel::key;
-use crate::verdicts::standing::origin_of_run;
 
 pub(super) fn ranges(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let key = key(&facts.detectors());
-    let origin = origin_of_run(&facts.manifest).name();
     let undefined = "Precision and F-rate are undefined: not every class of object is annotated, so false objects cannot be \
                      counted. ";
-    let together = if facts.manifest.datasets.len() > 1 { ", all data sets together" } else { "" };
+    let of_pools = || facts.pools.iter().flat_map(|pool| pool.ranges.iter().map(move |it| (pool, it)));
     html! {
         section #range aria-labelledby="range-title" {
             h2 #range-title { "Near and far" }
-            @for of_task in &facts.ranges {
+            @for (pool, of_task) in of_pools() {
+                @let ([file_end, on], origin) = (facts.of_pool(&pool.pool), pool.pool.origin.name());
+                @let together = if pool.pool.is_of_several() { ", all data sets together" } else { "" };
                 @let panels: Vec<_> =
                     of_task.rates.iter().map(|(rate, rates)| range_plot(rate, &of_task.bins, rates)).collect();
-                h3 { "Task " (of_task.task) }
+                h3 { "Task " (of_task.task) (on) }
                 (FigureMarkup {
-                    file_stem: &format!("range_{}", of_task.task),
-                    title: &format!("Rates over range, task {} ({origin}){}", of_task.task, caveat(facts, "; bars: intervals")),
+                    file_stem: &format!("range_{}{file_end}", of_task.task),
+                    title: &format!("Rates over range, task {} ({origin}){}", of_task.task, pool.caveat("; bars: intervals")),
                     panels: &panels,
                     key: &key,
                     caption: html! {
                         "By horizontal distance from the sensor" (together) " (" (origin)
-                        "), with 95 % intervals" (caveat(facts, "")) ". An annotation counts at its own range, a false detection at its own. "
+                        "), with 95 % intervals" (pool.caveat("")) ". An annotation counts at its own range, a false detection at its own. "
                         "Annotations that count: " (annotations(of_task)) ". "
                         @if !of_task.rates.iter().any(|(name, _)| *name == "precision") { (undefined) }
                     },

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::files::archive::ArchiveError;
 use crate::files::csv_rows::{each_row, read_rows};
 use crate::numbers::blocks::BlockCount;
+use crate::numbers::pools::Pool;
 use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{RunReport, Subject};
 use crate::numbers::sums::Term;
@@ -24,7 +25,6 @@ use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::standing::{Speeds, Standing, speeds, standings};
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -38,17 +38,11 @@ pub(super) struct RunFacts {
     pub(super) manifest: Manifest,
     pub(super) report: RunReport,
     pub(super) standings: Vec<Standing>,
-    pub(super) speeds: Speeds,
-    /// The blocks of scans that intervals over all data sets together are drawn from.
-    pub(super) blocks: Option<BlockCount>,
-    /// Task by task.
-    pub(super) ranges: Vec<TaskRanges>,
+    pub(super) speeds: Vec<Speeds>,
+    /// What is shown of the recorded data sets, and of the simulated ones.
+    pub(super) pools: Vec<PoolFacts>,
     /// Data set by data set.
     pub(super) curves: Vec<DatasetCurves>,
-    /// Times of all scans in milliseconds, ascending, of every detector.
-    pub(super) times_ms: Vec<(String, Vec<f64>)>,
-    /// Median times of the stages in milliseconds, of every detector.
-    pub(super) stages_ms: Vec<(String, Vec<(String, f64)>)>,
     pub(super) worst: WorstPlaces<()>,
     /// All boxes of the scans that a worst mistake is in.
     pub(super) boxes: BTreeMap<ScanName, Vec<SeenBox>>,
@@ -61,6 +55,20 @@ pub(super) struct RunFacts {
     pub(super) protocols: Option<ProtocolReport>,
     /// Whether there is a recording for the viewer.
     pub(super) has_recording: bool,
+}
+
+/// What is shown of all data sets of one origin together.
+#[derive(Debug)]
+pub(super) struct PoolFacts {
+    pub(super) pool: Pool,
+    /// The blocks of scans that their intervals are drawn from.
+    blocks: Option<BlockCount>,
+    /// Task by task.
+    pub(super) ranges: Vec<TaskRanges>,
+    /// Times of all scans in milliseconds, ascending, of every detector.
+    pub(super) times_ms: Vec<(String, Vec<f64>)>,
+    /// Median times of the stages in milliseconds, of every detector.
+    pub(super) stages_ms: Vec<(String, Vec<(String, f64)>)>,
 }
 
 fn protocols_of(directory: &Path, manifest: &Manifest) -> Result<Option<ProtocolReport>, ArchiveError> {
@@ -120,8 +128,9 @@ impl RunFacts {
         let report = RunReport::read(&directory.join(REPORT_JSON))?;
         let detectors: Vec<String> = manifest.detectors.iter().map(|it| it.name.clone()).collect();
         let mut tally = manifest.tally();
-        let mut times_ms: Vec<(String, Vec<f64>)> =
-            detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
+        let pools = manifest.pools();
+        let no_times: Vec<(String, Vec<f64>)> = detectors.iter().map(|it| (it.clone(), Vec::new())).collect();
+        let mut times_ms = vec![no_times; pools.len()];
         let mut first_task = None;
         let mut failures: BTreeMap<String, (ScanName, String)> = BTreeMap::new();
         each_row(&directory.join(SCANS_CSV), |row: ScanRow| {
@@ -133,48 +142,75 @@ impl RunFacts {
                 failures.entry(row.detector.clone()).or_insert((scan, reason));
             }
             let is_timed = is_first && manifest.is_of_like_processors();
-            let times = times_ms.iter_mut().find(|(name, _)| is_timed && *name == row.detector);
+            let pool_idx = pools.iter().position(|it| it.datasets.contains(&row.dataset));
+            let of_pool = pool_idx.filter(|_| is_timed).map(|it| &mut times_ms[it]);
+            let times = of_pool.and_then(|it| it.iter_mut().find(|(name, _)| *name == row.detector));
             if let (Some((_, times)), ScanOutcome::Evaluated(numbers)) = (times, &row.outcome) {
                 times.extend(numbers.latency_ms.filter(|it| *it > 0.0));
             }
         })?;
         let failed_detector = |name: &String| {
-            let [n_failed, n_scans] = report.failed_scans(report.first_task()?, name)?;
+            let [n_failed, n_scans] = report.failed_scans(|_| true, report.first_task()?, name)?;
             Some(FailedDetector { detector: name.clone(), first: failures.remove(name)?, n_failed, n_scans })
         };
         let failures = detectors.iter().filter_map(failed_detector).collect();
-        for (_, times) in &mut times_ms {
-            times.sort_by(f64::total_cmp);
-        }
         let matches = directory.join(MATCHES_CSV);
         let mut worst = WorstPlaces::default();
         each_row(&matches, |row: MatchRow| {
             tally.add_match(&row);
             worst.add(&row, |_| ());
         })?;
+        let draws = tally.draw();
+        let of_pool = |(pool, mut times_ms): (Pool, Vec<(String, Vec<f64>)>)| {
+            let places = tally.datasets_in(pool.extent.name()).into_iter();
+            let tasks = tally.tasks().iter();
+            times_ms.iter_mut().for_each(|(_, times)| times.sort_by(f64::total_cmp));
+            PoolFacts {
+                blocks: places.map(|it| draws[it].blocks()).reduce(BlockCount::with),
+                ranges: tasks
+                    .filter_map(|task| task_ranges((&tally, &draws), &pool, *task, &detectors))
+                    .collect(),
+                stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(&report, &pool, it))).collect(),
+                times_ms,
+                pool,
+            }
+        };
         Ok(Self {
             standings: standings(&tally, &manifest, &report),
             speeds: speeds(&manifest, &report),
-            blocks: tally.draw().iter().map(Draw::blocks).reduce(BlockCount::with),
-            ranges: tally.tasks().iter().filter_map(|task| task_ranges(&tally, *task, &detectors)).collect(),
+            pools: pools.into_iter().zip(times_ms).map(of_pool).collect(),
             curves: curves(&read_rows(&directory.join(PRECISION_RECALL_CSV))?, &detectors),
-            stages_ms: detectors.iter().map(|it| (it.clone(), stages_of(&report, &manifest, it))).collect(),
             boxes: boxes_of(&matches, &worst)?,
             points: WorstPoints::read(&directory.join(WORST_POINTS_JSON))?,
             failures,
             recordings: Recordings::read(&directory.join(RECORDINGS_JSON))?,
             protocols: protocols_of(directory, &manifest)?,
             has_recording: directory.join("run.rrd").is_file(),
-            times_ms,
             worst,
             manifest,
             report,
         })
     }
 
-    /// What is to be said of intervals over all data sets together; `None` if nothing is.
-    pub(super) fn caveat_of_intervals(&self) -> Option<String> {
-        self.blocks.and_then(BlockCount::caveat)
+    /// What is to be said of intervals, after `before`; nothing if there is nothing to be said.
+    pub(super) fn caveat(&self, before: &str) -> String {
+        let caveats = self.pools.iter().filter_map(|it| {
+            let of_pool =
+                if self.pools.len() > 1 { format!(" of {}", it.pool.in_words()) } else { String::new() };
+            Some(format!("{}{of_pool}", it.caveat_of_intervals()?))
+        });
+        let caveats: Vec<String> = caveats.collect();
+        if caveats.is_empty() { String::new() } else { too_few(before, &caveats.join(", ")) }
+    }
+
+    /// The name of `pool` in file names and in titles: nothing if there is no other.
+    pub(super) fn of_pool(&self, pool: &Pool) -> [String; 2] {
+        if self.pools.len() > 1 {
+            let origin = pool.origin.name();
+            [format!("_{}", origin.replace(' ', "_")), format!(", {}", pool.in_words())]
+        } else {
+            Default::default()
+        }
     }
 
     /// Place of `detector` in the order of the run.
@@ -188,14 +224,34 @@ impl RunFacts {
     }
 }
 
-fn task_ranges(tally: &Tally, task: Task, detectors: &[String]) -> Option<TaskRanges> {
+impl PoolFacts {
+    /// What is to be said of intervals; `None` if nothing is.
+    pub(super) fn caveat_of_intervals(&self) -> Option<String> {
+        self.blocks.and_then(BlockCount::caveat)
+    }
+
+    /// The same after `before`; nothing if there is nothing to be said.
+    pub(super) fn caveat(&self, before: &str) -> String {
+        self.caveat_of_intervals().map_or_else(String::new, |it| too_few(before, &it))
+    }
+}
+
+fn too_few(before: &str, caveat: &str) -> String {
+    format!("{before} {caveat}, too few for conclusions")
+}
+
+fn task_ranges(
+    (tally, draws): (&Tally, &[Draw]),
+    pool: &Pool,
+    task: Task,
+    detectors: &[String],
+) -> Option<TaskRanges> {
     let is_range = |it: &Slice| matches!(it, Slice::Range(_));
     let slices: BTreeSet<Slice> =
         detectors.iter().flat_map(|it| tally.slices(task, it)).filter(is_range).collect();
-    let draws = tally.draw();
-    let sample = |detector: &str, slice: Slice| {
-        tally.sample(&Question { dataset: OVERALL, task, detector, slice }, &draws)
-    };
+    let dataset = pool.extent.name();
+    let sample =
+        |detector: &str, slice: Slice| tally.sample(&Question { dataset, task, detector, slice }, draws);
     // They are the same for every detector.
     let n_annotations = |&slice: &Slice| {
         let of_detectors = detectors.iter().filter_map(|it| sample(it, slice));
@@ -244,8 +300,8 @@ fn curves(rows: &[PrecisionRecallRow], detectors: &[String]) -> Vec<DatasetCurve
     all
 }
 
-fn stages_of(report: &RunReport, manifest: &Manifest, detector: &str) -> Vec<(String, f64)> {
-    let subject = report.first_task().map(|task| Subject::of_all(manifest.extent(), task, detector));
+fn stages_of(report: &RunReport, pool: &Pool, detector: &str) -> Vec<(String, f64)> {
+    let subject = report.first_task().map(|task| Subject::of_all(pool.extent.name(), task, detector));
     let rows = report.rows().iter().chain(report.overall());
     let rows = rows.filter(|it| subject.as_ref() == Some(&it.subject));
     let stage = rows.filter_map(|it| match &it.metric {

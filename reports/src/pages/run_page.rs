@@ -138,7 +138,6 @@ mod tests {
                 "5.8 points above kd-tree",
                 "10 × faster than kd-tree (40.0 ms) and 100 × faster than pca (400 ms)",
                 "cargo run --release -- ",
-                "paper: Budapest #1",
                 "href=\"#curves\"",
             ],
         );
@@ -187,7 +186,7 @@ mod tests {
 
     #[test]
     fn what_is_undefined_is_said_to_be() {
-        let page = page(&SampleRun { knows_false: false, datasets: &["kitti"], ..USUAL });
+        let page = page(&SampleRun { datasets: &["kitti"], ..USUAL });
         check_holds(
             &page.html,
             &[
@@ -251,6 +250,34 @@ mod tests {
     fn several_data_sets_are_summed() {
         let html = page(&SampleRun { datasets: &["north", "south"], ..USUAL }).html;
         check_holds(&html, &["on north", "south", "overall", "above kd-tree"]);
+    }
+
+    #[test]
+    fn recorded_and_simulated_data_sets_are_told_apart() {
+        let page = page(&SampleRun { datasets: &["north", "kitti", "south"], ..USUAL });
+        check_holds(
+            &page.html,
+            &[
+                "Task objects on 2 simulated data sets: hierarchical leads with an F-rate of 90.0 %",
+                "Task objects on kitti (recorded): hierarchical leads with a recall of 90.0 %",
+                "On 2 simulated data sets: hierarchical takes",
+                "On kitti (recorded): hierarchical takes",
+                "Task objects, 2 simulated data sets",
+            ],
+        );
+        for name in ["range_objects_simulated", "range_objects_recorded"] {
+            assert!(names(&page).contains(&name), "{name}");
+        }
+    }
+
+    #[test]
+    fn published_rows_stand_beside_the_method_of_the_papers_alone() {
+        let page_of = |detectors| page(&SampleRun { detectors, ..USUAL }).html;
+        let with = page_of(&["hierarchical", "paper"]);
+        check_holds(&with, &["published: Budapest #1", "hierarchical grid under paper", "Hollow diamonds"]);
+        let without = page_of(&["hierarchical", "kd-tree", "pca"]);
+        assert!(!without.contains("published: ") && !without.contains("Hollow diamonds"));
+        check_holds(&without, &["Published numbers of the papers stand beside their own method: -d paper,"]);
     }
 
     #[test]

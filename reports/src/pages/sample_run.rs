@@ -7,7 +7,6 @@ use tempfile::TempDir;
 use crate::files::csv_rows::{CsvRow, CsvRowWriter, to_csv_bytes};
 use crate::files::whole_file::WholeFile;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
-use crate::numbers::tally::Tally;
 use crate::rows::counts::Counts;
 use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, MatchOutcome};
 use crate::rows::match_row::MatchRow;
@@ -18,7 +17,6 @@ use crate::run_folder::run_target::MANIFEST_JSON;
 use crate::tables::sample;
 use crate::vocabulary::class::{AnnotationClass, DetectionClass};
 use crate::vocabulary::criterion::CriterionKind;
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::reason::{FalseReason, MissReason};
 use crate::vocabulary::task::Task;
@@ -29,8 +27,6 @@ pub(super) struct SampleRun<'a> {
     /// The first finds all but one of ten objects on every scan, the next ones one fewer each.
     pub(super) detectors: &'a [&'a str],
     pub(super) tasks: &'a [Task],
-    /// Whether false objects can be known.
-    pub(super) knows_false: bool,
     /// Class of what is missed.
     pub(super) class: AnnotationClass,
     /// Scans, each of a second of its own.
@@ -44,7 +40,6 @@ pub(super) const USUAL: SampleRun<'_> = SampleRun {
     datasets: &["main_road"],
     detectors: &["hierarchical", "kd-tree", "pca"],
     tasks: &Task::ALL,
-    knows_false: true,
     class: AnnotationClass::Car,
     n_blocks: 12,
     n_failed: 0,
@@ -52,11 +47,17 @@ pub(super) const USUAL: SampleRun<'_> = SampleRun {
 
 const N_OBJECTS: u64 = 10;
 
+/// Whether false objects can be known, as in all that is simulated. KITTI is recorded.
+fn knows_false(dataset: &str) -> bool {
+    !dataset.starts_with("kitti")
+}
+
 impl SampleRun<'_> {
     /// Writes the files that a page is made of.
     pub(super) fn write(&self) -> TempDir {
         let folder = tempfile::tempdir().unwrap();
-        let mut tally = Tally::default();
+        let manifest = self.manifest();
+        let mut tally = manifest.tally();
         let (scans, matches) = (self.scans(), self.matches());
         for row in &scans {
             tally.add_scan(row);
@@ -71,20 +72,22 @@ impl SampleRun<'_> {
         let of_datasets = self.datasets.iter().flat_map(|it| self.times(it));
         let rows = tally.metric_rows().into_iter().chain(of_datasets).collect();
         let mut overall = tally.overall_rows();
-        if self.datasets.len() > 1 {
-            overall.extend(self.times(OVERALL));
+        for pool in manifest.pools().iter().filter(|it| it.is_of_several()) {
+            overall.extend(self.times(pool.extent.name()));
         }
         let report = RunReport::with_overall(1, rows, overall).unwrap();
         std::fs::write(folder.path().join(REPORT_JSON), report.to_json()).unwrap();
-        std::fs::write(folder.path().join(MANIFEST_JSON), self.manifest().to_json()).unwrap();
+        std::fs::write(folder.path().join(MANIFEST_JSON), manifest.to_json()).unwrap();
         folder
     }
 
     fn manifest(&self) -> Manifest {
         let mut manifest = sample::manifest();
-        let entry = manifest.datasets[usize::from(!self.knows_false)].clone();
-        let named =
-            |id: &&str| crate::run_folder::manifest::DatasetEntry { id: (*id).to_owned(), ..entry.clone() };
+        let entries = manifest.datasets;
+        let named = |id: &&str| {
+            let entry = entries[usize::from(!knows_false(id))].clone();
+            crate::run_folder::manifest::DatasetEntry { id: (*id).to_owned(), ..entry }
+        };
         manifest.datasets = self.datasets.iter().map(named).collect();
         let detector = |name: &&str| DetectorEntry {
             name: (*name).to_owned(),
@@ -118,7 +121,7 @@ impl SampleRun<'_> {
 
     fn scans(&self) -> Vec<ScanRow> {
         self.each(|dataset, (detector_idx, detector), task, scan| {
-            let fo = (self.knows_false || task == Task::Vehicles).then_some(1);
+            let fo = (knows_false(dataset) || task == Task::Vehicles).then_some(1);
             let tp = N_OBJECTS - Self::n_missed(detector_idx);
             let has_failed = detector_idx + 1 == self.detectors.len() && scan < 10 * self.n_failed;
             let numbers = ScanNumbers {
@@ -163,7 +166,7 @@ impl SampleRun<'_> {
             });
             let mut false_one = detection(N_OBJECTS);
             false_one.bounding_box = box_at(N_OBJECTS);
-            let beyond = if self.knows_false || task == Task::Vehicles {
+            let beyond = if knows_false(dataset) || task == Task::Vehicles {
                 MatchOutcome::False { detection: false_one, reason: FalseReason::NothingThere }
             } else {
                 MatchOutcome::Unknowable { detection: false_one }

@@ -16,22 +16,27 @@ pub(super) fn times(facts: &RunFacts, files: &mut Vec<Figure>) -> Markup {
     let times = TimesTable::new(&facts.report, &facts.manifest);
     let sheet = times.sheet();
     let origin = origin_of_run(&facts.manifest).name();
-    let stages: Vec<ThemedPanel> = facts
-        .stages_ms
-        .iter()
-        .filter(|(_, stages)| !stages.is_empty())
-        .map(|(detector, stages)| stage_plot(detector, facts.detector_idx(detector), stages))
-        .collect();
+    let stages = facts.pools.iter().flat_map(|it| {
+        let [_, on] = facts.of_pool(&it.pool);
+        let timed = it.stages_ms.iter().filter(|(_, stages)| !stages.is_empty());
+        timed.map(move |(name, stages)| stage_plot(&format!("{name}{on}"), facts.detector_idx(name), stages))
+    });
+    let stages: Vec<ThemedPanel> = stages.collect();
+    let of_scans = facts.pools.iter().filter_map(|it| {
+        let [_, on] = facts.of_pool(&it.pool);
+        latency_plot(&format!("scans that finish within a time{on}"), &it.times_ms)
+    });
+    let of_scans: Vec<ThemedPanel> = of_scans.collect();
     html! {
         section #times aria-labelledby="times-title" {
             h2 #times-title { "Times" }
             p.about { "Detection only, on " (facts.manifest.machine.cpu_model) ". On another machine, only ratios can be compared." }
             div.beside {
-                @if let Some(panel) = latency_plot(&facts.times_ms) {
+                @if !of_scans.is_empty() {
                     (FigureMarkup {
                         file_stem: "times",
                         title: &format!("Times of scans ({origin})"),
-                        panels: &[panel],
+                        panels: &of_scans,
                         key: &key(&facts.detectors()),
                         caption: html! {
                             "Share of the scans (" (origin) ") that finish within a time. Farther left is faster, steeper is more constant. "

@@ -14,7 +14,8 @@ pub(super) fn worst(facts: &RunFacts) -> Markup {
     if facts.worst.lists().all(|(_, places)| places.is_empty()) {
         return html! {};
     }
-    let tasks: Vec<Task> = facts.standings.iter().map(|it| it.task).collect();
+    let mut tasks: Vec<Task> = facts.standings.iter().map(|it| it.task).collect();
+    tasks.dedup();
     html! {
         section #worst aria-labelledby="worst-title" {
             h2 #worst-title { "Worst mistakes, seen from above" }

@@ -7,8 +7,8 @@ use super::small_panel::{Points, SmallPanel};
 use super::style::axis_text;
 use super::themed_svg::ThemedPanel;
 
-/// A panel with a curve of every detector, whose times are in milliseconds, ascending and above zero; `None` without any.
-pub fn latency_plot(of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> {
+/// A panel of that title with a curve of every detector, whose times are in milliseconds, ascending and above zero; `None` without any.
+pub fn latency_plot(title: &str, of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> {
     let times = || of_detectors.iter().flat_map(|(_, times)| times).copied();
     let (least, most) = (times().reduce(f64::min)?, times().reduce(f64::max)?);
     // A power of ten is on the axis in any case.
@@ -22,7 +22,7 @@ pub fn latency_plot(of_detectors: &[(String, Vec<f64>)]) -> Option<ThemedPanel> 
     let label =
         format!("share of scans that finish within a time in milliseconds, of {}", detectors.join(", "));
     let panel = SmallPanel {
-        title: "scans that finish within a time",
+        title,
         x_title: "time of a scan (ms), logarithmic",
         y_title: "scans (%)",
         x: plotters::coord::combinators::LogCoord::from((from..to).log_scale()),
@@ -69,8 +69,8 @@ mod tests {
 
     #[test]
     fn nothing_timed_is_no_panel() {
-        assert_eq!(latency_plot(&[("grid".to_owned(), Vec::new())]), None);
-        let panel = latency_plot(&[("grid".to_owned(), vec![3.0])]).unwrap();
+        assert_eq!(latency_plot("", &[("grid".to_owned(), Vec::new())]), None);
+        let panel = latency_plot("", &[("grid".to_owned(), vec![3.0])]).unwrap();
         for part in ["time of a scan (ms)", "scans (%)", "k-d0"] {
             assert!(panel.inline().contains(part), "no {part} in {panel:?}");
         }

@@ -17,8 +17,11 @@ pub(crate) fn heading(curves: &[SweepCurve<'_>]) -> String {
     let name = match &subject.extent {
         Extent::Dataset(id) => id,
         Extent::Overall => "all data sets",
+        Extent::OverallOf(Origin::Recorded) => "all recorded data sets",
+        Extent::OverallOf(_) => "all simulated data sets",
     };
     match subject.origin {
+        _ if matches!(subject.extent, Extent::OverallOf(_)) => name.to_owned(),
         Origin::Recorded => name.to_owned(),
         origin => format!("{name} ({})", origin.name()),
     }

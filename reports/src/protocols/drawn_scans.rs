@@ -4,7 +4,6 @@ use crate::numbers::blocks::{BlockCount, Blocks, DriveSecond};
 use crate::numbers::tally::Tally;
 use crate::rows::scan_name::ScanName;
 use crate::uncertainty::bootstrap::Resamples;
-use crate::vocabulary::extent::OVERALL;
 
 /// Number of times that scans are drawn: fewer than of other rates, since a ranking has to be gone through anew for each.
 pub const N_PROTOCOL_RESAMPLES: usize = 1_000;
@@ -26,11 +25,10 @@ pub struct DrawnScans {
 }
 
 impl DrawnScans {
-    /// The scans of `dataset`, or of all data sets if it is [`OVERALL`], each drawn from by itself.
-    pub fn of(tally: &Tally, dataset: &str) -> Self {
-        let ids = tally.datasets().iter().enumerate();
-        let asked = ids.filter(|(_, id)| dataset == OVERALL || dataset == id.as_str());
-        Self::of_datasets(asked.map(|(dataset_idx, id)| {
+    /// The scans of the data sets that `extent` names, each data set drawn from by itself.
+    pub fn of(tally: &Tally, extent: &str) -> Self {
+        Self::of_datasets(tally.datasets_in(extent).into_iter().map(|dataset_idx| {
+            let id = &tally.datasets()[dataset_idx];
             let name =
                 |sequence: &str, scan| ScanName { dataset: id.clone(), sequence: sequence.to_owned(), scan };
             let scans =

@@ -34,7 +34,7 @@ pub struct ProtocolMetric {
 pub struct ProtocolNumber {
     /// The protocol.
     pub protocol: Protocol,
-    /// Id of the data set, or [`OVERALL`](crate::vocabulary::extent::OVERALL).
+    /// Id of the data set, or the name of an [`Extent`](crate::vocabulary::extent::Extent) of several.
     pub dataset: String,
     /// Name of the detector.
     pub detector: String,

@@ -18,7 +18,6 @@ use crate::rows::label_score_row::LabelScoreRow;
 use crate::rows::official_rows::OfficialRows;
 use crate::rows::ranked_box_row::RankedBoxRow;
 use crate::rows::scan_name::ScanName;
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::ranked_protocol::RankedProtocol;
 
@@ -146,15 +145,13 @@ impl ProtocolTally {
         })
     }
 
-    /// All numbers, with how sure they are: protocol by protocol, data set by data set and then all together, detector by detector.
+    /// All numbers, with how sure they are: protocol by protocol, data set by data set and then those of one origin together, detector by detector.
     /// Which scans there are, and which are drawn together, is known from `tally`.
     pub fn numbers(&self, tally: &Tally) -> Vec<ProtocolNumber> {
-        let mut datasets: Vec<&str> = tally.datasets().iter().map(String::as_str).collect();
-        if datasets.len() > 1 {
-            datasets.push(OVERALL);
-        }
-        let drawn: Vec<(&str, DrawnScans)> =
-            datasets.into_iter().map(|it| (it, DrawnScans::of(tally, it))).collect();
+        let pools = tally.pools();
+        let several = pools.iter().filter(|it| it.is_of_several()).map(|it| it.extent.name());
+        let datasets = tally.datasets().iter().map(String::as_str).chain(several);
+        let drawn: Vec<(&str, DrawnScans)> = datasets.map(|it| (it, DrawnScans::of(tally, it))).collect();
         let detectors: Vec<&str> = tally.detectors().iter().map(String::as_str).collect();
         self.numbers_on(&drawn, &detectors)
     }

@@ -6,11 +6,11 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::files::archive::{ArchiveError, read_json};
+use crate::numbers::pools::{Pool, pools};
 use crate::numbers::tally::{Processors, Tally};
 use crate::run_folder::shard_record::{ShardRecord, processors_of};
 use crate::run_folder::sweep_entry::SweepEntry;
 use crate::vocabulary::class::AnnotationClass;
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::protocol::Protocol;
 
@@ -277,12 +277,9 @@ fn once() -> u32 {
 }
 
 impl Manifest {
-    /// The data set that numbers about the whole run are about: the only one, or all of them.
-    pub fn extent(&self) -> &str {
-        match &self.datasets[..] {
-            [only] => &only.id,
-            _ => OVERALL,
-        }
+    /// The data sets whose numbers are put together.
+    pub fn pools(&self) -> Vec<Pool> {
+        pools(self.datasets.iter().map(|it| (it.id.as_str(), it.origin())))
     }
 
     /// Whether all its scans were timed on processors of one kind. Times of others are never put together.
@@ -293,7 +290,8 @@ impl Manifest {
     /// Nothing yet, for rows of this run.
     pub fn tally(&self) -> Tally {
         let processors = if self.is_of_like_processors() { Processors::Alike } else { Processors::Unlike };
-        Tally::of_processors(processors)
+        let simulated = self.datasets.iter().filter(|it| it.simulated).map(|it| it.id.clone());
+        Tally::of_run(processors, simulated.collect())
     }
 
     /// The content of `manifest.json`.

@@ -55,10 +55,10 @@ pub(crate) struct Cell {
 /// Something to be said about a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Mark {
+    /// From a sensor, beside what a simulator made.
+    Recorded,
     /// Made by a simulator.
     Simulated,
-    /// Some of it made by a simulator.
-    PartlySimulated,
     /// Recordings that nobody else has.
     NotPublic,
     /// Of fewer scans than it takes to know a percentile.

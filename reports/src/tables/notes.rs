@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use crate::numbers::blocks::{BlockKind, FEWEST_BLOCKS, FEWEST_DRIVES};
 use crate::tables::grid::{Cell, Grid, Line, LineKind, Mark, Undefined};
-use crate::tables::task_table::TaskTable;
+use crate::tables::task_table::{MeasuredRow, TableRow, TaskTable};
 use crate::uncertainty::bootstrap::N_RESAMPLES;
+use crate::vocabulary::extent::Extent;
 
 /// The label of intervals.
 pub(crate) const INTERVAL_TITLE: &str = "95 % interval";
@@ -44,7 +45,13 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
             .extend(table.block_kind().map(|it| format!("{INTERVAL_TITLE}: {}", about_interval(it))));
     }
     if has_line(LineKind::Overall) {
-        notes.sentences.push("overall: ratios of counts and times summed over the data sets.".to_owned());
+        let is_apart = |it: &TableRow| {
+            matches!(it, TableRow::Measured(MeasuredRow { extent: Extent::OverallOf(_), .. }))
+        };
+        let apart = if table.rows.iter().any(is_apart) { ", recorded and simulated ones apart" } else { "" };
+        notes
+            .sentences
+            .push(format!("overall: ratios of counts and times summed over the data sets{apart}."));
     }
     if has_line(LineKind::Paper) {
         notes.sentences.extend(table.paper.map(|paper| {
@@ -52,12 +59,16 @@ pub(crate) fn notes(table: &TaskTable, grids: &[&Grid]) -> Notes {
                 paper.methods.iter().filter(|it| table.detectors.iter().any(|our| our == it.detector));
             let places: Vec<_> = methods.map(|it| format!("{} under {}", it.name, it.detector)).collect();
             format!(
-                "Numbers of data sets are measured here, and may be compared within a row. Rows called paper are printed in {}; {}. \
+                "Numbers of data sets are measured here, and may be compared within a row. Published rows are printed in {}; {}. \
                  They are of other scans, annotations and machines: for orientation, and not to be compared with ours.",
                 paper.source,
                 places.join(", ")
             )
         }));
+    }
+    if table.lacks_paper {
+        let asked = "Published numbers of the papers stand beside their own method: -d paper,hierarchical,kd-tree,pca.";
+        notes.sentences.push(asked.to_owned());
     }
     notes.sentences.extend(rules(table));
     notes.sentences.extend(table.foreign.iter().filter_map(|(detector, results)| {
@@ -131,19 +142,19 @@ impl Notes {
         self.sentences.extend(about_marks);
     }
 
-    /// The sign of a cell's mark, empty without one. For simulated data it is a word, see [`Self::tag`].
+    /// The sign of a cell's mark, empty without one. Of where scans come from it is a word, see [`Self::tag`].
     pub(crate) fn sign(&self, cell: &Cell) -> String {
         match cell.mark {
-            None | Some(Mark::Simulated | Mark::PartlySimulated) => String::new(),
+            None | Some(Mark::Recorded | Mark::Simulated) => String::new(),
             Some(mark) => self.sign_of(mark),
         }
     }
 
-    /// The word that marks a cell as simulated.
+    /// The word that says where the scans of a cell come from.
     pub(crate) fn tag(cell: &Cell) -> Option<&'static str> {
         match cell.mark {
             Some(Mark::Simulated) => Some("simulated"),
-            Some(Mark::PartlySimulated) => Some("partly simulated"),
+            Some(Mark::Recorded) => Some("recorded"),
             _ => None,
         }
     }
@@ -153,7 +164,7 @@ impl Notes {
             Mark::Undefined(_) => {}
             Mark::FewScans => return "‡".to_owned(),
             Mark::FewBlocks => return "§".to_owned(),
-            Mark::Simulated | Mark::PartlySimulated | Mark::NotPublic => return "†".to_owned(),
+            Mark::Recorded | Mark::Simulated | Mark::NotPublic => return "†".to_owned(),
         }
         let is_number = |it: &&Mark| matches!(it, Mark::Undefined(_));
         let number_idx = self.marks.iter().filter(is_number).position(|it| *it == mark);
@@ -163,10 +174,8 @@ impl Notes {
 
     fn sentence_about(&self, mark: Mark) -> String {
         let sentence = match mark {
+            Mark::Recorded => return "recorded: from a sensor.".to_owned(),
             Mark::Simulated => return "simulated: from a simulator, not recorded.".to_owned(),
-            Mark::PartlySimulated => {
-                return "partly simulated: summed over recorded and simulated data sets.".to_owned();
-            }
             Mark::NotPublic => "Budapest recordings, not public.",
             Mark::FewScans => "from too few scans to be reliable: p95 needs 59, p99 needs 299.",
             Mark::FewBlocks => {
@@ -216,7 +225,7 @@ mod tests {
         let table = task_tables(&report(), &manifest).unwrap().remove(0);
         let sentences = notes(&table, &[]).sentences;
         for expected in [
-            "Rules besides clustering: completion: only hierarchical; none: kd-tree.",
+            "Rules besides clustering: completion: only paper; none: kd-tree.",
             "pca did not run here: its results were read from results/deep.",
         ] {
             assert!(sentences.contains(&expected.to_owned()), "{sentences:?}");
@@ -232,8 +241,8 @@ mod tests {
         let sentence =
             |table: &TaskTable| notes(table, &[]).sentences.into_iter().find(|it| it.starts_with("Rules"));
         let tables = task_tables(&report(), &manifest).unwrap();
-        let expected = "Rules besides clustering: walls removed: only hierarchical; regrouping: only hierarchical; \
-                        completion: hierarchical, kd-tree; none: pca.";
+        let expected = "Rules besides clustering: walls removed: only paper; regrouping: only paper; \
+                        completion: paper, kd-tree; none: pca.";
         assert_eq!(sentence(&tables[0]).as_deref(), Some(expected));
         manifest.detectors[2].rules = vec!["completion".to_owned()];
         manifest.detectors[0].rules.truncate(0);

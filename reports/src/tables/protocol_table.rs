@@ -3,14 +3,16 @@
 use std::collections::BTreeSet;
 
 use crate::files::fixed_decimals::fixed_decimals;
+use crate::numbers::pools::Pool;
 use crate::protocols::drawn_scans::N_PROTOCOL_RESAMPLES;
 use crate::protocols::protocol_number::{ALL_CLASSES, PRESENT_CLASSES, ProtocolNumber};
 use crate::protocols::protocol_report::ProtocolReport;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
-use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark};
+use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::{INTERVAL_TITLE, about_interval_of};
 use crate::tables::sheet::{Sheet, Tabular};
-use crate::vocabulary::extent::OVERALL;
+use crate::tables::task_grids::extent_cell;
+use crate::vocabulary::extent::Extent;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::protocol::Protocol;
 
@@ -101,7 +103,7 @@ impl<'a> ProtocolTable<'a> {
             }
             let kind = match (is_new_dataset, first.dataset.as_str()) {
                 (false, _) => LineKind::Detail,
-                (true, OVERALL) => LineKind::Overall,
+                (true, dataset) if self.pool(dataset).is_some() => LineKind::Overall,
                 (true, _) => LineKind::Dataset,
             };
             lines.push(Line { kind, cells });
@@ -117,12 +119,17 @@ impl<'a> ProtocolTable<'a> {
     }
 
     fn extent_cell(&self, dataset: &str) -> Cell {
-        let datasets = self.manifest.datasets.iter().filter(|it| dataset == OVERALL || it.id == dataset);
-        match datasets.map(DatasetEntry::origin).reduce(Origin::with) {
-            Some(Origin::Simulated) => Cell::marked(dataset, Mark::Simulated),
-            Some(Origin::Recorded) | None => Cell::new(dataset),
-            Some(_) => Cell::marked(dataset, Mark::PartlySimulated),
+        if let Some(pool) = self.pool(dataset) {
+            return extent_cell(&pool.extent, pool.origin);
         }
+        let entry = self.manifest.datasets.iter().find(|it| it.id == dataset);
+        let origin = entry.map_or(Origin::Recorded, DatasetEntry::origin);
+        extent_cell(&Extent::Dataset(dataset.to_owned()), origin)
+    }
+
+    /// The several data sets of this name.
+    fn pool(&self, name: &str) -> Option<Pool> {
+        self.manifest.pools().into_iter().find(|it| it.is_of_several() && it.extent.name() == name)
     }
 
     fn sentences(&self) -> Vec<String> {
@@ -212,7 +219,7 @@ mod tests {
                 number(name, "car", "ap", value),
             ]
         };
-        let rows = [of_detector("hierarchical", Some(0.25)), of_detector("pca", None)];
+        let rows = [of_detector("paper", Some(0.25)), of_detector("pca", None)];
         ProtocolReport::new(rows.concat())
     }
 
@@ -224,7 +231,7 @@ mod tests {
         insta::assert_snapshot!(text(ProtocolLines::Short), @r"
         Protocol nuscenes. n: annotations that count.
 
-                                                           hierarchical                   pca
+                                                              paper                       pca
                                                      ────────────────────────   ────────────────────────
         data set               class    metric   n    value              95 %    value              95 %
         ────────────────────────────────────────────────────────────────────────────────────────────────

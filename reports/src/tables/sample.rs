@@ -17,7 +17,7 @@ use crate::vocabulary::task::Task;
 pub(crate) const DATASETS: [&str; 3] = ["main_road", "kitti_tracking", "kitti_object"];
 
 pub(crate) fn manifest() -> Manifest {
-    let detectors = ["hierarchical", "kd-tree", "pca"];
+    let detectors = ["paper", "kd-tree", "pca"];
     Manifest {
         schema: SCHEMA,
         scoring_version: 1,
@@ -82,22 +82,22 @@ fn dataset(id: &str) -> DatasetEntry {
 type Numbers = (&'static str, Task, &'static str, u64, u64, Option<u64>, Option<f64>);
 
 const NUMBERS: [Numbers; 18] = [
-    ("main_road", Task::Objects, "hierarchical", 412, 371, Some(52), Some(121.3)),
+    ("main_road", Task::Objects, "paper", 412, 371, Some(52), Some(121.3)),
     ("main_road", Task::Objects, "kd-tree", 412, 340, Some(140), Some(8.04)),
     ("main_road", Task::Objects, "pca", 412, 318, Some(97), Some(46.0)),
-    ("kitti_tracking", Task::Objects, "hierarchical", 318, 290, None, Some(98.2)),
+    ("kitti_tracking", Task::Objects, "paper", 318, 290, None, Some(98.2)),
     ("kitti_tracking", Task::Objects, "kd-tree", 318, 271, None, Some(0.471)),
     ("kitti_tracking", Task::Objects, "pca", 318, 204, None, Some(39.9)),
-    ("kitti_object", Task::Objects, "hierarchical", 61, 55, None, Some(104.0)),
+    ("kitti_object", Task::Objects, "paper", 61, 55, None, Some(104.0)),
     ("kitti_object", Task::Objects, "kd-tree", 61, 61, None, Some(0.5)),
     ("kitti_object", Task::Objects, "pca", 61, 40, None, Some(41.0)),
-    ("main_road", Task::Vehicles, "hierarchical", 190, 181, Some(8), Some(121.3)),
+    ("main_road", Task::Vehicles, "paper", 190, 181, Some(8), Some(121.3)),
     ("main_road", Task::Vehicles, "kd-tree", 190, 170, Some(44), Some(8.04)),
     ("main_road", Task::Vehicles, "pca", 190, 190, Some(0), Some(46.0)),
-    ("kitti_tracking", Task::Vehicles, "hierarchical", 240, 211, Some(33), Some(98.2)),
+    ("kitti_tracking", Task::Vehicles, "paper", 240, 211, Some(33), Some(98.2)),
     ("kitti_tracking", Task::Vehicles, "kd-tree", 240, 199, Some(1040), Some(0.471)),
     ("kitti_tracking", Task::Vehicles, "pca", 240, 150, Some(29), Some(39.9)),
-    ("kitti_object", Task::Vehicles, "hierarchical", 0, 0, Some(0), None),
+    ("kitti_object", Task::Vehicles, "paper", 0, 0, Some(0), None),
     ("kitti_object", Task::Vehicles, "kd-tree", 0, 0, Some(3), None),
     ("kitti_object", Task::Vehicles, "pca", 0, 0, Some(0), Some(41.0)),
 ];

@@ -5,6 +5,7 @@ use serde_json::Value;
 use crate::numbers::blocks::Interval;
 use crate::numbers::run_report::{MetricRow, RunReport};
 use crate::numbers::sums::RATIOS;
+use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::slice::Slice;
 
@@ -13,12 +14,13 @@ pub(crate) fn reliable_interval(row: &MetricRow) -> Option<Interval> {
     row.interval().filter(|it| !it.blocks.are_too_few())
 }
 
-/// The ratios and the median time, over all data sets.
+/// The ratios and the median time, over all data sets; of recorded and simulated ones also of each.
 pub(crate) fn headline_rows(report: &RunReport) -> impl Iterator<Item = &MetricRow> {
-    let rows = if report.overall().is_empty() { report.rows() } else { report.overall() };
+    let is_of_all = report.overall().iter().any(|it| it.subject.dataset == OVERALL);
+    let rows = report.rows().iter().filter(move |_| !is_of_all).chain(report.overall());
     let is_headline =
         |metric: &Metric| RATIOS.contains(metric) || *metric == Metric::Latency(LatencyStatistic::P50);
-    rows.iter().filter(move |it| it.subject.slice == Slice::All && is_headline(&it.metric))
+    rows.filter(move |it| it.subject.slice == Slice::All && is_headline(&it.metric))
 }
 
 /// JSON over several lines.

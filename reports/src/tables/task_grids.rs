@@ -8,7 +8,7 @@ use crate::tables::notes::{INTERVAL_TITLE, notes, title};
 use crate::tables::paper_figures::{PaperRow, PaperTable, Recordings};
 use crate::tables::sheet::{Part, Sheet, Tabular};
 use crate::tables::task_table::{MeasuredRow, Score, TableRow, TaskTable};
-use crate::vocabulary::extent::Extent;
+use crate::vocabulary::extent::{Extent, OVERALL};
 use crate::vocabulary::origin::Origin;
 
 /// One line a data set, as in the papers: NO, then for each detector ND, F-rate and fps; beneath it how sure the F-rates are.
@@ -80,7 +80,7 @@ fn counts_cells(label: Cell, detector: &str, score: &Score) -> Vec<Cell> {
 fn line_kind(row: &MeasuredRow) -> LineKind {
     match row.extent {
         Extent::Dataset(_) => LineKind::Dataset,
-        Extent::Overall => LineKind::Overall,
+        Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
     }
 }
 
@@ -88,12 +88,14 @@ fn label(row: &MeasuredRow) -> Cell {
     extent_cell(&row.extent, row.origin)
 }
 
-/// What a row covers, marked if it is simulated.
+/// What a row covers, marked if any of it is simulated.
 pub(crate) fn extent_cell(extent: &Extent, origin: Origin) -> Cell {
-    match origin {
-        Origin::Recorded => Cell::new(extent.name()),
-        Origin::Simulated => Cell::marked(extent.name(), Mark::Simulated),
-        Origin::PartlySimulated => Cell::marked(extent.name(), Mark::PartlySimulated),
+    match (origin, extent) {
+        // Recorded is what is not marked; beside simulated ones it has to be said.
+        (Origin::Recorded, Extent::OverallOf(_)) => Cell::marked(OVERALL, Mark::Recorded),
+        (Origin::Recorded, _) => Cell::new(extent.name()),
+        (_, Extent::OverallOf(_)) => Cell::marked(OVERALL, Mark::Simulated),
+        _ => Cell::marked(extent.name(), Mark::Simulated),
     }
 }
 
@@ -143,7 +145,7 @@ fn recall_line(row: &MeasuredRow) -> Option<Line> {
 }
 
 fn paper_line(paper: &PaperTable, row: &PaperRow, detectors: &[String]) -> Line {
-    let text = format!("paper: {}", row.name);
+    let text = format!("published: {}", row.name);
     let label = match row.recordings {
         Recordings::Budapest | Recordings::Both => Cell::marked(text, Mark::NotPublic),
         Recordings::Kitti => Cell::new(text),

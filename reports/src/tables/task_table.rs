@@ -1,12 +1,13 @@
 //! What the table of a task says, before it is printed anywhere.
 
 use crate::numbers::blocks::{BlockKind, Interval};
+use crate::numbers::pools::pools;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::rows::counts::Counts;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
-use crate::tables::paper_figures::{PAPER_TABLES, PaperRow, PaperTable, Recordings};
+use crate::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, PaperRow, PaperTable, Recordings};
 use crate::tables::table_error::TableError;
-use crate::vocabulary::extent::{Extent, OVERALL};
+use crate::vocabulary::extent::Extent;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::task::Task;
@@ -28,9 +29,11 @@ pub struct TaskTable {
     pub foreign: Vec<(String, Option<String>)>,
     /// Detectors that gave no answer to some scans, with the numbers of these and of all scans.
     pub failures: Vec<(String, [u64; 2])>,
-    /// The paper whose figures stand beside ours, if it is about this task and one of the detectors.
+    /// The paper whose figures stand beside ours, if it is about this task and its method is one of the detectors.
     pub paper: Option<&'static PaperTable>,
-    /// The rows, in order: data sets, what they add up to, and then the paper's rows.
+    /// Whether there would be such figures if that method were one of the detectors.
+    pub lacks_paper: bool,
+    /// The rows, in order: data sets, what those of one origin add up to, and then the paper's rows.
     pub rows: Vec<TableRow>,
 }
 
@@ -43,7 +46,7 @@ pub enum TableRow {
     Paper(&'static PaperRow),
 }
 
-/// What was measured on a data set, or on all of them.
+/// What was measured on a data set, or on several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredRow {
     /// Of what.
@@ -122,8 +125,8 @@ impl TaskTable {
 
 /// The tables of all tasks of a run, in the order in which the report first mentions them.
 ///
-/// Data sets and detectors are in the order of the manifest. Where there are several data sets, the last rows are about
-/// all of them.
+/// Data sets and detectors are in the order of the manifest. Where there are several data sets of one origin, rows about all of these
+/// follow. Recorded and simulated data sets are never put together.
 ///
 /// ```
 /// use std::path::Path;
@@ -174,11 +177,11 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
     let datasets = entries
         .map(|entry| Ok((entry, measured_row(report, entry, task, &detectors)?)))
         .collect::<Result<Vec<_>, TableError>>()?;
-    let measured: Vec<&MeasuredRow> = datasets.iter().map(|(_, row)| row).collect();
-    let overall = (measured.len() > 1).then(|| overall_row(report, task, &detectors, &measured));
-    let paper = PAPER_TABLES.iter().find(|it| {
-        it.task == task && it.methods.iter().any(|method| detectors.iter().any(|our| our == method.detector))
-    });
+    let overall = overall_rows(report, task, &detectors, &datasets);
+    let published = PAPER_TABLES.iter().find(|it| it.task == task);
+    let published_rows = published.map_or_else(Vec::new, |it| rows_beside(it, &datasets));
+    let has_paper = detectors.iter().any(|it| it == PAPER_DETECTOR);
+    let measured = datasets.into_iter().map(|(_, row)| row).chain(overall).map(TableRow::Measured);
     Ok(TaskTable {
         task,
         matching_criterion: manifest.matching_criterion.clone(),
@@ -187,8 +190,10 @@ fn task_table(report: &RunReport, manifest: &Manifest, task: Task) -> Result<Tas
         foreign: foreign(manifest, &detectors),
         failures: failures(report, task, &detectors),
         detectors,
-        paper,
-        rows: in_order(datasets, overall, paper),
+        paper: published.filter(|_| has_paper),
+        lacks_paper: !has_paper && !published_rows.is_empty(),
+        // After all of ours, which they are none of.
+        rows: measured.chain(published_rows.into_iter().filter(|_| has_paper).map(TableRow::Paper)).collect(),
     })
 }
 
@@ -214,31 +219,21 @@ fn foreign(manifest: &Manifest, detectors: &[String]) -> Vec<(String, Option<Str
 
 /// Those of `detectors` that gave no answer to some scans of all data sets.
 fn failures(report: &RunReport, task: Task, detectors: &[String]) -> Vec<(String, [u64; 2])> {
-    let of_detector = |it: &String| Some((it.clone(), report.failed_scans(task, it)?));
+    let of_detector = |it: &String| Some((it.clone(), report.failed_scans(|_| true, task, it)?));
     detectors.iter().filter_map(of_detector).collect()
 }
 
-/// Puts the rows of the paper whose recordings a data set is to be compared with after all of ours, which they are none of.
-fn in_order(
-    datasets: Vec<(&DatasetEntry, MeasuredRow)>,
-    overall: Option<MeasuredRow>,
-    paper: Option<&'static PaperTable>,
-) -> Vec<TableRow> {
-    let paper_rows = |recordings| {
-        let rows = paper.map_or(&[][..], |it| it.rows).iter();
-        rows.filter(move |it| recordings == Some(it.recordings)).map(TableRow::Paper)
+/// The rows of `paper` whose recordings a data set is to be compared with, and its last one beside several.
+fn rows_beside(
+    paper: &'static PaperTable,
+    datasets: &[(&DatasetEntry, MeasuredRow)],
+) -> Vec<&'static PaperRow> {
+    let counterparts: Vec<Recordings> = datasets.iter().filter_map(|(entry, _)| counterpart(entry)).collect();
+    let is_beside = |it: &&PaperRow| match it.recordings {
+        Recordings::Both => counterparts.len() > 1,
+        recordings => counterparts.contains(&recordings),
     };
-    let counterparts: Vec<_> = datasets.iter().map(|(entry, _)| counterpart(entry)).collect();
-    let of_both = overall.is_some().then_some(Recordings::Both);
-    let measured = datasets.into_iter().map(|(_, row)| row).chain(overall);
-    let mut rows: Vec<TableRow> = measured.map(TableRow::Measured).collect();
-    for recordings in [Recordings::Budapest, Recordings::Kitti] {
-        if counterparts.contains(&Some(recordings)) {
-            rows.extend(paper_rows(Some(recordings)));
-        }
-    }
-    rows.extend(paper_rows(of_both));
-    rows
+    paper.rows.iter().filter(is_beside).collect()
 }
 
 /// The papers' recordings that a data set is to be compared with, if any: KITTI with KITTI, and simulated streets with
@@ -275,25 +270,40 @@ fn measured_row(
     Ok(MeasuredRow { extent: Extent::Dataset(entry.id.clone()), origin: entry.origin(), no, scores })
 }
 
-/// Sums counts and times, so that every object and every scan weighs the same; `datasets` is not empty.
-fn overall_row(
+/// What several data sets of one origin add up to.
+fn overall_rows(
     report: &RunReport,
     task: Task,
     detectors: &[String],
-    datasets: &[&MeasuredRow],
-) -> MeasuredRow {
-    let mut overall = MeasuredRow { extent: Extent::Overall, ..(*datasets[0]).clone() };
-    for dataset in &datasets[1..] {
+    datasets: &[(&DatasetEntry, MeasuredRow)],
+) -> Vec<MeasuredRow> {
+    let pools = pools(datasets.iter().map(|(entry, row)| (entry.id.as_str(), row.origin)));
+    let several = pools.iter().filter(|it| it.is_of_several());
+    let rows = several.map(|pool| {
+        let rows = datasets.iter().map(|(_, row)| row).filter(|it| it.origin == pool.origin);
+        overall_row(report, task, detectors, (&pool.extent, rows))
+    });
+    rows.flatten().collect()
+}
+
+/// Sums counts and times, so that every object and every scan weighs the same; `None` of no data sets.
+fn overall_row<'a>(
+    report: &RunReport,
+    task: Task,
+    detectors: &[String],
+    (extent, mut datasets): (&Extent, impl Iterator<Item = &'a MeasuredRow>),
+) -> Option<MeasuredRow> {
+    let mut overall = MeasuredRow { extent: extent.clone(), ..datasets.next()?.clone() };
+    for dataset in datasets {
         overall.no += dataset.no;
         for (sum, score) in overall.scores.iter_mut().zip(&dataset.scores) {
             sum.add(score);
         }
-        overall.origin = overall.origin.with(dataset.origin);
     }
     for (score, detector) in overall.scores.iter_mut().zip(detectors) {
-        score.intervals = rate_intervals(report, &Subject::of_all(OVERALL, task, detector));
+        score.intervals = rate_intervals(report, &Subject::of_all(extent.name(), task, detector));
     }
-    overall
+    Some(overall)
 }
 
 fn rate_intervals(report: &RunReport, subject: &Subject) -> RateIntervals {
@@ -393,12 +403,24 @@ mod tests {
     }
 
     #[test]
-    fn a_paper_about_other_detectors_is_left_out() {
-        let manifest = sample::manifest();
-        let pca_only = sample::report_where(|it| it.subject.detector == "pca");
-        let [objects, vehicles] = tables(&pca_only, &manifest).unwrap().try_into().unwrap();
-        assert_eq!((objects.paper.is_some(), vehicles.paper.is_some()), (false, true));
-        assert_eq!(names(&objects), ["main_road", "kitti_tracking", "kitti_object", "OVERALL"]);
+    fn without_their_own_method_the_papers_are_left_out() {
+        let mut manifest = sample::manifest();
+        let others = sample::report_where(|it| it.subject.detector != PAPER_DETECTOR);
+        for table in tables(&others, &manifest).unwrap() {
+            assert_eq!(table.paper, None);
+            assert_eq!(names(&table), ["main_road", "kitti_tracking", "kitti_object", "OVERALL"]);
+            assert!(table.lacks_paper);
+        }
+        // Nothing is published of scans like these.
+        manifest.datasets.iter_mut().for_each(|it| (it.simulated, it.format) = (false, "folder".to_owned()));
+        assert!(tables(&others, &manifest).unwrap().iter().all(|it| !it.lacks_paper));
+    }
+
+    #[test]
+    fn nothing_published_stands_beside_a_detector_of_which_there_is_no_paper() {
+        let is_of =
+            |name: &str| PAPER_TABLES.iter().any(|it| it.methods.iter().any(|it| it.detector == name));
+        assert_eq!([PAPER_DETECTOR, "kd-tree", "pca", "hierarchical"].map(is_of), [true, true, true, false]);
     }
 
     #[test]
@@ -420,7 +442,10 @@ mod tests {
             })
             .collect();
         let (overall, datasets) = measured.split_last().unwrap();
-        assert_eq!(overall.origin, Origin::PartlySimulated);
+        // The simulated one stands alone.
+        assert_eq!(overall.extent, Extent::OverallOf(Origin::Recorded));
+        let datasets: Vec<_> = datasets.iter().filter(|it| it.origin == Origin::Recorded).collect();
+        assert_eq!(datasets.len(), 2);
         let sum = |of: fn(&Score) -> f64| datasets.iter().map(|it| of(&it.scores[0])).sum::<f64>();
         let score = overall.scores[0];
         let f_rate = 2.0 * sum(|it| it.counts.tp() as f64)
@@ -433,7 +458,7 @@ mod tests {
     fn false_objects_unknown_on_one_data_set_are_unknown_overall() {
         let objects = &tables(&sample::report(), &sample::manifest()).unwrap()[0];
         let overall = objects.rows.iter().find_map(|it| match it {
-            TableRow::Measured(row) if row.extent == Extent::Overall => Some(row),
+            TableRow::Measured(row) if row.extent.is_overall() => Some(row),
             _ => None,
         });
         assert_eq!(overall.unwrap().scores[0].counts.f_rate(), None);
@@ -473,7 +498,7 @@ mod tests {
     #[test]
     fn different_annotations_are_an_error() {
         let report = sample::report_with("kitti_object", "pca", &Metric::No, Some(99.0));
-        let expected = "on kitti_object, hierarchical has 61 annotations that count, but pca has 99";
+        let expected = "on kitti_object, paper has 61 annotations that count, but pca has 99";
         check_refused(&report, &sample::manifest(), expected);
     }
 

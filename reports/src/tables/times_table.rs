@@ -1,6 +1,7 @@
 //! The table of how long detection takes.
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
+use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::run_folder::manifest::Manifest;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind, Mark, Undefined};
@@ -45,10 +46,8 @@ impl TimesTable {
         let datasets = manifest.datasets.iter();
         let mut extents: Vec<(Extent, Origin)> =
             datasets.map(|it| (Extent::Dataset(it.id.clone()), it.origin())).collect();
-        if extents.len() > 1 {
-            let all = extents.iter().map(|(_, origin)| *origin).reduce(Origin::with);
-            extents.extend(all.map(|origin| (Extent::Overall, origin)));
-        }
+        let several = manifest.pools().into_iter().filter(Pool::is_of_several);
+        extents.extend(several.map(|it| (it.extent, it.origin)));
         let mut lines = Vec::new();
         for (extent, origin) in extents {
             for (detector_idx, detector) in manifest.detectors.iter().enumerate() {
@@ -59,7 +58,7 @@ impl TimesTable {
                 let label = if is_first { extent_cell(&extent, origin) } else { Cell::default() };
                 let kind = match extent {
                     _ if !is_first => LineKind::Detail,
-                    Extent::Overall => LineKind::Overall,
+                    Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
                     Extent::Dataset(_) => LineKind::Dataset,
                 };
                 lines.push(Line { kind, cells: cells(row, &of_some, &detector.name, label) });
@@ -128,7 +127,7 @@ mod tests {
             MetricRow::new(Subject::of_all("main_road", Task::Objects, detector), metric.clone(), value, n)
         };
         let rows = STATISTICS.iter().zip(1..).flat_map(|((_, metric), place)| {
-            [row("hierarchical", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]
+            [row("paper", metric, Some(f64::from(place) * 1.5)), row("kd-tree", metric, None)]
         });
         let report = RunReport::new(1, rows.collect()).unwrap();
         Terminal { width: Some(100) }.text(&TimesTable::new(&report, &manifest))
@@ -139,12 +138,12 @@ mod tests {
         insta::assert_snapshot!(table(58), @r"
         Times of detection only, on Example CPU @ 2 GHz.
 
-                                                             time of a scan [ms]            scans per second
-                                                     ────────────────────────────────────   ─────────────
-        data set               detector      scans    min   p50   p90    p95    p99   max   1/mean  1/p50
-        ─────────────────────────────────────────────────────────────────────────────────────────────────
-        main_road (simulated)  hierarchical     58   1.50  3.00  4.50  6.00‡  7.50‡  9.00     10.5   12.0
-                               kd-tree          58   –¹    –¹    –¹    –¹     –¹     –¹        –¹     –¹
+                                                         time of a scan [ms]            scans per second
+                                                 ────────────────────────────────────   ─────────────
+        data set               detector  scans    min   p50   p90    p95    p99   max   1/mean  1/p50
+        ─────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)  paper        58   1.50  3.00  4.50  6.00‡  7.50‡  9.00     10.5   12.0
+                               kd-tree      58   –¹    –¹    –¹    –¹     –¹     –¹        –¹     –¹
 
         Percentiles by nearest rank. On another machine, only ratios between detectors can be compared.
         simulated: from a simulator, not recorded.
@@ -168,6 +167,6 @@ mod tests {
     #[test]
     fn all_data_sets_are_in_the_markdown() {
         let text = Markdown.text(&TimesTable::new(&sample::report(), &sample::manifest()));
-        assert!(text.contains("| kitti_object | hierarchical |") && text.contains("**overall**"), "{text}");
+        assert!(text.contains("| kitti_object | paper |") && text.contains("**overall**"), "{text}");
     }
 }

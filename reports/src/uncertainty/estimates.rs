@@ -1,13 +1,13 @@
 //! From what was gathered of a run to its numbers, and how sure they are.
 
 use crate::numbers::average_precision::{RankedDetection, average_precision, operating_points};
+use crate::numbers::pools::Pool;
 use crate::numbers::precision_recall_row::PrecisionRecallRow;
 use crate::numbers::run_report::{MetricRow, Subject};
 use crate::numbers::sums::{FalseObjects, RATIOS, Term};
 use crate::numbers::tally::Tally;
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Draw, Question, Sample};
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{Metric, RecallPositions};
 use crate::vocabulary::slice::Slice;
 
@@ -18,9 +18,14 @@ impl Tally {
         self.datasets().iter().flat_map(|dataset| self.rows_about(dataset, &draws)).collect()
     }
 
-    /// The numbers of all data sets together; none if there is only one.
+    /// The numbers of all data sets of one origin together, where there are several.
     pub fn overall_rows(&self) -> Vec<MetricRow> {
-        if self.datasets().len() < 2 { Vec::new() } else { self.rows_about(OVERALL, &self.draw()) }
+        let pools: Vec<Pool> = self.pools().into_iter().filter(Pool::is_of_several).collect();
+        if pools.is_empty() {
+            return Vec::new();
+        }
+        let draws = self.draw();
+        pools.iter().flat_map(|it| self.rows_about(it.extent.name(), &draws)).collect()
     }
 
     fn rows_about(&self, dataset: &str, draws: &[Draw]) -> Vec<MetricRow> {
@@ -77,10 +82,7 @@ impl Tally {
     /// does not rank them, or nothing was seen of the kind.
     pub fn ranked(&self, question: &Question<'_>) -> Option<Vec<RankedDetection>> {
         let mut all = None;
-        for (dataset_idx, dataset) in self.datasets().iter().enumerate() {
-            if question.dataset != OVERALL && question.dataset != dataset {
-                continue;
-            }
+        for dataset_idx in self.datasets_in(question.dataset) {
             // As for every other number, a data set of which no scan was evaluated says nothing.
             if let Some(gathered) = self.gathered(dataset_idx, question.task, question.detector) {
                 all.get_or_insert_with(Vec::new).extend(gathered.ranked.as_ref()?);
@@ -151,12 +153,14 @@ impl Sample {
 mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockKind, Interval};
+    use crate::numbers::tally::Processors;
     use crate::rows::counts::Counts;
     use crate::rows::match_outcome::{AnnotationFacts, BoxFacts, DetectionFacts, FoundBy, MatchOutcome};
     use crate::rows::match_row::MatchRow;
     use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow, SegmentationNumbers};
     use crate::vocabulary::class::{AnnotationClass, DetectionClass, Occlusion};
     use crate::vocabulary::criterion::CriterionKind;
+    use crate::vocabulary::extent::OVERALL;
     use crate::vocabulary::metric::BoxDimension;
     use crate::vocabulary::reason::{FalseReason, IgnoredDetection, MissReason};
     use crate::vocabulary::task::Task;
@@ -531,6 +535,21 @@ mod tests {
         );
         assert_eq!(value(Metric::FRate), Some(6.0 / 18.0));
         assert!(overall.iter().all(|it| it.subject.dataset == OVERALL));
+    }
+
+    #[test]
+    fn recorded_and_simulated_numbers_are_never_put_together() {
+        let mut tally = Tally::of_run(Processors::Alike, ["street".to_owned()].into());
+        let scan = |dataset: &str, no, fo| ScanRow { dataset: dataset.to_owned(), ..scan_row(3, no, 1, fo) };
+        tally.add_scan(&scan("street", 4, Some(2)));
+        tally.add_scan(&scan("kitti", 6, None));
+        assert!(tally.overall_rows().is_empty() && tally.overall_time_rows().is_empty());
+        let of_all = Question { dataset: OVERALL, task: Task::Vehicles, detector: "pca", slice: Slice::All };
+        assert!(tally.sample(&of_all, &tally.draw()).is_none());
+        tally.add_scan(&scan("nuscenes", 10, None));
+        let overall = tally.overall_rows();
+        assert!(overall.iter().all(|it| it.subject.dataset == "overall-recorded"));
+        assert_eq!(overall.iter().find(|it| it.metric == Metric::No).unwrap().value(), Some(16.0));
     }
 
     #[test]

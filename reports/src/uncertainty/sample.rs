@@ -4,7 +4,6 @@ use crate::numbers::blocks::{BlockCount, Blocks};
 use crate::numbers::sums::{FalseObjects, Sums};
 use crate::numbers::tally::Tally;
 use crate::uncertainty::bootstrap::Resamples;
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
@@ -40,10 +39,10 @@ pub struct Sample {
     pub resampled: Vec<Sums>,
 }
 
-/// What a tally has been asked about: a data set or all of them, a task, a detector, a slice.
+/// What a tally has been asked about: a data set or several, a task, a detector, a slice.
 #[derive(Debug, Clone, Copy)]
 pub struct Question<'a> {
-    /// Id of the data set; [`OVERALL`] for all together.
+    /// Id of the data set, or the name of several together: that of their [`Extent`](crate::vocabulary::extent::Extent).
     pub dataset: &'a str,
     /// The task.
     pub task: Task,
@@ -73,10 +72,8 @@ impl Tally {
     /// The sums that are asked for; `None` if nothing was seen of the kind.
     pub fn sample(&self, question: &Question<'_>, draws: &[Draw]) -> Option<Sample> {
         let mut all: Option<Sample> = None;
-        for (dataset_idx, draw) in draws.iter().enumerate() {
-            if question.dataset != OVERALL && question.dataset != self.datasets()[dataset_idx] {
-                continue;
-            }
+        for dataset_idx in self.datasets_in(question.dataset) {
+            let Some(draw) = draws.get(dataset_idx) else { continue };
             let Some(sample) = self.sample_of(dataset_idx, question, draw) else { continue };
             all = Some(match all {
                 Some(sum) => sum.with(&sample),

@@ -1,10 +1,10 @@
 //! From what was gathered of a run to its speeds, and to its whole report.
 
 use crate::numbers::latencies::Latencies;
+use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport, RunReportError, Subject};
 use crate::numbers::tally::Tally;
 use crate::numbers::times::{TimeKind, Times};
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 
 /// The statistics of a report, each with its percentile.
@@ -39,14 +39,16 @@ impl Tally {
         datasets.flat_map(|(dataset, times)| self.times_about(dataset, times)).collect()
     }
 
-    /// The times of all data sets put together; none if there is only one.
+    /// The times of all data sets of one origin put together, where there are several.
     pub fn overall_time_rows(&self) -> Vec<MetricRow> {
-        if self.datasets().len() < 2 {
-            return Vec::new();
-        }
-        let mut all = Times::default();
-        self.times().iter().for_each(|it| all.add(it));
-        self.times_about(OVERALL, &all)
+        let pools = self.pools().into_iter().filter(Pool::is_of_several);
+        let rows = pools.flat_map(|pool| {
+            let mut all = Times::default();
+            let extent = pool.extent.name();
+            self.datasets_in(extent).into_iter().for_each(|it| all.add(&self.times()[it]));
+            self.times_about(extent, &all)
+        });
+        rows.collect()
     }
 
     fn times_about(&self, dataset: &str, times: &Times) -> Vec<MetricRow> {
@@ -91,6 +93,7 @@ mod tests {
     use crate::rows::counts::Counts;
     use crate::rows::scan_row::{ScanNumbers, ScanOutcome, ScanRow};
     use crate::rows::stage_row::StageRow;
+    use crate::vocabulary::extent::OVERALL;
     use crate::vocabulary::task::Task;
 
     fn scan_row(dataset: &str, scan: u32, latency_ms: Option<f64>) -> ScanRow {

@@ -234,9 +234,12 @@ fn scores(before: Option<&RunArchive>, run: &RunArchive) -> String {
     line
 }
 
-/// The F-rate over all data sets.
+/// The F-rate over all data sets; of recorded and of simulated ones where there are both.
 fn percent(run: &RunArchive, task: Task, detector: &str) -> Option<String> {
-    let dataset = run.manifest.extent();
-    let row = run.report.row(&Subject::of_all(dataset, task, detector), &Metric::FRate)?;
-    Some(fixed_decimals(100.0 * row.value()?, 1))
+    let of_pools = run.manifest.pools().into_iter().filter_map(|pool| {
+        let row = run.report.row(&Subject::of_all(pool.extent.name(), task, detector), &Metric::FRate)?;
+        Some(fixed_decimals(100.0 * row.value()?, 1))
+    });
+    let of_pools: Vec<String> = of_pools.collect();
+    (!of_pools.is_empty()).then(|| of_pools.join(" and "))
 }

@@ -11,7 +11,6 @@ use crate::uncertainty::sample::{Draw, Question};
 use crate::verdicts::tolerances::{
     DriftRule, Origin, ProtocolRule, QualityRule, SpeedRule, Tolerances, is_meant,
 };
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{Metric, SPEED_REFERENCE};
 use crate::vocabulary::protocol::Protocol;
 use crate::vocabulary::slice::Slice;
@@ -111,7 +110,8 @@ impl Tolerances {
 /// One rule for each protocol that the baseline was evaluated under, about those of `metrics` that it has of all classes together.
 fn protocol_rules(baseline: &RunArchive, size: &ProtocolSize) -> Vec<ProtocolRule> {
     let tally = baseline.tally();
-    let scans = DrawnScans::undrawn(DrawnScans::of(&tally, OVERALL).names().to_vec());
+    let names = tally.datasets().iter().flat_map(|it| DrawnScans::of(&tally, it).names().to_vec());
+    let scans = DrawnScans::undrawn(names.collect());
     let rule = |protocol: Protocol| {
         let of_detectors = tally
             .detectors()
@@ -141,8 +141,11 @@ struct Numbers<'a> {
 
 impl Numbers<'_> {
     fn has(&self, metric: &Metric, task: Task, detector: &str, slice: Slice) -> bool {
-        let question = Question { dataset: OVERALL, task, detector, slice };
-        self.tally.sample(&question, &self.draws).is_some_and(|it| it.value(metric).is_some())
+        let pools = self.tally.pools();
+        pools.iter().any(|pool| {
+            let question = Question { dataset: pool.extent.name(), task, detector, slice };
+            self.tally.sample(&question, &self.draws).is_some_and(|it| it.value(metric).is_some())
+        })
     }
 
     /// The detectors that have `metric` in `task`, of a slice that `pattern` stands for.

@@ -9,14 +9,14 @@ use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
 use crate::verdicts::rule_problems::{RulePlace, RuleProblem, RuleProblems, RuleTable};
 use crate::verdicts::suggestion::did_you_mean;
 use crate::verdicts::tolerances::{GatedPlace, QualityRule, Tolerances, is_meant, names_meant};
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
-use crate::vocabulary::task::Task;
 
 /// A number that is gated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatedMetric {
+    /// Name of the data sets that it is about, where recorded and simulated ones are judged apart.
+    pub on: Option<String>,
     /// Name of the task, or of the protocol.
     pub task: String,
     /// Name of the detector.
@@ -33,6 +33,18 @@ pub struct GatedMetric {
     pub tolerance: f64,
     /// What that means.
     pub finding: Finding,
+}
+
+impl GatedMetric {
+    /// What it is about: the task, and the data sets if there are others.
+    pub fn about(&self) -> String {
+        about(&self.task, self.on.as_deref())
+    }
+}
+
+/// `what`, and on which data sets if there are others.
+pub(crate) fn about(what: &str, on: Option<&str>) -> String {
+    on.map_or_else(|| what.to_owned(), |it| format!("{what} on {it}"))
 }
 
 /// Where a number is missing.
@@ -74,7 +86,8 @@ pub(super) struct Sides<'a> {
 }
 
 impl Sides<'_> {
-    /// Every number that `tolerances` are about, task by task, detector by detector, slice by slice, over all data sets together.
+    /// Every number that `tolerances` are about, task by task, detector by detector, slice by slice: over all recorded data sets together,
+    /// and over all simulated ones.
     ///
     /// # Errors
     ///
@@ -85,23 +98,29 @@ impl Sides<'_> {
         problems.extend(self.unknown_names(tolerances, &slices));
         let metrics = tolerances.metrics();
         let mut gated = Vec::new();
-        for &task in self.before.tasks() {
-            for detector in self.before.detectors() {
-                for &slice in &slices {
-                    let place = GatedPlace { task, detector, slice };
-                    let wanted =
-                        metrics.iter().filter_map(|it| Some((it, tolerances.rule_about(it, place)?)));
-                    let wanted: Vec<(&Metric, usize)> = wanted.collect();
-                    if !wanted.is_empty() {
-                        let samples = self.samples(task, detector, slice);
-                        let of_metric = |(metric, rule_idx)| {
-                            gated_metric(metric, place, &samples, (rule_idx, &tolerances.quality[rule_idx]))
-                        };
-                        gated.extend(wanted.into_iter().filter_map(of_metric));
+        for (dataset, on) in self.judged() {
+            for &task in self.before.tasks() {
+                for detector in self.before.detectors() {
+                    for &slice in &slices {
+                        let place = GatedPlace { task, detector, slice };
+                        let wanted =
+                            metrics.iter().filter_map(|it| Some((it, tolerances.rule_about(it, place)?)));
+                        let wanted: Vec<(&Metric, usize)> = wanted.collect();
+                        if !wanted.is_empty() {
+                            let samples =
+                                self.samples(&Question { dataset: &dataset, task, detector, slice });
+                            let of_metric = |(metric, rule_idx)| {
+                                let rule = (rule_idx, &tolerances.quality[rule_idx]);
+                                let gated = gated_metric(metric, place, &samples, rule)?;
+                                Some(GatedMetric { on: on.clone(), ..gated })
+                            };
+                            gated.extend(wanted.into_iter().filter_map(of_metric));
+                        }
                     }
                 }
             }
         }
+        let gated = without_gaps(gated);
         problems.extend(void_rules(tolerances, &gated, &problems));
         RuleProblems::check(tolerances.path(), problems)?;
         Ok(gated)
@@ -118,9 +137,13 @@ impl Sides<'_> {
         slices
     }
 
-    fn samples(&self, task: Task, detector: &str, slice: Slice) -> [Option<Sample>; 2] {
-        let question = Question { dataset: OVERALL, task, detector, slice };
-        [self.before, self.after].map(|it| it.sample(&question, self.draws))
+    /// Names of the data sets that are judged together, and again if there are others.
+    pub(super) fn judged(&self) -> Vec<(String, Option<String>)> {
+        judged(self.before)
+    }
+
+    fn samples(&self, question: &Question<'_>) -> [Option<Sample>; 2] {
+        [self.before, self.after].map(|it| it.sample(question, self.draws))
     }
 
     /// Names of the rules that neither side knows.
@@ -155,6 +178,21 @@ impl Sides<'_> {
         }
         problems
     }
+}
+
+/// Names of the data sets of `tally` that are judged together, and again if there are others.
+pub(crate) fn judged(tally: &Tally) -> Vec<(String, Option<String>)> {
+    let pools = tally.pools();
+    let names = pools.iter().map(|it| it.extent.name().to_owned());
+    names.map(|it| (it.clone(), (pools.len() > 1).then_some(it))).collect()
+}
+
+/// Without those that neither side has on some data sets, but on others: false objects may be known of simulated ones alone.
+fn without_gaps(gated: Vec<GatedMetric>) -> Vec<GatedMetric> {
+    let is_gap = |it: &GatedMetric| it.difference == Err(Missing::InBoth);
+    let key = |it: &GatedMetric| (it.task.clone(), it.detector.clone(), it.slice.clone(), it.metric.clone());
+    let known: BTreeSet<_> = gated.iter().filter(|it| !is_gap(it)).map(key).collect();
+    gated.into_iter().filter(|it| !is_gap(it) || !known.contains(&key(it))).collect()
 }
 
 /// Metrics and slices of rules that no number was held to: of no slice is the metric measured, or an earlier rule decides. Rules
@@ -207,5 +245,5 @@ fn gated_metric(
     let GatedPlace { task, detector, slice } = place;
     let (task, detector, slice) = (task.name().to_owned(), detector.to_owned(), slice.name());
     let metric = metric.clone();
-    Some(GatedMetric { task, detector, slice, metric, rule_idx, difference, tolerance, finding })
+    Some(GatedMetric { on: None, task, detector, slice, metric, rule_idx, difference, tolerance, finding })
 }

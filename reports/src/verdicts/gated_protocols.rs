@@ -1,16 +1,17 @@
 //! Numbers under protocols of others held to tolerances, one by one.
 
 use crate::numbers::tally::Tally;
+use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_tally::ProtocolTally;
 use crate::verdicts::finding::Finding;
-use crate::verdicts::gated_metrics::{GatedMetric, Missing};
-use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, all_scans, pairs};
+use crate::verdicts::gated_metrics::{GatedMetric, Missing, judged};
+use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, pairs};
 use crate::verdicts::rule_problems::{RuleProblem, RuleProblems};
 use crate::verdicts::tolerances::{Tolerances, names_meant};
 use crate::vocabulary::metric::Direction;
 use crate::vocabulary::protocol::Protocol;
 
-/// Every number that `tolerances` are about, protocol by protocol and detector by detector, over all data sets of `tally` together.
+/// Every number that `tolerances` are about, protocol by protocol and detector by detector, over all data sets of `tally` of one origin together.
 ///
 /// # Errors
 ///
@@ -24,24 +25,27 @@ pub(super) fn gated_protocols(
     if tolerances.protocols.is_empty() {
         return Ok(gated);
     }
-    let scans = all_scans(tally);
-    for protocol in Protocol::ALL {
-        if tolerances.protocols.iter().all(|it| it.protocol != protocol) {
-            continue;
-        }
+    let judged: Vec<_> = judged(tally).into_iter().map(|(it, on)| (DrawnScans::of(tally, &it), on)).collect();
+    let asked = |it: &Protocol| tolerances.protocols.iter().any(|rule| rule.protocol == *it);
+    let protocols = Protocol::ALL.into_iter().filter(asked);
+    for (protocol, (scans, on)) in protocols.flat_map(|protocol| judged.iter().map(move |it| (protocol, it)))
+    {
         for detector in tally.detectors() {
-            let sides = [before, after].map(|it| ProtocolSide::of(it, protocol, detector, &scans));
+            let sides = [before, after].map(|it| ProtocolSide::of(it, protocol, detector, scans));
             let pairs = match &sides {
-                [Some(before), Some(after)] => pairs(before, after, &scans),
+                [Some(before), Some(after)] => pairs(before, after, scans),
                 // Whoever is missing on one side has no number there.
                 [Some(only), None] | [None, Some(only)] => {
                     let is_there = [sides[0].is_some(), sides[1].is_some()];
-                    let alone = pairs(only, only, &scans).into_iter();
+                    let alone = pairs(only, only, scans).into_iter();
                     alone.map(|it| ProtocolPair { is_there, difference: None, ..it }).collect()
                 }
                 [None, None] => continue,
             };
-            let of_pair = |it| gated_number(it, (protocol, detector), tolerances);
+            let of_pair = |it| {
+                let gated = gated_number(it, (protocol, detector), tolerances)?;
+                Some(GatedMetric { on: on.clone(), ..gated })
+            };
             gated.extend(pairs.into_iter().filter_map(of_pair));
         }
     }
@@ -72,7 +76,17 @@ fn gated_number(
         .as_ref()
         .map_or(Finding::Incomparable, |it| Finding::of(it.worsening(), it.sure_worsening(), tolerance));
     let (task, detector) = (protocol.name().to_owned(), detector.to_owned());
-    Some(GatedMetric { task, detector, slice: class, metric, rule_idx, difference, tolerance, finding })
+    Some(GatedMetric {
+        on: None,
+        task,
+        detector,
+        slice: class,
+        metric,
+        rule_idx,
+        difference,
+        tolerance,
+        finding,
+    })
 }
 
 /// Metrics and classes of rules that no number was held to.

@@ -5,16 +5,16 @@ use crate::run_folder::manifest::Machine;
 use crate::uncertainty::bootstrap::Distribution;
 use crate::uncertainty::sample::{Question, Sample};
 use crate::verdicts::finding::Finding;
-use crate::verdicts::gated_metrics::{Missing, Sides};
+use crate::verdicts::gated_metrics::{Missing, Sides, about};
 use crate::verdicts::tolerances::SpeedRule;
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::Metric;
 use crate::vocabulary::slice::Slice;
-use crate::vocabulary::task::Task;
 
 /// How long a detector takes, divided by how long the reference takes on the same scans: the geometric mean over scans.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatedSpeed {
+    /// Name of the data sets that it is about, where recorded and simulated ones are judged apart.
+    pub on: Option<String>,
     /// Name of the detector.
     pub detector: String,
     /// Name of the reference.
@@ -25,6 +25,13 @@ pub struct GatedSpeed {
     pub tolerance: f64,
     /// What that means.
     pub finding: Finding,
+}
+
+impl GatedSpeed {
+    /// What it is about: the detector, and the data sets if there are others.
+    pub fn about(&self) -> String {
+        about(&self.detector, self.on.as_deref())
+    }
 }
 
 /// Two ratios of times, and what lies between them.
@@ -81,15 +88,20 @@ impl Sides<'_> {
         }
         // Every task has the same times.
         let task = self.before.tasks().first();
-        let detectors = self.before.detectors().iter().filter(|it| rule.is_about(it));
-        let speeds = detectors.filter_map(|it| Some(self.gated_speed(*task?, it, rule)));
+        let speeds = self.judged().into_iter().flat_map(|(dataset, on)| {
+            let detectors = self.before.detectors().iter().filter(|it| rule.is_about(it));
+            let speeds = detectors.filter_map(|detector| {
+                let question = Question { dataset: &dataset, task: *task?, detector, slice: Slice::All };
+                Some(GatedSpeed { on: on.clone(), ..self.gated_speed(&question, rule) })
+            });
+            speeds.collect::<Vec<_>>()
+        });
         SpeedComparison::Compared(speeds.collect())
     }
 
-    fn gated_speed(&self, task: Task, detector: &str, rule: &SpeedRule) -> GatedSpeed {
-        let question = Question { dataset: OVERALL, task, detector, slice: Slice::All };
+    fn gated_speed(&self, question: &Question<'_>, rule: &SpeedRule) -> GatedSpeed {
         let [before, after] = [self.before, self.after].map(|it| {
-            let sample = it.sample(&question, self.draws)?;
+            let sample = it.sample(question, self.draws)?;
             Some((sample.value(&Metric::TimeRatio)?, sample))
         });
         let slowdown = match (before, after) {
@@ -102,8 +114,8 @@ impl Sides<'_> {
             let sure = it.interval.filter(|it| !it.blocks.are_too_few()).map(|it| it.ends[0]);
             Finding::of(it.share(), sure, rule.relative)
         });
-        let [detector, reference] = [detector, &rule.reference].map(str::to_owned);
-        GatedSpeed { detector, reference, slowdown, tolerance: rule.relative, finding }
+        let [detector, reference] = [question.detector, &rule.reference].map(str::to_owned);
+        GatedSpeed { on: None, detector, reference, slowdown, tolerance: rule.relative, finding }
     }
 }
 

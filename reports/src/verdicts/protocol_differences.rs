@@ -1,6 +1,5 @@
 //! What lies between two detectors, or two runs of one, under protocols of others.
 
-use crate::numbers::tally::Tally;
 use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::ProtocolMetric;
 use crate::protocols::protocol_tally::{ProtocolQuestion, ProtocolTally};
@@ -10,7 +9,7 @@ use crate::verdicts::paired_difference::PairedDifference;
 use crate::vocabulary::metric::{Metric, ProtocolMetricName};
 use crate::vocabulary::protocol::Protocol;
 
-/// All values of one detector under one protocol, over all data sets together.
+/// All values of one detector under one protocol, over some scans together.
 #[derive(Debug, Clone)]
 pub struct ProtocolSide {
     metrics: Vec<ProtocolMetric>,
@@ -50,11 +49,6 @@ impl ProtocolSide {
 pub fn common_protocols(before: &ProtocolTally, after: &ProtocolTally) -> Vec<Protocol> {
     let after = after.protocols();
     before.protocols().into_iter().filter(|it| after.contains(it)).collect()
-}
-
-/// The scans of all data sets of `tally`.
-pub fn all_scans(tally: &Tally) -> DrawnScans {
-    DrawnScans::of(tally, crate::vocabulary::extent::OVERALL)
 }
 
 /// Every number of either side, first those of `before`.

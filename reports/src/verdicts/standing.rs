@@ -2,24 +2,26 @@
 
 use crate::files::fixed_decimals::{fixed_decimals, three_digits};
 use crate::numbers::blocks::Interval;
+use crate::numbers::pools::Pool;
 use crate::numbers::run_report::{MetricRow, RunReport, Subject};
 use crate::numbers::tally::Tally;
 use crate::run_folder::manifest::{DatasetEntry, Manifest};
 use crate::uncertainty::sample::Question;
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
-use crate::vocabulary::extent::OVERALL;
 use crate::vocabulary::metric::{LatencyStatistic, Metric};
 use crate::vocabulary::origin::Origin;
 use crate::vocabulary::slice::Slice;
 use crate::vocabulary::task::Task;
 
-/// Where the detectors of a run stand in one task, over all its data sets together.
+/// Where the detectors of a run stand in one task, over all its data sets of one origin together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Standing {
     /// The task.
     pub task: Task,
-    /// Whether a simulator made the scans.
-    pub origin: Origin,
+    /// The data sets.
+    pub pool: Pool,
+    /// Whether there are data sets of another origin, too, with a standing of their own.
+    pub has_others: bool,
     /// What they are ordered by: the F-rate or, where false objects cannot be known, recall.
     pub metric: Metric,
     /// The detectors, best first; those of which the metric is undefined are last.
@@ -43,9 +45,11 @@ pub struct Place {
     pub failed_scans: Option<[u64; 2]>,
 }
 
-/// How long detectors take for a scan.
+/// How long detectors take for a scan of data sets of one origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Speeds {
+    /// Which data sets, where there are others.
+    pub on: Option<String>,
     /// Name and median time in milliseconds, the fastest first.
     pub medians_ms: Vec<(String, f64)>,
 }
@@ -55,13 +59,14 @@ pub fn origin_of_run(manifest: &Manifest) -> Origin {
     manifest.datasets.iter().map(DatasetEntry::origin).reduce(Origin::with).unwrap_or(Origin::Recorded)
 }
 
-/// The standings in all tasks of a run.
+/// The standings in all tasks of a run: one for the recorded data sets, and one for the simulated ones.
 pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<Standing> {
     let draws = tally.draw();
-    let standing = |&task: &Task| {
-        let row = |detector: &str, metric: &Metric| {
-            report.row(&Subject::of_all(manifest.extent(), task, detector), metric)
-        };
+    let pools = tally.pools();
+    let standing = |task: Task, pool: &Pool| {
+        let dataset = pool.extent.name();
+        let row =
+            |detector: &str, metric: &Metric| report.row(&Subject::of_all(dataset, task, detector), metric);
         let has_f_rate =
             tally.detectors().iter().all(|it| row(it, &Metric::FRate).is_some_and(|it| it.value().is_some()));
         let metric = if has_f_rate { Metric::FRate } else { Metric::Recall };
@@ -71,7 +76,8 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
             .map(|detector| {
                 let row = row(detector, &metric);
                 let (value, interval) = (row.and_then(MetricRow::value), row.and_then(MetricRow::interval));
-                let failed_scans = report.failed_scans(task, detector);
+                let is_here = |it: &str| pool.datasets.iter().any(|id| id == it);
+                let failed_scans = report.failed_scans(is_here, task, detector);
                 Place { detector: detector.clone(), value, interval, failed_scans }
             })
             .collect();
@@ -80,53 +86,74 @@ pub fn standings(tally: &Tally, manifest: &Manifest, report: &RunReport) -> Vec<
             rank(b).total_cmp(&rank(a))
         });
         let lead = places.get(1).and_then(|second| {
-            let sample = |detector| {
-                tally.sample(&Question { dataset: OVERALL, task, detector, slice: Slice::All }, &draws)
-            };
+            let sample =
+                |detector| tally.sample(&Question { dataset, task, detector, slice: Slice::All }, &draws);
             paired_difference(&sample(&second.detector)?, &sample(&places[0].detector)?, &metric)
         });
-        Standing { task, origin: origin_of_run(manifest), metric, places, lead, doubtful: doubtful(manifest) }
+        let (doubtful, has_others) = (doubtful(manifest, pool), pools.len() > 1);
+        Standing { task, pool: pool.clone(), has_others, metric, places, lead, doubtful }
     };
-    tally.tasks().iter().map(standing).collect()
+    let of_task = |task: &Task| pools.iter().map(|it| standing(*task, it)).collect::<Vec<_>>();
+    tally.tasks().iter().flat_map(of_task).collect()
 }
 
-fn doubtful(manifest: &Manifest) -> Vec<String> {
-    manifest.datasets.iter().filter(|it| !it.doubts.is_empty()).map(|it| it.id.clone()).collect()
+fn doubtful(manifest: &Manifest, pool: &Pool) -> Vec<String> {
+    let datasets = manifest.datasets.iter().filter(|it| pool.datasets.contains(&it.id));
+    datasets.filter(|it| !it.doubts.is_empty()).map(|it| it.id.clone()).collect()
 }
 
-/// How long the detectors of a run take, over all its data sets together.
-pub fn speeds(manifest: &Manifest, report: &RunReport) -> Speeds {
-    let median = |detector: &str| {
-        let subject = Subject::of_all(manifest.extent(), report.first_task()?, detector);
-        report.row(&subject, &Metric::Latency(LatencyStatistic::P50))?.value()
-    };
-    let names = manifest.detectors.iter().map(|it| &it.name);
-    let mut medians_ms: Vec<(String, f64)> =
-        names.filter_map(|name| Some((name.clone(), median(name).filter(|it| *it > 0.0)?))).collect();
-    medians_ms.sort_by(|a, b| a.1.total_cmp(&b.1));
-    Speeds { medians_ms }
+/// How long the detectors of a run take: on the recorded data sets, and on the simulated ones.
+pub fn speeds(manifest: &Manifest, report: &RunReport) -> Vec<Speeds> {
+    let pools = manifest.pools();
+    let speeds = pools.iter().map(|pool| {
+        let median = |detector: &str| {
+            let subject = Subject::of_all(pool.extent.name(), report.first_task()?, detector);
+            report.row(&subject, &Metric::Latency(LatencyStatistic::P50))?.value()
+        };
+        let names = manifest.detectors.iter().map(|it| &it.name);
+        let mut medians_ms: Vec<(String, f64)> =
+            names.filter_map(|name| Some((name.clone(), median(name).filter(|it| *it > 0.0)?))).collect();
+        medians_ms.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Speeds { on: (pools.len() > 1).then(|| pool.in_words()), medians_ms }
+    });
+    speeds.collect()
 }
 
 impl Standing {
-    /// Who leads, in a sentence, and another one about each that it names and that gave no answer to some scans.
+    /// Who leads, in a sentence, another one about all that it does not name, and one about each that gave no answer to some scans.
     pub fn sentence(&self) -> String {
-        let named = self.places.iter().filter(|it| it.value.is_some()).take(2);
-        let failed = named.filter_map(|it| {
+        let failed = self.places.iter().filter_map(|it| {
             let [n_failed, n_scans] = it.failed_scans?;
             let name = &it.detector;
             Some(format!(
                 " But {name} failed at {n_failed} of {n_scans} scans, which count as nothing found."
             ))
         });
-        format!("{}{}", self.sentence_of_rates(), failed.collect::<String>())
+        format!("{}{}{}", self.sentence_of_rates(), self.sentence_of_others(), failed.collect::<String>())
+    }
+
+    /// What those have that are neither first nor second; nothing where nobody has anything.
+    fn sentence_of_others(&self) -> String {
+        let is_defined = |it: &&Place| it.value.is_some();
+        if !self.doubtful.is_empty() || !self.places.iter().any(|it| is_defined(&it)) {
+            return String::new();
+        }
+        let defined = self.places.iter().filter(is_defined).skip(2);
+        let others: Vec<String> = defined.map(|it| format!("{} {}", it.detector, it.text())).collect();
+        let undefined = self.places.iter().filter(|it| it.value.is_none());
+        let undefined: Vec<&str> = undefined.map(|it| it.detector.as_str()).collect();
+        let lists = [("Then", others.join(", ")), ("Undefined", undefined.join(", "))];
+        let lists = lists.into_iter().filter(|(_, list)| !list.is_empty());
+        lists.map(|(head, list)| format!(" {head}: {list}.")).collect()
     }
 
     fn sentence_of_rates(&self) -> String {
-        let origin = match self.origin {
+        let on = match self.pool.origin {
+            _ if self.has_others => format!(" on {}", self.pool.in_words()),
             Origin::Recorded => String::new(),
             origin => format!(" ({})", origin.name()),
         };
-        let about = format!("Task {}{origin}: ", self.task);
+        let about = format!("Task {}{on}: ", self.task);
         let metric = match self.metric {
             Metric::FRate => "F-rate",
             _ => "recall",
@@ -244,7 +271,8 @@ impl Speeds {
                 }
             })
             .collect();
-        let time = format!("{name} takes {} ms for a scan (median)", three_digits(*fastest_ms));
+        let on = self.on.as_ref().map_or_else(String::new, |it| format!("On {it}: "));
+        let time = format!("{on}{name} takes {} ms for a scan (median)", three_digits(*fastest_ms));
         Some(match others.split_last() {
             None => format!("{time}."),
             Some((only, [])) => format!("{time}, {only}."),
@@ -262,6 +290,7 @@ fn three_digits_short(factor: f64) -> String {
 mod tests {
     use super::*;
     use crate::numbers::blocks::{BlockCount, BlockKind};
+    use crate::numbers::pools::pools;
 
     fn drives(n: u64) -> BlockCount {
         BlockCount::of_dataset(n, BlockKind::Drives)
@@ -282,8 +311,34 @@ mod tests {
             interval: Some(Interval { ends: [low, high], blocks: drives(12) }),
             least_effect: None,
         });
-        let (task, origin, metric) = (Task::Objects, Origin::Simulated, Metric::FRate);
-        Standing { task, origin, metric, places, lead, doubtful: Vec::new() }
+        let pool = pools([("street", Origin::Simulated)]).remove(0);
+        let (task, metric) = (Task::Objects, Metric::FRate);
+        Standing { task, pool, has_others: false, metric, places, lead, doubtful: Vec::new() }
+    }
+
+    #[test]
+    fn beside_data_sets_of_another_origin_it_is_said_which_are_meant() {
+        let (recorded, simulated) = (Origin::Recorded, Origin::Simulated);
+        let pools = pools([("north", simulated), ("kitti", recorded), ("south", simulated)]);
+        let said = pools.into_iter().map(|pool| {
+            let alone = standing(&[Some(0.7)], None);
+            Standing { pool, has_others: true, ..alone }.sentence()
+        });
+        assert_eq!(
+            said.collect::<Vec<_>>(),
+            [
+                "Task objects on 2 simulated data sets: grid has an F-rate of 70.0 % (68.0 to 71.0).",
+                "Task objects on kitti (recorded): grid has an F-rate of 70.0 % (68.0 to 71.0)."
+            ]
+        );
+    }
+
+    #[test]
+    fn everybody_is_named() {
+        let said = standing(&[Some(0.7), Some(0.6), Some(0.5)], Some([0.1, 0.05, 0.12])).sentence();
+        assert!(said.ends_with(" (95 % interval 5.0 to 12.0). Then: pca 50.0 % (48.0 to 51.0)."), "{said}");
+        let said = standing(&[Some(0.7), Some(0.6), None], Some([0.1, 0.05, 0.12])).sentence();
+        assert!(said.ends_with(" (95 % interval 5.0 to 12.0). Undefined: pca."), "{said}");
     }
 
     #[test]
@@ -307,7 +362,6 @@ mod tests {
     #[test]
     fn a_verdict_about_failed_scans_says_so() {
         let mut failed = standing(&[Some(0.7), Some(0.6), Some(0.1)], Some([0.1, 0.05, 0.12]));
-        failed.places[2].failed_scans = Some([9, 11]);
         assert!(!failed.sentence().contains("failed"), "{}", failed.sentence());
         failed.places[1].failed_scans = Some([3, 11]);
         let said = failed.sentence();
@@ -359,7 +413,7 @@ mod tests {
         );
         assert_eq!(
             standing(&[Some(0.7), None], None).sentence(),
-            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0)."
+            "Task objects (simulated): grid has an F-rate of 70.0 % (68.0 to 71.0). Undefined: tree."
         );
     }
 
@@ -367,7 +421,7 @@ mod tests {
     fn speeds_are_told_against_the_fastest() {
         let speeds = |medians: &[(&str, f64)]| {
             let medians_ms = medians.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect();
-            Speeds { medians_ms }.sentence()
+            Speeds { on: None, medians_ms }.sentence()
         };
         assert_eq!(speeds(&[]), None);
         assert_eq!(

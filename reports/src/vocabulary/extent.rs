@@ -1,15 +1,19 @@
-//! How much a number covers: one data set or all of them.
+//! How much a number covers: one data set or several together.
+
+use crate::vocabulary::origin::Origin;
 
 /// What stands for a data set in numbers about all of them together.
 pub const OVERALL: &str = "overall";
 
-/// How much a row covers.
+/// How much a row covers. Recorded and simulated data sets are never put together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Extent {
     /// The data set of this id.
     Dataset(String),
-    /// All data sets: counts and times summed, then the ratio.
+    /// All data sets, which are of one origin: counts and times summed, then the ratio.
     Overall,
+    /// The same of all that are of one origin, where there are others.
+    OverallOf(Origin),
 }
 
 impl Extent {
@@ -18,6 +22,19 @@ impl Extent {
         match self {
             Self::Dataset(id) => id,
             Self::Overall => OVERALL,
+            Self::OverallOf(Origin::Recorded) => "overall-recorded",
+            Self::OverallOf(Origin::Simulated | Origin::PartlySimulated) => "overall-simulated",
         }
+    }
+
+    /// Whether `name` is that of several data sets together.
+    pub fn is_name_of_several(name: &str) -> bool {
+        let of_origins = [Origin::Recorded, Origin::Simulated].map(Self::OverallOf);
+        name == OVERALL || of_origins.iter().any(|it| it.name() == name)
+    }
+
+    /// Whether it is about several data sets together.
+    pub fn is_overall(&self) -> bool {
+        !matches!(self, Self::Dataset(_))
     }
 }

@@ -1,4 +1,4 @@
-//! All detectors of the list, and the stages of the hierarchical one.
+//! All detectors of the list, and the stages of the default one.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -6,15 +6,14 @@ use std::time::{Duration, Instant};
 use detector::detector::StageTime;
 use detector::{DetectorOutput, PointCloud};
 use evaluation::run::config::RunConfig;
-use evaluation::run::detector_list::DETECTORS;
+use evaluation::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 
 use crate::rows::print_rows;
 use crate::{N_ROUNDS, N_WARMUP_ROUNDS};
 
 /// Measures and prints.
-pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) -> Result<(), Box<dyn std::error::Error>> {
-    let config = RunConfig::load(None)?;
-    let mut detectors: Vec<_> = DETECTORS.iter().map(|it| it.build(&config, sensor_height_m)).collect();
+pub fn measure(clouds: &[PointCloud], config: &RunConfig, sensor_height_m: f32) {
+    let mut detectors: Vec<_> = DETECTORS.iter().map(|it| it.build(config, sensor_height_m)).collect();
     let mut latencies: BTreeMap<usize, Vec<Duration>> = BTreeMap::new();
     let mut stages: Vec<(&'static str, Vec<Duration>)> = Vec::new();
     let mut output = DetectorOutput::default();
@@ -26,7 +25,7 @@ pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) -> Result<(), Box<dy
                 let latency = started.elapsed();
                 if round >= N_WARMUP_ROUNDS {
                     latencies.entry(detector_idx).or_default().push(latency);
-                    if detector.name() == "hierarchical" {
+                    if detector.name() == DEFAULT_DETECTORS[0] {
                         add_stages(&mut stages, &output.stage_times);
                     }
                 }
@@ -35,8 +34,7 @@ pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) -> Result<(), Box<dy
     }
     let all = latencies.into_iter().map(|(idx, durations)| (DETECTORS[idx].name, durations));
     print_rows("detector", all);
-    print_rows("stage of hierarchical", stages.into_iter());
-    Ok(())
+    print_rows(&format!("stage of {}", DEFAULT_DETECTORS[0]), stages.into_iter());
 }
 
 fn add_stages(stages: &mut Vec<(&'static str, Vec<Duration>)>, stage_times: &[StageTime]) {

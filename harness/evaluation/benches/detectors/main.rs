@@ -1,4 +1,4 @@
-//! Time of every detector, and of the hierarchical one by stage, against a plain grid write, over numbers of points and
+//! Time of every detector, and of the default one by stage, against a plain grid write, over numbers of points and
 //! on two threads. Everything that is compared is interleaved in one run; one thread unless said otherwise.
 //!
 //! `cargo bench -p evaluation --bench detectors [-- DATASET [SCANS]]`; DATASET is an id of the catalogue or a path, from the root of the repository. Without it the
@@ -13,6 +13,7 @@ mod numbers_of_points;
 mod two_threads;
 
 use detector::PointCloud;
+use evaluation::run::config::RunConfig;
 use scans::dataset::scan_selection::ScanSelection;
 use simulator::catalogue::built_in_catalogue;
 use simulator::open::{OpenOptions, open_dataset};
@@ -43,9 +44,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         n_points / clouds.len()
     );
     let sensor_height_m = dataset.description().sensor_height_m;
-    every_detector::measure(&clouds, sensor_height_m)?;
-    plain_grid::measure(&clouds, sensor_height_m);
-    numbers_of_points::measure(&clouds, sensor_height_m);
-    two_threads::measure(&clouds, sensor_height_m);
+    let sensor = &dataset.description().sensor;
+    let config = RunConfig::load(None)?.for_sensor(sensor).ok_or("no density curve comes with the sensor")?;
+    for measure in
+        [every_detector::measure, plain_grid::measure, numbers_of_points::measure, two_threads::measure]
+    {
+        measure(&clouds, &config, sensor_height_m);
+    }
     Ok(())
 }

@@ -1,14 +1,15 @@
-//! How the time of the hierarchical detector grows with the number of points.
+//! How the time of the default detector grows with the number of points.
 
 use std::time::{Duration, Instant};
 
-use detector::{Detector, DetectorOutput, PointCloud};
+use detector::{DetectorOutput, PointCloud};
+use evaluation::run::config::RunConfig;
 
-use crate::rows::{hierarchical, latencies as latencies_of, ms};
+use crate::rows::{default_detector, latencies as latencies_of, ms};
 use crate::{N_ROUNDS, N_WARMUP_ROUNDS};
 
 /// Measures and prints: every fourth and every second point of each scan, all of them, and two scans in one.
-pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) {
+pub fn measure(clouds: &[PointCloud], config: &RunConfig, sensor_height_m: f32) {
     let with_another = (0..clouds.len()).map(|idx| merged(&clouds[idx], &clouds[(idx + 1) % clouds.len()]));
     let thinned = |step: usize| clouds.iter().map(|cloud| every(cloud, step)).collect();
     let sizes: [(&str, Vec<PointCloud>); 4] = [
@@ -17,7 +18,7 @@ pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) {
         ("all points", clouds.to_vec()),
         ("two scans in one", with_another.collect()),
     ];
-    let mut detector = hierarchical(sensor_height_m);
+    let mut detector = default_detector(config, sensor_height_m);
     let mut output = DetectorOutput::default();
     let mut latencies: [Vec<Duration>; 4] = std::array::from_fn(|_| Vec::new());
     for round in 0..N_WARMUP_ROUNDS + N_ROUNDS {
@@ -33,7 +34,12 @@ pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) {
     }
     println!(
         "\n{:<24} {:>10} {:>10} {:>10} {:>12} {:>12}",
-        "hierarchical on", "points", "min ms", "p50 ms", "min ns/point", "p50 ns/point"
+        format!("{} on", detector.name()),
+        "points",
+        "min ms",
+        "p50 ms",
+        "min ns/point",
+        "p50 ns/point"
     );
     for ((name, scans), latencies) in sizes.iter().zip(latencies) {
         let n_points = scans.iter().map(PointCloud::len).sum::<usize>() / scans.len();

@@ -2,13 +2,15 @@
 
 use std::time::Duration;
 
-use detector::params::HierarchicalParams;
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
+use detector::Detector;
+use evaluation::run::config::RunConfig;
+use evaluation::run::detector_list::{DEFAULT_DETECTORS, DETECTORS};
 use reports::numbers::latencies::Latencies;
 
-/// The detector that is measured, with the parameters of the paper.
-pub fn hierarchical(sensor_height_m: f32) -> HierarchicalDetector {
-    HierarchicalDetector::new(HierarchicalParams::shipped(), sensor_height_m)
+/// The detector that is measured: the first of those that run by default, as runs build it.
+pub fn default_detector(config: &RunConfig, sensor_height_m: f32) -> Box<dyn Detector> {
+    let listed = DETECTORS.iter().find(|it| it.name == DEFAULT_DETECTORS[0]);
+    listed.expect("defaults are on the list").build(config, sensor_height_m)
 }
 
 /// The statistics of durations.

@@ -3,22 +3,22 @@
 
 use std::time::{Duration, Instant};
 
-use detector::pipeline::hierarchical_detector::HierarchicalDetector;
 use detector::{Detector, DetectorOutput, PointCloud};
+use evaluation::run::config::RunConfig;
 
-use crate::rows::hierarchical;
+use crate::rows::default_detector;
 use crate::{N_ROUNDS, N_WARMUP_ROUNDS};
 
 /// Passes over the scans that are timed as one, so that starting threads does not count.
 const N_PASSES: usize = 10;
 
 /// A detector and where it writes.
-type Station = (HierarchicalDetector, DetectorOutput);
+type Station = (Box<dyn Detector>, DetectorOutput);
 
 /// Measures and prints the best of all rounds.
-pub fn measure(clouds: &[PointCloud], sensor_height_m: f32) {
+pub fn measure(clouds: &[PointCloud], config: &RunConfig, sensor_height_m: f32) {
     let mut stations: [Station; 2] =
-        std::array::from_fn(|_| (hierarchical(sensor_height_m), DetectorOutput::default()));
+        std::array::from_fn(|_| (default_detector(config, sensor_height_m), DetectorOutput::default()));
     let mut best = [Duration::MAX; 2];
     for _ in 0..N_WARMUP_ROUNDS + N_ROUNDS {
         for (best, n_threads) in best.iter_mut().zip(1..) {

@@ -252,6 +252,7 @@ mod tests {
 
     use super::*;
     use crate::run::config::TAKEN_NAMES;
+    use reports::tables::paper_figures::{PAPER_DETECTOR, PAPER_TABLES, VEHICLE_STEPS};
     use scans::annotation::LabeledScan;
     use simulator::catalogue::built_in_catalogue;
     use simulator::open::{OpenOptions, open_dataset};
@@ -334,6 +335,21 @@ mod tests {
             ("simple-grid", 4),
         ];
         assert_eq!(n_rules, expected);
+    }
+
+    #[test]
+    fn published_steps_are_stages_of_the_detector_of_the_papers_and_no_published_number_is_of_another() {
+        assert_eq!(PAPER.name, PAPER_DETECTOR);
+        let config = RunConfig::load(None).unwrap().for_sensor(SENSOR).unwrap();
+        let (scans, sensor_height_m) = scans();
+        let mut output = DetectorOutput::default();
+        PAPER.build(&config, sensor_height_m).detect(&scans[0].cloud, &mut output);
+        let stages: Vec<&str> = output.stage_times.iter().map(|it| it.stage).collect();
+        let of_steps: Vec<&str> = VEHICLE_STEPS.iter().flat_map(|it| it.stages).copied().collect();
+        assert_eq!(of_steps, stages);
+        for method in PAPER_TABLES.iter().flat_map(|it| &it.methods) {
+            assert!(["paper", "kd-tree", "pca"].contains(&method.detector), "{}", method.name);
+        }
     }
 
     #[test]

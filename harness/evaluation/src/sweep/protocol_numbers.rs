@@ -8,6 +8,7 @@ use reports::protocols::drawn_scans::DrawnScans;
 use reports::protocols::swept_numbers::{SweptNumber, SweptNumbers};
 use reports::rows::scan_name::ScanName;
 use reports::vocabulary::extent::Extent;
+use reports::vocabulary::origin::Origin;
 use scans::dataset::scan_times::scan_times_s;
 
 use crate::run::detector_list::ChosenDetector;
@@ -51,6 +52,9 @@ impl SweptOfficially<'_> {
         let is_asked = |it: &&SweptDataset<'_>| match extent {
             Extent::Dataset(id) => it.dataset.description().id == *id,
             Extent::Overall => true,
+            Extent::OverallOf(origin) => {
+                it.dataset.description().is_simulated() == (*origin == Origin::Simulated)
+            }
         };
         DrawnScans::of_datasets(self.datasets.iter().filter(is_asked).map(|it| {
             let (id, times_s) = (it.dataset.description().id.as_str(), scan_times_s(it.dataset));

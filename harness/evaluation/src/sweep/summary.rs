@@ -4,6 +4,7 @@ use detector::grid::cell_fitness::FitnessReading;
 use rayon::prelude::*;
 use reports::numbers::blocks::BlockCount;
 use reports::numbers::latencies::Latencies;
+use reports::numbers::pools::Pool;
 use reports::numbers::sums::{FalseObjects, Sums};
 use reports::numbers::sweep_score::{
     CellScore, FitnessValue, SweepScore, SweepScores, SweepSubject, SweepTime,
@@ -101,20 +102,14 @@ impl SweepTally<'_> {
         };
         let entries = &self.manifest.datasets;
         let mut groups: Vec<Group<'b>> = entries.iter().enumerate().map(alone).collect();
-        if groups.len() > 1 {
-            let mut sensors: Vec<&str> = groups.iter().map(|it| it.sensor.as_str()).collect();
+        for pool in self.manifest.pools().into_iter().filter(Pool::is_of_several) {
+            let is_in_it = |it: &usize| pool.datasets.contains(&entries[*it].id);
+            let members: Vec<Member<'b>> = (0..entries.len()).filter(is_in_it).map(member).collect();
+            let mut sensors: Vec<&str> = members.iter().map(|it| it.entry.sensor.as_str()).collect();
             sensors.sort_unstable();
             sensors.dedup();
-            groups.push(Group {
-                extent: Extent::Overall,
-                origin: entries
-                    .iter()
-                    .map(DatasetEntry::origin)
-                    .reduce(Origin::with)
-                    .unwrap_or(Origin::Recorded),
-                sensor: sensors.join("+"),
-                members: (0..entries.len()).map(member).collect(),
-            });
+            let sensor = sensors.join("+");
+            groups.push(Group { extent: pool.extent, origin: pool.origin, sensor, members });
         }
         groups
     }

@@ -67,8 +67,7 @@ fn convert_all(arguments: &ConvertArgs, opened: &[OpenedDataset]) -> Result<(), 
         progress.finish_and_clear();
         opened.warn_of_points_left_out();
         let simulated = if opened.dataset.description().is_simulated() { ", simulated" } else { "" };
-        let n_written = n_scans - opened.skipped.borrow().iter().filter(|it| it.scan.contains('/')).count();
-        print_result(format_args!("{}  {n_written} scans  {format}{simulated}", path.display()))?;
+        print_result(format_args!("{}  {n_done} scans  {format}{simulated}", path.display()))?;
     }
     Ok(())
 }

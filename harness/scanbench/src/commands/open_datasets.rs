@@ -6,6 +6,7 @@ use std::path::Path;
 use std::str::FromStr as _;
 
 use reports::files::causes::with_causes;
+use reports::numbers::tally::{Processors, Tally};
 use reports::run_folder::manifest::SkippedScan;
 use scans::annotation::ScanId;
 use scans::dataset::catalogue::read_catalogue;
@@ -281,6 +282,13 @@ pub fn refuse_simulation(source: &SourceArgs) -> Result<(), Failure> {
         }
         None => Ok(()),
     }
+}
+
+/// Nothing yet, for rows of `datasets`.
+pub fn tally_of(datasets: &[OpenedDataset]) -> Tally {
+    let descriptions = datasets.iter().map(|it| it.dataset.description());
+    let simulated = descriptions.filter(|it| it.is_simulated()).map(|it| it.id.clone());
+    Tally::of_run(Processors::Alike, simulated.collect())
 }
 
 /// The ids of `datasets`, joined by `+`.

@@ -21,7 +21,7 @@ use crate::commands::failure::{Failure, Usage};
 use crate::commands::interruption::interruption_flag;
 use crate::commands::partial_experiment::{peer_rows, with_experiment};
 use crate::commands::partial_files::manifest;
-use crate::commands::partial_sets::{Compared, open_all};
+use crate::commands::partial_sets::{Compared, Known, open_all};
 use crate::commands::progress::progress_over_results;
 use crate::commands::shards::checksummed_file::write_checksummed;
 use crate::commands::shards::share_of_work::ShareOfWork;
@@ -59,8 +59,7 @@ pub fn partial_shard(arguments: &PartialArgs, shard: Shard) -> Result<(), Failur
     let share = ShareOfWork { cut_by: WorkMeasure::Objects, parts: parts(&sets, &ranges) };
     let whole = manifest(arguments, &sets, plan.started)?;
     let manifest = PartialManifest { shard: Some(plan.record(share)), ..whole };
-    let model = arguments.model.as_ref().and_then(|it| std::fs::read(it).ok()).map(sha256);
-    let identity = identity_of_shard(&manifest, serde_json::json!({ "model": model }));
+    let identity = identity_of_shard(&manifest, serde_json::json!({ "model": checksum_of_model(&sets) }));
     let mut done: Vec<ObjectEntry> = Vec::new();
     let n_objects: usize = ranges.iter().map(Range::len).sum();
     let unfinished =
@@ -83,6 +82,15 @@ pub fn partial_shard(arguments: &PartialArgs, shard: Shard) -> Result<(), Failur
             record.files = vec![write_checksummed(directory, PARTIAL_CSV, text.as_bytes())?];
         }
         Ok(manifest.to_json())
+    })
+}
+
+/// That of the model that tells the objects of all `sets`; `None` if they are told by what is learned anew. Of what was read, not of a
+/// file that may have changed since.
+fn checksum_of_model(sets: &[Compared]) -> Option<String> {
+    sets.iter().find_map(|it| match &it.known {
+        Known::Model(model) => Some(sha256(model.to_toml())),
+        Known::Objects { .. } => None,
     })
 }
 
@@ -150,4 +158,42 @@ fn judge(
 
 fn lines_of(rows: &[PartialRow]) -> Result<String, Failure> {
     Ok(String::from_utf8_lossy(&to_csv_lines(rows)?).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use detector::partial::partial_model::PartialModel;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: PartialArgs,
+    }
+
+    /// What a shard says of the model in `text`, whose file is gone once it was read.
+    fn checksum_of(text: &str) -> Option<String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("model.toml");
+        std::fs::write(&path, text).unwrap();
+        let objects = ["partial", "objects-vlp-16", "--per-class", "1", "--model"];
+        let line = Line::parse_from(objects.into_iter().chain(path.to_str()));
+        let sets = open_all(&line.arguments).unwrap();
+        drop(folder);
+        checksum_of_model(&sets)
+    }
+
+    #[test]
+    fn a_shard_knows_its_model_though_the_file_is_gone() {
+        let shipped = PartialModel::shipped().to_toml();
+        assert!(checksum_of(&shipped).is_some());
+        let other = shipped.replacen("[made]\n", "[made]\n# of somebody else\n", 1);
+        assert_eq!(checksum_of(&shipped), checksum_of(&other));
+        let command =
+            shipped.lines().find(|it| it.starts_with("command = ")).expect("it says how it was made");
+        let other = shipped.replacen(command, "command = \"another\"", 1);
+        assert_ne!(checksum_of(&shipped), checksum_of(&other));
+    }
 }

@@ -10,7 +10,7 @@ use reports::run_folder::run_directory::{AGREEMENT_CSV, RunDirectory};
 use reports::tables::agreement_table::AgreementOfDetectors as AgreementOfDetectorsTable;
 use reports::tables::formats::format::Format as _;
 use reports::tables::formats::markdown::Markdown;
-use reports::verdicts::standing::{Standing, speeds, standings};
+use reports::verdicts::standing::{Speeds, Standing, speeds, standings};
 
 use crate::commands::failure::Failure;
 use crate::commands::run_numbers::RunNumbers;
@@ -43,11 +43,19 @@ pub fn print_ending(
 ) -> Result<(), Failure> {
     let is_compared = |it: &DatasetEntry| compared.iter().any(|row| row.dataset == it.id);
     let is_scored = !manifest.datasets.iter().all(is_compared);
-    let standings = if is_scored { standings(tally, manifest, &numbers.report) } else { Vec::new() };
+    let standings = standings(tally, manifest, &numbers.report);
+    let has_labels = |it: &&Standing| {
+        let is_compared = |id: &String| compared.iter().any(|row| row.dataset == *id);
+        !it.pool.datasets.iter().all(is_compared)
+    };
     let terminal = terminal();
     let tables = numbers.tables.iter().filter(|_| is_scored).map(|it| terminal.text(it));
-    let speeds = speeds(manifest, &numbers.report).sentence();
-    let sentences = standings.iter().map(Standing::sentence).chain(speeds);
+    let speeds = speeds(manifest, &numbers.report);
+    let sentences = standings
+        .iter()
+        .filter(has_labels)
+        .map(Standing::sentence)
+        .chain(speeds.iter().filter_map(Speeds::sentence));
     let last = [terminal.text(&numbers.times), terminal.sentences(sentences)];
     let texts = tables.chain(more).chain(last);
     let printed = texts.into_iter().try_for_each(print_result);

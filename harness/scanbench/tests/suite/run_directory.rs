@@ -90,6 +90,35 @@ fn a_run_leaves_its_files_and_nothing_else() {
 }
 
 #[test]
+fn recorded_and_simulated_data_sets_are_told_apart_and_published_rows_stand_beside_the_papers_method() {
+    let workplace = drive(3);
+    let run = |detectors: &str, output: &str| {
+        let data = ["run", "street", "street-narrow", "--scans", "0..3", "--no-rrd"];
+        workplace.succeed(&[&data[..], &["-d", detectors, "-o", output]].concat()).stdout
+    };
+    let with_paper = run("paper,hierarchical,pca", "with");
+    for task in ["objects", "vehicles"] {
+        for on in ["street (recorded)", "street-narrow (simulated)"] {
+            let verdict = with_paper.split(&format!("Task {task} on {on}: ")).nth(1).unwrap_or_default();
+            let verdict = verdict.split("\nTask ").next().unwrap_or_default();
+            assert!(["paper", "hierarchical", "pca"].iter().all(|it| verdict.contains(it)), "{with_paper}");
+        }
+    }
+    let report = workplace.read("with/report.json");
+    assert!(!with_paper.contains("overall (") && report.contains("\"overall\": [\n  ]"), "{with_paper}");
+    let rows = workplace.read("with/table_objects.csv");
+    assert!(rows.contains("\nobjects,published,Budapest #1,recorded,paper,"), "{rows}");
+    let stages = workplace.read("with/table_stages.md");
+    assert!(stages.contains("| **paper** | whole |  | 43 |") && !stages.contains("undefined"), "{stages}");
+    let without = run("hierarchical,pca", "without");
+    assert!(
+        !without.contains("published: ") && without.contains(": -d paper,hierarchical,kd-tree,pca."),
+        "{without}"
+    );
+    assert!(!workplace.read("without/table_stages.md").contains("published"));
+}
+
+#[test]
 fn a_run_without_a_name_is_found_as_the_latest() {
     let workplace = drive(1);
     let ended = workplace.succeed(&["run", "street", "-d", "pca"]);

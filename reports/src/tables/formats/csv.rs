@@ -50,8 +50,8 @@ impl Format<TaskTable> for Csv {
     ///
     /// `…_low` and `…_high` are the ends of 95 % intervals, from as many blocks of scans as `n_blocks` says, which are what `blocks`
     /// says; where `few_blocks` is true these are too few for anything to rest on the interval.
-    /// The column `source` says whether a row was measured or is printed in a paper, `origin` where its scans come from.
-    /// A paper's row stands beside our detector of the kind of its method.
+    /// The column `source` says whether a row was measured or published in a paper, `origin` where its scans come from.
+    /// A published row stands beside our detector that does what the paper describes.
     fn text(&self, table: &TaskTable) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut write =
@@ -116,7 +116,7 @@ fn paper_record(table: &TaskTable, row: &PaperRow, detector: &str) -> Option<[St
     let score = table.paper?.score_beside(row, detector)?;
     let mut record: [String; 26] = Default::default();
     table.task.name().clone_into(&mut record[0]);
-    "paper".clone_into(&mut record[1]);
+    "published".clone_into(&mut record[1]);
     row.name.clone_into(&mut record[2]);
     "recorded".clone_into(&mut record[3]);
     detector.clone_into(&mut record[4]);
@@ -189,26 +189,26 @@ mod tests {
     fn every_rate_has_its_counts_in_the_same_row() {
         insta::assert_snapshot!(Csv.text(&sample::tables()[0]), @r"
         task,source,dataset,origin,detector,n_scans,no,tp,mo,fo,precision,recall,f_rate,ignored_annotations,ignored_detections,n_timed_scans,fps_mean,precision_low,precision_high,recall_low,recall_high,f_rate_low,f_rate_high,n_blocks,blocks,few_blocks
-        objects,measured,main_road,simulated,hierarchical,20,412,371,41,52,0.877069,0.900485,0.888623,17,230,19,121.300,,,,,0.863523,0.903523,20,drives,false
+        objects,measured,main_road,simulated,paper,20,412,371,41,52,0.877069,0.900485,0.888623,17,230,19,121.300,,,,,0.863523,0.903523,20,drives,false
         objects,measured,main_road,simulated,kd-tree,20,412,340,72,140,0.708333,0.825243,0.762332,17,230,19,8.040,,,,,0.737232,0.777232,20,drives,false
         objects,measured,main_road,simulated,pca,20,412,318,94,97,0.766265,0.771845,0.769045,17,230,19,46.000,,,,,0.743945,0.783945,20,drives,false
-        objects,measured,kitti_tracking,recorded,hierarchical,20,318,290,28,,,0.911950,,17,230,19,98.200,,,,,,,,,
+        objects,measured,kitti_tracking,recorded,paper,20,318,290,28,,,0.911950,,17,230,19,98.200,,,,,,,,,
         objects,measured,kitti_tracking,recorded,kd-tree,20,318,271,47,,,0.852201,,17,230,19,0.471,,,,,,,,,
         objects,measured,kitti_tracking,recorded,pca,20,318,204,114,,,0.641509,,17,230,19,39.900,,,,,,,,,
-        objects,measured,kitti_object,recorded,hierarchical,20,61,55,6,,,0.901639,,17,230,19,104.000,,,,,,,,,
+        objects,measured,kitti_object,recorded,paper,20,61,55,6,,,0.901639,,17,230,19,104.000,,,,,,,,,
         objects,measured,kitti_object,recorded,kd-tree,20,61,61,0,,,1.000000,,17,230,19,0.500,,,,,,,,,
         objects,measured,kitti_object,recorded,pca,20,61,40,21,,,0.655738,,17,230,19,41.000,,,,,,,,,
-        objects,measured,overall,partly simulated,hierarchical,60,791,716,75,,,0.905183,,51,690,57,106.980,,,,,,,,,
-        objects,measured,overall,partly simulated,kd-tree,60,791,672,119,,,0.849558,,51,690,57,0.706,,,,,,,,,
-        objects,measured,overall,partly simulated,pca,60,791,562,229,,,0.710493,,51,690,57,42.140,,,,,,,,,
-        objects,paper,Budapest #1,recorded,hierarchical,,669,,,,,,0.89,,,,29,,,,,,,,,
-        objects,paper,Budapest #1,recorded,kd-tree,,669,,,,,,0.77,,,,0.38,,,,,,,,,
-        objects,paper,Budapest #2,recorded,hierarchical,,429,,,,,,0.79,,,,25,,,,,,,,,
-        objects,paper,Budapest #2,recorded,kd-tree,,429,,,,,,0.64,,,,0.22,,,,,,,,,
-        objects,paper,KITTI,recorded,hierarchical,,496,,,,,,0.82,,,,29,,,,,,,,,
-        objects,paper,KITTI,recorded,kd-tree,,496,,,,,,0.75,,,,0.46,,,,,,,,,
-        objects,paper,overall,recorded,hierarchical,,1594,,,,,,0.83,,,,28,,,,,,,,,
-        objects,paper,overall,recorded,kd-tree,,1594,,,,,,0.72,,,,0.35,,,,,,,,,
+        objects,measured,overall-recorded,recorded,paper,40,379,345,34,,,0.910290,,34,460,38,101.017,,,,,,,,,
+        objects,measured,overall-recorded,recorded,kd-tree,40,379,332,47,,,0.875989,,34,460,38,0.485,,,,,,,,,
+        objects,measured,overall-recorded,recorded,pca,40,379,244,135,,,0.643799,,34,460,38,40.443,,,,,,,,,
+        objects,published,Budapest #1,recorded,paper,,669,,,,,,0.89,,,,29,,,,,,,,,
+        objects,published,Budapest #1,recorded,kd-tree,,669,,,,,,0.77,,,,0.38,,,,,,,,,
+        objects,published,Budapest #2,recorded,paper,,429,,,,,,0.79,,,,25,,,,,,,,,
+        objects,published,Budapest #2,recorded,kd-tree,,429,,,,,,0.64,,,,0.22,,,,,,,,,
+        objects,published,KITTI,recorded,paper,,496,,,,,,0.82,,,,29,,,,,,,,,
+        objects,published,KITTI,recorded,kd-tree,,496,,,,,,0.75,,,,0.46,,,,,,,,,
+        objects,published,overall,recorded,paper,,1594,,,,,,0.83,,,,28,,,,,,,,,
+        objects,published,overall,recorded,kd-tree,,1594,,,,,,0.72,,,,0.35,,,,,,,,,
         ");
     }
 }

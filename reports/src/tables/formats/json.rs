@@ -30,6 +30,9 @@ struct VerdictRecord<'a> {
 
 #[derive(Serialize)]
 struct MetricRecord<'a> {
+    /// Where it is not that of the verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dataset: Option<&'a str>,
     task: &'a str,
     detector: &'a str,
     slice: &'a str,
@@ -48,6 +51,9 @@ struct MetricRecord<'a> {
 
 #[derive(Serialize)]
 struct SpeedRecord<'a> {
+    /// Where it is not that of the verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dataset: Option<&'a str>,
     detector: &'a str,
     reference: &'a str,
     time_ratio_before: Option<f64>,
@@ -117,6 +123,7 @@ impl Format<Verdict> for Json {
 fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
     let difference = gated.difference.as_ref().ok();
     MetricRecord {
+        dataset: gated.on.as_deref(),
         task: &gated.task,
         detector: &gated.detector,
         slice: &gated.slice,
@@ -137,6 +144,7 @@ fn metric_record(gated: &GatedMetric) -> MetricRecord<'_> {
 fn speed_record(speed: &GatedSpeed) -> SpeedRecord<'_> {
     let slowdown = speed.slowdown.as_ref().ok();
     SpeedRecord {
+        dataset: speed.on.as_deref(),
         detector: &speed.detector,
         reference: &speed.reference,
         time_ratio_before: slowdown.map(|it| it.before),

@@ -6,7 +6,7 @@ use crate::tables::formats::format::Format;
 use crate::tables::verdict::summary::scan_name;
 use crate::tables::verdict::wording::{difference_text, interval_text, metric_text, value_text};
 use crate::verdicts::finding::Finding;
-use crate::verdicts::gated_metrics::GatedMetric;
+use crate::verdicts::gated_metrics::{GatedMetric, about};
 use crate::verdicts::gated_speeds::{GatedSpeed, SpeedComparison};
 use crate::verdicts::tolerances::DriftRule;
 use crate::verdicts::verdict::Verdict;
@@ -82,7 +82,7 @@ fn of_metric(gated: &GatedMetric, n_few_blocks: Option<u64>) -> TestCase {
         },
     );
     let class = format!("scanbench.{}.{}", gated.task, gated.detector);
-    let name = format!("{} of {}", metric.id(), gated.slice);
+    let name = about(&format!("{} of {}", metric.id(), gated.slice), gated.on.as_deref());
     case(&class, &name, status(gated.finding, &message, n_few_blocks))
 }
 
@@ -94,7 +94,7 @@ fn of_speed(speed: &GatedSpeed, n_few_blocks: Option<u64>) -> TestCase {
     let tolerated = 100.0 * speed.tolerance;
     let message = format!("time relative to {}: {numbers}, tolerance {tolerated:.0} %", speed.reference);
     let class = format!("scanbench.speed.{}", speed.detector);
-    let name = format!("time relative to {}", speed.reference);
+    let name = about(&format!("time relative to {}", speed.reference), speed.on.as_deref());
     case(&class, &name, status(speed.finding, &message, n_few_blocks))
 }
 

@@ -297,53 +297,53 @@ mod tests {
         insta::assert_snapshot!(Terminal { width: Some(100) }.text(&sample::tables()[0]), @r"
         Task objects. Rates in %. Matched by points, Jaccard at least 0.5.
 
-                                              hierarchical            kd-tree                pca
-                                           ───────────────────   ──────────────────   ──────────────────
-        data set                      NO     ND  F-rate    fps     ND  F-rate   fps     ND  F-rate   fps
-        ────────────────────────────────────────────────────────────────────────────────────────────────
-        main_road (simulated)        412   423     88.9  121     480     76.2  8.04   415     76.9  46.0
-          95 % interval                       86.4–90.4             73.7–77.7            74.4–78.4
-        kitti_tracking               318     –¹     –¹    98.2     –¹     –¹   0.47     –¹     –¹   39.9
-          recall, TP / NO                          91.2                  85.2                 64.2
-        kitti_object                  61     –¹     –¹   104       –¹     –¹   0.50     –¹     –¹   41.0
-          recall, TP / NO                          90.2                 100.0                 65.6
-        ────────────────────────────────────────────────────────────────────────────────────────────────
-        overall (partly simulated)   791     –¹     –¹   107       –¹     –¹   0.71     –¹     –¹   42.1
-          recall, TP / NO                          90.5                  85.0                 71.0
-        ────────────────────────────────────────────────────────────────────────────────────────────────
-        paper: Budapest #1†          669           89     29             77    0.38
-        paper: Budapest #2†          429           79     25             64    0.22
-        paper: KITTI                 496           82     29             75    0.46
-        paper: overall†             1594           83     28             72    0.35
+                                               paper               kd-tree                pca
+                                        ───────────────────   ──────────────────   ──────────────────
+        data set                   NO     ND  F-rate    fps     ND  F-rate   fps     ND  F-rate   fps
+        ─────────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)     412   423     88.9  121     480     76.2  8.04   415     76.9  46.0
+          95 % interval                    86.4–90.4             73.7–77.7            74.4–78.4
+        kitti_tracking            318     –¹     –¹    98.2     –¹     –¹   0.47     –¹     –¹   39.9
+          recall, TP / NO                       91.2                  85.2                 64.2
+        kitti_object               61     –¹     –¹   104       –¹     –¹   0.50     –¹     –¹   41.0
+          recall, TP / NO                       90.2                 100.0                 65.6
+        ─────────────────────────────────────────────────────────────────────────────────────────────
+        overall (recorded)        379     –¹     –¹   101       –¹     –¹   0.49     –¹     –¹   40.4
+          recall, TP / NO                       91.0                  87.6                 64.4
+        ─────────────────────────────────────────────────────────────────────────────────────────────
+        published: Budapest #1†   669           89     29             77    0.38
+        published: Budapest #2†   429           79     25             64    0.22
+        published: KITTI          496           82     29             75    0.46
+        published: overall†      1594           83     28             72    0.35
 
-        data set                    detector      scans   NO   TP   MO    FO     P      R  IA   ID
-        ──────────────────────────────────────────────────────────────────────────────────────────
-        main_road (simulated)       hierarchical     20  412  371   41   52   87.7   90.0  17  230
-                                    kd-tree          20  412  340   72  140   70.8   82.5  17  230
-                                    pca              20  412  318   94   97   76.6   77.2  17  230
-        kitti_tracking              hierarchical     20  318  290   28    –¹   –¹    91.2  17  230
-                                    kd-tree          20  318  271   47    –¹   –¹    85.2  17  230
-                                    pca              20  318  204  114    –¹   –¹    64.2  17  230
-        kitti_object                hierarchical     20   61   55    6    –¹   –¹    90.2  17  230
-                                    kd-tree          20   61   61    0    –¹   –¹   100.0  17  230
-                                    pca              20   61   40   21    –¹   –¹    65.6  17  230
-        ──────────────────────────────────────────────────────────────────────────────────────────
-        overall (partly simulated)  hierarchical     60  791  716   75    –¹   –¹    90.5  51  690
-                                    kd-tree          60  791  672  119    –¹   –¹    85.0  51  690
-                                    pca              60  791  562  229    –¹   –¹    71.0  51  690
+        data set               detector  scans   NO   TP   MO    FO     P      R  IA   ID
+        ─────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)  paper        20  412  371   41   52   87.7   90.0  17  230
+                               kd-tree      20  412  340   72  140   70.8   82.5  17  230
+                               pca          20  412  318   94   97   76.6   77.2  17  230
+        kitti_tracking         paper        20  318  290   28    –¹   –¹    91.2  17  230
+                               kd-tree      20  318  271   47    –¹   –¹    85.2  17  230
+                               pca          20  318  204  114    –¹   –¹    64.2  17  230
+        kitti_object           paper        20   61   55    6    –¹   –¹    90.2  17  230
+                               kd-tree      20   61   61    0    –¹   –¹   100.0  17  230
+                               pca          20   61   40   21    –¹   –¹    65.6  17  230
+        ─────────────────────────────────────────────────────────────────────────────────
+        overall (recorded)     paper        40  379  345   34    –¹   –¹    91.0  34  460
+                               kd-tree      40  379  332   47    –¹   –¹    87.6  34  460
+                               pca          40  379  244  135    –¹   –¹    64.4  34  460
 
         NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans
           per second, detection only, on Example CPU @ 2 GHz.
         P: precision, TP / ND. R: recall, TP / NO. IA, ID: ignored annotations and detections, neither right
           nor wrong.
         95 % interval: cluster bootstrap, 10000 resamples of whole drives.
-        overall: ratios of counts and times summed over the data sets.
-        Numbers of data sets are measured here, and may be compared within a row. Rows called paper are
-          printed in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table
-          1; connected component analysis under kd-tree, hierarchical grid under hierarchical. They are of
-          other scans, annotations and machines: for orientation, and not to be compared with ours.
+        overall: ratios of counts and times summed over the data sets, recorded and simulated ones apart.
+        Numbers of data sets are measured here, and may be compared within a row. Published rows are printed
+          in Börcs, Nagy, Benedek: Fast 3-D Urban Object Detection on Streaming Point Clouds, table 1;
+          connected component analysis under kd-tree, hierarchical grid under paper. They are of other
+          scans, annotations and machines: for orientation, and not to be compared with ours.
+        recorded: from a sensor.
         simulated: from a simulator, not recorded.
-        partly simulated: summed over recorded and simulated data sets.
         † Budapest recordings, not public.
         ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         ");
@@ -354,50 +354,50 @@ mod tests {
         insta::assert_snapshot!(Terminal { width: Some(100) }.text(&sample::tables()[1]), @r"
         Task vehicles. Rates in %. Matched by points, Jaccard at least 0.5.
 
-                                              hierarchical           kd-tree                pca
-                                           ──────────────────   ──────────────────   ─────────────────
-        data set                      NO    ND  F-rate    fps     ND  F-rate   fps    ND  F-rate   fps
-        ──────────────────────────────────────────────────────────────────────────────────────────────
-        main_road (simulated)        190   189    95.5  121      214    84.2  8.04   190   100.0  46.0
-        kitti_tracking               240   244    87.2   98.2   1239    26.9  0.47   179    71.6  39.9
-        kitti_object                   0     0     –¹     –²       3     0.0  –²       0     –¹   41.0
-        ──────────────────────────────────────────────────────────────────────────────────────────────
-        overall (partly simulated)   430   433    90.8  109     1456    39.1  0.89   369    85.1  42.1
-        ──────────────────────────────────────────────────────────────────────────────────────────────
-        paper: Budapest #1†          567          89     24                                 73    15
-        paper: Budapest #2†         1141          90     21                                 71    12
-        paper: Budapest #3†          368          80     22                                 57    13
-        paper: KITTI                 614          78     25                                 62    14
-        paper: overall†             2690          86     23                                 68    13.5
+                                              paper               kd-tree                pca
+                                        ──────────────────   ──────────────────   ─────────────────
+        data set                   NO    ND  F-rate    fps     ND  F-rate   fps    ND  F-rate   fps
+        ───────────────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)     190   189    95.5  121      214    84.2  8.04   190   100.0  46.0
+        kitti_tracking            240   244    87.2   98.2   1239    26.9  0.47   179    71.6  39.9
+        kitti_object                0     0     –¹     –²       3     0.0  –²       0     –¹   41.0
+        ───────────────────────────────────────────────────────────────────────────────────────────
+        overall (recorded)        240   244    87.2   98.2   1242    26.9  0.47   179    71.6  40.4
+        ───────────────────────────────────────────────────────────────────────────────────────────
+        published: Budapest #1†   567          89     24                                 73    15
+        published: Budapest #2†  1141          90     21                                 71    12
+        published: Budapest #3†   368          80     22                                 57    13
+        published: KITTI          614          78     25                                 62    14
+        published: overall†      2690          86     23                                 68    13.5
 
-        data set                    detector      scans   NO   TP  MO    FO      P      R  IA   ID
-        ──────────────────────────────────────────────────────────────────────────────────────────
-        main_road (simulated)       hierarchical     20  190  181   9     8   95.8   95.3  17  230
-                                    kd-tree          20  190  170  20    44   79.4   89.5  17  230
-                                    pca              20  190  190   0     0  100.0  100.0  17  230
-        kitti_tracking              hierarchical     20  240  211  29    33   86.5   87.9  17  230
-                                    kd-tree          20  240  199  41  1040   16.1   82.9  17  230
-                                    pca              20  240  150  90    29   83.8   62.5  17  230
-        kitti_object                hierarchical     20    0    0   0     0    –¹     –¹   17  230
-                                    kd-tree          20    0    0   0     3    0.0    –¹   17  230
-                                    pca              20    0    0   0     0    –¹     –¹   17  230
-        ──────────────────────────────────────────────────────────────────────────────────────────
-        overall (partly simulated)  hierarchical     60  430  392  38    41   90.5   91.2  51  690
-                                    kd-tree          60  430  369  61  1087   25.3   85.8  51  690
-                                    pca              60  430  340  90    29   92.1   79.1  51  690
+        data set               detector  scans   NO   TP  MO    FO      P      R  IA   ID
+        ─────────────────────────────────────────────────────────────────────────────────
+        main_road (simulated)  paper        20  190  181   9     8   95.8   95.3  17  230
+                               kd-tree      20  190  170  20    44   79.4   89.5  17  230
+                               pca          20  190  190   0     0  100.0  100.0  17  230
+        kitti_tracking         paper        20  240  211  29    33   86.5   87.9  17  230
+                               kd-tree      20  240  199  41  1040   16.1   82.9  17  230
+                               pca          20  240  150  90    29   83.8   62.5  17  230
+        kitti_object           paper        20    0    0   0     0    –¹     –¹   17  230
+                               kd-tree      20    0    0   0     3    0.0    –¹   17  230
+                               pca          20    0    0   0     0    –¹     –¹   17  230
+        ─────────────────────────────────────────────────────────────────────────────────
+        overall (recorded)     paper        40  240  211  29    33   86.5   87.9  34  460
+                               kd-tree      40  240  199  41  1043   16.0   82.9  34  460
+                               pca          40  240  150  90    29   83.8   62.5  34  460
 
         NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). fps: scans
           per second, detection only, on Example CPU @ 2 GHz.
         P: precision, TP / ND. R: recall, TP / NO. IA, ID: ignored annotations and detections, neither right
           nor wrong.
-        overall: ratios of counts and times summed over the data sets.
-        Numbers of data sets are measured here, and may be compared within a row. Rows called paper are
-          printed in Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in
-          Continuously Streamed Urban LIDAR Point Clouds, table 1; PCA based approach under pca, model-based
-          approach under hierarchical. They are of other scans, annotations and machines: for orientation,
-          and not to be compared with ours.
+        overall: ratios of counts and times summed over the data sets, recorded and simulated ones apart.
+        Numbers of data sets are measured here, and may be compared within a row. Published rows are printed
+          in Börcs, Nagy, Baticz, Benedek: A Model-based Approach for Fast Vehicle Detection in Continuously
+          Streamed Urban LIDAR Point Clouds, table 1; PCA based approach under pca, model-based approach
+          under paper. They are of other scans, annotations and machines: for orientation, and not to be
+          compared with ours.
+        recorded: from a sensor.
         simulated: from a simulator, not recorded.
-        partly simulated: summed over recorded and simulated data sets.
         † Budapest recordings, not public.
         ¹ undefined: the denominator is zero.
         ² undefined: no scan was timed.
@@ -432,7 +432,7 @@ mod tests {
         let heads: Vec<&str> = narrow.lines().filter(|it| it.contains("F-rate")).collect();
         assert_eq!(heads.len(), 3, "{narrow}");
         assert_eq!(narrow.matches("kitti_object").count(), narrow.matches("data set ").count(), "{narrow}");
-        assert_eq!(narrow.matches("paper: KITTI").count(), 2, "{narrow}");
+        assert_eq!(narrow.matches("published: KITTI").count(), 2, "{narrow}");
         // Nothing is lost: every number of the wide table is in the narrow one.
         let wide = Terminal { width: Some(200) }.text(&sample::tables()[1]);
         let words = |text: &str| {

@@ -86,7 +86,7 @@ impl AblationTable {
 fn head(score: &AblationScore) -> Line {
     let kind = match score.extent {
         Extent::Dataset(_) => LineKind::Dataset,
-        Extent::Overall => LineKind::Overall,
+        Extent::Overall | Extent::OverallOf(_) => LineKind::Overall,
     };
     let mut cells = vec![extent_cell(&score.extent, score.origin)];
     cells.extend([score.n_scans, score.counts.no()].map(|it| Cell::new(it.to_string())));
@@ -166,8 +166,8 @@ mod tests {
                 score(dataset("street"), Origin::Simulated, less, 0, Some(0)),
                 score(dataset("kitti"), Origin::Recorded, whole, 90, None),
                 score(dataset("kitti"), Origin::Recorded, less, 50, None),
-                score(Extent::Overall, Origin::PartlySimulated, whole, 85, None),
-                score(Extent::Overall, Origin::PartlySimulated, less, 25, None),
+                score(Extent::OverallOf(Origin::Recorded), Origin::Recorded, whole, 85, None),
+                score(Extent::OverallOf(Origin::Recorded), Origin::Recorded, less, 25, None),
             ],
         }
     }
@@ -177,18 +177,18 @@ mod tests {
         insta::assert_snapshot!(Terminal::UNFOLDED.text(&table()), @r"
         Ablation of hierarchical. Task objects. Rates in %. Matched by points, IoU at least 0.5.
 
-        data set                    scans   NO    ND  F-rate  95 % interval     P     R  over  held  under  p50 ms
-        ──────────────────────────────────────────────────────────────────────────────────────────────────────────
-        street (simulated)             20  100
-          whole method                          100     80.0     75.0–85.0§  80.0  80.0   5.0    80   12.5    4.25
-          without terrain                         0      0.0                  –²    0.0   5.0     0    –²     4.25
-        kitti                          20  100
-          whole method                            –¹     –¹                   –¹   90.0   5.0    90   11.1    4.25
-          without terrain                         –¹     –¹                   –¹   50.0   5.0    50   20.0    4.25
-        ──────────────────────────────────────────────────────────────────────────────────────────────────────────
-        overall (partly simulated)     20  100
-          whole method                            –¹     –¹                   –¹   85.0   5.0    85   11.8    4.25
-          without terrain                         –¹     –¹                   –¹   25.0   5.0    25   40.0    4.25
+        data set            scans   NO    ND  F-rate  95 % interval     P     R  over  held  under  p50 ms
+        ──────────────────────────────────────────────────────────────────────────────────────────────────
+        street (simulated)     20  100
+          whole method                  100     80.0     75.0–85.0§  80.0  80.0   5.0    80   12.5    4.25
+          without terrain                 0      0.0                  –²    0.0   5.0     0    –²     4.25
+        kitti                  20  100
+          whole method                    –¹     –¹                   –¹   90.0   5.0    90   11.1    4.25
+          without terrain                 –¹     –¹                   –¹   50.0   5.0    50   20.0    4.25
+        ──────────────────────────────────────────────────────────────────────────────────────────────────
+        overall (recorded)     20  100
+          whole method                    –¹     –¹                   –¹   85.0   5.0    85   11.8    4.25
+          without terrain                 –¹     –¹                   –¹   25.0   5.0    25   40.0    4.25
 
         NO: annotations that count. ND: detections that count, TP + FO. F-rate: 2 TP / (NO + ND). P:
           precision, TP / ND. R: recall, TP / NO.
@@ -200,8 +200,8 @@ mod tests {
         95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds, because there are
           fewer than 10 drives: they cover other scans of the same drives, but not other drives. All
           variants look at the same scans: scanbench compare shows the intervals of their differences.
+        recorded: from a sensor.
         simulated: from a simulator, not recorded.
-        partly simulated: summed over recorded and simulated data sets.
         § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         ² undefined: the denominator is zero.
@@ -221,7 +221,7 @@ mod tests {
         | kitti | 20 | 100 |  |  |  |  |  |  |  |  |  |
         | whole method |  |  | –¹ | –¹ |  | –¹ | 90.0 | 5.0 | 90 | 11.1 | 4.25 |
         | without terrain |  |  | –¹ | –¹ |  | –¹ | 50.0 | 5.0 | 50 | 20.0 | 4.25 |
-        | **overall** (*partly simulated*) | 20 | 100 |  |  |  |  |  |  |  |  |  |
+        | **overall** (*recorded*) | 20 | 100 |  |  |  |  |  |  |  |  |  |
         | whole method |  |  | –¹ | –¹ |  | –¹ | 85.0 | 5.0 | 85 | 11.8 | 4.25 |
         | without terrain |  |  | –¹ | –¹ |  | –¹ | 25.0 | 5.0 | 25 | 40.0 | 4.25 |
 
@@ -229,8 +229,8 @@ mod tests {
         - over: oversegmentation, the share of NO that is split: at least two detections each have a tenth of its points. under: undersegmentation, the share of held that joins several; held: detections that have more than half of the points of an annotation.
         - p50: median time of detection per scan, with all variants in turns, on Example CPU @ 2 GHz. overall: ratios of summed counts, and medians over all scans.
         - 95 % interval: of the F-rate alone, cluster bootstrap, 10000 resamples of seconds, because there are fewer than 10 drives: they cover other scans of the same drives, but not other drives. All variants look at the same scans: scanbench compare shows the intervals of their differences.
+        - recorded: from a sensor.
         - simulated: from a simulator, not recorded.
-        - partly simulated: summed over recorded and simulated data sets.
         - § from fewer than 10 blocks: too few for a reliable interval and for conclusions.
         - ¹ undefined: not every class of object is annotated, so false objects cannot be counted.
         - ² undefined: the denominator is zero.
@@ -246,8 +246,8 @@ mod tests {
         objects,street,simulated,without terrain,20,100,0,100,0,0.000000,,0.000000,5,0.050000,0,0,,3.5000,4.2500,,,
         objects,kitti,recorded,whole method,20,100,90,10,,,,0.900000,5,0.050000,90,10,0.111111,3.5000,4.2500,,,
         objects,kitti,recorded,without terrain,20,100,50,50,,,,0.500000,5,0.050000,50,10,0.200000,3.5000,4.2500,,,
-        objects,overall,partly simulated,whole method,20,100,85,15,,,,0.850000,5,0.050000,85,10,0.117647,3.5000,4.2500,,,
-        objects,overall,partly simulated,without terrain,20,100,25,75,,,,0.250000,5,0.050000,25,10,0.400000,3.5000,4.2500,,,
+        objects,overall-recorded,recorded,whole method,20,100,85,15,,,,0.850000,5,0.050000,85,10,0.117647,3.5000,4.2500,,,
+        objects,overall-recorded,recorded,without terrain,20,100,25,75,,,,0.250000,5,0.050000,25,10,0.400000,3.5000,4.2500,,,
         ");
     }
 }

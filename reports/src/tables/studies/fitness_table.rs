@@ -58,7 +58,7 @@ fn summary_grid(verdicts: &[FitnessVerdict]) -> Grid {
     let numbers = ["data sets", "recommends", "at an end", "mean lost", "most lost", "mean rank"];
     let columns = names.into_iter().chain(numbers.map(Column::number)).collect();
     let mut groups: Vec<(String, &str, Vec<&FitnessVerdict>)> = Vec::new();
-    for verdict in verdicts.iter().filter(|it| it.dataset != Extent::Overall.name()) {
+    for verdict in verdicts.iter().filter(|it| !Extent::is_name_of_several(&it.dataset)) {
         let subject = format!("{}, {}", verdict.task, verdict.rate);
         match groups.iter_mut().find(|(task, reading, _)| *task == subject && *reading == verdict.reading) {
             Some((_, _, of_group)) => of_group.push(verdict),

@@ -3,7 +3,7 @@
 use crate::files::fixed_decimals::fixed_decimals;
 use crate::numbers::blocks::BlockKind;
 use crate::numbers::sweep_curve::SweepCurve;
-use crate::numbers::sweep_score::SweepScores;
+use crate::numbers::sweep_score::{SweepScores, SweepSubject};
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::notes::about_interval;
 use crate::tables::sheet::{Sheet, Tabular};
@@ -33,12 +33,14 @@ impl Tabular for SweepTable<'_> {
     }
 }
 
-/// A sentence for every detector and task: the best value over all data sets, with its rate and interval.
+/// A sentence for every detector and task: the best value over all data sets of one origin, with its rate and interval.
 pub fn best_of(sweep: &SweepScores) -> Vec<String> {
     let curves = sweep.curves();
     let is_widest = |it: &&SweepCurve<'_>| {
-        let has_overall = curves.iter().any(|it| it.points[0].score.subject.extent == Extent::Overall);
-        !has_overall || it.points[0].score.subject.extent == Extent::Overall
+        let subject = |it: &SweepCurve<'_>| it.points[0].score.subject.clone();
+        let (ours, is_wider) = (subject(it), |it: &SweepSubject| it.extent.is_overall());
+        let has_overall = curves.iter().map(subject).any(|it| is_wider(&it) && it.origin == ours.origin);
+        !has_overall || is_wider(&ours)
     };
     let sentence = |curve: &SweepCurve<'_>| {
         let first = curve.points[0].score;
@@ -109,7 +111,7 @@ fn line(curve: &SweepCurve<'_>) -> Line {
         |it| Cell::interval(it.map(|it| percent(Some(it))).join(" to "), first.blocks),
     );
     let time = best.and_then(|it| it.time).map_or_else(undefined, |it| fixed_decimals(it.typical_ms, 2));
-    let kind = if subject.extent == Extent::Overall { LineKind::Overall } else { LineKind::Dataset };
+    let kind = if subject.extent.is_overall() { LineKind::Overall } else { LineKind::Dataset };
     let last = [interval, Cell::new(percent(lowest)), Cell::new(time)];
     Line { kind, cells: texts.map(Cell::new).into_iter().chain(last).collect() }
 }

@@ -61,7 +61,7 @@ fn line(curve: &NumberCurve<'_>) -> Line {
     let texts = [&name, &detector, protocol.name(), &metric.class, &metric.id, &metric.n.to_string()];
     let numbers =
         [best.map(|it| Cell::new(it.x_text)), best.and_then(|it| value(&it.swept.number)), interval, worst];
-    let kind = if first.subject.extent == Extent::Overall { LineKind::Overall } else { LineKind::Dataset };
+    let kind = if first.subject.extent.is_overall() { LineKind::Overall } else { LineKind::Dataset };
     let numbers = numbers.into_iter().map(|it| it.unwrap_or_else(undefined));
     Line { kind, cells: texts.map(Cell::new).into_iter().chain(numbers).collect() }
 }

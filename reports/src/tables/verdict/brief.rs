@@ -82,12 +82,13 @@ fn changes(verdict: &Verdict) -> Vec<Change> {
 
 /// `None` where nothing changed, or a number is missing, which is told elsewhere.
 fn of_metric(gated: &GatedMetric) -> Option<Change> {
-    let GatedMetric { task, detector, slice, metric, difference, tolerance, finding, .. } = gated;
+    let GatedMetric { detector, slice, metric, difference, tolerance, finding, .. } = gated;
     let it = difference.as_ref().ok().filter(|it| it.difference() != 0.0)?;
     let of_slice = if *slice == Slice::All.name() { String::new() } else { format!(" of {slice}") };
     let text = format!(
-        "{}{of_slice}, {detector}, {task}: {} → {}{}, {}: {}",
+        "{}{of_slice}, {detector}, {}: {} → {}{}, {}: {}",
         metric.id(),
+        gated.about(),
         value_text(metric, it.before),
         value_text(metric, it.after),
         if metric.unit() == "ratio" { " %" } else { "" },
@@ -98,10 +99,11 @@ fn of_metric(gated: &GatedMetric) -> Option<Change> {
 }
 
 fn of_speed(speed: &GatedSpeed) -> Option<Change> {
-    let GatedSpeed { detector, reference, slowdown, tolerance, finding } = speed;
+    let GatedSpeed { reference, slowdown, tolerance, finding, .. } = speed;
     let it = slowdown.as_ref().ok()?;
     let text = format!(
-        "time, {detector}: {} → {} times {reference}, {} % slower: {}",
+        "time, {}: {} → {} times {reference}, {} % slower: {}",
+        speed.about(),
         fixed_decimals(it.before, 2),
         fixed_decimals(it.after, 2),
         fixed_decimals(100.0 * it.share(), 0),

@@ -1,6 +1,7 @@
 //! Two runs over the same scans side by side, or two detectors of one run, without a verdict.
 
 use crate::numbers::sums::RATIOS;
+use crate::protocols::drawn_scans::DrawnScans;
 use crate::protocols::protocol_number::ALL_CLASSES;
 use crate::run_folder::run_archive::RunArchive;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
@@ -13,12 +14,10 @@ use crate::verdicts::comparability::{
     NotComparable, check_comparable, detectors_only_in, detectors_with_other_results,
 };
 use crate::verdicts::drift::drift;
+use crate::verdicts::gated_metrics::{about, judged};
 use crate::verdicts::paired_difference::{PairedDifference, paired_difference};
-use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, all_scans, common_protocols, pairs};
-use crate::vocabulary::extent::OVERALL;
-use crate::vocabulary::protocol::Protocol;
+use crate::verdicts::protocol_differences::{ProtocolPair, ProtocolSide, common_protocols, pairs};
 use crate::vocabulary::slice::Slice;
-use crate::vocabulary::task::Task;
 
 /// What was compared with what, and what came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +38,7 @@ pub struct Comparison {
 /// A difference with what it is of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedDifference {
-    /// Name of the task, or of the protocol.
+    /// Name of the task, or of the protocol, and of the data sets where recorded and simulated ones are compared apart.
     pub task: String,
     /// Name of the detector, or of both.
     pub detector: String,
@@ -58,7 +57,7 @@ pub enum ComparedSlices {
     Each,
 }
 
-/// Compares two runs over the same scans, over all data sets together.
+/// Compares two runs over the same scans, over all data sets of one origin together.
 ///
 /// # Errors
 ///
@@ -72,60 +71,70 @@ pub fn compare_runs(
     let tallies = [before.tally(), after.tally()];
     let draws = tallies[0].draw();
     let mut differences = Vec::new();
-    for &task in tallies[0].tasks() {
-        for detector in tallies[0].detectors() {
-            for slice in tallies[0].slices(task, detector).into_iter().filter(|it| is_compared(*it, slices)) {
-                let question = Question { dataset: OVERALL, task, detector, slice };
-                let [Some(before), Some(after)] = [0, 1].map(|side| tallies[side].sample(&question, &draws))
-                else {
-                    continue;
-                };
-                let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
-                differences.extend(of_metrics.map(|it| named(task, detector, slice, it)));
+    let judged = judged(&tallies[0]);
+    for (dataset, on) in &judged {
+        for &task in tallies[0].tasks() {
+            for detector in tallies[0].detectors() {
+                let compared = tallies[0].slices(task, detector);
+                for slice in compared.into_iter().filter(|it| is_compared(*it, slices)) {
+                    let question = Question { dataset, task, detector, slice };
+                    let [Some(before), Some(after)] =
+                        [0, 1].map(|side| tallies[side].sample(&question, &draws))
+                    else {
+                        continue;
+                    };
+                    let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
+                    let task = about(task.name(), on.as_deref());
+                    differences.extend(of_metrics.map(|it| named(&task, detector, slice, it)));
+                }
+            }
+        }
+        let scans = DrawnScans::of(&tallies[0], dataset);
+        for protocol in common_protocols(&before.protocols, &after.protocols) {
+            let task = about(protocol.name(), on.as_deref());
+            for detector in tallies[0].detectors() {
+                let side = |it: &RunArchive| ProtocolSide::of(&it.protocols, protocol, detector, &scans);
+                if let [Some(before), Some(after)] = [before, after].map(side) {
+                    differences.extend(of_protocol(&task, detector, pairs(&before, &after, &scans), slices));
+                }
             }
         }
     }
-    let scans = all_scans(&tallies[0]);
-    for protocol in common_protocols(&before.protocols, &after.protocols) {
-        for detector in tallies[0].detectors() {
-            let side = |it: &RunArchive| ProtocolSide::of(&it.protocols, protocol, detector, &scans);
-            if let [Some(before), Some(after)] = [before, after].map(side) {
-                differences.extend(of_protocol(protocol, detector, pairs(&before, &after, &scans), slices));
-            }
-        }
-    }
-    let title = "Two runs over the same scans, all data sets together".to_owned();
+    let title = format!("Two runs over the same scans, {}", together(&judged));
     let n_changed_scans = Some(drift(before, after).len());
     let new_detectors = detectors_only_in(after, before);
     let other_results = detectors_with_other_results(before, after);
     Ok(Comparison { title, differences, n_changed_scans, new_detectors, other_results })
 }
 
-/// Compares detector `second` of `run` with detector `first`, over all data sets together.
+/// Compares detector `second` of `run` with detector `first`, over all data sets of one origin together.
 pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: ComparedSlices) -> Comparison {
     let tally = run.tally();
     let draws = tally.draw();
     let mut differences = Vec::new();
-    for &task in tally.tasks() {
-        for slice in tally.slices(task, first).into_iter().filter(|it| is_compared(*it, slices)) {
-            let sample =
-                |detector| tally.sample(&Question { dataset: OVERALL, task, detector, slice }, &draws);
-            let [Some(before), Some(after)] = [first, second].map(sample) else { continue };
-            let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
-            let name = format!("{second} − {first}");
-            differences.extend(of_metrics.map(|it| named(task, &name, slice, it)));
+    let judged = judged(&tally);
+    let name = format!("{second} − {first}");
+    for (dataset, on) in &judged {
+        for &task in tally.tasks() {
+            for slice in tally.slices(task, first).into_iter().filter(|it| is_compared(*it, slices)) {
+                let sample = |detector| tally.sample(&Question { dataset, task, detector, slice }, &draws);
+                let [Some(before), Some(after)] = [first, second].map(sample) else { continue };
+                let of_metrics = RATIOS.iter().filter_map(|it| paired_difference(&before, &after, it));
+                let task = about(task.name(), on.as_deref());
+                differences.extend(of_metrics.map(|it| named(&task, &name, slice, it)));
+            }
+        }
+        let scans = DrawnScans::of(&tally, dataset);
+        for protocol in run.protocols.protocols() {
+            let task = about(protocol.name(), on.as_deref());
+            let side = |detector| ProtocolSide::of(&run.protocols, protocol, detector, &scans);
+            if let [Some(before), Some(after)] = [first, second].map(side) {
+                differences.extend(of_protocol(&task, &name, pairs(&before, &after, &scans), slices));
+            }
         }
     }
-    let scans = all_scans(&tally);
-    for protocol in run.protocols.protocols() {
-        let side = |detector| ProtocolSide::of(&run.protocols, protocol, detector, &scans);
-        if let [Some(before), Some(after)] = [first, second].map(side) {
-            let name = format!("{second} − {first}");
-            differences.extend(of_protocol(protocol, &name, pairs(&before, &after, &scans), slices));
-        }
-    }
-    let title =
-        format!("{first} (before) and {second} (after) on the same scans of one run, all data sets together");
+    let together = together(&judged);
+    let title = format!("{first} (before) and {second} (after) on the same scans of one run, {together}");
     Comparison {
         title,
         differences,
@@ -135,13 +144,17 @@ pub fn compare_detectors(run: &RunArchive, first: &str, second: &str, slices: Co
     }
 }
 
+fn together(judged: &[(String, Option<String>)]) -> &'static str {
+    if judged.len() > 1 { "recorded and simulated data sets apart" } else { "all data sets together" }
+}
+
 fn is_compared(slice: Slice, slices: ComparedSlices) -> bool {
     slices == ComparedSlices::Each || slice == Slice::All
 }
 
 /// Numbers of single classes are told where slices are.
 fn of_protocol(
-    protocol: Protocol,
+    protocol: &str,
     detector: &str,
     pairs: Vec<ProtocolPair>,
     slices: ComparedSlices,
@@ -150,14 +163,14 @@ fn of_protocol(
     let is_told =
         |it: &ProtocolPair| slices == ComparedSlices::Each || !has_summary || it.class == ALL_CLASSES;
     let named = |it: ProtocolPair| {
-        let (task, detector) = (protocol.name().to_owned(), detector.to_owned());
+        let (task, detector) = (protocol.to_owned(), detector.to_owned());
         Some(NamedDifference { task, detector, slice: it.class, difference: it.difference? })
     };
     pairs.into_iter().filter(is_told).filter_map(named).collect()
 }
 
-fn named(task: Task, detector: &str, slice: Slice, difference: PairedDifference) -> NamedDifference {
-    let (task, slice) = (task.name().to_owned(), slice.name());
+fn named(task: &str, detector: &str, slice: Slice, difference: PairedDifference) -> NamedDifference {
+    let (task, slice) = (task.to_owned(), slice.name());
     NamedDifference { task, detector: detector.to_owned(), slice, difference }
 }
 

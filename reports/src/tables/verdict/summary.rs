@@ -37,11 +37,11 @@ pub struct InFull<'a>(pub &'a Verdict);
 impl Tabular for InFull<'_> {
     fn sheet(&self) -> Sheet {
         let shown: Vec<&GatedMetric> = self.0.metrics.iter().filter(|it| is_shown(it)).collect();
-        let of_detectors = shown.chunk_by(|a, b| (&a.task, &a.detector) == (&b.task, &b.detector));
+        let of_detectors = shown.chunk_by(|a, b| (a.about(), &a.detector) == (b.about(), &b.detector));
         let parts = of_detectors.map(|of_detector| {
             let grid = metric_grid(of_detector, self.0);
             let columns: Vec<usize> = (N_TITLE_COLUMNS..grid.columns.len()).collect();
-            let title = format!("{}, {}", of_detector[0].task, of_detector[0].detector);
+            let title = format!("{}, {}", of_detector[0].about(), of_detector[0].detector);
             Part { title: Some(title), grid: grid.with_columns(&columns) }
         });
         sheet(self.0, parts.collect())
@@ -107,11 +107,13 @@ fn missing(verdict: &Verdict) -> Vec<String> {
     let dataset = verdict.dataset_in_words();
     let of_metrics = verdict.metrics.iter().filter_map(|it| {
         let place = it.difference.as_ref().err()?.in_words();
-        let GatedMetric { task, detector, slice, metric, .. } = it;
+        let GatedMetric { on, task, detector, slice, metric, .. } = it;
+        let dataset = on.as_deref().unwrap_or(dataset);
         Some(format!("{} of {slice}, {detector}, {task}, {dataset}: {place}.", metric.id()))
     });
     let of_speeds = verdict.speed.speeds().iter().filter_map(|it| {
         let place = it.slowdown.as_ref().err()?.in_words();
+        let dataset = it.on.as_deref().unwrap_or(dataset);
         Some(format!("Time relative to {}, {}, {dataset}: {place}.", it.reference, it.detector))
     });
     of_metrics.chain(of_speeds).collect()
@@ -228,7 +230,7 @@ fn metric_grid(shown: &[&GatedMetric], verdict: &Verdict) -> Grid {
             Err(_) => ["–"; 5].map(Cell::new),
         };
         let tolerance = difference_text(metric, gated.tolerance).trim_start_matches('+').to_owned();
-        let names = [gated.task.clone(), gated.detector.clone(), gated.slice.clone(), metric_text(metric)];
+        let names = [gated.about(), gated.detector.clone(), gated.slice.clone(), metric_text(metric)];
         let last = [tolerance, finding_text(gated.finding, verdict)];
         let cells = names.map(Cell::new).into_iter().chain(numbers).chain(last.map(Cell::new));
         Line { kind: LineKind::Dataset, cells: cells.collect() }
@@ -243,7 +245,7 @@ fn speed_grid(verdict: &Verdict) -> Grid {
     let columns = left.into_iter().chain(numbers).chain([Column::left("finding")]);
     let percent = |share: f64| fixed_decimals(100.0 * share, 1);
     let lines = verdict.speed.speeds().iter().map(|speed| {
-        let GatedSpeed { detector, reference, slowdown, tolerance, finding } = speed;
+        let GatedSpeed { reference, slowdown, tolerance, finding, .. } = speed;
         let numbers = match slowdown {
             Ok(it) => [
                 Cell::new(fixed_decimals(it.before, 3)),
@@ -256,7 +258,7 @@ fn speed_grid(verdict: &Verdict) -> Grid {
             ],
             Err(_) => ["–"; 4].map(Cell::new),
         };
-        let names = [detector, reference].map(|it| Cell::new(it.clone()));
+        let names = [speed.about(), reference.clone()].map(Cell::new);
         let last = [percent(*tolerance), finding_text(*finding, verdict)].map(Cell::new);
         Line { kind: LineKind::Dataset, cells: names.into_iter().chain(numbers).chain(last).collect() }
     });

@@ -118,6 +118,9 @@ impl Verdict {
     /// What the numbers are about, for people.
     pub fn dataset_in_words(&self) -> &str {
         match self.dataset.as_str() {
+            OVERALL if self.metrics.iter().any(|it| it.on.is_some()) => {
+                "recorded and simulated data sets apart"
+            }
             OVERALL => "all data sets together",
             id => id,
         }
@@ -177,8 +180,8 @@ pub fn judge(
     let mut metrics = sides.gated_metrics(tolerances)?;
     metrics.extend(gated_protocols(&before, [&baseline.protocols, &run.protocols], tolerances)?);
     Ok(Verdict {
-        dataset: match before.datasets() {
-            [only] => only.clone(),
+        dataset: match &before.pools()[..] {
+            [only] => only.extent.name().to_owned(),
             _ => OVERALL.to_owned(),
         },
         detectors: before.detectors().to_vec(),
