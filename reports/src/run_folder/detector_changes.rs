@@ -46,7 +46,9 @@ fn settings(entry: &DetectorEntry) -> BTreeMap<String, String> {
     let DetectorEntry { vehicles, foreign, .. } = entry;
     let mut settings = vec![("vehicles classified by", vehicles.clone())];
     if let Some(it) = foreign {
-        let ForeignEntry { command, results, version, start_limit_s, time_limit_s, threads, vehicles, .. } = it;
+        let ForeignEntry {
+            command, results, version, start_limit_s, time_limit_s, threads, vehicles, ..
+        } = it;
         settings = vec![
             ("command", (!command.is_empty()).then(|| command.join(" "))),
             ("results", results.clone()),

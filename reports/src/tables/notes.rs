@@ -97,7 +97,7 @@ fn rules(table: &TaskTable) -> Option<String> {
         let names: Vec<&str> = names.iter().map(|it| it.as_str()).collect();
         if names.is_empty() { String::new() } else { format!("; {title}: {}", names.join(", ")) }
     };
-    let without = format!("{}{}", listed("none", &without), listed("unknown ones of its own", &theirs));
+    let without = format!("{}{}", listed("none", &without), listed("of their own, unknown here", &theirs));
     (!rules.is_empty()).then(|| format!("Rules besides clustering: {}{without}.", rules.join("; ")))
 }
 
@@ -227,7 +227,7 @@ mod tests {
         let table = task_tables(&report(), &manifest).unwrap().remove(0);
         let sentences = notes(&table, &[]).sentences;
         for expected in [
-            "Rules besides clustering: completion: only hierarchical; none: kd-tree; unknown ones of its own: pca.",
+            "Rules besides clustering: completion: only hierarchical; none: kd-tree; of their own, unknown here: pca.",
             "pca did not run here: its results were read from results/deep.",
         ] {
             assert!(sentences.contains(&expected.to_owned()), "{sentences:?}");

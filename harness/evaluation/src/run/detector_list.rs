@@ -47,7 +47,11 @@ pub const DETECTORS: &[ListedDetector] = &[
         table: "hierarchical",
         fixed: &[],
         model: |config| {
-            if config.hierarchical.grouping.enabled { TrainedModel::Groupings } else { TrainedModel::Clusters }
+            if config.hierarchical.grouping.enabled {
+                TrainedModel::Groupings
+            } else {
+                TrainedModel::Clusters
+            }
         },
         build: |config, sensor_height_m| {
             let params = config.hierarchical.clone();

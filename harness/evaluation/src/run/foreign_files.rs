@@ -98,7 +98,9 @@ mod tests {
     #[track_caller]
     fn check(command: &[&str], expected: &[&str]) {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["detector.py", "build/mine", "weights.pt", "pack/mod.py", "pack/__init__.py", "other/far.py"] {
+        for name in
+            ["detector.py", "build/mine", "weights.pt", "pack/mod.py", "pack/__init__.py", "other/far.py"]
+        {
             let path = folder.path().join(name);
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();
             std::fs::write(path, name).unwrap();

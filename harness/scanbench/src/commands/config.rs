@@ -95,7 +95,8 @@ pub fn refuse_unread_models<'a>(
 ) -> Result<(), Failure> {
     for model in TrainedModel::ALL {
         let directory = entrants.clone().find_map(|(_, config)| config.directory_of(model));
-        let is_read = |(chosen, config): (&ChosenDetector, &RunConfig)| chosen.vehicle_model(config) == Some(model);
+        let is_read =
+            |(chosen, config): (&ChosenDetector, &RunConfig)| chosen.vehicle_model(config) == Some(model);
         let Some(directory) = directory.filter(|_| !entrants.clone().any(is_read)) else { continue };
         let mut reads: Vec<String> = Vec::new();
         for (chosen, config) in entrants.clone() {
@@ -106,7 +107,8 @@ pub fn refuse_unread_models<'a>(
             }
         }
         let parameter = model.parameter();
-        let problem = format!("{parameter} = {directory:?}: no chosen detector reads it; {}", reads.join(", "));
+        let problem =
+            format!("{parameter} = {directory:?}: no chosen detector reads it; {}", reads.join(", "));
         return Err(Usage(problem).into());
     }
     Ok(())

@@ -6,7 +6,8 @@ use crate::run_folder::run_archive::RunArchive;
 use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Sheet, Tabular};
 use crate::tables::verdict::wording::{
-    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
+    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
+    value_text,
 };
 use crate::uncertainty::sample::Question;
 use crate::verdicts::comparability::{
@@ -101,7 +102,14 @@ pub fn compare_runs(
     let new_detectors = detectors_only_in(after, before);
     let other_results = detectors_with_other_results(before, after);
     let configuration_changes = configuration_changes(before, after);
-    Ok(Comparison { title, differences, n_changed_scans, configuration_changes, new_detectors, other_results })
+    Ok(Comparison {
+        title,
+        differences,
+        n_changed_scans,
+        configuration_changes,
+        new_detectors,
+        other_results,
+    })
 }
 
 /// Compares detector `second` of `run` with detector `first`, over all data sets together.
@@ -192,7 +200,8 @@ impl Comparison {
             )
         });
         let about_configuration = about_configuration(&self.configuration_changes);
-        let of_sides = about_scans.into_iter().chain(about_configuration).chain(about_new).chain(about_results);
+        let of_sides =
+            about_scans.into_iter().chain(about_configuration).chain(about_new).chain(about_results);
         [about_numbers].into_iter().chain(of_sides).collect()
     }
 

@@ -5,7 +5,8 @@ use crate::tables::grid::{Cell, Column, Grid, Line, LineKind};
 use crate::tables::sheet::{Listing, Part, Sheet, Tabular};
 use crate::tables::verdict::tolerated::about_tolerances;
 use crate::tables::verdict::wording::{
-    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text, value_text,
+    about_configuration, about_differences, difference_text, interval_cell, least_effect_text, metric_text,
+    value_text,
 };
 use crate::verdicts::drift::ScanDrift;
 use crate::verdicts::finding::Finding;
